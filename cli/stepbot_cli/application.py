@@ -1,6 +1,6 @@
 """The command group and its exit codes.
 
-The module of a command is imported on demand, and imports only click before the command runs.
+Only click is imported for `--version` and `--help`. The module of a command is imported when the command is used.
 """
 
 import importlib
@@ -12,31 +12,30 @@ import click
 
 import stepbot
 
-from .command import Group
-from .failures import show_exception, show_usage_error
+from .group import Group
 
-COMMANDS = (
-    "init",
-    "convert",
-    "batch",
-    "inspect",
-    "view",
-    "watch",
-    "render",
-    "collisions",
-    "check",
-    "lock",
-    "uptodate",
-    "verify",
-    "drive",
-    "diff",
-    "explain",
-    "schema",
-    "formats",
-    "library",
-    "cache",
-)
-"""In the order of `--help`; each is the object ``command`` of the module of the same name."""
+COMMANDS = {
+    "init": "Draft a sidecar from a STEP file.",
+    "convert": "Write and verify {formats}.",
+    "batch": "Convert and verify many robots.",
+    "inspect": "Show the contents of a STEP file.",
+    "view": "Show a robot in a browser.",
+    "watch": "Show robots in a browser, again after each save.",
+    "render": "Draw a robot or a STEP file.",
+    "collisions": "Show which links can overlap; write an SRDF.",
+    "check": "Check sidecars without writing anything.",
+    "lock": "Record shapes, poses and axes, to find CAD changes.",
+    "uptodate": "Check that output files are up to date.",
+    "verify": "Compare robot files across engines.",
+    "drive": "Move a robot in the engines.",
+    "diff": "Show what differs between two revisions.",
+    "explain": "Explain a diagnostic code.",
+    "schema": "Print the JSON Schema of the sidecar.",
+    "formats": "List the output formats.",
+    "library": "List, show or export the bundled robots.",
+    "cache": "Show or clear the cache.",
+}
+"""The line of each command in `--help`, in order; each command is the object ``command`` of the module of its name."""
 
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
@@ -54,7 +53,24 @@ class Commands(Group):
         if cmd_name not in COMMANDS:
             return None
         command: click.Command = importlib.import_module(f"{__package__}.{cmd_name}").command
+        command.short_help = _line(cmd_name)  # for completion in shells
         return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
+        """Write the list of commands without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, _line(name)) for name in COMMANDS])
+
+
+def _line(name: str) -> str:
+    """The line of a command, with the titles of the default formats."""
+    line = COMMANDS[name]
+    if "{formats}" not in line:
+        return line
+    from stepbot.formats import FORMATS, default_formats
+
+    *others, last = (FORMATS[one].title for one in default_formats())
+    return line.format(formats=f"{', '.join(others)} and {last}" if others else last)
 
 
 @click.command(
@@ -85,10 +101,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         result = application.main(args=arguments, prog_name="stepbot", standalone_mode=False)
     except click.ClickException as error:
+        from .failures import show_usage_error
+
         return show_usage_error(error, as_json="--json" in arguments)
     except click.Abort:
         click.echo("interrupted", err=True)
         return INTERRUPTED
     except Exception as error:  # noqa: BLE001 - the last place before the user would see a bare traceback
+        from .failures import show_exception
+
         return show_exception(error, as_json=False)
     return result if isinstance(result, int) else 0

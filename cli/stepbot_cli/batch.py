@@ -39,9 +39,7 @@ def _cores(text: str) -> int:
     return int(text)
 
 
-@click.command(
-    cls=Command, short_help="Convert and verify many robots.", epilog="Example: stepbot batch robots/ -o out -j 4"
-)
+@click.command(cls=Command, epilog="Example: stepbot batch robots/ -o out -j 4")
 @click.argument("sidecars", metavar="DIR|LIST|SIDECAR...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option(
     "-o",

@@ -5,12 +5,13 @@ from pathlib import Path
 import click
 
 from .caching import folder_option, opened
-from .command import Command, Group, json_option
+from .command import Command, json_option
+from .group import Group
 from .sizes import in_words
 from .terminal import write_json, write_result
 
 
-@click.group(cls=Group, short_help="Show or clear the cache.", epilog="Example: stepbot cache info")
+@click.group(cls=Group, epilog="Example: stepbot cache info")
 def command() -> None:
     """Show or clear the cache. Results are cached by the hash of all their inputs, so outdated results are never used.
 

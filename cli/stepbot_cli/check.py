@@ -14,7 +14,6 @@ from .command import Command, display_options, ignore_option, json_option
 from .counts import counted
 from .descriptions import description_options
 from .diagnostic_text import printable
-from .fixing import fix_paths
 from .joint_table import show_joint_table
 from .progress import progress_bar
 from .reading import reading_options
@@ -22,6 +21,8 @@ from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Checked, Options
+
+    from .fixing import Fixed
 
 _NAMED = "the one that the sidecar names"
 
@@ -47,7 +48,6 @@ class CheckCommand(Command):
 
 @click.command(
     cls=CheckCommand,
-    short_help="Check sidecars without writing anything.",
     epilog="Example: stepbot check --step arm.robot.yaml\n\nAfter a CAD change: stepbot check --fix arm.robot.yaml",
 )
 @click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
@@ -87,12 +87,12 @@ def command(
     checked: dict[Path, Checked] = {}
     sidecars = tuple(find_sidecars(sidecars or (Path(),), found))
     open_step = fix or step is not None
-    fixes = []
+    fixes: list[Fixed] = []
     with progress_bar([str(path) for path in sidecars] if open_step else ()) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))
-            if fix and not is_description(sidecar) and (fixed := fix_paths(sidecar, options, found)) is not None:
-                fixes.append(fixed)
+            if fix and not is_description(sidecar):
+                fixes += _fixed(sidecar, options, found)
             checked[sidecar] = check(sidecar, options, found, open_step=open_step)
     if strict:
         found.make_strict()
@@ -119,6 +119,13 @@ def command(
         if not (display.quiet or display.concise):
             _show(checked, found, display)
     return found.exit_code
+
+
+def _fixed(sidecar: Path, options: "Options", found: Diagnostics) -> "list[Fixed]":
+    from .fixing import fix_paths
+
+    fixed = fix_paths(sidecar, options, found)
+    return [] if fixed is None else [fixed]
 
 
 def _show(checked: "Mapping[Path, Checked]", found: Diagnostics, display: Display) -> None:

@@ -28,7 +28,6 @@ _HEADINGS = ("class", "links", "poses", "first overlap")
 
 @click.command(
     cls=Command,
-    short_help="Show which links can overlap; write an SRDF.",
     epilog="Example: stepbot collisions arm.robot.yaml --srdf arm.srdf",
 )
 @click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))

@@ -9,27 +9,7 @@ import click
 from stepbot.diagnostics import did_you_mean
 from stepbot.diagnostics.codes import CODES
 
-from .failures import show_exception
 from .terminal import Display
-
-
-class Group(click.Group):
-    """A command group that suggests similar commands for unknown ones."""
-
-    def resolve_command(
-        self, ctx: click.Context, args: list[str]
-    ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Find the command named by the first argument.
-
-        Raises:
-            click.UsageError: There is no such command.
-        """
-        name = args[0]
-        if not name.startswith("-") and self.get_command(ctx, name) is None and not ctx.resilient_parsing:
-            commands = self.list_commands(ctx)
-            near = "".join(did_you_mean(name, commands)) or f"choose from {', '.join(commands)}"
-            raise click.UsageError(f"unknown command '{name}'; {near}", ctx)
-        return super().resolve_command(ctx, args)
 
 
 class Command(click.Command):
@@ -42,6 +22,8 @@ class Command(click.Command):
         except (click.ClickException, click.Abort, click.exceptions.Exit, BrokenPipeError):
             raise
         except Exception as error:  # noqa: BLE001 - reported with its traceback
+            from .failures import show_exception
+
             return show_exception(error, as_json=bool(ctx.params.get("as_json")))
 
 

@@ -33,14 +33,7 @@ if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
     from stepbot.pipeline.conversion import Conversion, Options
     from stepbot.report.junit import Suite
-    from stepbot.report.record import LinkCollision
-
-
-def _titles() -> str:
-    """Titles of the default formats."""
-    *others, last = (FORMATS[name].title for name in default_formats())
-    return f"{', '.join(others)} and {last}" if others else last
-
+    from stepbot.report.results import LinkCollision
 
 format_option = names_option(
     "-f",
@@ -92,7 +85,6 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 
 @click.command(
     cls=Command,
-    short_help=f"Write and verify {_titles()}.",
     epilog="Example: stepbot convert arm.robot.yaml -f urdf,sdf -o arm\n\n"
     "From another format: stepbot convert robot.urdf -f mjcf,sdf -o robot",
 )

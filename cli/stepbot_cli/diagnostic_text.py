@@ -77,8 +77,10 @@ def _fold(diagnostics: Sequence[Diagnostic], in_full: Sequence[Diagnostic], colo
     """One line for diagnostics of one code: the message of a single one, else their number and the code's title."""
     first = diagnostics[0]
     more = " more" if any(shown.code == first.code for shown in in_full) else ""
-    several = f"{len(diagnostics)}{more} x {CODES[first.code].title}"
-    text = several if len(diagnostics) > 1 or more else printable(first.message)
+    if len(diagnostics) > 1 or more:
+        text = f"{len(diagnostics)}{more} x {CODES[first.code].title}"
+    else:
+        text = printable(first.message)
     head = f"{first.severity}[{first.code}]"
     room = None if width is None else max(width - len(head) - 2, 1)
     return f"{paint(head, _COLORS[first.severity], color)}: {text if room is None else shortened(text, room)}"

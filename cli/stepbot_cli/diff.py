@@ -32,7 +32,6 @@ _HEADINGS = ("difference", "what", "how")
 
 @click.command(
     cls=Command,
-    short_help="Show what differs between two revisions.",
     epilog="Example: stepbot diff arm_v1.step arm_v2.step\n\nExit codes: 0 same, 1 different, 2 could not run.",
 )
 @click.argument("old", type=click.Path(path_type=Path))

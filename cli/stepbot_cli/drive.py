@@ -36,7 +36,6 @@ def _known(given: tuple[str, ...], known: Collection[str], noun: str) -> tuple[s
 
 @click.command(
     cls=Command,
-    short_help="Move a robot in the engines.",
     epilog="Example: stepbot drive gripper.robot.yaml --test hold,grip",
 )
 @click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))

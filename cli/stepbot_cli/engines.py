@@ -6,8 +6,8 @@ from typing import Any
 
 import click
 
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
 from stepbot.runtime.memory import worker_limit
-from stepbot.runtime.worker import DEFAULT_TIMEOUT
 
 from .command import names_option
 from .sizes import size

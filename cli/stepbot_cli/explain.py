@@ -6,13 +6,14 @@ import textwrap
 import click
 
 from stepbot.diagnostics import did_you_mean
-from stepbot.diagnostics.codes import CODES, Code
+from stepbot.diagnostics.codes import CODES
+from stepbot.diagnostics.codes.code import Code
 
 from .command import Command
 from .terminal import text_width, write_result
 
 
-@click.command(cls=Command, short_help="Explain a diagnostic code.", epilog="Example: stepbot explain SB301")
+@click.command(cls=Command, epilog="Example: stepbot explain SB301")
 @click.argument("code", required=False)
 def command(code: str | None) -> int:
     """Explain a diagnostic CODE: what it means, why it matters, and how to fix it.

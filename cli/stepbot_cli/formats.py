@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _INDENT = " " * 7
 
 
-@click.command(cls=Command, short_help="List the output formats.", epilog="Example: stepbot formats --json")
+@click.command(cls=Command, epilog="Example: stepbot formats --json")
 @json_option
 def command(as_json: bool) -> int:
     """List the output formats, with the limitations of each."""

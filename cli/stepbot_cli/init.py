@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Command,
-    short_help="Draft a sidecar from a STEP file.",
     epilog="Example: stepbot init arm.step",
 )
 @click.argument("step", metavar="STEP", type=click.Path(path_type=Path))

@@ -28,7 +28,6 @@ _APART = 0.8
 
 @click.command(
     cls=Command,
-    short_help="Show the contents of a STEP file.",
     epilog="Example: stepbot inspect arm.step --between base forearm",
 )
 @click.argument("step", metavar="STEP", type=click.Path(path_type=Path))

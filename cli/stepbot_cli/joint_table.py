@@ -1,15 +1,14 @@
 """The joint table: position of every joint, and the evidence for it."""
 
-import textwrap
+import sys
 from collections.abc import Iterator, Sequence
-from shutil import get_terminal_size
 
 from stepbot.report.joint_words import direction_words, evidence_words, face_words, point_words, rival_words
 from stepbot.robot.joint_table import Basis, JointRow
 
 from .columns import cells
-from .diagnostic_text import printable
-from .terminal import write_result
+from .diagnostic_text import FRAME_WIDTH, printable
+from .terminal import screen_width, write_result
 
 _NARROWEST = 60
 _INDENT = "    "
@@ -18,7 +17,7 @@ _INDENT = "    "
 def show_joint_table(rows: Sequence[JointRow], *, verbose: bool = False) -> None:
     """Print the joint table to standard output, as wide as the terminal; nothing without joints."""
     if rows:
-        width = get_terminal_size((120, 24)).columns
+        width = screen_width(sys.stdout) or FRAME_WIDTH
         write_result("\n".join(joint_lines(rows, width, verbose=verbose)))
 
 
@@ -71,6 +70,8 @@ def _details(row: JointRow, *, verbose: bool) -> Iterator[str]:
 
 
 def _wrapped(text: str, width: int, indent: str = "") -> list[str]:
+    import textwrap
+
     return textwrap.wrap(
         text,
         width,

@@ -11,8 +11,9 @@ import click
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 
 from .columns import aligned, table_lines
-from .command import Command, Group, display_options, json_option
+from .command import Command, display_options, json_option
 from .convert import format_names, format_option, no_verify_option, run_conversion
+from .group import Group
 from .reading import working_options
 from .terminal import Display, screen_width, show_diagnostics, text_width, write_json, write_result
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 @click.group(
     cls=Group,
-    short_help="List, show or export the bundled robots.",
     epilog="Example: stepbot library export ur5e -o ur5e",
 )
 def command() -> None:

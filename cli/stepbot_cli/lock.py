@@ -23,7 +23,6 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Command,
-    short_help="Record shapes, poses and axes, to find CAD changes.",
     epilog="Example: stepbot lock arm.robot.yaml",
 )
 @click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))

@@ -9,21 +9,21 @@ from .table import RESULT, absent_engines, driven_words, filled, status_lines
 from .terminal import screen_width, wants_color, write_result
 
 if TYPE_CHECKING:
-    from stepbot.report.record import Check, Report, Row
+    from stepbot.report.results import Check, Results, Row
 
 _HEADINGS = ("format", "file", RESULT, "engines", "worst deviation")
 _ROBOT = "robot"
 """Label of checks that do not belong to a file."""
 
 
-def show_proof(report: "Report") -> None:
+def show_proof(report: "Results") -> None:
     """Print for each file its engines, the result and the worst deviation, then the counts."""
     width = screen_width(sys.stdout)
     lines = proof_lines(report, width, color=wants_color(sys.stdout))
     write_result("\n".join(lines))
 
 
-def proof_lines(report: "Report", width: int | None, *, color: bool = False) -> list[str]:
+def proof_lines(report: "Results", width: int | None, *, color: bool = False) -> list[str]:
     """The summary as lines no wider than ``width``; None for unlimited."""
     by_file: dict[str, list[Row]] = {}
     for row in report.rows():
@@ -58,7 +58,7 @@ def _deviation(check: "Check | None") -> str:
     return f"{check.quantity}: {check.deviation:.1e} of {check.tolerance:.0e}{unit}"
 
 
-def _counts(report: "Report") -> str:
+def _counts(report: "Results") -> str:
     """The number of checks that passed, failed and did not run, and of those confirmed by own parsers only."""
     statuses = [check.status.value for check in report.checks]
     own = len(report.read_back)

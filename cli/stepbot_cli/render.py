@@ -55,7 +55,6 @@ def _view(context: click.Context, option: click.Parameter, text: str) -> "View":
 
 @click.command(
     cls=Command,
-    short_help="Draw a robot or a STEP file.",
     epilog="Example: stepbot render arm.robot.yaml --joint elbow=30deg -o arm.png",
 )
 @click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))

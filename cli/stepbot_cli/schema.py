@@ -13,7 +13,6 @@ FILES = ("*.robot.yaml", "*.robot.yml", "robot.yaml", "robot.yml")
 
 @click.command(
     cls=Command,
-    short_help="Print the JSON Schema of the sidecar.",
     epilog="Example: stepbot schema > robot-1.schema.json",
 )
 @click.option("--vscode", is_flag=True, help="Print VS Code settings that apply the schema to all sidecars.")

@@ -1,7 +1,6 @@
 """Verification results as a table: one line per file and engine."""
 
 import sys
-import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -11,7 +10,7 @@ from .diagnostic_text import FRAME_WIDTH, paint, printable
 from .terminal import screen_width, wants_color, write_result
 
 if TYPE_CHECKING:
-    from stepbot.report.record import Check, Report, Row
+    from stepbot.report.results import Check, Results, Row
 
 RESULT = "result"
 """Heading of the column with the result."""
@@ -20,7 +19,7 @@ _MODEL = "model"
 STATUS_COLORS = {"passed": "32", "failed": "1;31", "not run": "33"}
 
 
-def show_table(report: "Report") -> None:
+def show_table(report: "Results") -> None:
     """Print the compared quantities, the worst deviation and the result for each file and engine, then the reasons."""
     color = wants_color(sys.stdout)
     width = screen_width(sys.stdout)
@@ -32,7 +31,7 @@ def show_table(report: "Report") -> None:
     write_result("\n".join(lines))
 
 
-def absent_engines(report: "Report") -> tuple[str, ...]:
+def absent_engines(report: "Results") -> tuple[str, ...]:
     """Optional engines that are not installed here."""
     return tuple(dict.fromkeys(row.engine for row in report.rows() if _is_absent(row)))
 
@@ -96,7 +95,7 @@ def _deviation(check: "Check | None") -> str:
     return f"{check.deviation:.1e}{unit}, tolerance {check.tolerance:.0e}: {printable(check.where)}"
 
 
-def _remarks(report: "Report", rows: Sequence["Row"], width: int) -> list[str]:
+def _remarks(report: "Results", rows: Sequence["Row"], width: int) -> list[str]:
     """Legend of the quantities, failed or omitted checks with reasons, and the count of all checks."""
     quantities = list(dict.fromkeys(check.quantity for check in report.checks))
     lines = ["", *filled(f"quantities: {', '.join(quantities)}", width)]
@@ -114,7 +113,7 @@ def _remarks(report: "Report", rows: Sequence["Row"], width: int) -> list[str]:
     return [*lines, *filled(f"{len(statuses)} checks: {counts}", width)]
 
 
-def driven_words(report: "Report") -> str:
+def driven_words(report: "Results") -> str:
     """The degrees of freedom of a robot with loops, and its independent joints; empty for one without."""
     if not report.driven or report.degrees_of_freedom is None:
         return ""
@@ -126,4 +125,6 @@ def filled(text: str, width: int | None) -> list[str]:
     """``text`` in lines of ``width`` columns, those after the first indented; None for one line."""
     if width is None:
         return [text]
+    import textwrap
+
     return textwrap.wrap(text, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)

@@ -30,7 +30,6 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Command,
-    short_help="Check that output files are up to date.",
     epilog="Example: stepbot uptodate arm.robot.yaml -o arm",
 )
 @click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))

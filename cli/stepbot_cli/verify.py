@@ -18,7 +18,6 @@ from .terminal import Display, show_diagnostics, write_json
 
 @click.command(
     cls=Command,
-    short_help="Compare robot files across engines.",
     epilog="Example: stepbot verify arm.urdf arm.sdf --require mujoco",
 )
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))

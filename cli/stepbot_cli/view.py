@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Command,
-    short_help="Show a robot in a browser.",
     epilog="Example: stepbot view arm.robot.yaml",
 )
 @click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 @click.command(
     cls=Command,
-    short_help="Show robots in a browser, again after each save.",
     epilog="Example: stepbot watch arm.robot.yaml -o arm",
 )
 @click.argument("sidecars", metavar="SIDECAR...", nargs=-1, required=True, type=click.Path(path_type=Path))

@@ -18,7 +18,7 @@ from stepbot.formats.sdformat.model_name import model_name
 from stepbot.formats.urdf.package import package_of
 from stepbot.pipeline.conversion import Checked, Conversion, Options
 from stepbot.runtime.cache import Cache, default_folder
-from stepbot.runtime.worker import DEFAULT_TIMEOUT
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
 
 if TYPE_CHECKING:
     from stepbot.pipeline.stages import Inspection

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from stepbot_cli import main
+
 HEAVY = {
     "OCP",
     "fcl",
@@ -36,11 +38,17 @@ links:
 """
 
 
+UNCHANGED = (["convert", "arm2.robot.yaml", "--no-verify", "-o", "out"], ["check", "arm2.robot.yaml"])
+
+SLOW = {"bz2", "hashlib", "multiprocessing", "random", "shutil", "socket", "subprocess", "tempfile", "traceback"}
+"""Modules of the standard library that take milliseconds, as long as all of stepbot's own for `--version`."""
+
+
 def loaded_by(arguments: list[str], folder: Path) -> tuple[int, set[str]]:
-    """Exit code and top-level modules of one run of ``stepbot``."""
+    """Exit code and modules of one run of ``stepbot``; packages by their names, stepbot's own modules in full."""
     program = (
-        "import sys, json; from stepbot_cli import main; code = main(sys.argv[1:]);"
-        "sys.stderr.write(json.dumps([code, sorted({m.partition('.')[0] for m in sys.modules})]))"
+        "import sys; from stepbot_cli import main; code = main(sys.argv[1:]); loaded = list(sys.modules);"
+        "import json; sys.stderr.write(json.dumps([code, loaded]))"
     )
     run = subprocess.run(
         [sys.executable, "-c", program, *arguments],
@@ -51,7 +59,7 @@ def loaded_by(arguments: list[str], folder: Path) -> tuple[int, set[str]]:
         check=True,
     )
     code, modules = json.loads(run.stderr.splitlines()[-1])
-    return code, set(modules)
+    return code, {name if name.startswith("stepbot") else name.partition(".")[0] for name in modules}
 
 
 @pytest.mark.parametrize("arguments", [["--help"], ["--version"], ["convert", "--help"], ["explain", "SB001"]])
@@ -68,3 +76,58 @@ def test_check_loads_neither_kernel_nor_engine(tmp_path: Path) -> None:
     code, modules = loaded_by(["check", "arm.robot.yaml"], tmp_path)
     assert code == 0
     assert not modules & (HEAVY - {"numpy", "pydantic", "ruamel", "lxml"})
+
+
+@pytest.fixture(scope="module")
+def converted(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a robot that has been converted and checked, and a cache."""
+    folder = tmp_path_factory.mktemp("converted")
+    robot = Path(__file__).parents[2] / "robot_library" / "stepbot_arm2"
+    for file in (robot / "arm2.step", robot / "arm2.robot.yaml"):
+        (folder / file.name).write_bytes(file.read_bytes())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("STEPBOT_CACHE", str(folder / "cache"))
+        patch.chdir(folder)
+        for arguments in UNCHANGED:
+            assert main(arguments) == 0
+    return folder
+
+
+@pytest.mark.parametrize("arguments", UNCHANGED)
+def test_unchanged_input_loads_little(arguments: list[str], converted: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """`convert` and `check` of unchanged files import no numpy, no parser, and nothing that starts processes."""
+    monkeypatch.setenv("STEPBOT_CACHE", str(converted / "cache"))
+    code, modules = loaded_by(arguments, converted)
+    assert code == 0
+    assert not modules & (HEAVY | SLOW - {"hashlib"})
+    rooms = ("stepbot.engines", "stepbot.geometry", "stepbot.sidecar.", "stepbot.step.", "stepbot.verification")
+    assert {name for name in modules if name.startswith(rooms)} == {
+        "stepbot.sidecar.codepages",
+        "stepbot.step.exchange",
+        "stepbot.step.exchange.input_files",
+    }
+
+
+def test_version_loads_only_click(tmp_path: Path) -> None:
+    """`--version` imports click, and of stepbot the command group alone."""
+    code, modules = loaded_by(["--version"], tmp_path)
+    assert code == 0
+    assert {name for name in modules if name.startswith("stepbot")} == {
+        "stepbot",
+        "stepbot.runtime",
+        "stepbot.runtime.import_path",
+        "stepbot.version",
+        "stepbot_cli",
+        "stepbot_cli.application",
+        "stepbot_cli.group",
+    }
+    assert not modules & (SLOW | HEAVY)
+
+
+def test_help_loads_no_command(tmp_path: Path) -> None:
+    """`--help` lists the commands without importing them; of the formats it reads the declarations."""
+    code, modules = loaded_by(["--help"], tmp_path)
+    assert code == 0
+    commands = {name for name in modules if name.startswith("stepbot_cli.")}
+    assert commands == {"stepbot_cli.application", "stepbot_cli.group"}
+    assert not modules & HEAVY

@@ -14,7 +14,8 @@ from lxml import etree
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import FORMATS, format_named
 from stepbot.formats.lowering import lower
-from stepbot.formats.rendering import render, used_meshes
+from stepbot.formats.rendering import render
+from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import Robot
 from stepbot.robot.multi_dof import steps_by_child
 from tests.robots import ROBOTS
@@ -112,7 +113,7 @@ def test_every_mesh_is_written_and_referred_to(name: str, format_: str) -> None:
     top = etree.fromstring(files[main])
     attributes = {element.get(key) for element in top.iter("mesh") for key in ("filename", "file")}
     referred = attributes | {element.text for element in top.iter("uri")}
-    assert referred - {None} == set(meshes) == {asset.path for asset in used_meshes(robot)}
+    assert referred - {None} == set(meshes) == {file.path for file in MeshFiles(robot).all()}
 
 
 def test_meshes_read_back_by_trimesh() -> None:
@@ -122,7 +123,9 @@ def test_meshes_read_back_by_trimesh() -> None:
     robot = ROBOTS["tree"]()
     files = render(robot, "urdf", Diagnostics())
     for asset in robot.meshes:
-        read = trimesh.load_mesh(trimesh.util.wrap_as_stream(files[asset.path]), file_type="obj", process=False)
+        read = trimesh.load_mesh(
+            trimesh.util.wrap_as_stream(files[f"meshes/{asset.name}.obj"]), file_type="obj", process=False
+        )
         np.testing.assert_array_equal(read.vertices, asset.mesh.vertices)
         np.testing.assert_array_equal(read.faces, asset.mesh.faces)
 

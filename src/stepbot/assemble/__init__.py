@@ -10,7 +10,7 @@ frames               origin of each joint and frame, as drawn
 axis_evidence        the faces that an origin was found by
 axis_direction       axes across the line of their origin
 joints               joints, closures, the joint table
-devices              named frames, actuators, sensors, settings for simulations, metadata
+devices              named frames, actuators, sensors, settings for simulations, mesh formats, metadata
 links                mass properties, visuals, collisions
 collisions           collision shapes of each link
 fitted_collisions    shapes fitted to the solids of a link
@@ -27,7 +27,8 @@ from stepbot.report.record import MeasuredBody
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache
-from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.worker import Worker
 from stepbot.sidecar.located import Sidecar
 from stepbot.step.assembly import Assembly
 
@@ -35,7 +36,15 @@ from .axis_direction import report_axes_off_their_lines
 from .binder import UNREVISED, Binder, Revised
 from .bound import Bound, bind
 from .claims import Claims, claim
-from .devices import build_actuators, build_frames, build_metadata, build_sensors, build_simulation, tune_actuators
+from .devices import (
+    build_actuators,
+    build_frames,
+    build_mesh_formats,
+    build_metadata,
+    build_sensors,
+    build_simulation,
+    tune_actuators,
+)
 from .double_counting import DoubleCounting
 from .fitted_collisions import FittedCollisions, wait_for
 from .frames import Frames
@@ -131,6 +140,7 @@ def build_robot(
         sensors,
         build_simulation(document),
         metadata=build_metadata(document),
+        mesh_formats=build_mesh_formats(document),
     )
     robot = tune_actuators(robot, sidecar, found)
     rows = joint_table(frames, joints, closures)

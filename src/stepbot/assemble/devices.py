@@ -6,7 +6,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import IDENTITY, Pose, tidy
 from stepbot.robot.gains import tuned
 from stepbot.robot.metadata import Metadata
-from stepbot.robot.model import Actuator, Frame, JointKind, Limit, Robot
+from stepbot.robot.model import Actuator, Frame, JointKind, Limit, MeshFormat, MeshFormats, Robot
 from stepbot.robot.sensors import SEEING, Sensor, SensorKind, View
 from stepbot.robot.simulation import Simulation
 from stepbot.robot.tuning import Tuning
@@ -79,6 +79,13 @@ def build_metadata(document: Document) -> Metadata:
     given = document.metadata
     name, _, email = (given.maintainer or "").removesuffix(">").partition(" <")
     return Metadata(name, email, given.license or "", given.version or "", given.description or "")
+
+
+def build_mesh_formats(document: Document) -> MeshFormats:
+    """The formats of mesh files."""
+    given = document.mesh
+    both = given.format or MeshFormat.OBJ
+    return MeshFormats(given.visual or both, given.collision or both)
 
 
 def build_sensors(binder: Binder, frames: Frames) -> tuple[Sensor, ...] | None:

@@ -18,7 +18,8 @@ from stepbot.geometry.spatial import IDENTITY, tidy
 from stepbot.geometry.sums import exact_sum
 from stepbot.report.record import MeasuredBody
 from stepbot.runtime.cache import Cache, ResultsByContent
-from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker, WorkerDied
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.worker import Worker, WorkerDied
 from stepbot.sidecar.document import CollisionShape
 from stepbot.step.assembly import Assembly, AxisFace, Component
 

@@ -15,7 +15,8 @@ from stepbot.geometry.solids.overlapping import Candidate, Group, Overlaps, Sear
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import ComponentMass
 from stepbot.runtime.cache import Cache, Digest, TypedCache, environment
-from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.worker import Worker
 from stepbot.step.assembly import Assembly
 
 MAX_FACES = 2_000_000

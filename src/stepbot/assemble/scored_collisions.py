@@ -10,7 +10,8 @@ from stepbot.geometry.spatial import Pose, tidy
 from stepbot.report.record import LinkCollision, MeasuredBody
 from stepbot.robot.model import Geometry, Link, MeshRef, Robot
 from stepbot.runtime.cache import Cache, ResultsByContent
-from stepbot.runtime.worker import DEFAULT_TIMEOUT, Worker, WorkerDied
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.worker import Worker, WorkerDied
 from stepbot.sidecar.document import Document
 
 from .binder import Binder

@@ -8,7 +8,6 @@ stage with errors; any other exception is a bug and keeps its traceback. All cod
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from typing import Literal
 
 from .codes import CODES, Severity
@@ -195,6 +194,8 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:
     names = list(dict.fromkeys(candidates))
     same = [name for name in names if name.casefold() == word.casefold()]
     comparable = [name for name in names if len(name) <= _LONGEST_COMPARED]  # the comparison takes quadratic time
+    from difflib import get_close_matches
+
     near = same or (get_close_matches(word, comparable, n=3, cutoff=0.6) if len(word) <= _LONGEST_COMPARED else [])
     if not near:
         return ()

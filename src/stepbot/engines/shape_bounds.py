@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from stepbot.geometry.mesh_files import read_mesh
 from stepbot.geometry.spatial import Array, Pose, join_bounds
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds
 
@@ -22,7 +23,7 @@ def box_around(shapes: Sequence[ObservedShape]) -> Bounds | None:
 def mesh_file_bounds(
     uri: str, file: Path, X_LG: Pose, scale: Sequence[float] = (1.0, 1.0, 1.0)
 ) -> tuple[Bounds | None, list[str]]:
-    """The bounding box [m] of a mesh file in its link, and the file if it is missing; no box unless it is an OBJ.
+    """The bounding box [m] of a mesh file in its link, if it can be read, and the file if it is missing.
 
     Args:
         uri: The mesh file, as in the description.
@@ -33,13 +34,24 @@ def mesh_file_bounds(
     path = resolve(uri, file)
     if path is None:
         return None, [uri]
-    if path.suffix.lower() != ".obj":
-        return None, []
-    return mesh_bounds(_vertices(path.read_bytes()) * np.array(scale), X_LG), []
+    vertices = vertices_of(path)
+    return (None if vertices is None else mesh_bounds(vertices * np.array(scale), X_LG)), []
+
+
+def vertices_of(path: Path) -> Array | None:
+    """Vertices (n, 3) of a mesh file; None if it cannot be read."""
+    content = path.read_bytes()
+    return _of_obj(content) if path.suffix.lower() == ".obj" else _of_other(path, content)
 
 
 @lru_cache(maxsize=1024)
-def _vertices(obj: bytes) -> Array:
+def _of_other(path: Path, content: bytes) -> Array | None:  # noqa: ARG001 - another content is another file
+    mesh = read_mesh(path)
+    return None if mesh is None else mesh.vertices
+
+
+@lru_cache(maxsize=1024)
+def _of_obj(obj: bytes) -> Array:
     """Vertices (n, 3) of a Wavefront OBJ; parsed once, since visuals and collisions share meshes."""
     words = [line.split()[1:4] for line in obj.splitlines() if line.startswith(b"v ")]
     vertices = np.array(words, dtype="S").astype(np.float64).reshape(-1, 3)

@@ -9,7 +9,8 @@ from enum import StrEnum
 from types import TracebackType
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
-from stepbot.runtime.worker import DEFAULT_TIMEOUT, RemoteError, Start, Worker, WorkerDied
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.worker import RemoteError, Start, Worker, WorkerDied
 
 from . import Engine, engines, engines_for
 from .observation import Observation, Request

@@ -7,6 +7,7 @@ into the bytes of its main file, and ``companions``, files for readers that need
 lists the formats, and nothing here accesses the disk.
 """
 
+import os
 from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
@@ -18,7 +19,7 @@ __all__ = ["FORMATS", "Format", "default_formats", "format_named"]
 
 
 def _discover() -> dict[str, Format]:
-    folders = sorted(writer.parent.name for path in __path__ for writer in Path(path).glob("*/writer.py"))
+    folders = sorted(one.name for path in __path__ for one in os.scandir(path) if Path(one, "writer.py").is_file())
     declared = [cast(Format, import_module(f"{__name__}.{name}").FORMAT) for name in folders]
     return {one.name: one for one in sorted(declared, key=lambda one: one.order)}
 

@@ -1,17 +1,18 @@
 """The files of a robot in a format, as bytes by path: the main file, its companions and the meshes."""
 
 from collections.abc import Mapping
+from itertools import chain
 from weakref import WeakKeyDictionary
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.geometry.mesh import obj_bytes
-from stepbot.robot.model import MeshAsset, MeshRef, Robot
+from stepbot.robot.mesh_files import MeshFiles
+from stepbot.robot.model import MeshAsset, Rgba, Robot
 
 from . import format_named
 from .format import Format
-from .lowering import geometries, lower
+from .lowering import lower
 
-_OBJ: WeakKeyDictionary[MeshAsset, bytes] = WeakKeyDictionary()
+_CONTENTS: WeakKeyDictionary[MeshAsset, dict[tuple[str, Rgba | None], bytes]] = WeakKeyDictionary()
 """Bytes of the meshes currently in use: all formats refer to the same files, so they are made once."""
 
 
@@ -36,12 +37,16 @@ def render(robot: Robot, name: str, found: Diagnostics) -> dict[str, bytes]:
 def files_of(lowered: Robot, written: Format) -> dict[str, bytes]:
     """The files of a robot lowered for the format: the main file, its companions and scenes, then its mesh files."""
     files = {main_file(lowered, written): written.writer.render(lowered)}
-    files |= {beside.path: beside.content for beside in written.writer.companions(lowered)}
+    companions = written.writer.companions(lowered)
+    files |= {beside.path: beside.content for beside in companions}
     files |= written.writer.scenes(lowered)
-    for asset in used_meshes(lowered) if written.mesh_files else ():
-        if asset not in _OBJ:
-            _OBJ[asset] = obj_bytes(asset.mesh, asset.name)
-        files[asset.path] = _OBJ[asset]
+    robots = (lowered, *(beside.robot for beside in companions)) if written.mesh_files else ()
+    for file in chain.from_iterable(MeshFiles(robot).all() for robot in robots):
+        contents = _CONTENTS.setdefault(file.asset, {})
+        key = file.path, file.rgba
+        if key not in contents:
+            contents[key] = file.content()
+        files[file.path] = contents[key]
     return files
 
 
@@ -53,9 +58,3 @@ def joined(files: Mapping[str, Mapping[str, bytes]]) -> dict[str, bytes]:
 def main_file(robot: Robot, written: Format) -> str:
     """Name of a robot's main file in a format."""
     return f"{written.stem(robot.name)}{written.suffix}"
-
-
-def used_meshes(robot: Robot) -> tuple[MeshAsset, ...]:
-    """The mesh assets that visuals and collisions of the links use, in the robot's order."""
-    used = {shape.name for link in robot.links for shape in geometries(link) if isinstance(shape, MeshRef)}
-    return tuple(asset for asset in robot.meshes if asset.name in used)

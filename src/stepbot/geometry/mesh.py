@@ -1,7 +1,8 @@
-"""Triangle meshes, and their bytes.
+"""Triangle meshes, and their bytes as OBJ; :mod:`.mesh_bytes` has other formats.
 
-The written form is OBJ with one object per file, in metres: the only one that PyBullet, MuJoCo and Drake all read
-(Drake rejects STL for collision, MuJoCo reads one object per OBJ). Format: http://paulbourke.net/dataformats/obj/.
+By default meshes are written as OBJ with one object per file, in metres: the only form that PyBullet, MuJoCo and Drake
+all read (Drake rejects STL for collision, MuJoCo reads one object per OBJ). Format:
+http://paulbourke.net/dataformats/obj/.
 """
 
 from dataclasses import dataclass
@@ -82,17 +83,21 @@ def joined(meshes: list[TriMesh]) -> TriMesh:
 def obj_bytes(mesh: TriMesh, name: str) -> bytes:
     """Wavefront OBJ, one object called ``name``, coordinates [m] with as many decimals as read back the same.
 
-    In a mesh of fewer than four vertices the first face is split around its centre, an additional vertex: MuJoCo
-    requires at least four.
+    It has at least four vertices (:func:`with_four_vertices`).
     """
-    if 0 < len(mesh.vertices) < 4 and len(mesh.faces):
-        mesh = _split_first_face(mesh)
+    mesh = with_four_vertices(mesh)
     nanometres = np.rint(mesh.vertices * GRID_PER_METRE).astype(np.int64)
     vertices = fixed_point_lines("v", nanometres, GRID_DECIMALS)
     return f"o {name}\n".encode() + vertices + fixed_point_lines("f", mesh.faces.astype(np.int64) + 1)
 
 
-def _split_first_face(mesh: TriMesh) -> TriMesh:
+def with_four_vertices(mesh: TriMesh) -> TriMesh:
+    """The mesh; of fewer than four vertices, with its first face split around its centre, an additional vertex.
+
+    MuJoCo requires at least four.
+    """
+    if not 0 < len(mesh.vertices) < 4 or not len(mesh.faces):
+        return mesh
     a, b, c = mesh.faces[0].tolist()
     middle = len(mesh.vertices)
     vertices = np.vstack([mesh.vertices, mesh.vertices[[a, b, c]].mean(axis=0)])

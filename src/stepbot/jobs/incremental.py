@@ -8,17 +8,15 @@ or an engine are never cached, because they may be temporary.
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, StepbotError
 from stepbot.pipeline.conversion import Checked, Conversion, Options, write
-from stepbot.pipeline.prestart import started_kernel, started_server
 from stepbot.pipeline.source_names import is_description
 from stepbot.revisions.lock_path import lock_path
-from stepbot.runtime.cache import Cache, Digest, TypedCache, environment, file_digest, own_code
-from stepbot.runtime.output import check_writable
-from stepbot.step.exchange.file_set import input_digest
+from stepbot.runtime.cache import Cache, Digest, TypedCache, environment, file_digest, keep_own_code, own_code
+from stepbot.step.exchange.input_files import input_digest
 
 _NO_MATTER = ("output", "timeout", "memory_limit", "cache", "step")
 """Options that do not affect results; the STEP is in the key by its content."""
@@ -34,7 +32,7 @@ class Record:
     diagnostics: tuple[Diagnostic, ...]
     ignored: tuple[Diagnostic, ...]
     report: bytes
-    """A :class:`stepbot.report.record.Report`, encoded, decoded on demand."""
+    """A :class:`stepbot.report.results.Results`, encoded, decoded on demand."""
 
 
 @dataclass(frozen=True)
@@ -48,6 +46,8 @@ class _Findings:
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
     """Convert one sidecar or load the cached result, and write the files."""
+    from stepbot.runtime.output import check_writable
+
     try:
         check_writable(options.output)
     except StepbotError as error:
@@ -64,6 +64,8 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
         return _conversion_of(record)
     before = _content(sidecar, options.cache)
     lock = file_digest(lock_path(sidecar))
+    from stepbot.pipeline.prestart import started_kernel, started_server
+
     with ExitStack() as running:
         kernel = None if is_description(sidecar) else started_kernel(sidecar, options)
         server = started_server(options) if kernel is None else None  # not in parallel: the kernel would take longer
@@ -82,6 +84,7 @@ def recorded(sidecar: Path, options: Options) -> Record | None:
     """The cached result of a conversion with the same input, if any."""
     if options.cache is None:
         return None
+    keep_own_code(options.cache)
     content = _content(sidecar, options.cache)
     step = options.step or _named_step(sidecar, content, options.cache)
     geometry = input_digest(step) if step is not None else None
@@ -111,6 +114,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     A URDF, SDFormat or MJCF is read with its meshes; its result is not cached.
     """
     cache = None if is_description(sidecar) else options.cache
+    keep_own_code(cache)
     key = _check_key(sidecar, options, open_step)
     kept = TypedCache(cache, _Findings).get(key) if key else None
     if kept is not None:
@@ -136,13 +140,13 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
 
 
 def _conversion_of(record: Record) -> Conversion:
-    from stepbot.report.record import Report
+    from stepbot.report.results import Results
     from stepbot.runtime.cache import codec_of
 
     found = Diagnostics()
     found.extend(record.diagnostics)
     found.add_ignored(record.ignored)
-    return Conversion(found, None, record.files, codec_of(Report).decode(record.report))
+    return Conversion(found, None, record.files, codec_of(Results).decode(record.report))
 
 
 def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options) -> None:
@@ -151,10 +155,10 @@ def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options)
     report, found = conversion.report, conversion.diagnostics
     if not conversion.geometry or report is None or found.has_errors or any(one.code == _NEVER_KEPT for one in found):
         return
-    from stepbot.report.record import Report
+    from stepbot.report.results import Results
     from stepbot.runtime.cache import codec_of
 
-    encoded = codec_of(Report).encode(replace(report, robot=None))
+    encoded = codec_of(Results).encode(report)
     step = options.step or sidecar.parent / conversion.named
     key = conversion_key(sidecar, content, step, conversion.geometry, options)
     TypedCache(options.cache, Record).put(key, Record(conversion.files, tuple(found), found.ignored, encoded))

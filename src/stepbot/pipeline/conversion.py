@@ -9,11 +9,10 @@ from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.formats import default_formats
 from stepbot.robot.joint_table import JointRow
 from stepbot.runtime.cache import Cache
-from stepbot.runtime.output import discard, failed_output, other_robots, write_atomically
-from stepbot.runtime.worker import DEFAULT_TIMEOUT
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
 
 if TYPE_CHECKING:
-    from stepbot.report.record import Report
+    from stepbot.report.results import Results
     from stepbot.robot.model import Robot
 
 REPORT = "report.json"
@@ -82,7 +81,7 @@ class Conversion:
     """None after errors, or if the result came from a cache."""
     files: Mapping[str, bytes] = field(default_factory=dict)
     """Content of the files to write, by path relative to the output folder."""
-    report: "Report | None" = None
+    report: "Results | None" = None
     named: str = ""
     """Path of the STEP as written in the sidecar; empty if it could not be read."""
     geometry: str = ""
@@ -96,6 +95,8 @@ def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
     """
     if not conversion.files:
         return conversion
+    from stepbot.runtime.output import discard, failed_output, write_atomically
+
     found, failed = conversion.diagnostics, failed_output(output)
     if not found.has_errors:
         _report_replaced(conversion.files, output, found)
@@ -111,6 +112,8 @@ def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
 
 def _report_replaced(files: Mapping[str, bytes], output: Path, found: Diagnostics) -> None:
     """Warn where robots share a folder, which has one report (SB022)."""
+    from stepbot.runtime.output import other_robots
+
     others = other_robots(files, output)
     if not others or REPORT not in files or not (output / REPORT).exists():
         return

@@ -14,7 +14,7 @@ from stepbot.geometry.volume import VolumeProperties
 from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
 from stepbot.runtime.worker import Worker, WorkerDied
 from stepbot.step.assembly import Assembly, ReadOptions
-from stepbot.step.exchange.file_set import input_digest, input_files
+from stepbot.step.exchange.input_files import input_digest, input_files
 from stepbot.step.reader import Reading, start_reading
 
 from .conversion import Options

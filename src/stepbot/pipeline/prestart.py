@@ -13,7 +13,7 @@ from stepbot.runtime.cache import Cache, Digest, environment
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
 from stepbot.step import KERNEL
-from stepbot.step.exchange.file_set import input_digest
+from stepbot.step.exchange.input_files import input_digest
 
 from .conversion import Options
 

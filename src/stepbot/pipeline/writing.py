@@ -18,6 +18,7 @@ from stepbot.formats.urdf.ros2.package import report_unknown, ros2_package
 from stepbot.report.document import report_bytes
 from stepbot.report.record import Content, Report, WrittenFile
 from stepbot.robot.closures import degrees_of_freedom, driven_joints
+from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import Robot
 from stepbot.runtime.fork_server import ForkServer
 
@@ -94,7 +95,14 @@ def proven(written: Rendered, proof: "Proof | None", found: Diagnostics) -> Repo
     else:
         driven = driven_joints(robot) if robot.closures else ()
         report = Report(robot=robot, degrees_of_freedom=degrees_of_freedom(robot), driven=driven)
-    return replace(report, files=written.listed, names={asset.path: asset.source for asset in robot.meshes})
+    return replace(report, files=written.listed, names=_sources(written))
+
+
+def _sources(written: Rendered) -> dict[str, str]:
+    """The component or link of each mesh file."""
+    with_files = [lowered for name, lowered in written.lowered.items() if format_named(name).mesh_files]
+    files = (file for lowered in with_files or [written.robot] for file in MeshFiles(lowered).all())
+    return {file.path: file.asset.source for file in files}
 
 
 def all_files(written: Rendered, report: Report, options: Options, found: Diagnostics) -> dict[str, bytes]:

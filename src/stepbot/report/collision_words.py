@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 
-from .record import LinkCollision
+from .results import LinkCollision
 
 _PLURALS = {"box": "boxes", "mesh": "meshes"}
 

@@ -51,6 +51,23 @@ class Base(StrEnum):
     FLOATING = "floating"
 
 
+class MeshFormat(StrEnum):
+    """The format of mesh files; the value is their suffix."""
+
+    OBJ = "obj"
+    STL = "stl"
+    DAE = "dae"
+    GLB = "glb"
+
+
+@dataclass(frozen=True)
+class MeshFormats:
+    """The formats of a robot's mesh files."""
+
+    visual: MeshFormat = MeshFormat.OBJ
+    collision: MeshFormat = MeshFormat.OBJ
+
+
 @dataclass(frozen=True)
 class MeshRef:
     """One of the robot's mesh assets, scale 1."""
@@ -64,18 +81,13 @@ Geometry = Primitive | MeshRef
 
 @dataclass(frozen=True, eq=False)
 class MeshAsset:
-    """A mesh that is written once, to ``meshes/<name>.obj``, and referred to by name."""
+    """A mesh that is written once and referred to by name; :mod:`.mesh_files` has its files."""
 
     name: str
     """Unique among the robot's assets, valid as a file name and as a name in every format."""
     mesh: TriMesh
     source: str = ""
     """Path of the component that it was first made for, or name of the link whose meshes it merges."""
-
-    @property
-    def path(self) -> str:
-        """Path of the file, relative to the output folder, with forward slashes."""
-        return f"meshes/{self.name}.obj"
 
 
 Rgba = tuple[float, float, float, float]
@@ -284,6 +296,8 @@ class Robot:
     """Which links can overlap, if that was searched."""
     metadata: Metadata = NO_METADATA
     """Maintainer and licence, for packages."""
+    mesh_formats: MeshFormats = MeshFormats()
+    """The formats of mesh files, for formats that have such files."""
 
     @property
     def root(self) -> Link:

@@ -15,12 +15,10 @@ import errno
 import hashlib
 import json
 import os
-import shutil
-import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
@@ -84,12 +82,12 @@ def write_atomically(
             if not is_alone and found is not None:
                 message = "file system without locks: concurrent conversions into this folder are not detected"
                 found.add("SB011", message, Span(str(folder)), help=["run one conversion at a time"])
-            staging = Path(tempfile.mkdtemp(prefix=_STAGING, dir=folder))
-            try:
-                _check_case(files, staging, folder)
-                _write(files, folder, staging, made, _from_folder(sidecar, folder))
-            finally:
-                shutil.rmtree(staging, ignore_errors=True)
+            lists = _listed_after(files, folder, _from_folder(sidecar, folder))
+            if _is_current(files, folder, lists):
+                stamp(folder)
+                _remove_abandoned(folder)
+            else:
+                _write(files, folder, lists, made)
     except FolderInUse as error:
         _refuse(folder, str(error), "wait until it has finished, or choose another folder with -o")
     except OSError as error:
@@ -133,7 +131,7 @@ def sidecars_of(folder: Path) -> dict[str, str]:
 
 def other_robots(files: Mapping[str, bytes], folder: Path) -> tuple[str, ...]:
     """Robots whose files an earlier run wrote into a folder, other than that of ``files``, sorted."""
-    return tuple(sorted({_robot_of(name) for name in _of_others(files, _read_manifest(folder), folder)}))
+    return tuple(sorted({_robot_of(name) for name in _of_others(_top(files), _read_manifest(folder), folder)}))
 
 
 def stamp(folder: Path) -> None:
@@ -156,15 +154,49 @@ def _from_folder(sidecar: Path | None, folder: Path) -> str:
     return Path(os.path.relpath(source, target)).as_posix()
 
 
-def _write(files: Mapping[str, bytes], folder: Path, staging: Path, made: list[Path], sidecar: str) -> None:
-    before = _read_manifest(folder)
-    _check_others(files, before, folder)
-    after = {**before, **_manifest_of(files)}
+class _Lists(NamedTuple):
+    """The list of an output folder before and after a run."""
+
+    before: Manifest
+    own: Manifest
+    """The part that is about the files of this run."""
+    after: Manifest
+    sidecars: Mapping[str, str]
+
+
+def _listed_after(files: Mapping[str, bytes], folder: Path, sidecar: str) -> _Lists:
+    before, own = _read_manifest(folder), _manifest_of(files)
+    after = {**before, **own}
+    sidecars = {name: source for name, source in sidecars_of(folder).items() if name in after}
+    return _Lists(before, own, after, sidecars | dict.fromkeys(own, sidecar))
+
+
+def _is_current(files: Mapping[str, bytes], folder: Path, lists: _Lists) -> bool:
+    """Whether a folder has all files of a run with their content, the same list of them, and no file to remove."""
+    if _stale(lists.before, lists.after) or not all(_holds(folder / path, content) for path, content in files.items()):
+        return False
+    return _holds(folder / MANIFEST, _manifest_bytes(lists.after, lists.sidecars))
+
+
+def _write(files: Mapping[str, bytes], folder: Path, lists: _Lists, made: list[Path]) -> None:
+    """Write the files that changed, through a hidden folder beside them."""
+    import shutil  # both take longer to import than it takes to find that nothing changed
+    import tempfile
+
+    staging = Path(tempfile.mkdtemp(prefix=_STAGING, dir=folder))
+    try:
+        _check_case(files, staging, folder)
+        _check_others(lists, folder)
+        _replace(files, folder, staging, lists, made)
+    finally:
+        shutil.rmtree(staging, ignore_errors=True)
+
+
+def _replace(files: Mapping[str, bytes], folder: Path, staging: Path, lists: _Lists, made: list[Path]) -> None:
+    before, own, after, sidecars = lists
     stale = _stale(before, after)
     # While files are moved, the manifest lists old and new, so that a killed run leaves no unlisted file.
-    during = {**after, **{name: {**before.get(name, {}), **needs} for name, needs in _manifest_of(files).items()}}
-    sidecars = {name: source for name, source in sidecars_of(folder).items() if name in after}
-    sidecars |= dict.fromkeys(_manifest_of(files), sidecar)
+    during = {**after, **{name: {**before.get(name, {}), **needs} for name, needs in own.items()}}
     below = {path: content for path, content in files.items() if "/" in path}
     top = {path: content for path, content in files.items() if "/" not in path}
     moves = {MANIFEST: _manifest_bytes(during, sidecars), **below, **top}
@@ -206,6 +238,8 @@ def _keep(target: Path, backup: Path) -> bool:
     try:
         os.link(target, backup, follow_symlinks=False)
     except (OSError, NotImplementedError):  # no hard links on this file system
+        import shutil
+
         shutil.copy2(target, backup, follow_symlinks=False)
     return True
 
@@ -238,11 +272,22 @@ def _remove_if_empty(folder: Path) -> None:
 def _manifest_of(files: Mapping[str, bytes]) -> Manifest:
     digests = {path: hashlib.sha256(content).hexdigest() for path, content in files.items()}
     meshes = {path: digest for path, digest in digests.items() if "/" in path}
-    # report.html goes with report.json: a run that writes the one without the other removes an outdated page.
-    pages = {path.removesuffix(".html") + ".json": path for path in digests if path.endswith(".html")}
-    top = [path for path in digests if "/" not in path and path not in pages.values()]
-    paged = {path: {pages[path]: digests[pages[path]]} for path in top if path in pages}
-    return {path: {path: digests[path], **meshes, **paged.get(path, {})} for path in top}
+    pages = _pages(files)
+    return {
+        path: {path: digests[path], **meshes, **({pages[path]: digests[pages[path]]} if path in pages else {})}
+        for path in _top(files)
+    }
+
+
+def _top(files: Iterable[str]) -> list[str]:
+    """The files of a run that its list has entries of: those at the top, except pages."""
+    pages = _pages(files).values()
+    return [path for path in files if "/" not in path and path not in pages]
+
+
+def _pages(files: Iterable[str]) -> dict[str, str]:
+    """For report.json its page: a run that writes the one without the other removes an outdated page."""
+    return {path.removesuffix(".html") + ".json": path for path in files if path.endswith(".html")}
 
 
 def _manifest_bytes(manifest: Manifest, sidecars: Mapping[str, str]) -> bytes:
@@ -290,11 +335,13 @@ def _remove_stale(folder: Path, path: str, digest: str) -> None:
         return
 
 
-def _remove_abandoned(folder: Path, staging: Path) -> None:
+def _remove_abandoned(folder: Path, staging: Path | None = None) -> None:
     """Remove leftovers of killed runs."""
     for path in sorted(folder.glob(f"{_STAGING}*")):
         try:
             if path != staging and path.is_dir() and time.time() - path.stat().st_mtime > _ABANDONED_AFTER:
+                import shutil
+
                 shutil.rmtree(path, ignore_errors=True)
         except OSError:  # another run is removing it
             continue
@@ -305,9 +352,7 @@ def _is_below(path: str) -> bool:
     never = _NEVER_IN_NAMES | (_NEVER_IN_WINDOWS_NAMES if os.name == "nt" else frozenset())
     parts = path.split("/")
     return (
-        bool(path)
-        and not PurePosixPath(path).is_absolute()
-        and all(part not in ("", ".", "..") and never.isdisjoint(part) for part in parts)
+        all(part not in ("", ".", "..") and never.isdisjoint(part) for part in parts)
         and parts[0] not in (MANIFEST, LOCK)
         and not parts[0].startswith(_STAGING)
     )
@@ -341,19 +386,19 @@ def _check_case(files: Mapping[str, bytes], staging: Path, folder: Path) -> None
             _refuse(folder, message, "choose names in the sidecar that differ in more than case")
 
 
-def _check_others(files: Mapping[str, bytes], before: Manifest, folder: Path) -> None:
+def _check_others(lists: _Lists, folder: Path) -> None:
     """Two robots may share a folder and identical meshes, but must not change files that the other refers to."""
-    changed = {path: digest for needs in _manifest_of(files).values() for path, digest in needs.items() if "/" in path}
-    for name, needs in _of_others(files, before, folder).items():
+    changed = {path: digest for needs in lists.own.values() for path, digest in needs.items() if "/" in path}
+    for name, needs in _of_others(lists.own, lists.before, folder).items():
         lost = [path for path, digest in needs.items() if changed.get(path, digest) != digest]
         if lost:
             message = f"mesh '{lost[0]}' would overwrite a different mesh of '{name}'"
             _refuse(folder, message, f"give each robot its own folder with -o, or remove '{name}'")
 
 
-def _of_others(files: Mapping[str, bytes], before: Manifest, folder: Path) -> Manifest:
-    """The part of a manifest that is about robots other than that of ``files``."""
-    ours = {_robot_of(name) for name in _manifest_of(files)}
+def _of_others(own: Iterable[str], before: Manifest, folder: Path) -> Manifest:
+    """The part of a manifest that is about robots other than those of some files at the top."""
+    ours = set(map(_robot_of, own))
     return {
         name: needs
         for name, needs in before.items()

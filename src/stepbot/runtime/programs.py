@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -10,7 +9,12 @@ from pathlib import Path
 def find_program(name: str) -> str | None:
     """Absolute path of a program in ``PATH``, ignoring the current folder and relative entries."""
     for folder in os.environ.get("PATH", "").split(os.pathsep):
-        if Path(folder).is_absolute() and (found := shutil.which(str(Path(folder, name)))):
+        program = Path(folder, name)
+        if not program.is_absolute() or (os.name == "posix" and not program.exists()):
+            continue
+        import shutil  # only now: most machines have none of the programs, and this import takes longer than the search
+
+        if found := shutil.which(str(program)):
             return found
     return None
 

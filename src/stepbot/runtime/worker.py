@@ -23,10 +23,8 @@ from functools import cache
 from types import TracebackType
 from typing import IO, Any, BinaryIO, NoReturn, Protocol
 
+from .limits import DEFAULT_TIMEOUT
 from .processes import end_with_parent, interpreter, start_process, worker_environment
-
-DEFAULT_TIMEOUT = 600.0
-"""Default time limit [s] of one call."""
 
 _LAST_LINES = 12
 _LENGTH = struct.Struct("<q")

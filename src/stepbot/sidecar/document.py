@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 from pydantic import Field, StrictBool
 
 from stepbot.geometry.directions import Direction
-from stepbot.robot.model import Base, JointKind
+from stepbot.robot.model import Base, JointKind, MeshFormat
 
 from .devices import ActuatorSection, FrameSection, SensorSection
 from .ignored import IgnoredFinding, IgnoredFindings
@@ -88,12 +88,23 @@ class Defaults(Section):
 
 
 class MeshSection(Section):
-    """Tolerance of the written meshes."""
+    """Tolerance of meshes."""
 
     tolerance: RelativeOrLength | None = None
     """Maximum distance between mesh and solid: a fraction of each solid's diagonal, or a length [m]."""
     angle: Angle | None = None
     """Maximum angle [rad] between adjacent facets; it determines how smooth curved surfaces look."""
+
+
+class RobotMeshSection(MeshSection):
+    """Tolerance and format of meshes."""
+
+    format: MeshFormat | None = None
+    """Format of mesh files: `obj` (the default), `stl`, `dae` (COLLADA) or `glb` (binary glTF)."""
+    visual: MeshFormat | None = None
+    """Format of visual meshes, if it is another one than `format`."""
+    collision: MeshFormat | None = None
+    """Format of collision meshes, if it is another one than `format`: `obj` or `stl`; others become `obj`."""
 
 
 class PartRule(Section):
@@ -274,8 +285,8 @@ class Document(Section):
     mass: MassMode = MassMode.AUTO
     """Source of volume, centre of mass and inertia: the mesh if it agrees with the exact solid (auto), or always
     one."""
-    mesh: MeshSection = MeshSection()
-    """Tolerance of the written meshes."""
+    mesh: RobotMeshSection = RobotMeshSection()
+    """Tolerance and format of the written meshes."""
     parts: dict[ComponentPath, PartRule] = Field(default_factory=dict)
     """Material, mass and geometry of components, by path or glob. For each field, the first matching rule applies."""
     links: Annotated[dict[Name, LinkSection], Field(min_length=1)]
@@ -337,6 +348,7 @@ __all__ = [
     "Offset",
     "Origin",
     "PartRule",
+    "RobotMeshSection",
     "RobotName",
     "RootSection",
     "Section",

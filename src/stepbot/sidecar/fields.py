@@ -76,10 +76,11 @@ def top_level_keys_with(key: str) -> tuple[str, ...]:
 
 @cache
 def descriptions(section: type[Section]) -> dict[str, str]:
-    """Descriptions of a section's keys: the docstrings below its fields."""
+    """Descriptions of a section's keys: the docstrings below its fields, and below those of the section it extends."""
+    inherited = (base for base in section.__bases__ if issubclass(base, Section) and base is not Section)
+    found = {name: text for base in inherited for name, text in descriptions(base).items()}
     classes = ast.parse(inspect.getsource(sys.modules[section.__module__])).body
     body = next(c.body for c in classes if isinstance(c, ast.ClassDef) and c.name == section.__name__)
-    found = {}
     for field, text in pairwise(body):
         if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr):
             assert isinstance(text.value, ast.Constant)

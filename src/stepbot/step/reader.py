@@ -13,8 +13,9 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.runtime.attempts import Attempt
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
 from stepbot.runtime.temporary import run_folder
-from stepbot.runtime.worker import DEFAULT_TIMEOUT, RemoteError, Worker, WorkerDied
+from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 
 from . import BODY_SECONDS, KERNEL
 from .assembly import Assembly, ReadOptions

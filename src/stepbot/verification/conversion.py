@@ -14,7 +14,8 @@ from stepbot.report.record import Check, Report, Status
 from stepbot.robot.closures import DoesNotClose, degrees_of_freedom, driven_joints
 from stepbot.robot.model import Robot
 from stepbot.runtime.fork_server import ForkServer
-from stepbot.runtime.worker import DEFAULT_TIMEOUT, RemoteError, WorkerDied
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.worker import RemoteError, WorkerDied
 
 from .checks import Subject, check_of, checks_without_observation, report_failure, report_unread
 from .compare import compare

@@ -23,7 +23,7 @@ from stepbot.report.record import Check, Report
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import configurations, rates
 from stepbot.robot.model import Link, Robot
-from stepbot.runtime.worker import DEFAULT_TIMEOUT
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
 
 from .admission import admitted
 from .checks import Subject, check_of, checks_without_observation, report_failure, report_unread

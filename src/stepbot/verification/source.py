@@ -12,7 +12,7 @@ from stepbot.engines import own_parsers
 from stepbot.engines.observation import ObservedShape, Quantity
 from stepbot.engines.openable import openable
 from stepbot.report.record import Check
-from stepbot.runtime.worker import DEFAULT_TIMEOUT
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
 
 from .checks import Subject, check_of, report_failure
 from .files import ENGINE_WARNING, compared_with_first, observed, ranked

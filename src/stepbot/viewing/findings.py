@@ -5,12 +5,12 @@ from pathlib import PurePath
 from typing import Any
 
 from stepbot.diagnostics import Diagnostic
-from stepbot.report.record import Report
+from stepbot.report.results import Results
 
 Json = dict[str, Any]
 
 
-def proof_document(report: Report) -> Json:
+def proof_document(report: Results) -> Json:
     """The verification table: one row per file and engine; pairs of links that overlap as drawn."""
     return {
         "rows": [

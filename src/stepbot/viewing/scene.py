@@ -12,7 +12,7 @@ import numpy as np
 
 from stepbot.diagnostics import Diagnostic
 from stepbot.geometry.inertia import MassProperties, combined
-from stepbot.report.record import Report
+from stepbot.report.results import Results
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, Link, MeshRef, Robot, Sphere
 from stepbot.robot.sensors import PLACED, Sensor
@@ -35,7 +35,7 @@ def scene_document(
     *,
     evidence: Mapping[str, Json] | None = None,
     assembly: Assembly | None = None,
-    report: Report | None = None,
+    report: Results | None = None,
     found: Iterable[Diagnostic] = (),
 ) -> Json:
     """The scene of a robot.

@@ -7,6 +7,7 @@ import pytest
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.solids.manifolds import convex_hull
+from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import Box, Capsule, Collision, Cylinder, MeshRef, Rgba, Robot, Sphere
 from stepbot.step.assembly import BodyKind
 from tests.conftest import ReadDiagnostics
@@ -40,7 +41,7 @@ def test_occurrences_share_one_mesh(tmp_path: Path) -> None:
     assert [v.geometry for v in robot.root.visuals] == [MeshRef("bolt")] * 2
     np.testing.assert_allclose(robot.root.visuals[1].X_LG.p, (0.05, 0, 0), atol=1e-12)
     np.testing.assert_allclose(robot.root.visuals[1].X_LG.rpy, (0, 0, 1), atol=1e-12)
-    assert robot.mesh_by_name["bolt"].path == "meshes/bolt.obj"
+    assert [file.path for file in MeshFiles(robot).all()] == ["meshes/bolt.obj", "meshes/bolt_hull.obj"]
 
 
 def test_one_piece_per_colour(tmp_path: Path) -> None:

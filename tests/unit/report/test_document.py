@@ -84,7 +84,7 @@ def test_failed_means_a_failed_check() -> None:
 def test_every_robot_keeps_the_schema(name: str, validator: jsonschema.Draft202012Validator) -> None:
     """Reports of all robots conform to the schema: loops, mimics, frames, infinite limits."""
     robot = ROBOTS[name]()
-    report = Report((PASSED, NOT_RUN, FAILED), {"mujoco": "4.0"}, robot, 1, ("one",), (("a", "b", None),))
+    report = Report((PASSED, NOT_RUN, FAILED), {"mujoco": "4.0"}, 1, ("one",), (("a", "b", None),), robot=robot)
     assert faults(validator, json.loads(report_bytes(report, Diagnostics()))) == []
 
 

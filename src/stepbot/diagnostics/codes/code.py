@@ -1,9 +1,8 @@
 """One diagnostic code with its explanation."""
 
 from dataclasses import dataclass
-from typing import Literal
 
-Severity = Literal["error", "warning", "note"]
+from .severity import Severity
 
 
 @dataclass(frozen=True)

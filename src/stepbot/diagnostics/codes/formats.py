@@ -247,6 +247,15 @@ CODES: tuple[Code, ...] = (
         "No action is needed.",
     ),
     Code(
+        "SB733",
+        "note",
+        "mesh format not used",
+        "The sidecar asks for meshes in a format that readers of this description do not read.",
+        "These meshes are OBJ for this description. Nothing else changes: colours are in the description.",
+        "Set `mesh: {format: obj}`, or one that the table in `docs/mapping.md` has for all formats that you write; "
+        "`visual` and `collision` set it for one of both.",
+    ),
+    Code(
         "SB740",
         "note",
         "excluded contacts in a separate file",

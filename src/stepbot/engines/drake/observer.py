@@ -8,7 +8,7 @@ https://drake.mit.edu/pydrake/pydrake.multibody.parsing.html
 import importlib.metadata
 import logging
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, shift_inertia, vector3
+from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.dynamics import Rates
 
 from ..observation import Dynamics, EngineCannotRead, EngineRefused, Observation, ObservedLink, Quantity, Request
@@ -107,7 +108,7 @@ def _messages(path: Path) -> Iterator[list[str]]:
 
 
 def _check_mjcf(path: Path) -> None:
-    """Reject features that Drake is known to fail on: several joints in a body, infinite ranges, zero mass.
+    """Reject what Drake is known to fail on: joints that share a body, infinite ranges, meshes but OBJ, zero mass.
 
     Raises:
         EngineCannotRead: The file has one of them.
@@ -122,6 +123,8 @@ def _check_mjcf(path: Path) -> None:
         raise EngineCannotRead("Drake uses wrong axes for several joints in one body")
     if any("inf" in joint.get("range", "") for joint in top.iter("joint")):
         raise EngineCannotRead("Drake does not support infinite ranges in MJCF")
+    if any(not mesh.get("file", "").lower().endswith(".obj") for mesh in top.iter("mesh") if mesh.get("file")):
+        raise EngineCannotRead("Drake reads meshes of an MJCF as OBJ only")
     if any(float(inertial.get("mass") or 1.0) == 0.0 for inertial in top.iter("inertial")):
         raise EngineCannotRead("Drake aborts on a massless body in MJCF")
 
@@ -155,20 +158,26 @@ def _link(built: Built, body: Any) -> ObservedLink:
         inertia = shift_inertia(spatial.CalcRotationalInertia().CopyToFullMatrix3(), -mass, com)
     visuals = built.plant.GetVisualGeometriesForBody(body)
     collisions = built.plant.GetCollisionGeometriesForBody(body)
-    seen, touched = ([bounds_of(built, shape) for shape in shapes] for shapes in (visuals, collisions))
+    seen, touched = (_box([bounds_of(built, shape) for shape in shapes]) for shapes in (visuals, collisions))
     named = built.request.format != "mjcf"  # Drake keeps no names of these shapes
     return ObservedLink(
         body.name(),
         mass,
         vector3(com),
         matrix3(inertia),
-        visual_bounds=join_bounds(seen) if seen else None,
-        collision_bounds=join_bounds(touched) if touched else None,
-        has_visuals=bool(seen),
-        has_collisions=bool(touched),
+        visual_bounds=seen,
+        collision_bounds=touched,
+        has_visuals=bool(visuals),
+        has_collisions=bool(collisions),
         visuals=tuple(observed_shape(built, shape, seen=True) for shape in visuals) if named else None,
         collisions=tuple(observed_shape(built, shape, seen=False) for shape in collisions) if named else None,
     )
+
+
+def _box(boxes: Sequence[Bounds | None]) -> Bounds | None:
+    """The box around all; None without any, or if one is unknown."""
+    known = [box for box in boxes if box is not None]
+    return join_bounds(known) if known and len(known) == len(boxes) else None
 
 
 def _poses(built: Built, q: Mapping[str, float]) -> dict[str, Pose]:

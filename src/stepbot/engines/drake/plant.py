@@ -20,6 +20,7 @@ from .poses import pose
 STEP = 1e-3
 """Step [s] of the plant."""
 _LOOP = "form one or more loops"
+_NO_HULL = "MakeConvexHull only applies to"
 _URI = re.compile(r"""(?:package|model)://([^/"'<>]+)/([^"'<>]+)""")
 
 
@@ -106,6 +107,8 @@ def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, sh
         text = str(error).replace(f"{path.parent.as_posix()}/", "").strip()
         if _LOOP in text:
             raise EngineCannotRead("Drake does not support a joint that closes a loop") from error
+        if _NO_HULL in text:
+            raise EngineCannotRead("Drake reads collision meshes as OBJ, VTK and glTF only") from error
         raise EngineRefused(text) from error
     whole = diagram.CreateDefaultContext()
     context = plant.GetMyMutableContextFromRoot(whole)

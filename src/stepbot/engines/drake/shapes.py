@@ -1,5 +1,6 @@
 """The shapes of a link as Drake has read them: bounding boxes, names, colours."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,14 +10,22 @@ from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
 from ..observation import EngineCannotRead, ObservedShape
+from ..shape_bounds import vertices_of
 from .plant import Built
 from .poses import pose
 
+_MEASURED = (".obj", ".vtk", ".gltf")
+"""Suffixes of meshes that Drake makes hulls of."""
 
-def bounds_of(built: Built, geometry: Any) -> Bounds:
-    """Bounding box [m] of a shape in its link's frame."""
+
+def bounds_of(built: Built, geometry: Any) -> Bounds | None:
+    """Bounding box [m] of a shape in its link's frame; of meshes that Drake only displays, from the file."""
     inspector = built.scene.model_inspector()
     X_LG, shape = pose(inspector.GetPoseInFrame(geometry)), inspector.GetShape(geometry)
+    file = Path(str(shape.source().path())) if type(shape).__name__ == "Mesh" else None
+    if file is not None and file.suffix.lower() not in _MEASURED:
+        vertices = vertices_of(file)
+        return None if vertices is None else mesh_bounds(np.array(shape.scale3()) * vertices, X_LG)
     hull = inspector.GetConvexHull(geometry)  # of meshes only
     if hull is not None:
         vertices = np.array([hull.vertex(index) for index in range(hull.num_vertices())])

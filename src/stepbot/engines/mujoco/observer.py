@@ -16,6 +16,7 @@ from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, turn_ine
 from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.dynamics import GRAVITY, Rates
 
+from ..mesh_substitutes import MeshSubstitutes
 from ..observation import Dynamics, EngineRefused, Observation, ObservedLink, ObservedShape, Quantity, Request
 from ..resources import resolve
 from . import ENGINE
@@ -42,6 +43,8 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
     },
     "mjcf": {},
 }
+_READABLE = (".obj", ".stl", ".msh")
+"""Suffixes of meshes that MuJoCo reads."""
 _FOR_COMPILING = 1e-6
 """Temporary mass [kg] and moments of inertia [kg m^2] of massless moving links while MuJoCo compiles."""
 HOME = "home"
@@ -80,10 +83,12 @@ def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:
     path = Path(request.file)
     try:
         if request.format == "urdf":
-            spec = engine.MjSpec.from_string(_urdf_copy(path))
+            substitutes = MeshSubstitutes("MuJoCo", _READABLE)
+            spec = _urdf_spec(engine, path, substitutes)
             for mesh in spec.meshes:  # URDF states every mass, so a flat mesh is not a fault
                 mesh.inertia = engine.mjtMeshInertia.mjMESH_INERTIA_SHELL
-            return _with_weightless_links(engine, spec)
+            model, notes = _with_weightless_links(engine, spec)
+            return model, (*notes, *substitutes.notes())
         return engine.MjModel.from_xml_path(str(path)), ()
     except ValueError as error:
         # Local folders must not be in a message that may be part of a report.
@@ -110,18 +115,24 @@ def _with_weightless_links(engine: Any, spec: Any) -> tuple[Any, tuple[str, ...]
     return model, (f"compiled with a placeholder mass for massless moving links: {', '.join(weightless)}",)
 
 
-def _urdf_copy(path: Path) -> str:
-    """The URDF with MuJoCo's compiler options, and with resolved mesh paths."""
+def _urdf_spec(engine: Any, path: Path, substitutes: MeshSubstitutes) -> Any:
+    """The URDF with MuJoCo's compiler options, with resolved mesh paths, and with meshes that MuJoCo reads."""
     from lxml import etree
 
     try:
         top = etree.parse(str(path), etree.XMLParser(resolve_entities=False, remove_comments=True)).getroot()
     except etree.XMLSyntaxError as error:
         raise EngineRefused(f"not XML: {error.msg}") from error
+    assets: dict[str, bytes] = {}
     for mesh in top.iter("mesh"):
         found = resolve(mesh.get("filename", ""), path)
-        if found is not None:
-            mesh.set("filename", found.absolute().as_posix())
+        if found is None:
+            continue
+        content = substitutes.of(found)
+        name = f"{found.absolute().as_posix()}{'' if content is None else '.obj'}"
+        if content is not None:
+            assets[name] = content
+        mesh.set("filename", name)
     extension = top.find("mujoco")
     if extension is None:
         extension = etree.SubElement(top, "mujoco")
@@ -130,7 +141,7 @@ def _urdf_copy(path: Path) -> str:
         compiler = etree.SubElement(extension, "compiler")
     for name, value in _URDF_COMPILER.items():
         compiler.set(name, value)
-    return str(etree.tostring(top, encoding="unicode"))
+    return engine.MjSpec.from_string(str(etree.tostring(top, encoding="unicode")), assets=assets)
 
 
 def observe_model(compiled: Compiled, request: Request) -> Observation:

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..mesh_substitutes import MeshSubstitutes
 from ..observation import EngineCannotRead, EngineRefused
 from ..resources import resolve
 from .frames import ends, read_pose
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from lxml.etree import _Element as Element
 else:
     Element = object
+
+_READABLE = (".obj", ".stl", ".dae")
+"""Suffixes of meshes; PyBullet rejects a file with any other, such as ``.glb``."""
 
 
 def read_model(file: Path) -> Element:
@@ -127,16 +131,28 @@ def tree_copy(file: Path, *, held: bool = False, shapes: bool = True) -> Iterato
         for link in model.iterfind("link"):
             for shape in (*link.findall("visual"), *link.findall("collision")):
                 link.remove(shape)
-    for uri in model.iter("uri"):
-        mesh = resolve((uri.text or "").strip(), file)
-        if mesh is not None:
-            uri.text = mesh.absolute().as_posix()
     top = etree.Element("sdf", {"version": "1.9"})
     etree.SubElement(top, "world", {"name": "default"}).append(model)
     with tempfile.TemporaryDirectory() as folder:
+        notes += _resolve_meshes(model, file, Path(folder))
         copy = Path(folder) / "model.sdf"
         copy.write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
         yield copy, notes
+
+
+def _resolve_meshes(model: Element, file: Path, folder: Path) -> tuple[str, ...]:
+    """Make paths of meshes absolute, to substitutes in a folder where PyBullet does not read them; returns notes."""
+    substitutes = MeshSubstitutes("PyBullet", _READABLE)
+    for number, uri in enumerate(model.iter("uri")):
+        mesh = resolve((uri.text or "").strip(), file)
+        if mesh is None:
+            continue
+        content = substitutes.of(mesh)
+        if content is not None:
+            mesh = folder / f"mesh_{number}.obj"
+            mesh.write_bytes(content)
+        uri.text = mesh.absolute().as_posix()
+    return substitutes.notes()
 
 
 _IGNORED = {

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.robot.model import Base, JointKind, Robot
+from stepbot.robot.model import Base, JointKind, MeshFormat, Robot
 from stepbot.robot.multi_dof import (
     ball_to_revolutes,
     cylindrical_to_two,
@@ -78,6 +78,7 @@ from .joints import (
     without_spring,
 )
 from .masses import massless_links, massless_moving_links, with_least_masses, with_stand_in_masses
+from .mesh_formats import collisions_as, visuals_as, with_obj_collisions, with_obj_visuals
 from .names import rename_frames, rename_joints, renamed_frames, renamed_joints, reserved
 from .rerooted_loops import reroot_loops, sliding_closures
 from .shapes import (
@@ -210,6 +211,11 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.OPEN_VIEW: _Handling(sensors_where(is_open_view), bound_views),
     Feature.TIMESTEP: _Handling(_given("timestep")),
     Feature.SOLVER: _Handling(_given("integrator", "closure_stiffness")),
+    Feature.STL_VISUAL: _Handling(visuals_as(MeshFormat.STL), with_obj_visuals),
+    Feature.DAE_VISUAL: _Handling(visuals_as(MeshFormat.DAE), with_obj_visuals),
+    Feature.GLB_VISUAL: _Handling(visuals_as(MeshFormat.GLB), with_obj_visuals),
+    Feature.STL_COLLISION: _Handling(collisions_as(MeshFormat.STL), with_obj_collisions),
+    Feature.OTHER_COLLISION: _Handling(collisions_as(MeshFormat.DAE, MeshFormat.GLB), with_obj_collisions),
     Feature.CAPSULE: _Handling(links_with_capsules, split_capsules),
     Feature.EXCLUDED_CONTACT: _Handling(excluded_pairs),
     Feature.FLAT_COLLISION: _Handling(flat_collisions, drop_flat_collisions),

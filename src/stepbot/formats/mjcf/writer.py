@@ -13,13 +13,13 @@ from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.predicates import is_flat
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import rigid_bodies, without_contacts
+from stepbot.robot.mesh_files import MeshFile, MeshFiles
 from stepbot.robot.model import (
     Base,
     Box,
     Capsule,
     Collision,
     Cylinder,
-    Geometry,
     Joint,
     JointKind,
     Link,
@@ -34,7 +34,7 @@ from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.standing import standing_height
 
 from ..companion import Companion
-from ..lowering import Feature, exact, free_name, geometries, lowered, refused, reported
+from ..lowering import Feature, exact, free_name, lowered, refused, reported
 from ..lowering.shapes import upright
 from ..xml import Element, Value, document, element, root
 from . import FORMAT, constraints, devices
@@ -49,6 +49,11 @@ EXPRESSES = {
     Feature.MASSLESS: exact("`<inertial>` with a mass of 0"),
     Feature.MASSLESS_BODY: lowered("SB732", "moving bodies without mass get 1e-12 kg, as MuJoCo requires some"),
     Feature.MESH: exact("OBJ in metres, path relative to the file"),
+    Feature.STL_VISUAL: exact("as OBJ"),
+    Feature.DAE_VISUAL: lowered("SB733", "MuJoCo does not read COLLADA; visual meshes are OBJ"),
+    Feature.GLB_VISUAL: lowered("SB733", "MuJoCo does not read glTF; visual meshes are OBJ"),
+    Feature.STL_COLLISION: exact("as OBJ"),
+    Feature.OTHER_COLLISION: lowered("SB733", "simulators agree on OBJ and STL; collision meshes are OBJ"),
     Feature.SHAPE: exact("`box`, `cylinder`, `sphere`"),
     Feature.CAPSULE: exact("`capsule`"),
     Feature.FLAT_COLLISION: reported("SB712", "MuJoCo cannot build the convex hull of a flat collision mesh; omitted"),
@@ -200,20 +205,34 @@ def _defaults(top: Element, robot: Robot) -> None:
 
 def _assets(top: Element, robot: Robot) -> None:
     """Meshes; for one without volume, MuJoCo can compute the (unused) inertia only as that of a ``shell``."""
-    shapes = [shape for link in robot.links for shape in geometries(link)]
-    used = {shape.name for shape in shapes if isinstance(shape, MeshRef)}
-    asset = element(top, "asset") if used else top
-    for mesh in (mesh for mesh in robot.meshes if mesh.name in used):
-        optional: dict[str, Value] = {"name": mesh.name} if PurePosixPath(mesh.path).stem != mesh.name else {}
-        if is_flat(mesh.mesh) or float(np.prod(np.ptp(mesh.mesh.bounds, axis=0))) < _TINY:
+    meshes = _Meshes(robot)
+    asset = element(top, "asset") if meshes.files.all() else top
+    for file in meshes.files.all():
+        name, mesh = meshes.name_of(file), file.asset.mesh
+        optional: dict[str, Value] = {"name": name} if PurePosixPath(file.path).stem != name else {}
+        if is_flat(mesh) or float(np.prod(np.ptp(mesh.bounds, axis=0))) < _TINY:
             optional["inertia"] = "shell"
-        element(asset, "mesh", **optional, file=mesh.path)
+        element(asset, "mesh", **optional, file=file.path)
+
+
+class _Meshes:
+    """The names of mesh files; with their format if the robot has two, since one mesh may have two files."""
+
+    def __init__(self, robot: Robot) -> None:
+        self.files = MeshFiles(robot)
+        self._one_format = robot.mesh_formats.visual is robot.mesh_formats.collision
+
+    def name(self, shape: Visual | Collision) -> str:
+        return self.name_of(self.files.of(shape))
+
+    def name_of(self, file: MeshFile) -> str:
+        return file.stem if self._one_format else f"{file.stem}_{file.format.value}"
 
 
 def _bodies(top: Element, robot: Robot) -> None:
     parents = {robot.root.name: element(top, "worldbody")}
     joint_of = {joint.child: joint for joint in robot.joints}
-    names, steps = _GeomNames(), steps_by_child(robot)
+    names, meshes, steps = _GeomNames(), _Meshes(robot), steps_by_child(robot)
     standing = Pose.of(position=(0.0, 0.0, standing_height(robot, {})))
     for link in robot.links:
         joint = joint_of.get(link.name)
@@ -228,9 +247,9 @@ def _bodies(top: Element, robot: Robot) -> None:
             taken = set(robot.joint_by_name)
             element(body, "freejoint", name=free_name(f"{link.name}_floating", "_joint", taken))
         for visual in link.visuals:
-            _geom(body, "visual", visual, names.of(visual.name), rgba=visual.rgba)
+            _geom(body, "visual", visual, names.of(visual.name), meshes, rgba=visual.rgba)
         for collision in link.collisions:
-            _geom(body, "collision", collision, names.of(collision.name))
+            _geom(body, "collision", collision, names.of(collision.name), meshes)
         _sites(body, link, robot)
         devices.mounts(body, link, robot)
 
@@ -280,15 +299,15 @@ def _joint(body: Element, joint: Joint) -> None:
     element(body, "joint", name=joint.name, **({"type": kind} if kind else {}), **optional)
 
 
-def _geom(body: Element, class_: str, shape: Visual | Collision, name: str, **more: Value) -> None:
-    kind, size = _geometry(shape.geometry)
+def _geom(body: Element, class_: str, shape: Visual | Collision, name: str, meshes: _Meshes, **more: Value) -> None:
+    kind, size = _geometry(shape, meshes)
     type_: dict[str, Value] = {"type": kind} if kind != "sphere" else {}
     element(body, "geom", name=name, class_=class_, **type_, **size, **mjcf_pose(upright(shape)), **more)
 
 
-def _geometry(geometry: Geometry) -> tuple[str, dict[str, Value]]:
+def _geometry(shape: Visual | Collision, meshes: _Meshes) -> tuple[str, dict[str, Value]]:
     """Type and size of a geom; MuJoCo uses half lengths."""
-    match geometry:
+    match shape.geometry:
         case Box(size):
             return "box", {"size": [edge / 2 for edge in size]}
         case Cylinder(radius, length):
@@ -297,8 +316,8 @@ def _geometry(geometry: Geometry) -> tuple[str, dict[str, Value]]:
             return "capsule", {"size": (radius, length / 2)}
         case Sphere(radius):
             return "sphere", {"size": (radius,)}
-        case MeshRef(name):
-            return "mesh", {"mesh": name}
+        case MeshRef():
+            return "mesh", {"mesh": meshes.name(shape)}
 
 
 def _sites(body: Element, link: Link, robot: Robot) -> None:

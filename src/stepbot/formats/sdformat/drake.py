@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from stepbot.geometry.spatial import Array, perpendicular_frame
-from stepbot.robot.model import JointKind, LoopClosure, Robot
+from stepbot.robot.model import JointKind, LoopClosure, MeshFormats, Robot
 
 from ..xml import Element, element
 
@@ -23,15 +23,16 @@ FORMAT = "drake.sdf"
 
 
 def for_drake(robot: Robot) -> Robot:
-    """The robot without sensors, none of which Drake supports, and without actuators of universal joints.
+    """The robot as Drake reads it: without sensors and actuators of universal joints, with OBJ meshes.
 
-    Drake creates an actuator for any limit but 0, and supports none on multi-dof joints.
+    Drake creates an actuator for any limit but 0, and supports none on multi-dof joints. Its renderer ignores STL,
+    COLLADA and binary glTF, and it makes no collision shapes of them.
     """
     joints = tuple(
         replace(joint, limit=replace(joint.limit, effort=0.0)) if joint.kind is JointKind.UNIVERSAL else joint
         for joint in robot.joints
     )
-    return replace(robot, joints=joints, sensors=())
+    return replace(robot, joints=joints, sensors=(), mesh_formats=MeshFormats())
 
 
 def constrain(model: Element, robot: Robot) -> None:

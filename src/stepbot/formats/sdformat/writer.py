@@ -8,13 +8,13 @@ follows from the poses in the file, so the loop must close at q = 0 (:data:`Feat
 from math import isfinite, isinf, pi
 
 from stepbot.geometry.spatial import IDENTITY, Pose, Vector3
+from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import (
     Base,
     Box,
     Capsule,
     Collision,
     Cylinder,
-    Geometry,
     Joint,
     JointDynamics,
     JointKind,
@@ -52,6 +52,11 @@ EXPRESSES = {
     Feature.MASSLESS: exact("`<mass>` of 0"),
     Feature.MASSLESS_BODY: exact("`<mass>` of 0"),
     Feature.MESH: exact("OBJ in metres, path relative to the file"),
+    Feature.STL_VISUAL: exact("as OBJ, in single precision"),
+    Feature.DAE_VISUAL: exact("as OBJ, with `up_axis` Z and the colour"),
+    Feature.GLB_VISUAL: exact("`.glb` with the colour, for Gazebo; PyBullet rejects the file"),
+    Feature.STL_COLLISION: exact("as OBJ, in single precision; not read by Drake"),
+    Feature.OTHER_COLLISION: lowered("SB733", "simulators agree on OBJ and STL; collision meshes are OBJ"),
     Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
     Feature.CAPSULE: exact("`<capsule>`"),
     Feature.FLAT_COLLISION: exact("as any mesh"),
@@ -166,10 +171,10 @@ def scenes(robot: Robot) -> dict[str, bytes]:
 def _tree(top: Element, robot: Robot) -> Element:
     """The model with its links, the joints of its tree, and its frames."""
     model = element(top, "model", name=robot.name)
-    X_ML = _link_poses(robot)
+    X_ML, files = _link_poses(robot), MeshFiles(robot)
     for link in robot.links:
         shapes = [collision.name for collision in link.collisions]
-        sensors_on_link(_link(model, link, X_ML[link.name], robot), link, robot.sensors, shapes)
+        sensors_on_link(_link(model, link, X_ML[link.name], files), link, robot.sensors, shapes)
     if robot.base is Base.FIXED:
         _joint_head(model, _world_joint_name(robot), "fixed", "world", robot.root.name)
     for joint in robot.joints:
@@ -200,7 +205,7 @@ def _world_joint_name(robot: Robot) -> str:
     return free_name(f"world_to_{robot.root.name}", "_joint", taken)
 
 
-def _link(model: Element, link: Link, X_ML: Pose, robot: Robot) -> Element:
+def _link(model: Element, link: Link, X_ML: Pose, files: MeshFiles) -> Element:
     xml = element(model, "link", name=link.name)
     sdf_pose(xml, X_ML)
     mass = link.mass_properties
@@ -213,24 +218,24 @@ def _link(model: Element, link: Link, X_ML: Pose, robot: Robot) -> Element:
         if value or tag in ("ixx", "iyy", "izz"):
             element(inertia, tag, value)
     for visual in link.visuals:
-        shape = _shape(xml, "visual", visual, robot)
+        shape = _shape(xml, "visual", visual, files)
         material = element(shape, "material")
         element(material, "ambient", visual.rgba)
         element(material, "diffuse", visual.rgba)
     for collision in link.collisions:
-        _shape(xml, "collision", collision, robot)
+        _shape(xml, "collision", collision, files)
     return xml
 
 
-def _shape(parent: Element, tag: str, shape: Visual | Collision, robot: Robot) -> Element:
+def _shape(parent: Element, tag: str, shape: Visual | Collision, files: MeshFiles) -> Element:
     xml = element(parent, tag, name=shape.name)
     sdf_pose(xml, upright(shape))
-    _geometry(element(xml, "geometry"), shape.geometry, robot)
+    _geometry(element(xml, "geometry"), shape, files)
     return xml
 
 
-def _geometry(parent: Element, geometry: Geometry, robot: Robot) -> None:
-    match geometry:
+def _geometry(parent: Element, shape: Visual | Collision, files: MeshFiles) -> None:
+    match shape.geometry:
         case Box(size):
             element(element(parent, "box"), "size", size)
         case Cylinder(radius, length):
@@ -239,8 +244,8 @@ def _geometry(parent: Element, geometry: Geometry, robot: Robot) -> None:
             _round(parent, "capsule", radius, length)
         case Sphere(radius):
             element(element(parent, "sphere"), "radius", radius)
-        case MeshRef(name):
-            element(element(parent, "mesh"), "uri", robot.mesh_by_name[name].path)
+        case MeshRef():
+            element(element(parent, "mesh"), "uri", files.of(shape).path)
 
 
 def _round(parent: Element, tag: str, radius: float, length: float) -> None:

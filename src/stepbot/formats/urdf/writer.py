@@ -8,12 +8,12 @@ an ``<inertial>``, zero if it is massless: some engines assume 1 kg for a link w
 from math import isfinite
 
 from stepbot.geometry.spatial import Pose
+from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import (
     Box,
     Capsule,
     Collision,
     Cylinder,
-    Geometry,
     Joint,
     JointKind,
     Link,
@@ -39,6 +39,11 @@ EXPRESSES = {
     Feature.MASSLESS: exact("`<mass>` of 0"),
     Feature.MASSLESS_BODY: exact("`<mass>` of 0"),
     Feature.MESH: exact("OBJ in metres, path relative to the file, or `package://`"),
+    Feature.STL_VISUAL: exact("as OBJ, in single precision"),
+    Feature.DAE_VISUAL: exact("as OBJ, with `up_axis` Z and the colour; not read by MuJoCo"),
+    Feature.GLB_VISUAL: lowered("SB733", "PyBullet rejects a URDF with glTF; visual meshes are OBJ"),
+    Feature.STL_COLLISION: exact("as OBJ, in single precision; not read by Drake"),
+    Feature.OTHER_COLLISION: lowered("SB733", "simulators agree on OBJ and STL; collision meshes are OBJ"),
     Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
     Feature.CAPSULE: lowered("SB709", "a capsule is written as a cylinder and two spheres"),
     Feature.FLAT_COLLISION: exact("as any mesh"),
@@ -121,8 +126,9 @@ def render(robot: Robot) -> bytes:
 
 def content(top: Element, robot: Robot) -> None:
     """Add everything in a URDF's root element to an element."""
+    files = MeshFiles(robot)
     for link in robot.links:
-        _link(top, link, robot)
+        _link(top, link, files)
     for joint in robot.joints:
         _joint(top, joint)
     extensions(top, robot)
@@ -140,7 +146,7 @@ def scenes(_robot: Robot) -> dict[str, bytes]:
     return {}
 
 
-def _link(top: Element, link: Link, robot: Robot) -> None:
+def _link(top: Element, link: Link, files: MeshFiles) -> None:
     xml = element(top, "link", name=link.name)
     mass = link.mass_properties
     inertial = element(xml, "inertial")
@@ -149,30 +155,30 @@ def _link(top: Element, link: Link, robot: Robot) -> None:
     (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
     element(inertial, "inertia", ixx=ixx, ixy=ixy, ixz=ixz, iyy=iyy, iyz=iyz, izz=izz)
     for visual in link.visuals:
-        shape = _shape(xml, "visual", visual, robot)
+        shape = _shape(xml, "visual", visual, files)
         material = element(shape, "material", name=visual.name)
         element(material, "color", rgba=visual.rgba)
     for collision in link.collisions:
-        _shape(xml, "collision", collision, robot)
+        _shape(xml, "collision", collision, files)
 
 
-def _shape(parent: Element, tag: str, shape: Visual | Collision, robot: Robot) -> Element:
+def _shape(parent: Element, tag: str, shape: Visual | Collision, files: MeshFiles) -> Element:
     xml = element(parent, tag, name=shape.name)
     _origin(xml, upright(shape))
-    _geometry(element(xml, "geometry"), shape.geometry, robot)
+    _geometry(element(xml, "geometry"), shape, files)
     return xml
 
 
-def _geometry(parent: Element, geometry: Geometry, robot: Robot) -> None:
-    match geometry:
+def _geometry(parent: Element, shape: Visual | Collision, files: MeshFiles) -> None:
+    match shape.geometry:
         case Box(size):
             element(parent, "box", size=size)
         case Cylinder(radius, length):
             element(parent, "cylinder", radius=radius, length=length)
         case Sphere(radius):
             element(parent, "sphere", radius=radius)
-        case MeshRef(name):
-            element(parent, "mesh", filename=robot.mesh_by_name[name].path)
+        case MeshRef():
+            element(parent, "mesh", filename=files.of(shape).path)
         case Capsule():
             raise ValueError("capsules are lowered before they are written")
 

@@ -8,8 +8,9 @@ import numpy as np
 
 from stepbot.geometry.colors import linear_from_srgb
 from stepbot.geometry.fixed_point import fixed_point_lines
-from stepbot.geometry.mesh import GRID_DECIMALS, GRID_PER_METRE, TriMesh
-from stepbot.geometry.spatial import IDENTITY, Array, Pose, cross
+from stepbot.geometry.mesh import GRID_DECIMALS, GRID_PER_METRE
+from stepbot.geometry.mesh_bytes import unit_normals
+from stepbot.geometry.spatial import IDENTITY, Array, Pose
 from stepbot.robot.model import (
     Box,
     Capsule,
@@ -150,7 +151,7 @@ def _asset(asset: MeshAsset, identifier: str) -> Prim:
     prim.set("float3[] extent", f"[{', '.join(map(singles, corners))}]")
     prim.set("int[] faceVertexCounts", f"[{', '.join(['3'] * len(mesh.faces))}]")
     prim.set("int[] faceVertexIndices", f"[{', '.join(map(str, mesh.faces.ravel().tolist()))}]")
-    prim.set("normal3f[] normals", _triples(np.rint(_normals(mesh) * 10**_NORMAL_DECIMALS), _NORMAL_DECIMALS))
+    prim.set("normal3f[] normals", _triples(np.rint(unit_normals(mesh) * 10**_NORMAL_DECIMALS), _NORMAL_DECIMALS))
     prim.properties[-1] += ' (interpolation = "uniform")'
     prim.set("point3f[] points", _triples(nanometres.astype(np.float64), GRID_DECIMALS))
     prim.set("uniform token subdivisionScheme", '"none"')
@@ -161,16 +162,6 @@ def _triples(rows: Array, decimals: int) -> str:
     """An array of triples, from integers (n, 3) in units of the last decimal."""
     lines = fixed_point_lines("", rows.astype(np.int64), decimals).decode().splitlines()
     return "[" + ", ".join(f"({', '.join(line.split())})" for line in lines) + "]"
-
-
-def _normals(mesh: TriMesh) -> Array:
-    """Unit normal (n, 3) of each face; z for a face without area, as of collinear vertices of a hull."""
-    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
-    across = cross(b - a, c - a)
-    x, y, z = across.T
-    length = np.sqrt(x * x + y * y + z * z)
-    flat = length == 0.0
-    return np.where(flat[:, None], (0.0, 0.0, 1.0), across / np.where(flat, 1.0, length)[:, None])
 
 
 def _material(scope: str, rgba: Rgba, identifier: str) -> Prim:

@@ -28,6 +28,11 @@ EXPRESSES = {
     Feature.MASSLESS: lowered("SB741", "links without mass get 1e-6 kg, those without inertia 1e-9 kg m^2"),
     Feature.MASSLESS_BODY: exact("as any link without mass"),
     Feature.MESH: exact("`Mesh` in the same file, once for all links; visuals are instances"),
+    Feature.STL_VISUAL: exact("in the same file"),
+    Feature.DAE_VISUAL: exact("in the same file"),
+    Feature.GLB_VISUAL: exact("in the same file"),
+    Feature.STL_COLLISION: exact("in the same file"),
+    Feature.OTHER_COLLISION: exact("in the same file"),
     Feature.SHAPE: exact("`Cube` with a scale, `Cylinder`, `Sphere`"),
     Feature.CAPSULE: exact("`Capsule`"),
     Feature.FLAT_COLLISION: reported(

@@ -12,6 +12,7 @@ import numpy as np
 from stepbot.diagnostics import one_line
 from stepbot.geometry.spatial import Array, Pose, perpendicular_frame, vector3
 from stepbot.robot.kinematics import initial_configuration, link_poses
+from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import Base, Joint, JointKind, Link, LoopClosure, Robot
 from stepbot.robot.standing import standing_height
 from stepbot.version import __version__
@@ -35,6 +36,11 @@ EXPRESSES = {
     Feature.MASSLESS: lowered("SB741", "links without mass get 1e-6 kg, those without inertia 1e-9 kg m^2"),
     Feature.MASSLESS_BODY: exact("as any link without mass"),
     Feature.MESH: exact("`Mesh` with the OBJ, path relative to the file"),
+    Feature.STL_VISUAL: exact("as OBJ, in single precision"),
+    Feature.DAE_VISUAL: exact("as OBJ, with `up_axis` Z and the colour"),
+    Feature.GLB_VISUAL: lowered("SB733", "`Mesh` has no glTF; visual meshes are OBJ"),
+    Feature.STL_COLLISION: exact("as OBJ, in single precision"),
+    Feature.OTHER_COLLISION: lowered("SB733", "simulators agree on OBJ and STL; collision meshes are OBJ"),
     Feature.SHAPE: exact("`Box`, `Cylinder`, `Sphere`"),
     Feature.CAPSULE: exact("`Capsule`"),
     Feature.FLAT_COLLISION: exact("as any mesh"),
@@ -158,13 +164,14 @@ class _Solids:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
+        self.files = MeshFiles(robot)
         self.drawn = initial_configuration(robot)
         self.X_RL = link_poses(robot, self.drawn)
 
     def solid(self, link: Link) -> Node:
         """A link with all that is on it, and with the links below it."""
         robot = self.robot
-        children = [visual_node(visual, robot) for visual in link.visuals]
+        children = [visual_node(visual, self.files) for visual in link.visuals]
         children += [node for sensor in robot.sensors if sensor.link == link.name for node in sensor_nodes(sensor)]
         for frame in robot.frames:
             if frame.link == link.name:
@@ -175,7 +182,7 @@ class _Solids:
         if children:
             solid.set("children", children)
         if link.collisions:
-            solid.set("boundingObject", bounding_object(link.collisions, robot))
+            solid.set("boundingObject", bounding_object(link.collisions, self.files))
         return solid.set("physics", _physics(link))
 
     def _joint(self, joint: Joint) -> Node:

@@ -12,7 +12,7 @@ from stepbot.pipeline.conversion import Conversion, Options, write
 from stepbot.runtime.cache import bytes_digest
 from stepbot.runtime.output import stamp
 from stepbot.runtime.worker import RemoteError, WorkerDied
-from stepbot.step.exchange.file_set import combined_digest, input_files
+from stepbot.step.exchange.input_files import combined_digest, input_files
 
 from ..incremental import conversion_key
 from .state import State

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from stepbot.pipeline.conversion import Options
 from stepbot.runtime.cache import file_digest
-from stepbot.step.exchange.file_set import input_digest
+from stepbot.step.exchange.input_files import input_digest
 
 from ..incremental import conversion_key
 from .tasks import Task

@@ -2,7 +2,8 @@
 
 store    entries in files: safe under concurrent runs and kills, bounded in size
 folder   where they are on this system
-keys     what a key is made of: bytes of inputs, options, versions, stepbot's own code
+digest   hashes of files and of the parts of a key
+sources, keys  what all keys contain: stepbot's own code, versions of packages and programs
 codec    data classes and arrays as bytes and back, led by their annotations
 typed    values of one type: a cache and a codec together
 by_content  results of many computations, one for equal inputs
@@ -12,8 +13,10 @@ Every entry can be computed again, and a damaged entry is treated as missing.
 
 from .by_content import ResultsByContent
 from .codec import Undecodable, codec_of
+from .digest import Digest, bytes_digest, content_digest, file_digest
 from .folder import default_folder
-from .keys import Digest, bytes_digest, content_digest, environment, file_digest, own_code
+from .keys import environment
+from .sources import keep_own_code, own_code
 from .store import DEFAULT_LIMIT, Cache, Usage
 from .typed import TypedCache
 
@@ -31,5 +34,6 @@ __all__ = [
     "default_folder",
     "environment",
     "file_digest",
+    "keep_own_code",
     "own_code",
 ]

@@ -4,7 +4,8 @@ from collections.abc import Hashable, Iterable, Mapping
 from typing import Generic, TypeVar
 
 from .codec import codec_of
-from .keys import Digest, environment
+from .digest import Digest
+from .keys import environment
 from .store import Cache
 from .typed import TypedCache
 

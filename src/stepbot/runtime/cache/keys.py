@@ -1,82 +1,12 @@
-"""Cache keys: everything that a result depends on, and nothing else."""
+"""What all cache keys contain: stepbot's code, the installed packages and external programs."""
 
 import contextlib
-import hashlib
-import platform
+import os
 import sys
-from collections.abc import Mapping
 from functools import cache
-from pathlib import Path
 
-from ..programs import program_fingerprints
-
-_CHUNK = 1 << 22
-_SIZE = 20
-
-
-class Digest:
-    """A hash over separate parts: ``("ab", "c")`` differs from ``("a", "bc")``."""
-
-    def __init__(self, purpose: str) -> None:
-        """Start a key.
-
-        Args:
-            purpose: The kind of result.
-        """
-        self._hashed = hashlib.blake2b(digest_size=_SIZE)
-        self.add(purpose)
-
-    def add(self, *parts: str | bytes) -> "Digest":
-        """Add parts, in order."""
-        for part in parts:
-            data = part.encode("utf-8", "surrogatepass") if isinstance(part, str) else part
-            self._hashed.update(len(data).to_bytes(8, "little"))
-            self._hashed.update(data)
-        return self
-
-    @property
-    def key(self) -> str:
-        """The key, in hexadecimal digits."""
-        return self._hashed.hexdigest()
-
-
-def file_digest(path: Path) -> str | None:
-    """Hash of a file's bytes; None if the file is missing or unreadable."""
-    hashed = hashlib.blake2b(digest_size=_SIZE)
-    try:
-        with path.open("rb") as file:
-            while chunk := file.read(_CHUNK):
-                hashed.update(chunk)
-    except OSError:
-        return None
-    return hashed.hexdigest()
-
-
-def bytes_digest(content: bytes) -> str:
-    """:func:`file_digest` of a file with this content."""
-    return hashlib.blake2b(content, digest_size=_SIZE).hexdigest()
-
-
-def content_digest(files: Mapping[str, bytes]) -> str:
-    """Hash of several files, by their names."""
-    digest = Digest("files")
-    for name, content in sorted(files.items()):
-        digest.add(name, content)
-    return digest.key
-
-
-@cache
-def own_code() -> str:
-    """Hash of stepbot's own code and its runtime: results of other code are different results.
-
-    The version number would not be sufficient: it does not change during development.
-    """
-    package = Path(__file__).resolve().parents[2]
-    digest = Digest("code")
-    for path in sorted(package.rglob("*.py"), key=lambda path: path.as_posix()):
-        digest.add(path.relative_to(package).as_posix(), path.read_bytes())
-    digest.add(platform.python_implementation(), sys.version, sys.platform, platform.machine())
-    return digest.key
+from .digest import Digest
+from .sources import own_code
 
 
 @cache
@@ -85,6 +15,8 @@ def environment() -> str:
 
     Any installed package counts, whether stepbot uses it directly, indirectly or optionally.
     """
+    from ..programs import program_fingerprints
+
     return Digest("environment").add(own_code(), *_packages(), "programs", *program_fingerprints()).key
 
 
@@ -95,6 +27,6 @@ def _packages() -> list[str]:
     """
     found: set[str] = set()
     for folder in sys.path:
-        with contextlib.suppress(OSError):  # an archive, or nothing
-            found.update(path.name for path in Path(folder).iterdir() if path.suffix in (".dist-info", ".egg-info"))
+        with contextlib.suppress(OSError), os.scandir(folder or ".") as entries:  # an error: an archive, or nothing
+            found.update(entry.name for entry in entries if entry.name.endswith((".dist-info", ".egg-info")))
     return sorted(found)

@@ -10,11 +10,10 @@ are removed. Runs need not coordinate: a later one finds the entry, or computes 
 
 import hashlib
 import os
-import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 DEFAULT_LIMIT = 2 * 2**30
 """Maximum size [bytes] of all entries."""
@@ -31,8 +30,7 @@ _SCAN_SHARE = 1.0 / 64.0
 """Share of the limit that a process adds before it checks the total size of all processes' entries again."""
 
 
-@dataclass(frozen=True)
-class Usage:
+class Usage(NamedTuple):
     """Number and size of entries."""
 
     entries: int
@@ -40,8 +38,7 @@ class Usage:
     """[bytes]."""
 
 
-@dataclass(frozen=True)
-class _Entry:
+class _Entry(NamedTuple):
     path: Path
     size: int
     used: float
@@ -139,6 +136,8 @@ class Cache:
 
 def _write(path: Path, data: bytes) -> None:
     """Create a file atomically: readers see all of it or nothing."""
+    import tempfile  # not needed to read entries
+
     handle, name = tempfile.mkstemp(prefix=_NEW, dir=path.parent)
     draft = Path(name)
     try:

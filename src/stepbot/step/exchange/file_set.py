@@ -6,15 +6,15 @@ any of them; the kernel's own search for such files is switched off (:func:`step
 """
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from stepbot.diagnostics import Diagnostics, did_you_mean
-from stepbot.runtime.cache import Digest, file_digest
 
+from . import DOCUMENT_FILE
 from .part21 import Part21, check_step, opened
-from .references import DOCUMENT_FILE, ExternalReference, external_references
+from .references import ExternalReference, external_references
 
 NONE = -1
 """Index that means no file."""
@@ -91,26 +91,9 @@ def check_files(step: Path, place: str, found: Diagnostics, encoding: str = "") 
     return tuple(files) if len(files) == len(checked) else None
 
 
-def input_files(step: Path) -> dict[str, Path]:
+def reached_files(step: Path) -> dict[str, Path]:
     """The files of an assembly by their names relative to its folder, the main one first; reports nothing."""
     return {str(member.name): member.path for member in _walk(step, _references)}
-
-
-def input_digest(step: Path) -> str | None:
-    """Hash of all files of an assembly; None if the main one cannot be read."""
-    digests = {name: file_digest(path) for name, path in input_files(step).items()}
-    return combined_digest(digests)
-
-
-def combined_digest(digests: Mapping[str, str | None]) -> str | None:
-    """Hash of all files of an assembly from the hash of each, the main one first; None if that has none."""
-    (_, root), *others = digests.items()
-    if root is None or not others:
-        return root
-    digest = Digest("files of an assembly").add(root)
-    for name, own in others:
-        digest.add(name, own or "")
-    return digest.key
 
 
 def _references(path: Path, _name: PurePosixPath) -> Sequence[ExternalReference]:

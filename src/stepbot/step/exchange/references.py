@@ -12,14 +12,13 @@ from dataclasses import dataclass
 
 from stepbot.robot.step_names import is_step_name
 
+from . import DOCUMENT_FILE
 from .encodings import FALLBACK, Text, lines_of
 from .entities import Entities
 from .part21_values import Record, Value
 from .statements import find_statements
 from .strings import decode_string
 
-DOCUMENT_FILE = b"DOCUMENT_FILE"
-"""Contained in the text of every file with such references."""
 _CAD_NAME = re.compile(
     r"\.(stpxz?|igs|iges|prt|asm|sldprt|sldasm|catpart|catproduct|ipt|iam|par|psm|jt|x_t|x_b|sat|3dm|f3d)(\.\d+)?$",
     re.IGNORECASE,

@@ -11,7 +11,7 @@ import pytest
 
 from stepbot.robot.step_names import is_step_name, step_stem
 from stepbot.step.exchange.compression import ALWAYS
-from stepbot.step.exchange.file_set import input_digest
+from stepbot.step.exchange.input_files import input_digest
 from tests import parts
 from tests.conftest import ReadDiagnostics
 from tests.separate_files import Component, write_structure

@@ -161,7 +161,7 @@ def evil_report() -> tuple[Robot, Report, tuple[Diagnostic, ...]]:
         for joint in robot.joints
     )
     checks = (Check(EVIL, EVIL, EVIL, EVIL, Status.FAILED, 2.0, 1.0, EVIL, EVIL, EVIL, EVIL),)
-    report = Report(checks, {EVIL: EVIL}, robot, 2, inputs={EVIL: EVIL}, joint_table=rows)
+    report = Report(checks, {EVIL: EVIL}, 2, inputs={EVIL: EVIL}, joint_table=rows, robot=robot)
     found = (Diagnostic("SB301", "error", EVIL, Span(EVIL, 3, 2, 5), help=(EVIL,), notes=(EVIL,)),)
     return robot, report, found
 

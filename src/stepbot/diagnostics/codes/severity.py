@@ -1,0 +1,5 @@
+"""How serious a diagnostic is."""
+
+from typing import Literal
+
+Severity = Literal["error", "warning", "note"]

@@ -1,0 +1,41 @@
+"""Mesh files in formats that the readers of a description do not read: OBJ in their place."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+
+from stepbot.robot.model import Collision, MeshFormat, MeshRef, Robot, Visual
+
+
+def visuals_as(*formats: MeshFormat) -> Callable[[Robot], list[str]]:
+    """The number of visual meshes, if they are in one of the formats."""
+
+    def affected(robot: Robot) -> list[str]:
+        return _count("visual", robot.mesh_formats.visual in formats, (link.visuals for link in robot.links))
+
+    return affected
+
+
+def collisions_as(*formats: MeshFormat) -> Callable[[Robot], list[str]]:
+    """The number of collision meshes, if they are in one of the formats."""
+
+    def affected(robot: Robot) -> list[str]:
+        return _count("collision", robot.mesh_formats.collision in formats, (link.collisions for link in robot.links))
+
+    return affected
+
+
+def with_obj_visuals(robot: Robot) -> Robot:
+    """The robot with visual meshes as OBJ."""
+    return replace(robot, mesh_formats=replace(robot.mesh_formats, visual=MeshFormat.OBJ))
+
+
+def with_obj_collisions(robot: Robot) -> Robot:
+    """The robot with collision meshes as OBJ."""
+    return replace(robot, mesh_formats=replace(robot.mesh_formats, collision=MeshFormat.OBJ))
+
+
+def _count(word: str, applies: bool, shapes: Iterable[tuple[Visual, ...] | tuple[Collision, ...]]) -> list[str]:
+    names = {shape.geometry.name for some in shapes for shape in some if isinstance(shape.geometry, MeshRef)}
+    if not applies or not names:
+        return []
+    return [f"{len(names)} {word} mesh{'es' if len(names) > 1 else ''}"]

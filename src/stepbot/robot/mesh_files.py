@@ -1,0 +1,93 @@
+"""The mesh files of a robot: which mesh is written in which format, under which path.
+
+A file with a colour has one: a mesh that visuals show in several colours has a file for each.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from stepbot.geometry.mesh import obj_bytes
+from stepbot.geometry.mesh_bytes import dae_bytes, glb_bytes, stl_bytes
+
+from .mesh_names import UniqueNames
+from .model import Collision, MeshAsset, MeshFormat, MeshRef, Rgba, Robot, Visual
+
+COLORED = (MeshFormat.DAE, MeshFormat.GLB)
+"""Formats whose files have a colour."""
+
+
+@dataclass(frozen=True)
+class MeshFile:
+    """A mesh in a format."""
+
+    asset: MeshAsset
+    format: MeshFormat
+    stem: str
+    """Name of the file without suffix."""
+    rgba: Rgba | None = None
+    """Of a file that has a colour."""
+
+    @property
+    def path(self) -> str:
+        """Path of the file, relative to the output folder, with forward slashes."""
+        return f"meshes/{self.stem}.{self.format.value}"
+
+    def content(self) -> bytes:
+        """The file."""
+        match self.format:
+            case MeshFormat.STL:
+                return stl_bytes(self.asset.mesh)
+            case MeshFormat.DAE if self.rgba:
+                return dae_bytes(self.asset.mesh, self.stem, self.rgba)
+            case MeshFormat.GLB if self.rgba:
+                return glb_bytes(self.asset.mesh, self.stem, self.rgba)
+            case _:
+                return obj_bytes(self.asset.mesh, self.stem)
+
+
+class MeshFiles:
+    """The mesh files of a lowered robot, and which of them each shape refers to."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._formats = robot.mesh_formats
+        self._assets = robot.mesh_by_name
+        self._names = UniqueNames(asset.name for asset in robot.meshes)
+        self._stems: dict[tuple[str, Rgba | None], str] = {}
+        self._files: dict[str, MeshFile] = {}
+        for shape in _shapes(robot):
+            if isinstance(shape.geometry, MeshRef):
+                file = self.of(shape)
+                self._files.setdefault(file.path, file)
+        order = {asset.name: number for number, asset in enumerate(robot.meshes)}
+        self._sorted = tuple(sorted(self._files.values(), key=lambda file: order[file.asset.name]))
+
+    def all(self) -> tuple[MeshFile, ...]:
+        """Every file, in the order of the robot's meshes; visuals first."""
+        return self._sorted
+
+    def of(self, shape: Visual | Collision) -> MeshFile:
+        """The file of a shape whose geometry is a mesh.
+
+        Raises:
+            ValueError: The geometry is a primitive.
+        """
+        if not isinstance(shape.geometry, MeshRef):
+            raise ValueError("a primitive has no mesh file")
+        name, is_visual = shape.geometry.name, isinstance(shape, Visual)
+        kind = self._formats.visual if is_visual else self._formats.collision
+        rgba = shape.rgba if isinstance(shape, Visual) and kind in COLORED else None
+        return MeshFile(self._assets[name], kind, self._stem(name, rgba), rgba)
+
+    def _stem(self, name: str, rgba: Rgba | None) -> str:
+        """The mesh's name for its first colour; a new one for each further."""
+        if (name, rgba) not in self._stems:
+            is_first = rgba is None or not any(of == name and color for of, color in self._stems)
+            self._stems[name, rgba] = name if is_first else self._names.unique(name)
+        return self._stems[name, rgba]
+
+
+def _shapes(robot: Robot) -> Iterator[Visual | Collision]:
+    for link in robot.links:
+        yield from link.visuals
+    for link in robot.links:
+        yield from link.collisions

@@ -1,0 +1,59 @@
+"""Hashes of files and of separate parts."""
+
+import hashlib
+from collections.abc import Mapping
+from pathlib import Path
+
+_CHUNK = 1 << 22
+_SIZE = 20
+
+
+class Digest:
+    """A hash over separate parts: ``("ab", "c")`` differs from ``("a", "bc")``."""
+
+    def __init__(self, purpose: str) -> None:
+        """Start a key.
+
+        Args:
+            purpose: The kind of result.
+        """
+        self._hashed = hashlib.blake2b(digest_size=_SIZE)
+        self.add(purpose)
+
+    def add(self, *parts: str | bytes) -> "Digest":
+        """Add parts, in order."""
+        for part in parts:
+            data = part.encode("utf-8", "surrogatepass") if isinstance(part, str) else part
+            self._hashed.update(len(data).to_bytes(8, "little"))
+            self._hashed.update(data)
+        return self
+
+    @property
+    def key(self) -> str:
+        """The key, in hexadecimal digits."""
+        return self._hashed.hexdigest()
+
+
+def file_digest(path: Path) -> str | None:
+    """Hash of a file's bytes; None if the file is missing or unreadable."""
+    hashed = hashlib.blake2b(digest_size=_SIZE)
+    try:
+        with path.open("rb") as file:
+            while chunk := file.read(_CHUNK):
+                hashed.update(chunk)
+    except OSError:
+        return None
+    return hashed.hexdigest()
+
+
+def bytes_digest(content: bytes) -> str:
+    """:func:`file_digest` of a file with this content."""
+    return hashlib.blake2b(content, digest_size=_SIZE).hexdigest()
+
+
+def content_digest(files: Mapping[str, bytes]) -> str:
+    """Hash of several files, by their names."""
+    digest = Digest("files")
+    for name, content in sorted(files.items()):
+        digest.add(name, content)
+    return digest.key

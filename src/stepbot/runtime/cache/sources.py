@@ -1,0 +1,66 @@
+"""Hash of stepbot's own code: results of other code are different results.
+
+The version number would not be sufficient: it does not change during development. To read all files takes half as long
+as `import click`, so a cache keeps the hash under their sizes and times, by which Python recognizes outdated bytecode.
+"""
+
+import os
+import platform
+import sys
+import time
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+from .digest import Digest
+from .store import Cache
+
+_PACKAGE = Path(__file__).resolve().parents[2]
+_SUFFIXES = (".py", ".toml", ".html", ".css", ".js")
+_SETTLED = 2 * 10**9
+"""Age [ns] of a file from which a further change gives it another time, on any file system."""
+_caches: list[Cache] = []
+
+
+def keep_own_code(kept: Cache | None) -> None:
+    """Let :func:`own_code` find its result in a cache, and store it there; None for no cache."""
+    _caches[:] = [] if kept is None else [kept]
+
+
+@cache
+def own_code() -> str:
+    """Hash of stepbot's own code and its runtime."""
+    digest = Digest("code").add(code_digest(_PACKAGE, _caches[0] if _caches else None))
+    return digest.add(platform.python_implementation(), sys.version, sys.platform, platform.machine()).key
+
+
+def code_digest(package: Path, kept: Cache | None) -> str:
+    """Hash of the names and the contents of the source files below a folder.
+
+    Args:
+        package: The folder.
+        kept: Keeps the hash for files of the same sizes and times; None to read the files.
+    """
+    stamps = dict(sorted(_stamps(str(package), "")))
+    key = Digest("stamps").add(str(package), repr(stamps)).key
+    known = kept.get(key) if kept is not None else None
+    if known is not None:
+        return known.decode("ascii")
+    start = time.time_ns()
+    digest = Digest("sources")
+    for name in stamps:
+        digest.add(name, (package / name).read_bytes())
+    if kept is not None and all(max(times) < start - _SETTLED for _, *times in stamps.values()):
+        kept.put(key, digest.key.encode("ascii"))
+    return digest.key
+
+
+def _stamps(folder: str, prefix: str) -> Iterator[tuple[str, tuple[int, int, int]]]:
+    """Relative name, size [bytes] and times [ns] of each source file."""
+    with os.scandir(folder) as entries:
+        for entry in entries:
+            if entry.name.endswith(_SUFFIXES):
+                status = entry.stat()
+                yield prefix + entry.name, (status.st_size, status.st_mtime_ns, status.st_ctime_ns)
+            elif "." not in entry.name and entry.name != "__pycache__" and entry.is_dir():
+                yield from _stamps(entry.path, f"{prefix}{entry.name}/")
