@@ -1,16 +1,30 @@
-"""XML of the written formats: elements, numbers, the document around them; imports lxml on first use."""
+"""XML of the written formats: elements, numbers, the document around them.
 
-from collections.abc import Mapping, Sequence
-from math import isnan
-from typing import TYPE_CHECKING, TypeAlias
+A robot may have one mesh at thousands of places. The elements of such shapes differ in name and position alone:
+:class:`Patterns` makes them once, and fills in the rest.
+"""
+
+import re
+from collections.abc import Callable, Hashable, Mapping, Sequence
+from types import MappingProxyType
+from typing import TypeAlias
+from xml.etree.ElementTree import Element as Element  # noqa: PLC0414
+from xml.etree.ElementTree import SubElement
 
 from stepbot.version import __version__
 
-if TYPE_CHECKING:
-    from lxml.etree import _Element
-
-Element: TypeAlias = "_Element"
 Value: TypeAlias = str | float | Sequence[float]
+
+_INDENTED = 30
+"""Levels of elements that are indented: beyond, a chain of links would take space quadratic in its length."""
+_SLOTS = ("\x01", "\x02")
+"""Stand for the first and the second value of a pattern; no document can contain them."""
+_NOT_XML = re.compile("[^\x01\x02\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+"""Characters that XML 1.0 does not allow, and that are no slots."""
+_NO_NAMESPACES: Mapping[str, str] = MappingProxyType({})
+_NOT_ALLOWED = "U+{:04X} cannot be written to XML"
+_IN_TEXT = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"})
+_IN_ATTRIBUTE = {**_IN_TEXT, **str.maketrans({'"': "&quot;", "\t": "&#9;", "\n": "&#10;"})}
 
 
 def number(value: float) -> str:
@@ -19,12 +33,9 @@ def number(value: float) -> str:
     Raises:
         ValueError: Not a number.
     """
-    value = float(value)
-    if isnan(value):
+    text = repr(float(value) + 0.0)  # adding zero turns -0.0 into 0.0
+    if text == "nan":
         raise ValueError("NaN cannot be written")
-    if value == 0.0:
-        return "0"
-    text = repr(value)
     return text.removesuffix(".0")
 
 
@@ -34,17 +45,71 @@ def text_of(value: Value) -> str:
         return value
     if isinstance(value, int | float):
         return number(value)
-    return " ".join(number(entry) for entry in value)
+    return " ".join([number(entry) for entry in value])
 
 
 def element(parent: Element, tag: str, text: Value | None = None, /, **attributes: Value) -> Element:
     """A new last child of ``parent``; a trailing underscore of an attribute's name is dropped (``class_``)."""
-    from lxml import etree
-
-    child = etree.SubElement(parent, tag, {name.rstrip("_"): text_of(value) for name, value in attributes.items()})
+    child = SubElement(parent, tag, {name.rstrip("_"): text_of(value) for name, value in attributes.items()})
     if text is not None:
         child.text = text_of(text)
     return child
+
+
+class Patterns:
+    """Elements that a document repeats with other names and positions: each is made and serialized once."""
+
+    def __init__(self) -> None:
+        self._made: dict[Hashable, _Pattern] = {}
+
+    def add(self, parent: Element, key: Hashable, make: Callable[..., Element], *values: Value) -> None:
+        """Add what ``make(parent, *values)`` adds to ``parent``.
+
+        Args:
+            parent: The element above.
+            key: Equal for elements that differ in ``values`` alone.
+            make: Makes the element. It is called once for each key, with texts that it must write as they are, in
+                attributes, or between white space.
+            values: At most two.
+        """
+        pattern = self._made.get(key)
+        if pattern is None:
+            pattern = self._made[key] = _Pattern(make(Element(""), *_SLOTS[: len(values)]))
+        parent.append(_Copy(pattern, [_escaped(text_of(value), _IN_ATTRIBUTE) for value in values]))
+
+
+class _Pattern:
+    """The text of an element, with gaps."""
+
+    def __init__(self, of: Element) -> None:
+        self._element = of
+        self._at: dict[int, str] = {}
+        """By level in the document."""
+
+    def filled(self, level: int, values: Sequence[str]) -> str:
+        text = self._at.get(level)
+        if text is None:
+            text = "\n".join(_lines(self._element, level)).replace("{", "{{").replace("}", "}}")
+            for index, slot in enumerate(_SLOTS):
+                text = text.replace(slot, f"{{{index}}}")
+            self._at[level] = text
+        return text.format(*values)
+
+
+class _Copy(Element):
+    """An element with the text of a pattern."""
+
+    def __init__(self, pattern: _Pattern, values: Sequence[str]) -> None:
+        super().__init__("")
+        self.pattern, self.values = pattern, values
+
+
+class _Root(Element):
+    """The root element, with what stands before it in the document."""
+
+    def __init__(self, tag: str, attributes: dict[str, str], remark: str, namespaces: Mapping[str, str]) -> None:
+        super().__init__(tag, attributes)
+        self.remark, self.namespaces = remark, namespaces
 
 
 def root(tag: str, source: str, namespaces: Mapping[str, str] | None = None, /, **attributes: Value) -> Element:
@@ -56,20 +121,71 @@ def root(tag: str, source: str, namespaces: Mapping[str, str] | None = None, /, 
         namespaces: Namespace of each prefix in the document.
         attributes: Its attributes.
     """
-    from lxml import etree
-
-    top = etree.Element(tag, {name: text_of(value) for name, value in attributes.items()}, nsmap=dict(namespaces or {}))
     origin = f" from {source}" if source else ""
     remark = f" Written by stepbot {__version__}{origin}. "
     while "--" in remark:  # not allowed in an XML comment
         remark = remark.replace("--", "- -")
-    top.addprevious(etree.Comment(remark))
-    return top
+    return _Root(tag, {name: text_of(value) for name, value in attributes.items()}, remark, namespaces or {})
 
 
 def document(top: Element) -> bytes:
-    """The bytes of a document: UTF-8, indented by two spaces, one newline at the end."""
-    from lxml import etree
+    """The bytes of a document: UTF-8, indented by two spaces, one newline at the end.
 
-    body: bytes = etree.tostring(top.getroottree(), encoding="UTF-8", pretty_print=True, xml_declaration=False)
-    return b'<?xml version="1.0" encoding="UTF-8"?>\n' + body.rstrip(b"\n") + b"\n"
+    Args:
+        top: The element from :func:`root`.
+
+    Raises:
+        ValueError: A text has a character that XML does not allow.
+    """
+    assert isinstance(top, _Root)
+    head = ['<?xml version="1.0" encoding="UTF-8"?>', f"<!--{_escaped(top.remark, {})}-->"]
+    text = "\n".join([*head, *_lines(top, 0, top.namespaces), ""])
+    for slot in _SLOTS:
+        if slot in text:
+            raise ValueError(_NOT_ALLOWED.format(ord(slot)))
+    return text.encode()
+
+
+def _lines(top: Element, level: int, namespaces: Mapping[str, str] = _NO_NAMESPACES) -> list[str]:
+    """The lines of an element and everything in it; the first one declares the namespaces."""
+    prefixes = {f"{{{namespace}}}": f"{prefix}:" for prefix, namespace in namespaces.items()}
+    declared = "".join(f' xmlns:{prefix}="{namespace}"' for prefix, namespace in namespaces.items())
+    lines: list[str] = []
+    pending: list[tuple[Element, int] | str] = [(top, level)]  # no recursion: chains of links are deep
+    while pending:
+        one = pending.pop()
+        if isinstance(one, str):
+            lines.append(one)
+            continue
+        xml, level = one
+        if isinstance(xml, _Copy):
+            lines.append(xml.pattern.filled(level, xml.values))
+            continue
+        indent = "  " * min(level, _INDENTED)
+        tag = xml.tag if xml.tag[0] != "{" else _prefixed(xml.tag, prefixes)
+        given = "".join([f' {name}="{_escaped(value, _IN_ATTRIBUTE)}"' for name, value in xml.items()])
+        begin, declared = f"{indent}<{tag}{declared}{given}", ""
+        if len(xml):
+            lines.append(f"{begin}>")
+            pending.append(f"{indent}</{tag}>")
+            pending += [(child, level + 1) for child in reversed(xml)]
+        else:
+            lines.append(f"{begin}/>" if xml.text is None else f"{begin}>{_escaped(xml.text, _IN_TEXT)}</{tag}>")
+    return lines
+
+
+def _prefixed(tag: str, prefixes: Mapping[str, str]) -> str:
+    """A tag with its namespace's prefix."""
+    namespace, _, name = tag.partition("}")
+    return prefixes[f"{namespace}}}"] + name
+
+
+def _escaped(text: str, characters: Mapping[int, str]) -> str:
+    """A text with its special characters replaced.
+
+    Raises:
+        ValueError: It has a character that XML does not allow.
+    """
+    if not text.isprintable() and (wrong := _NOT_XML.search(text)):
+        raise ValueError(_NOT_ALLOWED.format(ord(wrong[0])))
+    return text.translate(characters)

@@ -153,6 +153,11 @@ class Link:
     components: tuple[str, ...] = ()
     """Paths of the link's components in the assembly."""
 
+    @property
+    def shapes(self) -> "tuple[Visual | Collision, ...]":
+        """All visuals, then all collisions."""
+        return (*self.visuals, *self.collisions)
+
 
 @dataclass(frozen=True)
 class Limit:

@@ -1,5 +1,6 @@
 """Shapes that a format or its engine does not support."""
 
+from collections.abc import Hashable
 from dataclasses import replace
 from typing import TypeVar
 
@@ -18,12 +19,18 @@ _Shape = TypeVar("_Shape", Visual, Collision)
 
 def geometries(link: Link) -> list[Geometry]:
     """The geometry of all visuals, then of all collisions of a link."""
-    return [visual.geometry for visual in link.visuals] + [collision.geometry for collision in link.collisions]
+    return [shape.geometry for shape in link.shapes]
 
 
 def upright(shape: Visual | Collision) -> Pose:
     """Pose of a shape in its link; for a sphere without rotation."""
     return Pose.of(position=shape.X_LG.p) if isinstance(shape.geometry, Sphere) else shape.X_LG
+
+
+def look(shape: Visual | Collision) -> tuple[Hashable, ...]:
+    """Equal for shapes of one kind that differ in name and position alone, or are both at the origin."""
+    rgba = shape.rgba if isinstance(shape, Visual) else None
+    return rgba, shape.geometry, shape.X_LG.rotation, any(shape.X_LG.position)
 
 
 def links_with_capsules(robot: Robot) -> list[str]:

@@ -35,8 +35,8 @@ from stepbot.robot.standing import standing_height
 
 from ..companion import Companion
 from ..lowering import Feature, exact, free_name, lowered, refused, reported
-from ..lowering.shapes import upright
-from ..xml import Element, Value, document, element, root
+from ..lowering.shapes import look, upright
+from ..xml import Element, Patterns, Value, document, element, root
 from . import FORMAT, constraints, devices
 from .devices import MARK, mjcf_pose
 from .keyframe import keyframe
@@ -232,7 +232,7 @@ class _Meshes:
 def _bodies(top: Element, robot: Robot) -> None:
     parents = {robot.root.name: element(top, "worldbody")}
     joint_of = {joint.child: joint for joint in robot.joints}
-    names, meshes, steps = _GeomNames(), _Meshes(robot), steps_by_child(robot)
+    names, meshes, steps, patterns = _GeomNames(), _Meshes(robot), steps_by_child(robot), Patterns()
     standing = Pose.of(position=(0.0, 0.0, standing_height(robot, {})))
     for link in robot.links:
         joint = joint_of.get(link.name)
@@ -246,10 +246,8 @@ def _bodies(top: Element, robot: Robot) -> None:
         elif robot.base is Base.FLOATING:
             taken = set(robot.joint_by_name)
             element(body, "freejoint", name=free_name(f"{link.name}_floating", "_joint", taken))
-        for visual in link.visuals:
-            _geom(body, "visual", visual, names.of(visual.name), meshes, rgba=visual.rgba)
-        for collision in link.collisions:
-            _geom(body, "collision", collision, names.of(collision.name), meshes)
+        for shape in link.shapes:
+            _geom(body, shape, names.of(shape.name), meshes, patterns)
         _sites(body, link, robot)
         devices.mounts(body, link, robot)
 
@@ -299,10 +297,19 @@ def _joint(body: Element, joint: Joint) -> None:
     element(body, "joint", name=joint.name, **({"type": kind} if kind else {}), **optional)
 
 
-def _geom(body: Element, class_: str, shape: Visual | Collision, name: str, meshes: _Meshes, **more: Value) -> None:
-    kind, size = _geometry(shape, meshes)
-    type_: dict[str, Value] = {"type": kind} if kind != "sphere" else {}
-    element(body, "geom", name=name, class_=class_, **type_, **size, **mjcf_pose(upright(shape)), **more)
+def _geom(body: Element, shape: Visual | Collision, name: str, meshes: _Meshes, patterns: Patterns) -> None:
+    X = upright(shape)
+
+    def make(parent: Element, name: str, position: str) -> Element:
+        class_, color = ("visual", {"rgba": shape.rgba}) if isinstance(shape, Visual) else ("collision", {})
+        kind, size = _geometry(shape, meshes)
+        type_: dict[str, Value] = {"type": kind} if kind != "sphere" else {}
+        place = mjcf_pose(X)
+        if "pos" in place:
+            place["pos"] = position
+        return element(parent, "geom", name=name, class_=class_, **type_, **size, **place, **color)
+
+    patterns.add(body, look(shape), make, name, X.position)
 
 
 def _geometry(shape: Visual | Collision, meshes: _Meshes) -> tuple[str, dict[str, Value]]:

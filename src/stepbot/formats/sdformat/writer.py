@@ -31,8 +31,8 @@ from stepbot.robot.standing import standing_height
 from ..companion import Companion
 from ..lowering import Feature, exact, free_name, lowered, refused, reported
 from ..lowering.rerooted_loops import reroot_loops
-from ..lowering.shapes import upright
-from ..xml import Element, document, element, root
+from ..lowering.shapes import look, upright
+from ..xml import Element, Patterns, document, element, root, text_of
 from . import FORMAT
 from . import drake as _drake
 from .gz_plugins import plugins
@@ -164,17 +164,19 @@ def scenes(robot: Robot) -> dict[str, bytes]:
     height = standing_height(robot, {})
     if height:
         sdf_pose(model, Pose.of(position=(0.0, 0.0, height)))
-        model.insert(0, model[-1])
+        pose = model[-1]
+        model.remove(pose)
+        model.insert(0, pose)
     return {f"{robot.name}{FORMAT.scene}": document(top)}
 
 
 def _tree(top: Element, robot: Robot) -> Element:
     """The model with its links, the joints of its tree, and its frames."""
     model = element(top, "model", name=robot.name)
-    X_ML, files = _link_poses(robot), MeshFiles(robot)
+    X_ML, files, patterns = _link_poses(robot), MeshFiles(robot), Patterns()
     for link in robot.links:
         shapes = [collision.name for collision in link.collisions]
-        sensors_on_link(_link(model, link, X_ML[link.name], files), link, robot.sensors, shapes)
+        sensors_on_link(_link(model, link, X_ML[link.name], files, patterns), link, robot.sensors, shapes)
     if robot.base is Base.FIXED:
         _joint_head(model, _world_joint_name(robot), "fixed", "world", robot.root.name)
     for joint in robot.joints:
@@ -205,7 +207,7 @@ def _world_joint_name(robot: Robot) -> str:
     return free_name(f"world_to_{robot.root.name}", "_joint", taken)
 
 
-def _link(model: Element, link: Link, X_ML: Pose, files: MeshFiles) -> Element:
+def _link(model: Element, link: Link, X_ML: Pose, files: MeshFiles, patterns: Patterns) -> Element:
     xml = element(model, "link", name=link.name)
     sdf_pose(xml, X_ML)
     mass = link.mass_properties
@@ -217,21 +219,26 @@ def _link(model: Element, link: Link, X_ML: Pose, files: MeshFiles) -> Element:
     for tag, value in (("ixx", ixx), ("ixy", ixy), ("ixz", ixz), ("iyy", iyy), ("iyz", iyz), ("izz", izz)):
         if value or tag in ("ixx", "iyy", "izz"):
             element(inertia, tag, value)
-    for visual in link.visuals:
-        shape = _shape(xml, "visual", visual, files)
-        material = element(shape, "material")
-        element(material, "ambient", visual.rgba)
-        element(material, "diffuse", visual.rgba)
-    for collision in link.collisions:
-        _shape(xml, "collision", collision, files)
+    for shape in link.shapes:
+        _shape(xml, shape, files, patterns)
     return xml
 
 
-def _shape(parent: Element, tag: str, shape: Visual | Collision, files: MeshFiles) -> Element:
-    xml = element(parent, tag, name=shape.name)
-    sdf_pose(xml, upright(shape))
-    _geometry(element(xml, "geometry"), shape, files)
-    return xml
+def _shape(parent: Element, shape: Visual | Collision, files: MeshFiles, patterns: Patterns) -> None:
+    X = upright(shape)
+
+    def make(parent: Element, name: str, position: str) -> Element:
+        xml = element(parent, "visual" if isinstance(shape, Visual) else "collision", name=name)
+        if not X.is_identity:
+            element(xml, "pose", f"{position} {text_of(X.rpy)}")
+        _geometry(element(xml, "geometry"), shape, files)
+        if isinstance(shape, Visual):
+            material = element(xml, "material")
+            element(material, "ambient", shape.rgba)
+            element(material, "diffuse", shape.rgba)
+        return xml
+
+    patterns.add(parent, look(shape), make, shape.name, X.position)
 
 
 def _geometry(parent: Element, shape: Visual | Collision, files: MeshFiles) -> None:

@@ -7,7 +7,7 @@ an ``<inertial>``, zero if it is massless: some engines assume 1 kg for a link w
 
 from math import isfinite
 
-from stepbot.geometry.spatial import Pose
+from stepbot.geometry.spatial import ZERO3, Vector3
 from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import (
     Box,
@@ -25,8 +25,8 @@ from stepbot.robot.model import (
 
 from ..companion import Companion
 from ..lowering import Feature, exact, lowered, refused, reported
-from ..lowering.shapes import upright
-from ..xml import Element, document, element, root
+from ..lowering.shapes import look, upright
+from ..xml import Element, Patterns, document, element, root
 from .extensions import extensions
 from .srdf import srdf
 
@@ -126,9 +126,9 @@ def render(robot: Robot) -> bytes:
 
 def content(top: Element, robot: Robot) -> None:
     """Add everything in a URDF's root element to an element."""
-    files = MeshFiles(robot)
+    files, patterns = MeshFiles(robot), Patterns()
     for link in robot.links:
-        _link(top, link, files)
+        _link(top, link, files, patterns)
     for joint in robot.joints:
         _joint(top, joint)
     extensions(top, robot)
@@ -146,27 +146,30 @@ def scenes(_robot: Robot) -> dict[str, bytes]:
     return {}
 
 
-def _link(top: Element, link: Link, files: MeshFiles) -> None:
+def _link(top: Element, link: Link, files: MeshFiles, patterns: Patterns) -> None:
     xml = element(top, "link", name=link.name)
     mass = link.mass_properties
     inertial = element(xml, "inertial")
-    _origin(inertial, Pose.of(position=mass.com))
+    _origin(inertial, mass.com)
     element(inertial, "mass", value=mass.mass)
     (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
     element(inertial, "inertia", ixx=ixx, ixy=ixy, ixz=ixz, iyy=iyy, iyz=iyz, izz=izz)
-    for visual in link.visuals:
-        shape = _shape(xml, "visual", visual, files)
-        material = element(shape, "material", name=visual.name)
-        element(material, "color", rgba=visual.rgba)
-    for collision in link.collisions:
-        _shape(xml, "collision", collision, files)
+    for shape in link.shapes:
+        _shape(xml, shape, files, patterns)
 
 
-def _shape(parent: Element, tag: str, shape: Visual | Collision, files: MeshFiles) -> Element:
-    xml = element(parent, tag, name=shape.name)
-    _origin(xml, upright(shape))
-    _geometry(element(xml, "geometry"), shape, files)
-    return xml
+def _shape(parent: Element, shape: Visual | Collision, files: MeshFiles, patterns: Patterns) -> None:
+    X = upright(shape)
+
+    def make(parent: Element, name: str, position: str) -> Element:
+        xml = element(parent, "visual" if isinstance(shape, Visual) else "collision", name=name)
+        _origin(xml, position if any(X.position) else X.position, X.rpy)
+        _geometry(element(xml, "geometry"), shape, files)
+        if isinstance(shape, Visual):
+            element(element(xml, "material", name=name), "color", rgba=shape.rgba)
+        return xml
+
+    patterns.add(parent, look(shape), make, shape.name, X.position)
 
 
 def _geometry(parent: Element, shape: Visual | Collision, files: MeshFiles) -> None:
@@ -185,7 +188,7 @@ def _geometry(parent: Element, shape: Visual | Collision, files: MeshFiles) -> N
 
 def _joint(top: Element, joint: Joint) -> None:
     xml = element(top, "joint", name=joint.name, type=joint.kind.value)
-    _origin(xml, joint.X_PC)
+    _origin(xml, joint.X_PC.position, joint.X_PC.rpy)
     element(xml, "parent", link=joint.parent)
     element(xml, "child", link=joint.child)
     if joint.kind is JointKind.FIXED:
@@ -205,7 +208,7 @@ def _joint(top: Element, joint: Joint) -> None:
         element(xml, "mimic", joint=joint.mimic.joint, **relation, **({"offset": offset} if offset else {}))
 
 
-def _origin(parent: Element, X: Pose) -> None:
-    place = {name: value for name, value in (("xyz", X.position), ("rpy", X.rpy)) if any(value)}
+def _origin(parent: Element, xyz: str | Vector3, rpy: Vector3 = ZERO3) -> None:
+    place = {name: value for name, value in (("xyz", xyz), ("rpy", rpy)) if any(value)}
     if place:
         element(parent, "origin", **place)
