@@ -7,6 +7,7 @@ body count: the others contribute nothing.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from stepbot.step.assembly import BodyKind
 from stepbot.step.structure.paths import nearest_claim, quoted
@@ -30,7 +31,15 @@ class Claims:
 
     def parts_of(self, link: str) -> tuple[int, ...]:
         """Indices of the link's components with bodies, in file order."""
-        return tuple(index for index, name in enumerate(self.link_of) if name == link)
+        return self._parts.get(link, ())
+
+    @cached_property
+    def _parts(self) -> dict[str, tuple[int, ...]]:
+        """For each link that has any, the indices of its components."""
+        parts: dict[str, list[int]] = {}
+        for index, name in enumerate(self.link_of):
+            parts.setdefault(name, []).append(index)
+        return {name: tuple(indices) for name, indices in parts.items()}
 
 
 def claim(binder: Binder, of: Sequence[MaterialAssignment]) -> Claims:

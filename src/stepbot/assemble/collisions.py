@@ -15,7 +15,7 @@ import numpy as np
 from stepbot.geometry.enclosing_shapes import box_around, capsule_around, cylinder_around, sphere_around
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.solids.collision_sets import CollisionSet
-from stepbot.geometry.spatial import IDENTITY, Array, Pose
+from stepbot.geometry.spatial import IDENTITY, Array, Pose, tidy
 from stepbot.robot.mesh_names import ascii_name
 from stepbot.robot.model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Sphere
 from stepbot.sidecar.document import BoxShape, CapsuleShape, CollisionShape, CylinderShape, Shape
@@ -66,7 +66,7 @@ class Collisions:
             else:
                 placed += self._component(part, common)
         if isinstance(given, tuple):
-            placed += map(_given, given)
+            placed += ((geometry, tidy(X_LG)) for geometry, X_LG in map(_given, given))
         elif common is not None and whole:
             placed += self._joined(link, whole, common) if common.is_decomposed else self._merged(link, whole, common)
         return tuple(
@@ -122,7 +122,7 @@ class Collisions:
             self._flat.append(quoted(self._binder.path(part.index)))
             return []
         geometry, X_CG = fit
-        return [(geometry, part.X_LC @ X_CG)]
+        return [(geometry, part.X_LC if X_CG.is_identity else tidy(part.X_LC @ X_CG))]
 
     def _joined(self, link: str, parts: Sequence[Placed], rule: CollisionRule) -> list[_Placed]:
         """The shapes of all closed solids of a link together, and a hull of each other component."""
@@ -151,7 +151,7 @@ class Collisions:
                 geometry: Geometry = self._assets.piece((*key, i), f"{name}_{suffix}", shape.geometry, source)
             else:
                 geometry = shape.geometry
-            placed.append((geometry, X_LA @ shape.X_AG))
+            placed.append((geometry, tidy(X_LA @ shape.X_AG)))
         return placed
 
     def _fit(self, index: int, body: int, rule: CollisionRule) -> _Placed | None:
@@ -182,6 +182,7 @@ class Collisions:
             fit = None if hull is None else (hull, IDENTITY)
         else:
             fit = _simple(shape, points, [*np.eye(3)])
+            fit = None if fit is None else (fit[0], tidy(fit[1]))
         if fit is None:
             self._flat.append(f"link '{link}'")
             return []

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from stepbot.geometry.inertia import MassProperties, combined, without_residue
-from stepbot.geometry.spatial import Pose, tidy
+from stepbot.geometry.inertia import Bodies, MassProperties, without_residue
+from stepbot.geometry.poses import Poses
+from stepbot.geometry.spatial import Pose
 from stepbot.report.record import MeasuredBody
 from stepbot.robot.model import ComponentMass, Link
 from stepbot.sidecar.document import InertialSection
@@ -36,7 +37,7 @@ class Links:
         self._binder = binder
         self._of = of
         self._masses = masses
-        self._bodies = bodies
+        self._used = [body.used or MassProperties() for body in bodies]  # only components with a volume have a mass
         self._parts = {link: claims.parts_of(link) for link in binder.document.links}
         self.assets = MeshAssets(binder.assembly)
         self._collisions = Collisions(binder, self.assets, fitted)
@@ -78,14 +79,15 @@ class Links:
     def build(self, name: str, X_WL: Pose) -> Link:
         """Build one link, whose frame as drawn is X_WL."""
         components = self._binder.assembly.components
-        X_LW = X_WL.inverse()
-        parts = [Placed(i, self._of[i], tidy(X_LW @ components[i].X_WC)) for i in self._parts[name]]
+        indices = self._parts[name]
+        X_LC = Poses.of(components[i].X_WC for i in indices).seen_from(X_WL.inverse()).tidy()
+        parts = [Placed(i, self._of[i], pose) for i, pose in zip(indices, X_LC.listed(), strict=True)]
         properties, masses = self._mass(name, parts)
         return Link(
             name,
             properties,
             visuals(self._binder, self.assets, name, parts),
-            tuple(replace(shape, X_LG=tidy(shape.X_LG)) for shape in self._collisions.of(name, parts)),
+            self._collisions.of(name, parts),
             masses,
             tuple(components[part.index].path for part in parts),
         )
@@ -103,23 +105,19 @@ class Links:
         weighed = [part for part in parts if part.index in self._masses]
         # If an `inertial` gives the total, parts without a density share it by volume.
         by_volume = inertial is not None and any(self._masses[part.index].mass is None for part in weighed)
-        bodies = [self._part(part, by_volume) for part in weighed]
         masses = tuple(self._masses[part.index] for part in weighed)
-        computed = without_residue(combined(bodies))
+        densities = np.array([1.0 if by_volume else _density(known) for known in masses], dtype=np.float64)
+        components = self._binder.assembly.components
+        bodies = Bodies.of(self._used, [components[part.index].body for part in weighed]).scaled(densities)
+        computed = without_residue(bodies.moved(Poses.of(part.X_LC for part in weighed)).combined())
         if inertial is None:
             return computed, masses
         factor = inertial.mass / computed.mass
         origin = f"inertial of link '{name}'"
         return _overruled(computed.scaled(factor), inertial), tuple(
-            replace(known, mass=body.mass * factor, density=None, origin=origin)
-            for known, body in zip(masses, bodies, strict=True)
+            replace(known, mass=mass * factor, density=None, origin=origin)
+            for known, mass in zip(masses, bodies.mass.tolist(), strict=True)
         )
-
-    def _part(self, part: Placed, by_volume: bool) -> MassProperties:
-        """Mass properties of a component in its link's frame."""
-        used = self._bodies[self._binder.assembly.components[part.index].body].used
-        assert used is not None  # only components with a volume have a mass
-        return used.scaled(1.0 if by_volume else _density(self._masses[part.index])).moved(part.X_LC)
 
 
 def _density(known: ComponentMass) -> float:

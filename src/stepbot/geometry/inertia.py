@@ -1,11 +1,12 @@
 """Mass, centre of mass and inertia of rigid bodies, moved, scaled and combined."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from .spatial import ZERO3, ZERO33, Array, Matrix3, Pose, Vector3, matrix3, shift_inertia, turn_inertia, vector3
+from .poses import Poses
+from .spatial import ZERO3, ZERO33, Array, Matrix3, Pose, Vector3, matrix3, turn_inertia, vector3
 from .sums import exact_sum
 
 RESIDUE = 1e-8
@@ -56,19 +57,53 @@ def without_residue(computed: MassProperties) -> MassProperties:
     return MassProperties.of(computed.mass, com.tolist(), I)
 
 
-def combined(bodies: Iterable[MassProperties]) -> MassProperties:
-    """Mass properties of several bodies as one; all in the same frame, as is the result.
+@dataclass(frozen=True, eq=False)
+class Bodies:
+    """Mass properties of several bodies as arrays: those of an assembly may be thousands."""
 
-    A single body is returned unchanged, bit for bit.
-    """
-    parts = [body for body in bodies if body.mass != 0.0]
-    if len(parts) == 1:
-        return parts[0]
-    mass = exact_sum(body.mass for body in parts)
-    if mass == 0.0:
-        return MassProperties()
-    com = sum((body.mass * np.array(body.com) for body in parts), np.zeros(3)) / mass
-    inertia = sum(
-        (shift_inertia(body.inertia, body.mass, np.array(body.com) - com) for body in parts), np.zeros((3, 3))
-    )
-    return MassProperties.of(mass, com.tolist(), inertia)
+    mass: Array
+    """Shape (n,) [kg]."""
+    com: Array
+    """Shape (n, 3) [m], each in its body's frame."""
+    inertia: Array
+    """Shape (n, 3, 3) [kg m^2], about the centre of mass, along the axes of the body's frame."""
+
+    @staticmethod
+    def of(bodies: Sequence[MassProperties], indices: Sequence[int] | None = None) -> "Bodies":
+        """Bodies as arrays; with ``indices``, one for each index."""
+        mass = np.array([body.mass for body in bodies], dtype=np.float64)
+        com = np.array([body.com for body in bodies], dtype=np.float64).reshape(-1, 3)
+        inertia = np.array([body.inertia for body in bodies], dtype=np.float64).reshape(-1, 3, 3)
+        chosen = slice(None) if indices is None else np.array(indices, dtype=np.intp)
+        return Bodies(mass[chosen], com[chosen], inertia[chosen])
+
+    def scaled(self, factors: Array) -> "Bodies":
+        """The same shapes with their densities multiplied by ``factors`` (n,)."""
+        return Bodies(self.mass * factors, self.com, self.inertia * factors[:, None, None])
+
+    def moved(self, X_AB: Poses) -> "Bodies":
+        """The same bodies, each given in its B, expressed in A."""
+        turned = X_AB.R @ self.inertia @ X_AB.R.transpose(0, 2, 1)
+        return Bodies(self.mass, X_AB.apply(self.com), 0.5 * (turned + turned.transpose(0, 2, 1)))
+
+    def combined(self) -> MassProperties:
+        """Mass properties of all as one; all in the same frame, as is the result.
+
+        A single body is returned unchanged, bit for bit.
+        """
+        heavy = self.mass != 0.0
+        m, p, I = self.mass[heavy], self.com[heavy], self.inertia[heavy]  # noqa: E741 - the field's letter
+        if len(m) == 1:
+            return MassProperties.of(m[0], p[0].tolist(), I[0])
+        mass = exact_sum(m.tolist())
+        if mass == 0.0:
+            return MassProperties()
+        com = (m[:, None] * p).sum(axis=0) / mass
+        d = p - com
+        squares = d[:, None, :] @ d[:, :, None] * np.eye(3) - d[:, :, None] * d[:, None, :]
+        return MassProperties.of(mass, com.tolist(), (I + m[:, None, None] * squares).sum(axis=0))
+
+
+def combined(bodies: Iterable[MassProperties]) -> MassProperties:
+    """Mass properties of several bodies as one; see :meth:`Bodies.combined`."""
+    return Bodies.of(list(bodies)).combined()

@@ -138,10 +138,13 @@ def tidy(pose: Pose) -> Pose:
     Rotation entries within 1e-12 of 0 or 1 are replaced by these values, a change of a picometre at a metre; the other
     entries are kept, so that the matrix stays a rotation to within 1e-12.
     """
-    R: Array = np.array(pose.rotation)
+    return Pose.of(*tidy_arrays(np.array(pose.rotation), np.array(pose.position)))
+
+
+def tidy_arrays(R: Array, p: Array) -> tuple[Array, Array]:
+    """Rotations (..., 3, 3) and positions (..., 3) [m] of :func:`tidy` poses."""
     nearest = np.rint(R)
-    R = np.where(np.abs(R - nearest) < RESIDUE, nearest, R)
-    return Pose.of(R + 0.0, np.round(pose.position, _DECIMALS) + 0.0)
+    return np.where(np.abs(R - nearest) < RESIDUE, nearest, R) + 0.0, np.round(p, _DECIMALS) + 0.0
 
 
 def rotation_from_rpy(rpy: ArrayLike) -> Array:

@@ -1,14 +1,15 @@
 """Bounding boxes of shapes and of links, exact for every rotation."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stepbot.geometry.poses import Poses, bounds_at
 from stepbot.geometry.spatial import Pose, Vector3, bounds, join_bounds, vector3
 
 from .kinematics import Configuration, link_poses
-from .model import Box, Capsule, Collision, Cylinder, Link, MeshRef, Robot, Sphere, Visual
+from .model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Robot, Sphere, Visual
 
 Bounds = tuple[Vector3, Vector3]
 
@@ -45,14 +46,33 @@ def robot_bounds(robot: Robot, q: Configuration, links: Iterable[str] | None = N
     """
     X_WL = link_poses(robot, q)
     chosen = [robot.link_by_name[name] for name in (X_WL if links is None else links)]
-    shapes: list[tuple[Link, Collision | Visual]] = [(link, shape) for link in chosen for shape in link.collisions]
-    shapes = shapes or [(link, shape) for link in chosen for shape in link.visuals]
-    boxes = [_shape_bounds(robot, shape, X_WL[link.name]) for link, shape in shapes]
+    shapes: dict[str, Sequence[Collision | Visual]] = {link.name: link.collisions for link in chosen}
+    if not any(shapes.values()):
+        shapes = {link.name: link.visuals for link in chosen}
+    boxes = [_bounds(robot, geometry, placed) for geometry, placed in placed_geometries(shapes, X_WL)]
     return join_bounds(boxes) if boxes else None
 
 
-def _shape_bounds(robot: Robot, shape: Collision | Visual, X_WL: Pose) -> Bounds:
-    X_WG = X_WL @ shape.X_LG
-    if isinstance(shape.geometry, MeshRef):
-        return mesh_bounds(robot.mesh_by_name[shape.geometry.name].mesh.vertices, X_WG)
-    return primitive_bounds(shape.geometry, X_WG)
+def placed_geometries(
+    shapes: Mapping[str, Sequence[Collision | Visual]], X_WL: Mapping[str, Pose]
+) -> Iterator[tuple[Geometry, Poses]]:
+    """Each geometry of each link once, with its poses in the world.
+
+    Args:
+        shapes: Shapes of links.
+        X_WL: Frames of the links.
+    """
+    for link, of_link in shapes.items():
+        poses: dict[Geometry, list[Pose]] = {}
+        for shape in of_link:
+            poses.setdefault(shape.geometry, []).append(shape.X_LG)
+        for geometry, X_LG in poses.items():
+            yield geometry, Poses.of(X_LG).seen_from(X_WL[link])
+
+
+def _bounds(robot: Robot, geometry: Geometry, placed: Poses) -> Bounds:
+    """The box around a geometry at all of its poses."""
+    if isinstance(geometry, MeshRef):
+        low, high = bounds_at(robot.mesh_by_name[geometry.name].mesh.vertices, placed)
+        return vector3(low.min(axis=0)), vector3(high.max(axis=0))
+    return join_bounds(primitive_bounds(geometry, X_WG) for X_WG in placed.listed())

@@ -5,32 +5,29 @@ files. The first name in the robot's order is kept, and unused assets are remove
 """
 
 from dataclasses import replace
+from typing import TypeVar
 
-from .model import Geometry, Link, MeshAsset, MeshRef, Robot
+from .model import Collision, Geometry, MeshAsset, MeshRef, Robot, Visual
+
+_Shape = TypeVar("_Shape", Visual, Collision)
 
 
 def share_meshes(robot: Robot) -> Robot:
     """The same robot without duplicate meshes."""
     first: dict[tuple[bytes, bytes], str] = {}
     kept = {asset.name: first.setdefault(_content(asset), asset.name) for asset in robot.meshes}
+    instead: dict[Geometry, Geometry] = {MeshRef(own): MeshRef(name) for own, name in kept.items() if own != name}
 
-    def shared(geometry: Geometry) -> Geometry:
-        return MeshRef(kept[geometry.name]) if isinstance(geometry, MeshRef) else geometry
-
-    links = tuple(
-        replace(
-            link,
-            visuals=tuple(replace(visual, geometry=shared(visual.geometry)) for visual in link.visuals),
-            collisions=tuple(replace(shape, geometry=shared(shape.geometry)) for shape in link.collisions),
+    def shared(shapes: tuple[_Shape, ...]) -> tuple[_Shape, ...]:
+        return tuple(
+            replace(shape, geometry=instead[shape.geometry]) if shape.geometry in instead else shape for shape in shapes
         )
-        for link in robot.links
-    )
-    used = {geometry.name for link in links for geometry in _geometries(link) if isinstance(geometry, MeshRef)}
-    return replace(robot, links=links, meshes=tuple(asset for asset in robot.meshes if asset.name in used))
 
-
-def _geometries(link: Link) -> tuple[Geometry, ...]:
-    return (*(visual.geometry for visual in link.visuals), *(shape.geometry for shape in link.collisions))
+    links = robot.links
+    if instead:
+        links = tuple(replace(one, visuals=shared(one.visuals), collisions=shared(one.collisions)) for one in links)
+    used = {shape.geometry for link in links for shape in link.shapes}
+    return replace(robot, links=links, meshes=tuple(asset for asset in robot.meshes if MeshRef(asset.name) in used))
 
 
 def _content(asset: MeshAsset) -> tuple[bytes, bytes]:

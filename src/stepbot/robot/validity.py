@@ -12,9 +12,11 @@ import numpy as np
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.poses import Poses, bounds_at
 from stepbot.geometry.spatial import Array, Pose, Vector3, bounds, join_bounds, vector3
 from stepbot.geometry.sums import exact_sum
 
+from .bounding_boxes import placed_geometries
 from .closures import closure_gap
 from .kinematics import initial_configuration, link_poses, mimic_relation, rigid_bodies
 from .model import (
@@ -110,12 +112,9 @@ def _check_references(robot: Robot, report: Report) -> bool:
     wanted += [(f"actuator '{drive.name}'", "joint", drive.joint, joints) for drive in robot.actuators]
     wanted += [(f"sensor '{sensor.name}'", "link", sensor.link, links) for sensor in robot.sensors]
     wanted += [(f"sensor '{s.name}'", "joint", s.joint, joints) for s in robot.sensors if s.joint]
-    wanted += [
-        (f"link '{link.name}'", "mesh", shape.geometry.name, meshes)
-        for link in robot.links
-        for shape in _shapes(link)
-        if isinstance(shape.geometry, MeshRef)
-    ]
+    for link in robot.links:
+        used = dict.fromkeys(shape.geometry for shape in link.shapes)
+        wanted += [(f"link '{link.name}'", "mesh", one.name, meshes) for one in used if isinstance(one, MeshRef)]
     missing = [(who, kind, name) for who, kind, name, there in wanted if name not in there]
     for who, kind, name in missing:
         report("SB417", f"{who}: no {kind} '{name}'")
@@ -148,9 +147,9 @@ def _check_poses(robot: Robot, report: Report) -> bool:
     placed = list(_poses(robot))
     if not placed:
         return True
-    p, R = np.array([pose.position for _, pose in placed]), np.array([pose.rotation for _, pose in placed])
-    finite = np.isfinite(p).all(axis=1) & np.isfinite(R).all(axis=(1, 2))
-    R = np.where(finite[:, None, None], R, np.eye(3))
+    poses = Poses.of(pose for _, pose in placed)
+    finite = np.asarray(np.isfinite(np.column_stack([poses.R.reshape(-1, 9), poses.p])).all(axis=1))
+    R = np.where(finite[:, None, None], poses.R, np.eye(3))
     skew = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     turns = (skew <= _UNIT_SLACK) & (np.linalg.det(R) > 0.0)
     for i in np.flatnonzero(~finite).tolist():
@@ -206,7 +205,7 @@ def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> No
     heavy_below = _links_above_mass(robot) if massless_between else frozenset()
     for members in _rigid_groups(robot):
         moves = robot.base is Base.FLOATING or members[0] is not robot.root
-        between = members[0].name in heavy_below and not any(_shapes(link) for link in members)
+        between = members[0].name in heavy_below and not any(link.shapes for link in members)
         if moves and not between and not any(link.mass_properties.mass > 0.0 for link in members):
             _report_massless(members, report, described=massless_between)
     for link in robot.links:
@@ -309,11 +308,11 @@ def _size(robot: Robot) -> float:
     """Longest edge [m] of the robot's bounding box as drawn; 0 without visuals."""
     poses = link_poses(robot, initial_configuration(robot))
     extents = {asset.name: asset.mesh.bounds for asset in robot.meshes if len(asset.mesh.vertices)}
+    shapes = {link.name: link.shapes for link in robot.links}
     boxes = [
-        bounds((poses[link.name] @ shape.X_LG).apply(_corners(*extent)))
-        for link in robot.links
-        for shape in _shapes(link)
-        if (extent := _extent(shape.geometry, extents)) is not None
+        bounds(np.concatenate(bounds_at(_corners(*extent), placed)))
+        for geometry, placed in placed_geometries(shapes, poses)
+        if (extent := _extent(geometry, extents)) is not None
     ]
     if not boxes:
         return 0.0
@@ -327,10 +326,6 @@ def _rigid_groups(robot: Robot) -> Iterator[list[Link]]:
     for link, body in rigid_bodies(robot.root.name, robot.joints).items():
         groups.setdefault(body, []).append(robot.link_by_name[link])
     yield from groups.values()
-
-
-def _shapes(link: Link) -> tuple[Visual | Collision, ...]:
-    return (*link.visuals, *link.collisions)
 
 
 def _bounds(limit: Limit) -> tuple[float, float, float, float]:
@@ -348,8 +343,8 @@ def _poses(robot: Robot) -> Iterator[tuple[str, Pose]]:
     for sensor in robot.sensors:
         yield f"sensor '{sensor.name}'", sensor.X_LS
     for link in robot.links:
-        for shape in _shapes(link):
-            yield f"link '{link.name}'", shape.X_LG
+        name = f"link '{link.name}'"
+        yield from ((name, shape.X_LG) for shape in link.shapes)
 
 
 def _numbers(robot: Robot) -> Iterator[tuple[str, list[float]]]:

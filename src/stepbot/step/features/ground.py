@@ -8,9 +8,9 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stepbot.geometry.directions import DIRECTIONS, Direction, vector
+from stepbot.geometry.poses import Poses, bounds_at
 from stepbot.geometry.spatial import Array, Vector3
 
 from ..assembly import Assembly
@@ -52,6 +52,8 @@ def standing(assembly: Assembly, base: Collection[int], axes: Sequence[Vector3])
         base: Indices of the components of the root link.
         axes: Unit axes of the joints on it, in the assembly's frame.
     """
+    if not any(_is_along(up, axes) for up in DIRECTIONS if up[-1] != "z"):
+        return None
     sides = _Sides(assembly, frozenset(base))
     if sides.is_empty:
         return None
@@ -62,38 +64,44 @@ def standing(assembly: Assembly, base: Collection[int], axes: Sequence[Vector3])
     up = max(candidates, key=lambda one: shares[one][0])
     share = shares[up][0]
     rivals = [other for other in DIRECTIONS if other != up and shares[other][0] >= _OTHER * share]
-    is_along = any(abs(float(vector(up) @ np.array(axis))) > np.cos(_PARALLEL) for axis in axes)
     height, across = sides.size["xyz".index(up[-1])], sides.size[2]
-    return None if rivals or height < _TALL * across or not is_along else Standing(up, share)
+    return None if rivals or height < _TALL * across or not _is_along(up, axes) else Standing(up, share)
+
+
+def _is_along(up: Direction, axes: Sequence[Vector3]) -> bool:
+    return any(abs(float(vector(up) @ np.array(axis))) > np.cos(_PARALLEL) for axis in axes)
 
 
 class _Sides:
     """The meshes of an assembly, and what lies in the planes around it."""
 
     def __init__(self, assembly: Assembly, base: frozenset[int]) -> None:
-        self._base = base
-        self._parts: list[tuple[int, Array, NDArray[np.int32]]] = []
+        self._assembly, self._base = assembly, base
+        parts: dict[int, list[int]] = {}
         for component in assembly.components:
-            mesh = assembly.bodies[component.body].mesh if component.body >= 0 else None
-            if mesh is not None and len(mesh.faces):
-                points = mesh.vertices @ component.X_WC.R.T + component.X_WC.p
-                self._parts.append((component.index, points, mesh.faces))
-        self.is_empty = not self._parts
+            if component.body >= 0 and len(assembly.bodies[component.body].mesh.faces):
+                parts.setdefault(component.body, []).append(component.index)
+        self.is_empty = not parts
         if not self.is_empty:
-            self._low = np.min([points.min(axis=0) for _, points, _ in self._parts], axis=0)
-            self._high = np.max([points.max(axis=0) for _, points, _ in self._parts], axis=0)
+            poses = {body: Poses.of(assembly.components[i].X_WC for i in of) for body, of in parts.items()}
+            boxes = [bounds_at(assembly.bodies[body].mesh.vertices, placed) for body, placed in poses.items()]
+            self._parts = [index for indices in parts.values() for index in indices]
+            self._lowest, self._highest = (np.concatenate(corners) for corners in zip(*boxes, strict=True))
+            self._low, self._high = self._lowest.min(axis=0), self._highest.max(axis=0)
             self.size: Array = self._high - self._low
 
     def ground(self, up: Direction) -> tuple[float, float]:
         """Area of the flat faces at the bottom as a fraction of the footprint, and the base's fraction of it."""
         along = "xyz".index(up[-1])
         level = self._high[along] if up.startswith("-") else self._low[along]
+        nearest = self._highest[:, along] if up.startswith("-") else self._lowest[:, along]
         near = _FLAT * float(np.linalg.norm(self.size))
         total = of_base = 0.0
-        for index, points, faces in self._parts:
+        for index in sorted(self._parts[i] for i in np.flatnonzero(np.abs(nearest - level) < near).tolist()):
+            component = self._assembly.components[index]
+            mesh = self._assembly.bodies[component.body].mesh
+            points, faces = component.X_WC.apply(mesh.vertices), mesh.faces
             is_on = np.abs(points[:, along] - level) < near
-            if not is_on.any():
-                continue
             corners = points[faces[is_on[faces].all(axis=1)]]
             area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
             total += float(area.sum())

@@ -8,7 +8,7 @@ nor occurrence has a name of its own the segment is ``body``. Save counters (`` 
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from ..assembly import ROOT_PATH
 from .paths import escape, plain_name
@@ -33,8 +33,7 @@ __all__ = [
 ]
 
 
-@dataclass(frozen=True)
-class NamedComponent:
+class NamedComponent(NamedTuple):
     """The inputs of a component's path."""
 
     parent: int
@@ -43,8 +42,7 @@ class NamedComponent:
     occurrence: str
 
 
-@dataclass(frozen=True)
-class ComponentName:
+class ComponentName(NamedTuple):
     """The canonical name of a component."""
 
     segment: str
@@ -86,34 +84,32 @@ def assign_paths(components: Sequence[NamedComponent]) -> list[ComponentName]:
     for index, component in enumerate(components):
         below.setdefault(component.parent, []).append(index)
     names: list[ComponentName] = [ComponentName(ROOT_PATH, ROOT_PATH, 1, False)] * len(components)
-    for (
-        parent,
-        siblings,
-    ) in below.items():  # in the order of their parents, so a parent's path is known before it is used
-        if parent < 0:
-            continue
-        prefix = "" if components[parent].parent < 0 else names[parent].path + "/"
-        for index, name in zip(siblings, _name_siblings([components[i] for i in siblings]), strict=True):
-            names[index] = ComponentName(name.segment, prefix + name.segment, name.ordinal, name.by_ordinal_only)
+    for parent, siblings in below.items():  # in the order of their parents: a parent's path is known before it is used
+        if parent >= 0:
+            prefix = "" if components[parent].parent < 0 else names[parent].path + "/"
+            for index, name in zip(siblings, _name_siblings([components[i] for i in siblings], prefix), strict=True):
+                names[index] = name
     return names
 
 
-def _name_siblings(siblings: Sequence[NamedComponent]) -> list[ComponentName]:
-    """Names of components with the same parent, their paths still empty."""
+def _name_siblings(siblings: Sequence[NamedComponent], prefix: str) -> list[ComponentName]:
+    """Names of components with the same parent, whose path is the prefix."""
     bases = [base_name(sibling.product, sibling.occurrence) for sibling in siblings]
     occurrences = [plain_name(sibling.occurrence) for sibling in siblings]
     # An occurrence's name is used only if no sibling has the same name.
     answers = Counter([*bases, *(o for o, b in zip(occurrences, bases, strict=True) if o != b)])
     sharing = Counter(bases)
+    escaped = {base: escape(base) for base in sharing}
     seen: Counter[str] = Counter()
     names = []
     for base, occurrence in zip(bases, occurrences, strict=True):
         seen[base] += 1
+        by_ordinal = False
         if sharing[base] == 1:
-            segment, by_ordinal = escape(base), False
-        elif occurrence != base and not is_machine_made(occurrence) and answers[occurrence] == 1:
-            segment, by_ordinal = escape(occurrence), False
+            segment = escaped[base]
+        elif occurrence != base and answers[occurrence] == 1 and not is_machine_made(occurrence):
+            segment = escape(occurrence)
         else:
-            segment, by_ordinal = f"{escape(base)}#{seen[base]}", True
-        names.append(ComponentName(segment, "", seen[base], by_ordinal))
+            segment, by_ordinal = f"{escaped[base]}#{seen[base]}", True
+        names.append(ComponentName(segment, prefix + segment, seen[base], by_ordinal))
     return names

@@ -27,6 +27,7 @@ _ANY = "\0"
 _SAVE_COUNTER = re.compile(r"(?<=\S) v\d+(?=(?::\d+)?$)")
 _ORDINAL = re.compile(r"(?<!\\)#(\d{1,18})$")
 _ESCAPED = re.compile(r"\\([/*#])")
+_ESCAPES = str.maketrans({character: f"\\{character}" for character in "/*#"})
 _DOT = re.compile(r"\\*\.")
 """A name that would be the root without a backslash before it."""
 _SLASH = re.compile(r"(?<!\\)/")
@@ -65,12 +66,13 @@ def find_one(assembly: Assembly, pattern: str) -> Binding:
 
 def plain_name(name: str) -> str:
     """A name without its save counter: ``arm v12`` and ``arm v12:1`` give ``arm`` and ``arm:1``."""
-    return _SAVE_COUNTER.sub("", name.strip())
+    name = name.strip()
+    return _SAVE_COUNTER.sub("", name) if " v" in name else name
 
 
 def escape(name: str) -> str:
     """A name as a segment of a path that matches exactly this name."""
-    return f"\\{name}" if _DOT.fullmatch(name) else re.sub(r"([/*#])", r"\\\1", name)
+    return f"\\{name}" if _DOT.fullmatch(name) else name.translate(_ESCAPES)
 
 
 def segments_of(pattern: str) -> list[str]:

@@ -5,16 +5,18 @@ and the rest becomes part of the shape: a mirrored body is a separate body, made
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.geometry.poses import Poses
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.model import Rgba
 
 from ..assembly import Component
-from .naming import NamedComponent, assign_paths
+from .naming import ComponentName, NamedComponent, assign_paths
 from .source import NONE, Child, Definition, StepMaterial
 
 MAX_COMPONENTS = 1_000_000
@@ -51,8 +53,17 @@ class Tree:
     """Product definitions that occur."""
 
 
-@dataclass(frozen=True)
-class _Node:
+class _Motion(NamedTuple):
+    """A transformation as a pose after a mirroring through z = 0 and a uniform scaling."""
+
+    X_WC: Pose
+    is_mirrored: bool
+    scale: float
+    is_rigid: bool
+    """Whether it has neither shear nor different scales; else the other fields are meaningless, but the position."""
+
+
+class _Node(NamedTuple):
     """A component without its path."""
 
     parent: int
@@ -61,17 +72,6 @@ class _Node:
     """Shape (4, 4): its definition in the assembly [m], possibly mirrored and scaled."""
     body: int = NONE
     """Number of its single body, if its definition has several."""
-
-
-@dataclass
-class _Growing:
-    nodes: list[_Node] = field(default_factory=list)
-    components: list[Component] = field(default_factory=list)
-    variants: dict[Variant, int] = field(default_factory=dict)
-    shapes: dict[Variant, int] = field(default_factory=dict)
-    """Definitions in components, in order of appearance."""
-    skewed: list[int] = field(default_factory=list)
-    empty: list[int] = field(default_factory=list)
 
 
 def grow(
@@ -90,47 +90,54 @@ def grow(
         place: Name of the file in diagnostics.
         found: Receives faults of occurrences.
     """
-    growing = _Growing()
-    if not _follow(definitions, roots, growing, place, found):
+    nodes = _follow(definitions, roots, place, found)
+    if nodes is None:
         return None
-    for node in growing.nodes:
-        _add(node, definitions, materials, growing)
-    named = [NamedComponent(c.parent, c.product, c.occurrence) for c in growing.components]
-    components = tuple(
-        replace(c, segment=n.segment, path=n.path, ordinal=n.ordinal, by_ordinal_only=n.by_ordinal_only)
-        for c, n in zip(growing.components, assign_paths(named), strict=True)
-    )
-    _report(components, growing, place, found)
-    occurring = {node.child.definition for node in growing.nodes if node.child.definition != NONE}
+    names = assign_paths([_name(node, definitions) for node in nodes])
+    motions = _motions(np.array([node.matrix for node in nodes]))
+    growing = _Growing(definitions, materials)
+    for index, node in enumerate(nodes):
+        growing.add(index, node, names[index], motions[index])
+    _report(growing, [index for index, motion in enumerate(motions) if not motion.is_rigid], place, found)
+    if not all(motion.is_rigid for motion in motions):
+        return None
+    occurring = {node.child.definition for node in nodes if node.child.definition != NONE}
     products = sum(definitions[index].product != NONE for index in occurring)
-    return None if growing.skewed else Tree(components, tuple(growing.variants), tuple(growing.shapes), products)
+    return Tree(tuple(growing.components), tuple(growing.variants), tuple(growing.shapes), products)
 
 
 def _follow(
-    definitions: Sequence[Definition], roots: Sequence[int], growing: _Growing, place: str, found: Diagnostics
-) -> bool:
-    """List all components, depth first in file order."""
-    nodes = growing.nodes
-    pending: list[_Node] = [_Node(NONE, Child(index, "", np.eye(4), None), np.eye(4)) for index in roots]
+    definitions: Sequence[Definition], roots: Sequence[int], place: str, found: Diagnostics
+) -> list[_Node] | None:
+    """All components, depth first in file order; None, with SB215 in ``found``, if there are too many."""
+    nodes: list[_Node] = []
+    pending = [_Node(NONE, Child(index, "", np.eye(4), None), np.eye(4)) for index in roots]
     if len(roots) != 1:
         nodes.append(_Node(NONE, Child(NONE, "", np.eye(4), None), np.eye(4)))
-        pending = [replace(node, parent=0) for node in pending]
+        pending = [node._replace(parent=0) for node in pending]
     pending.reverse()
+    stacks: dict[int, Array] = {}
     while pending:
         node = pending.pop()
         index = len(nodes)
         if index >= MAX_COMPONENTS:
             report_too_large(index + 1, place, found)
-            return False
+            return None
         nodes.append(node)
-        definition = definitions[node.child.definition]
+        number = node.child.definition
+        definition = definitions[number]
         if node.body != NONE:
             continue
-        below = [_Node(index, child, node.matrix @ child.matrix) for child in definition.children]
+        below: list[_Node] = []
+        if definition.children:
+            if number not in stacks:
+                stacks[number] = np.array([child.matrix for child in definition.children])
+            matrices = node.matrix @ stacks[number]
+            below = [_Node(index, child, X) for child, X in zip(definition.children, matrices, strict=True)]
         if len(definition.bodies) > 1:
             below += [_Node(index, node.child, node.matrix, number) for number in range(len(definition.bodies))]
         pending += reversed(below)
-    return True
+    return nodes
 
 
 def report_too_large(count: int, place: str, found: Diagnostics) -> None:
@@ -139,44 +146,71 @@ def report_too_large(count: int, place: str, found: Diagnostics) -> None:
     found.add("SB215", message, Span(place), help=["export a smaller assembly"])
 
 
-def _add(node: _Node, definitions: Sequence[Definition], materials: Sequence[StepMaterial], growing: _Growing) -> None:
-    index = len(growing.components)
-    above = growing.components[node.parent] if node.parent != NONE else None
-    if node.child.definition == NONE:
-        growing.components.append(Component(index, NONE, "", "", "", "", 1))
-        return
-    definition = definitions[node.child.definition]
-    rigid = _rigid(node.matrix)
-    if rigid is None:
-        growing.skewed.append(index)
-        rigid = (Pose.of(position=node.matrix[:3, 3]), False, 1.0)
-    X_WC, is_mirrored, scale = rigid
-    number = 0 if len(definition.bodies) == 1 else node.body
-    shape = Variant(node.child.definition, number, is_mirrored, scale)
-    is_body = node.body != NONE
-    material = materials[node.child.definition]
-    if definition.product == NONE and above is not None:
-        material = StepMaterial(above.material, above.density)
-    growing.components.append(
-        Component(
-            index,
-            node.parent,
-            "",
-            "",
-            "" if is_body else definition.name,
-            "" if is_body else node.child.occurrence,
-            1,
-            X_WC,
-            body=growing.variants.setdefault(shape, len(growing.variants)) if number != NONE else NONE,
-            definition=growing.shapes.setdefault(replace(shape, body=node.body), len(growing.shapes)),
-            color=_color(node, definition, number, above),
-            material=material.name,
-            density=material.density,
-            missing="" if is_body else definition.missing,
+def _name(node: _Node, definitions: Sequence[Definition]) -> NamedComponent:
+    """The names of a component in the file; none of a single body."""
+    if node.body != NONE or node.child.definition == NONE:
+        return NamedComponent(node.parent, "", "")
+    return NamedComponent(node.parent, definitions[node.child.definition].name, node.child.occurrence)
+
+
+class _Growing:
+    """The components so far, and what they refer to."""
+
+    def __init__(self, definitions: Sequence[Definition], materials: Sequence[StepMaterial]) -> None:
+        self._definitions, self._materials = definitions, materials
+        self.components: list[Component] = []
+        self.variants: dict[Variant, int] = {}
+        """Bodies in components, in order of appearance."""
+        self.shapes: dict[Variant, int] = {}
+        """Definitions in components, in order of appearance."""
+        self.empty: list[int] = []
+        self._indices: dict[tuple[int, int, bool, float], tuple[int, int]] = {}
+
+    def add(self, index: int, node: _Node, name: ComponentName, motion: _Motion) -> None:
+        """Add the component of a node, whose parent was added before."""
+        if node.child.definition == NONE:
+            self.components.append(Component(index, NONE, name.segment, name.path, "", "", 1))
+            return
+        above = self.components[node.parent] if node.parent != NONE else None
+        definition = self._definitions[node.child.definition]
+        number = 0 if len(definition.bodies) == 1 else node.body
+        is_body = node.body != NONE
+        material = self._materials[node.child.definition]
+        if definition.product == NONE and above is not None:
+            material = StepMaterial(above.material, above.density)
+        body, shape = self._shape(node, number, motion)
+        self.components.append(
+            Component(
+                index,
+                node.parent,
+                name.segment,
+                name.path,
+                "" if is_body else definition.name,
+                "" if is_body else node.child.occurrence,
+                name.ordinal,
+                motion.X_WC,
+                body,
+                shape,
+                _color(node, definition, number, above),
+                material.name,
+                material.density,
+                name.by_ordinal_only,
+                "" if is_body else definition.missing,
+            )
         )
-    )
-    if not definition.bodies and not definition.children and not definition.missing:
-        growing.empty.append(index)
+        if not definition.bodies and not definition.children and not definition.missing:
+            self.empty.append(index)
+
+    def _shape(self, node: _Node, number: int, motion: _Motion) -> tuple[int, int]:
+        """Indices of a component's body and of its definition, as they are in this component."""
+        key = (node.child.definition, node.body, motion.is_mirrored, motion.scale)
+        if key not in self._indices:
+            body, whole = Variant(key[0], number, *key[2:]), Variant(*key)
+            self._indices[key] = (
+                self.variants.setdefault(body, len(self.variants)) if number != NONE else NONE,
+                self.shapes.setdefault(whole, len(self.shapes)),
+            )
+        return self._indices[key]
 
 
 def _color(node: _Node, definition: Definition, number: int, above: Component | None) -> Rgba | None:
@@ -186,21 +220,26 @@ def _color(node: _Node, definition: Definition, number: int, above: Component | 
     return next((color for color in own if color is not None), None)
 
 
-def _rigid(matrix: Array) -> tuple[Pose, bool, float] | None:
-    """A transformation as a pose after a mirroring through z = 0 and a uniform scaling; None for others."""
-    A = matrix[:3, :3]
-    determinant = float(np.linalg.det(A))
-    scale = abs(determinant) ** (1.0 / 3.0)
-    if scale == 0.0 or not np.isfinite(matrix).all() or np.abs(A.T @ A / scale**2 - np.eye(3)).max() > _EVEN:
-        return None
-    if abs(scale - 1.0) < _UNSCALED:
-        scale = 1.0
-    R = (A if scale == 1.0 else A / scale) @ (_MIRROR if determinant < 0.0 else np.eye(3))
-    return Pose.of(R + 0.0, matrix[:3, 3] + 0.0), determinant < 0.0, float(f"{scale:.12g}")
+def _motions(matrices: Array) -> list[_Motion]:
+    """Transformations (n, 4, 4) [m], taken apart."""
+    A, p = matrices[:, :3, :3], matrices[:, :3, 3]
+    determinant = np.linalg.det(A)
+    scale = np.array([abs(value) ** (1.0 / 3.0) for value in determinant.tolist()])
+    with np.errstate(all="ignore"):  # of transformations that are not rigid
+        skew = np.abs(A.transpose(0, 2, 1) @ A / (scale**2)[:, None, None] - np.eye(3)).max(axis=(1, 2))
+        is_rigid = (scale != 0.0) & np.isfinite(matrices).all(axis=(1, 2)) & ~(skew > _EVEN)
+        scale = np.where(is_rigid & ~(np.abs(scale - 1.0) < _UNSCALED), scale, 1.0)
+        R = np.where(is_rigid[:, None, None], A / scale[:, None, None], np.eye(3))
+    is_mirrored = is_rigid & (determinant < 0.0)
+    R[is_mirrored] = R[is_mirrored] @ _MIRROR
+    poses = Poses(R + 0.0, p + 0.0).listed()
+    shown = [float(f"{value:.12g}") if value != 1.0 else 1.0 for value in scale.tolist()]
+    return [_Motion(*motion) for motion in zip(poses, is_mirrored.tolist(), shown, is_rigid.tolist(), strict=True)]
 
 
-def _report(components: Sequence[Component], growing: _Growing, place: str, found: Diagnostics) -> None:
-    for index in growing.skewed:
+def _report(growing: _Growing, skewed: Sequence[int], place: str, found: Diagnostics) -> None:
+    components = growing.components
+    for index in skewed:
         found.add(
             "SB214",
             f"'{components[index].path}': placement is not a rigid transform: shear or non-uniform scaling",

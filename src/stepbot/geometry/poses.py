@@ -1,0 +1,59 @@
+"""Many poses at once, in numpy's time instead of Python's: an assembly may have a part at thousands of places.
+
+Every result is bit for bit that of :class:`.Pose` for each pose alone.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from .spatial import Array, Pose, tidy_arrays
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """X_AB of several frames B in A."""
+
+    R: Array
+    """Rotations R_AB, shape (n, 3, 3)."""
+    p: Array
+    """Positions p_AB [m], shape (n, 3)."""
+
+    @staticmethod
+    def of(poses: Iterable[Pose]) -> "Poses":
+        """The poses as arrays."""
+        listed = list(poses)
+        R = np.array([pose.rotation for pose in listed], dtype=np.float64).reshape(-1, 3, 3)
+        return Poses(R, np.array([pose.position for pose in listed], dtype=np.float64).reshape(-1, 3))
+
+    def __len__(self) -> int:
+        return len(self.p)
+
+    def seen_from(self, X_CA: Pose) -> "Poses":
+        """X_CB = X_CA @ X_AB of each."""
+        return Poses(X_CA.R @ self.R, (X_CA.R @ self.p[:, :, None])[:, :, 0] + X_CA.p)
+
+    def tidy(self) -> "Poses":
+        """What :func:`.tidy` makes of each."""
+        return Poses(*tidy_arrays(self.R, self.p))
+
+    def apply(self, points: Array) -> Array:
+        """Points (3,) or (n, 3) [m] of each B, expressed in A: shape (n, 3)."""
+        at = np.broadcast_to(points, self.p.shape)
+        return np.asarray((at[:, None, :] @ self.R.transpose(0, 2, 1))[:, 0, :] + self.p)
+
+    def listed(self) -> list[Pose]:
+        """Each as a :class:`.Pose`."""
+        rotations = [(tuple(a), tuple(b), tuple(c)) for a, b, c in self.R.tolist()]
+        return [Pose(rotation, tuple(p)) for rotation, p in zip(rotations, self.p.tolist(), strict=True)]
+
+
+def bounds_at(points: Array, poses: Poses) -> tuple[Array, Array]:
+    """Lowest and highest corners (n, 3) [m] of points (m, 3) at each of n poses; they are turned once per rotation."""
+    low, high = np.empty_like(poses.p), np.empty_like(poses.p)
+    rotations, number = np.unique(poses.R.reshape(-1, 9), axis=0, return_inverse=True)
+    for i, R in enumerate(rotations.reshape(-1, 3, 3)):
+        turned, at = points @ R.T, number.reshape(-1) == i
+        low[at], high[at] = turned.min(axis=0) + poses.p[at], turned.max(axis=0) + poses.p[at]
+    return low, high
