@@ -6,6 +6,7 @@ import pytest
 
 from stepbot.described.robot import Described, robot_of_description
 from stepbot.engines.describe import describe
+from stepbot.engines.observation import Quantity
 from stepbot.jobs.incremental import convert
 from stepbot.pipeline.conversion import Options
 from stepbot.robot.model import Base, JointKind
@@ -45,7 +46,7 @@ LEG = """<mujoco model="leg">
   <equality><joint joint1="b" joint2="a" polycoef="0.1 -1 0 0 0"/></equality>
   <actuator>
     <position name="servo" joint="roll" kp="80" kv="2" ctrlrange="-0.5 0.4" forcerange="-30 30"/>
-    <velocity name="drive" joint="pitch" kv="5"/>
+    <velocity name="drive" joint="pitch" kv="5" ctrlrange="-3 0" gear="-1"/>
     <motor name="torque" joint="a" gear="3" ctrlrange="-2 2"/>
     <intvelocity name="integrated" joint="b" kp="3" actrange="-1 1"/>
     <motor name="pull" tendon="cord"/>
@@ -103,17 +104,19 @@ def test_shapes_are_visuals_collisions_or_both(described: Described) -> None:
 
 
 def test_actuators_of_other_kinds_are_listed(described: Described) -> None:
-    """Servos, velocity drives and motors are converted; an integrator and a motor on a tendon are reported."""
+    """Servos, velocity drives and motors are converted; others are reported, and a range that is not symmetric."""
     kinds = {one.name: (one.kind.value, one.kp, one.kv, one.gear) for one in described.robot.actuators}
     assert kinds == {
         "servo": ("position", 80.0, 2.0, 1.0),
-        "drive": ("velocity", 0.0, 5.0, 1.0),
+        "drive": ("velocity", 0.0, 5.0, -1.0),
         "torque": ("motor", 0.0, 0.0, 3.0),
     }
     servo = described.robot.actuators[0].limit
     assert (servo.lower, servo.upper, servo.effort) == (-0.5, 0.4, 30.0)
     lost = [one.text for one in described.findings if one.code == "SB863"]
-    assert [text.split("'")[1] for text in lost] == ["integrated", "pull", "acc"]
+    assert [text.split("'")[1] for text in lost] == ["drive", "integrated", "pull", "acc"]
+    assert lost[0] == "actuator 'drive': speed from 0 to 3 at the joint: not symmetric, 3 taken for both directions"
+    assert described.robot.actuators[1].limit.velocity == 3.0
 
 
 def test_conversion_is_proven(leg: Path, tmp_path: Path) -> None:
@@ -167,6 +170,22 @@ def test_gymnasium_models_convert_with_proof(name: str, tmp_path: Path) -> None:
     assert not conversion.report.failed
     against = {check.file for check in conversion.report.checks if check.against.startswith(f"{name}.xml (")}
     assert len(against) == 3
+
+
+def test_contacts_of_a_fixed_base_are_declared(tmp_path: Path) -> None:
+    """MuJoCo lets a base that is fixed to the world collide with the first links, the written files do not."""
+    source = tmp_path / "stand.xml"
+    source.write_text(
+        """<mujoco model="stand"><worldbody><body name="base"><geom size="0.15"/>
+        <body name="lower" pos="0 0 0.2"><joint axis="0 1 0"/><geom size="0.1"/>
+        <body name="upper" pos="0 0 0.2"><joint axis="0 1 0"/><geom size="0.1"/></body></body></body>
+        </worldbody></mujoco>""",
+        encoding="utf-8",
+    )
+    found = robot_of_description(describe(str(source), "mjcf"), "stand", source.name).findings
+    (contacts,) = (one for one in found if one.code == "SB860")
+    assert contacts.text == "contacts between adjacent links, which the written files exclude: 'base' and 'lower'"
+    assert contacts.differs == (Quantity.CONTACTS,)
 
 
 def test_excluded_contacts_are_kept(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import inf, isfinite
 
 from stepbot.engines.description import Description
-from stepbot.engines.observation import ObservedActuator, ObservedSensor
+from stepbot.engines.observation import ObservedActuator, ObservedSensor, Quantity
 from stepbot.geometry.spatial import IDENTITY
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit
 from stepbot.robot.sensors import PLACED, SEEING, Sensor, SensorKind, View
@@ -23,32 +23,31 @@ def actuators_of(description: Description, joints: Mapping[str, Joint], found: l
         joint = joints.get(one.joint)
         if joint is None or joint.kind is JointKind.FIXED or one.kind not in set(ActuatorKind):
             on = f" on '{one.joint}'" if one.joint else ""
-            found.append(Finding(DEVICE, f"actuator '{one.name}' of type '{one.kind}'{on}: not converted"))
+            text = f"actuator '{one.name}' of type '{one.kind}'{on}: not converted"
+            found.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
             continue
         name = free_name(one.name or f"{one.joint}_{one.kind}", "_2", taken)
         if not (one.kind == ActuatorKind.MOTOR or one.kp or one.kv):
             found.append(Finding(NO_GAINS, f"actuator '{name}' on '{one.joint}': no gains in the file"))
         gear = one.gear or 1.0
-        limit = _own_limit(one, gear, joint.limit)
+        limit = _own_limit(one, name, gear, joint.limit, found)
         actuators.append(Actuator(name, one.joint, ActuatorKind(one.kind), one.kp, one.kv, gear, limit))
     return tuple(actuators)
 
 
-def _own_limit(one: ObservedActuator, gear: float, joint: Limit) -> Limit:
-    """What the actuator's ranges limit beyond its joint, at the joint.
-
-    A range that is not symmetric where the model's is has the narrower side on both.
-    """
+def _own_limit(one: ObservedActuator, name: str, gear: float, joint: Limit, found: list[Finding]) -> Limit:
+    """What the actuator's ranges limit beyond its joint, at the joint."""
     motor = one.kind == ActuatorKind.MOTOR
     low, high = sorted(bound * (gear if motor else 1.0 / gear) for bound in one.control or (-inf, inf))
-    effort = abs(gear) * _smaller(one.force)
+    force = sorted(bound * gear for bound in one.force or (-inf, inf))
+    effort = _either_way(force[0], force[1], f"actuator '{name}': force", found)
     limit = Limit()
     if one.kind == ActuatorKind.POSITION:
         limit = Limit(low, high, effort=effort)
     elif one.kind == ActuatorKind.VELOCITY:
-        limit = Limit(velocity=_smaller((low, high)), effort=effort)
+        limit = Limit(velocity=_either_way(low, high, f"actuator '{name}': speed", found), effort=effort)
     elif motor:
-        limit = Limit(effort=min(_smaller((low, high)), effort))
+        limit = Limit(effort=min(_either_way(low, high, f"actuator '{name}': control", found), effort))
     return Limit(
         limit.lower if limit.lower > joint.lower else -inf,
         limit.upper if limit.upper < joint.upper else inf,
@@ -57,8 +56,14 @@ def _own_limit(one: ObservedActuator, gear: float, joint: Limit) -> Limit:
     )
 
 
-def _smaller(bounds: tuple[float, float] | None) -> float:
-    return inf if bounds is None else min(abs(bounds[0]), abs(bounds[1]))
+def _either_way(low: float, high: float, what: str, found: list[Finding]) -> float:
+    """The bound of a range that is symmetric in the model: of one that is not, the narrower side, unless it is 0."""
+    narrow, wide = sorted((abs(low), abs(high)))
+    if narrow != wide:
+        bounds = f"from {low + 0.0:g} to {high + 0.0:g} at the joint"
+        text = f"{what} {bounds}: not symmetric, {narrow or wide:g} taken for both directions"
+        found.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
+    return narrow or wide
 
 
 def sensors_of(
@@ -72,7 +77,9 @@ def sensors_of(
         kind = SensorKind(one.kind) if one.kind in set(SensorKind) else None
         link = children.get(one.joint or "", "") if kind in _ON_JOINTS else one.link
         if kind is None or not link or link not in links:
-            found.append(Finding(DEVICE, f"sensor '{one.name}' of type '{one.kind}': not converted"))
+            found.append(
+                Finding(DEVICE, f"sensor '{one.name}' of type '{one.kind}': not converted", (Quantity.SENSORS,))
+            )
             continue
         name = free_name(one.name or f"{one.joint or link}_{kind.value}_{number}", "_2", taken)
         X_LS = (one.X_LS or IDENTITY) if kind in PLACED else IDENTITY

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+from stepbot.engines.observation import Quantity
+
 LOST = "SB860"
 MESH = "SB861"
 UNSUPPORTED = "SB862"
@@ -23,3 +25,5 @@ class Finding:
     code: str
     text: str
     """``subject: problem``, as the message of a diagnostic."""
+    differs: tuple[Quantity, ...] = ()
+    """Quantities in which the written files therefore differ from the source."""

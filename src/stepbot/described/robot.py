@@ -10,16 +10,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepbot.engines.description import Description
-from stepbot.engines.observation import Observation, ObservedLink
+from stepbot.engines.observation import Observation, ObservedLink, Quantity
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import ZERO3, ZERO33, Pose
-from stepbot.robot.kinematics import MOVING, without_contacts
+from stepbot.robot.kinematics import MOVING, neighbours, without_contacts
 from stepbot.robot.model import Base, Frame, Link, Robot
 from stepbot.robot.shared_meshes import share_meshes
 
 from .closures import closures_of
 from .devices import actuators_of, sensors_of
-from .finding import DROPPED_INERTIA, MESH, MOVED, NOT_SHOWN, REARRANGED, UNSUPPORTED, Finding
+from .finding import DROPPED_INERTIA, LOST, MESH, MOVED, NOT_SHOWN, REARRANGED, UNSUPPORTED, Finding
 from .names import Names, with_valid_names
 from .shapes import Shapes
 from .tree import tree_of, without_broken_mimics
@@ -79,6 +79,7 @@ def robot_of_description(
         description.simulation,
     )
     robot = replace(robot, excluded_contacts=_excluded(robot, seen))
+    _report_adjacent_contacts(robot, seen, found)
     rooted = _without_world(robot, found)
     _report_place(rooted, description.X_WR, found)
     known = seen.base is not None or rooted is not robot
@@ -97,7 +98,10 @@ def _link(link: ObservedLink, shapes: Shapes, found: list[Finding]) -> Link:
     if link.mass:
         mass = MassProperties.of(link.mass, link.com or ZERO3, np.array(link.inertia or ZERO33))
     elif link.inertia is not None and np.any(link.inertia):
-        found.append(Finding(DROPPED_INERTIA, f"link '{link.name}': inertia without mass is not converted"))
+        text = f"link '{link.name}': inertia without mass is not converted"
+        found.append(
+            Finding(DROPPED_INERTIA, text, (Quantity.INERTIA, Quantity.MASS_MATRIX, Quantity.INVERSE_DYNAMICS))
+        )
     return Link(link.name, mass, shapes.visuals(link.name), shapes.collisions(link.name))
 
 
@@ -120,6 +124,19 @@ def _excluded(robot: Robot, seen: Observation) -> tuple[tuple[str, str], ...]:
     return tuple(sorted(pair for pair in seen.excluded_pairs or () if frozenset(pair) not in ours))
 
 
+def _report_adjacent_contacts(robot: Robot, seen: Observation, found: list[Finding]) -> None:
+    """Adjacent links that collide in the file, as the first links with a base that is fixed to the world in MJCF."""
+    if seen.excluded_pairs is None:
+        return
+    solid = {link.name for link in robot.links if link.collisions}
+    kept = {frozenset(pair) for pair in seen.excluded_pairs}
+    pairs = sorted(tuple(sorted(pair)) for pair in neighbours(robot) - kept if pair <= solid)
+    if pairs:
+        links = ", ".join(f"'{a}' and '{b}'" for a, b in pairs)
+        text = f"contacts between adjacent links, which the written files exclude: {links}"
+        found.append(Finding(LOST, text, (Quantity.CONTACTS,)))
+
+
 def _report_place(robot: Robot, X_WR: Pose, found: list[Finding]) -> None:
     """The pose of the root in the world of the file; a floating robot stands on the floor wherever it is."""
     (x, y, z), (roll, pitch, yaw) = X_WR.position, X_WR.rpy
@@ -139,7 +156,7 @@ def _at_initial(robot: Robot, initial: Mapping[str, float], found: list[Finding]
             if inside != q:
                 limits = f"{joint.limit.lower:g} to {joint.limit.upper:g}"
                 text = f"joint '{joint.name}': initial position {q:g} is outside the limits {limits}: {inside:g} taken"
-                found.append(Finding(MOVED, text))
+                found.append(Finding(MOVED, text, (Quantity.INITIAL,)))
             q = inside
         joints.append(replace(joint, drawn_position=q))
     return replace(robot, joints=tuple(joints))

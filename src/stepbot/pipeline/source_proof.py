@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from stepbot.described.finding import DEVICE, DROPPED_INERTIA, LOST, MOVED
+from stepbot.described.finding import LOST
 from stepbot.described.robot import Described
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
@@ -85,15 +85,7 @@ def _given_names(robot: Robot, lowered: Robot) -> Renaming:
 def _lost(described: Described, description: Description) -> dict[Quantity, str]:
     """Quantities that a declared loss changes."""
     seen = description.observation
-    codes = {one.code for one in described.findings}
-    lost: dict[Quantity, str] = {}
-    if DEVICE in codes:
-        lost |= dict.fromkeys((Quantity.ACTUATORS, Quantity.SENSORS), f"a loss is declared ({DEVICE})")
+    lost = {quantity: f"a loss is declared ({one.code})" for one in described.findings for quantity in one.differs}
     if seen.gravity or any(link.gravity_compensation for link in seen.links):
         lost[Quantity.GRAVITY_SETTINGS] = f"a loss is declared ({LOST})"
-    if MOVED in codes:
-        lost[Quantity.INITIAL] = f"a change is declared ({MOVED})"
-    if DROPPED_INERTIA in codes:
-        dynamics = (Quantity.INERTIA, Quantity.MASS_MATRIX, Quantity.INVERSE_DYNAMICS)
-        lost |= dict.fromkeys(dynamics, f"a loss is declared ({DROPPED_INERTIA})")
     return lost
