@@ -172,20 +172,30 @@ def test_gymnasium_models_convert_with_proof(name: str, tmp_path: Path) -> None:
     assert len(against) == 3
 
 
-def test_contacts_of_a_fixed_base_are_declared(tmp_path: Path) -> None:
-    """MuJoCo lets a base that is fixed to the world collide with the first links, the written files do not."""
+@pytest.mark.parametrize(
+    ("bodies", "text"),
+    [
+        (
+            """<body name="base"><geom size="0.15"/>
+            <body name="lower" pos="0 0 0.2"><joint axis="0 1 0"/><geom size="0.1"/>
+            <body name="upper" pos="0 0 0.2"><joint axis="0 1 0"/><geom size="0.1"/></body></body></body>""",
+            "contacts between adjacent links, which the written files exclude: 'base' and 'lower'",
+        ),
+        (
+            """<geom name="rail" type="capsule" size="0.02 1" contype="0"/>
+            <body name="cart"><joint type="slide" axis="0 0 1"/><geom size="0.1" contype="0"/></body>""",
+            "contacts with shapes that are not converted, of links 'world'",
+        ),
+    ],
+    ids=["base", "surroundings"],
+)
+def test_contacts_that_differ_are_declared(bodies: str, text: str, tmp_path: Path) -> None:
+    """MuJoCo lets a base that is fixed to the world collide with the first links; its surroundings stay behind."""
     source = tmp_path / "stand.xml"
-    source.write_text(
-        """<mujoco model="stand"><worldbody><body name="base"><geom size="0.15"/>
-        <body name="lower" pos="0 0 0.2"><joint axis="0 1 0"/><geom size="0.1"/>
-        <body name="upper" pos="0 0 0.2"><joint axis="0 1 0"/><geom size="0.1"/></body></body></body>
-        </worldbody></mujoco>""",
-        encoding="utf-8",
-    )
+    source.write_text(f'<mujoco model="stand"><worldbody>{bodies}</worldbody></mujoco>', encoding="utf-8")
     found = robot_of_description(describe(str(source), "mjcf"), "stand", source.name).findings
     (contacts,) = (one for one in found if one.code == "SB860")
-    assert contacts.text == "contacts between adjacent links, which the written files exclude: 'base' and 'lower'"
-    assert contacts.differs == (Quantity.CONTACTS,)
+    assert (contacts.text, contacts.differs) == (text, (Quantity.CONTACTS,))
 
 
 def test_excluded_contacts_are_kept(tmp_path: Path) -> None:

@@ -79,7 +79,7 @@ def robot_of_description(
         description.simulation,
     )
     robot = replace(robot, excluded_contacts=_excluded(robot, seen))
-    _report_adjacent_contacts(robot, seen, found)
+    _report_contacts(robot, seen, found)
     rooted = _without_world(robot, found)
     _report_place(rooted, description.X_WR, found)
     known = seen.base is not None or rooted is not robot
@@ -124,8 +124,11 @@ def _excluded(robot: Robot, seen: Observation) -> tuple[tuple[str, str], ...]:
     return tuple(sorted(pair for pair in seen.excluded_pairs or () if frozenset(pair) not in ours))
 
 
-def _report_adjacent_contacts(robot: Robot, seen: Observation, found: list[Finding]) -> None:
-    """Adjacent links that collide in the file, as the first links with a base that is fixed to the world in MJCF."""
+def _report_contacts(robot: Robot, seen: Observation, found: list[Finding]) -> None:
+    """Adjacent links that collide in the file, and links that have shapes there alone.
+
+    MuJoCo lets a base that is fixed to the world collide with the first links, and the world has surroundings.
+    """
     if seen.excluded_pairs is None:
         return
     solid = {link.name for link in robot.links if link.collisions}
@@ -134,6 +137,11 @@ def _report_adjacent_contacts(robot: Robot, seen: Observation, found: list[Findi
     if pairs:
         links = ", ".join(f"'{a}' and '{b}'" for a, b in pairs)
         text = f"contacts between adjacent links, which the written files exclude: {links}"
+        found.append(Finding(LOST, text, (Quantity.CONTACTS,)))
+    bare = sorted({link for pair in seen.excluded_pairs for link in pair} - solid)
+    if bare:
+        links = ", ".join(f"'{link}'" for link in bare)
+        text = f"contacts with shapes that are not converted, of links {links}"
         found.append(Finding(LOST, text, (Quantity.CONTACTS,)))
 
 
