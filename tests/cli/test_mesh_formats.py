@@ -1,7 +1,8 @@
-"""``mesh: {format, visual, collision}`` in a sidecar: engines prove the files."""
+"""``mesh: {format, visual, collision, max_triangles}`` in a sidecar: engines prove the files."""
 
 import json
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -27,7 +28,7 @@ joints:
     ("mesh", "kinds", "noted"),
     [
         ("{format: dae, collision: stl}", {".dae", ".obj", ".stl"}, "MJCF: MuJoCo does not read COLLADA"),
-        ("{visual: glb}", {".glb", ".obj"}, "MJCF: MuJoCo does not read glTF"),
+        pytest.param("{visual: glb}", {".glb", ".obj"}, "MJCF: MuJoCo does not read glTF", marks=pytest.mark.long),
     ],
 )
 def test_engines_prove_the_files(
@@ -49,3 +50,33 @@ def test_engines_prove_the_files(
     reader = "mujoco" if ".dae" in kinds else "pybullet"
     if any(engine == reader for _, engine in compared):
         assert "read from a copy with OBJ in place of" in json.dumps(report["notes"])
+
+
+def test_budgets_hold_for_a_link_and_the_robot(
+    stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is drawn is within both budgets, as the report says; masses and collisions are those without a budget."""
+    monkeypatch.chdir(tmp_path)
+    parts.write_hinge(Path("hinge.step"))
+    budgets = SIDECAR.replace("[plate]}", "[plate], mesh: {{max_triangles: 60}}}")
+    for name, text in (("plain", SIDECAR.format(mesh="{}")), ("coarse", budgets.format(mesh="{max_triangles: 160}"))):
+        Path(f"{name}.robot.yaml").write_text(text, encoding="utf-8")
+        run = stepbot("convert", f"{name}.robot.yaml", "-o", name, "--no-verify", "-f", "urdf")
+        assert run.code == 0, run.err
+    assert "note[SB611]: 2 x visual meshes simplified" in run.err
+    plain, coarse = (ET.parse(Path(name, "hinge.urdf")).getroot() for name in ("plain", "coarse"))
+    for tag in ("inertial", "collision"):
+        assert [ET.tostring(one) for one in plain.iter(tag)] == [ET.tostring(one) for one in coarse.iter(tag)]
+    counts = {
+        link.get("name"): sum(
+            Path("coarse", mesh.get("filename", "")).read_text().count("\nf ") for mesh in link.findall("visual//mesh")
+        )
+        for link in coarse.iter("link")
+    }
+    report = json.loads(Path("coarse/report.json").read_text(encoding="utf-8"))
+    own, whole = report["simplified_visuals"]
+    assert (own["link"], own["after"]) == ("plate", counts["plate"])
+    assert (whole["link"], whole["after"]) == (None, counts["plate"] + counts["arm"])
+    assert 30 < counts["plate"] <= 60
+    assert 120 < whole["after"] <= 160
+    assert 0.0 < own["deviation"] < 0.01

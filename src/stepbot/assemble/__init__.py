@@ -14,6 +14,7 @@ devices              named frames, actuators, sensors, settings for simulations,
 links                mass properties, visuals, collisions
 collisions           collision shapes of each link
 fitted_collisions    shapes fitted to the solids of a link
+simplified_visuals   visual meshes within triangle budgets
 scored_collisions    scores of these shapes for the report
 given_inertials      the `inertial` of links against their geometry
 """
@@ -23,7 +24,7 @@ from dataclasses import dataclass
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.report.record import MeasuredBody
+from stepbot.report.record import MeasuredBody, SimplifiedVisuals
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache
@@ -55,6 +56,7 @@ from .masses import masses
 from .material_assignment import assign_materials
 from .measured_bodies import measured_bodies, report_choices, report_massless
 from .scored_collisions import ScoredCollisions
+from .simplified_visuals import SimplifiedVisualMeshes
 from .up_axis import report_up_axis
 
 
@@ -71,6 +73,8 @@ class Built:
     """The pose of every joint and closure as drawn, and how it was found."""
     collisions: ScoredCollisions
     """The collision shapes of each link, scored on request, after ``double_counting`` has reported."""
+    simplified: tuple[SimplifiedVisuals, ...] = ()
+    """The visual meshes of each budget that they exceeded."""
 
 
 def build_robot(
@@ -122,7 +126,6 @@ def build_robot(
 
     if not wait_for(fitted, binder, timeout):
         return None
-    double_counting = DoubleCounting(binder, claims, weighed, cache=cache, process=process)
     X_WL = {root: X_WR} | {name: pose for name in document.links if (pose := frames.link(name)) is not None}
     built = tuple(links.build(name, X_WL[name]) for name in (root, *(joint.child for joint in joints)))
     links.report_flat()
@@ -143,10 +146,12 @@ def build_robot(
         mesh_formats=build_mesh_formats(document),
     )
     robot = tune_actuators(robot, sidecar, found)
+    robot, simplified = SimplifiedVisualMeshes(binder, cache, process, timeout).of(robot)
+    double_counting = DoubleCounting(binder, claims, weighed, cache=cache, process=process)
     rows = joint_table(frames, joints, closures)
     report_up_axis(binder, claims, root, rows)
     scored = ScoredCollisions(binder, claims, robot, X_WL, bodies, cache, process)
-    return Built(robot, double_counting, bodies, rows, scored)
+    return Built(robot, double_counting, bodies, rows, scored, simplified)
 
 
 def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> dict[str, tuple[int, ...]]:

@@ -16,6 +16,7 @@ from .solids import manifolds
 from .solids.collision_scores import collision_scores
 from .solids.collision_sets import collision_sets
 from .solids.overlapping import overlaps_of
+from .triangle_budgets import all_simplified
 
 MESH_WORKER = "stepbot.geometry.mesh_worker:compute"
 """The function that runs there; it handles one call after the other."""
@@ -25,6 +26,7 @@ _TASKS: dict[str, Callable[[Any], Any]] = {
     "collisions": collision_sets,
     "overlaps": overlaps_of,
     "scores": collision_scores,
+    "simplified": all_simplified,
 }
 
 
@@ -35,9 +37,10 @@ def prepare() -> None:
 
 
 def compute(task: str, question: Any) -> Any:
-    """``measures`` of meshes, ``collisions`` of solids, ``overlaps`` of a search, ``scores`` of shapes.
+    """``measures`` of meshes, ``collisions`` of solids, ``overlaps`` of a search, ``scores`` of shapes, ``simplified``.
 
-    See :func:`.measured_all`, :func:`.collision_sets`, :func:`.overlaps_of` and :func:`.collision_scores`.
+    See :func:`.measured_all`, :func:`.collision_sets`, :func:`.overlaps_of`, :func:`.collision_scores` and
+    :func:`.all_simplified`.
     """
     return _TASKS[task](question)
 

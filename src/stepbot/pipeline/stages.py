@@ -122,6 +122,7 @@ def _produce(
         report = proven(written, proof, found)
     report_unused(found, _JUDGED_BY_BUILD + judged_by_files(options))
     report = replace(report, inputs=inputs, bodies=built.bodies, joint_table=built.joint_table, collision_shapes=shapes)
+    report = replace(report, simplified_visuals=built.simplified)
     if options.strict:
         found.make_strict()
     files = all_files(written, report, options, found)

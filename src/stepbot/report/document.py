@@ -14,7 +14,7 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.version import __version__
 
 from .joint_table import joint_table_document
-from .record import Check, LinkCollision, MeasuredBody, Report, Status
+from .record import Check, LinkCollision, MeasuredBody, Report, SimplifiedVisuals, Status
 from .robot import mass_document, number, robot_document
 
 VERSION = 1
@@ -68,6 +68,7 @@ def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
         "names": dict(report.names),
         "bodies": [_body(body) for body in report.bodies],
         "collision_shapes": [_link_collision(one) for one in report.collision_shapes],
+        "simplified_visuals": [_simplified(one) for one in report.simplified_visuals],
         "joint_table": joint_table_document(report.joint_table),
         "diagnostics": [_diagnostic(diagnostic) for diagnostic in diagnostics],
     }
@@ -98,6 +99,16 @@ def _body(body: MeasuredBody) -> Json:
         "deviation": number(body.deviation),
         "error": number(body.error),
         "written": body.written,
+    }
+
+
+def _simplified(one: SimplifiedVisuals) -> Json:
+    return {
+        "link": one.link or None,
+        "max_triangles": one.max_triangles,
+        "before": one.before,
+        "after": one.after,
+        "deviation": one.deviation,
     }
 
 

@@ -5,9 +5,20 @@ from dataclasses import dataclass
 from stepbot.geometry.inertia import MassProperties
 from stepbot.robot.model import Robot
 
-from .results import Check, Content, LinkCollision, Results, Row, Status, WrittenFile
+from .results import Check, Content, LinkCollision, Results, Row, SimplifiedVisuals, Status, WrittenFile
 
-__all__ = ["Check", "Content", "LinkCollision", "MeasuredBody", "Report", "Results", "Row", "Status", "WrittenFile"]
+__all__ = [
+    "Check",
+    "Content",
+    "LinkCollision",
+    "MeasuredBody",
+    "Report",
+    "Results",
+    "Row",
+    "SimplifiedVisuals",
+    "Status",
+    "WrittenFile",
+]
 
 
 @dataclass(frozen=True)

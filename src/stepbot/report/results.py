@@ -88,6 +88,21 @@ class WrittenFile:
 
 
 @dataclass(frozen=True)
+class SimplifiedVisuals:
+    """Visual meshes that were simplified to meet a triangle budget."""
+
+    link: str
+    """Empty for the budget of the robot."""
+    max_triangles: int
+    """The budget."""
+    before: int
+    """Number of triangles, each mesh as often as it is drawn."""
+    after: int
+    deviation: float
+    """The largest distance [m] between a mesh and its simplified form."""
+
+
+@dataclass(frozen=True)
 class LinkCollision:
     """The collision shapes of a link, and how well they match its solids."""
 
@@ -129,6 +144,8 @@ class Results:
     """Names in the files, and the original names in the STEP."""
     collision_shapes: tuple[LinkCollision, ...] = ()
     """Of each link that has any."""
+    simplified_visuals: tuple[SimplifiedVisuals, ...] = ()
+    """What was simplified to meet triangle budgets."""
     joint_table: tuple[JointRow, ...] = ()
     """The pose of each joint, for review; for compared files, of the first one."""
     own_parsers: tuple[str, ...] = ()

@@ -88,16 +88,18 @@ class Defaults(Section):
 
 
 class MeshSection(Section):
-    """Tolerance of meshes."""
+    """Tolerance and triangle budget of meshes."""
 
     tolerance: RelativeOrLength | None = None
     """Maximum distance between mesh and solid: a fraction of each solid's diagonal, or a length [m]."""
     angle: Angle | None = None
     """Maximum angle [rad] between adjacent facets; it determines how smooth curved surfaces look."""
+    max_triangles: Annotated[int, Field(ge=4, le=100_000_000)] | None = None
+    """Maximum number of triangles of all visual meshes, each as often as it is drawn; they are simplified to fit."""
 
 
 class RobotMeshSection(MeshSection):
-    """Tolerance and format of meshes."""
+    """Tolerance, triangle budget and format of meshes."""
 
     format: MeshFormat | None = None
     """Format of mesh files: `obj` (the default), `stl`, `dae` (COLLADA) or `glb` (binary glTF)."""
@@ -171,7 +173,7 @@ class LinkSection(Section):
     visual: StrictBool | None = None
     """Whether the link has visual geometry."""
     mesh: MeshSection | None = None
-    """Tolerance of this link's meshes."""
+    """Tolerance and triangle budget of this link's meshes."""
     ignore_findings: IgnoredFindings = ()
     """Codes of warnings and notes about this link to suppress."""
 
@@ -286,7 +288,7 @@ class Document(Section):
     """Source of volume, centre of mass and inertia: the mesh if it agrees with the exact solid (auto), or always
     one."""
     mesh: RobotMeshSection = RobotMeshSection()
-    """Tolerance and format of the written meshes."""
+    """Tolerance, triangle budget and format of the written meshes."""
     parts: dict[ComponentPath, PartRule] = Field(default_factory=dict)
     """Material, mass and geometry of components, by path or glob. For each field, the first matching rule applies."""
     links: Annotated[dict[Name, LinkSection], Field(min_length=1)]

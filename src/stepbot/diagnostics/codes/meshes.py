@@ -82,4 +82,20 @@ CODES = (
         "The shapes enclose the link, but reach into hollows: contacts may occur where the parts do not touch.",
         "Raise `max_hulls`, or accept the shapes. `report.json` has how far they reach beyond the solids.",
     ),
+    Code(
+        "SB610",
+        "warning",
+        "triangle budget exceeded",
+        "The visual meshes have more triangles than `max_triangles` allows, and no simpler shapes were found: each part needs some.",
+        "The meshes are as simple as possible, hardly resemble the parts, and still exceed the budget.",
+        "Raise `max_triangles`, or hide small parts with `visual: false` under `parts`.",
+    ),
+    Code(
+        "SB611",
+        "note",
+        "visual meshes simplified",
+        "The visual meshes had more triangles than `max_triangles` allows.",
+        "They deviate from the tessellation by the stated distance. Masses and collision geometry are not affected.",
+        "Raise `max_triangles` if parts look too coarse. `report.json` has the number of triangles and the deviation of every budget.",
+    ),
 )
