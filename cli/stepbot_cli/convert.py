@@ -78,7 +78,7 @@ ros2_option = click.option(
 gazebo_option = click.option(
     "--gazebo",
     is_flag=True,
-    help="Make the output folder a Gazebo model: model.config, and mesh paths of the SDFormat as model://DIR/meshes/...",
+    help="Make the output folder a Gazebo model: model.config, model.sdf, and mesh paths as model://DIR/meshes/...",
 )
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 

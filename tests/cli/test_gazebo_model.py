@@ -1,6 +1,7 @@
 """``stepbot convert --gazebo``: a folder that Gazebo finds as a model, read by engines, by Drake and by libsdformat."""
 
 import importlib.util
+import json
 import os
 import subprocess
 import sys
@@ -12,8 +13,8 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import format_named
 from stepbot.formats.lowering import lower
-from stepbot.formats.rendering import files_of, main_file
-from stepbot.formats.sdformat.gazebo_model import CONFIG, gazebo_model
+from stepbot.formats.rendering import files_of
+from stepbot.formats.sdformat.gazebo_model import CONFIG, MODEL, gazebo_model
 from stepbot.runtime.programs import sdf_programs
 from tests.robots import ROBOTS, two_link_arm
 
@@ -43,14 +44,16 @@ def test_the_folder_is_a_model_that_engines_prove(stepbot: Stepbot, arm: Path) -
     assert stepbot("convert", "arm2.robot.yaml", "-o", "plain", "--no-verify", "-f", "sdf").code == 0
     run = stepbot("convert", "arm2.robot.yaml", "-o", "models/desk_arm", "--gazebo", "-f", "sdf")
     assert run.code == 0, run.err
-    assert any(line.split()[:3] == ["sdf", "arm2.sdf", "passed"] for line in run.out.splitlines())
+    assert any(line.split()[:3] == ["sdf", "model.sdf", "passed"] for line in run.out.splitlines())
     folder = arm / "models" / "desk_arm"
-    for name in ("arm2.sdf", "arm2.world.sdf"):
-        plain, model = ((arm / place / name).read_text(encoding="utf-8") for place in ("plain", folder))
+    for name, renamed in (("arm2.sdf", MODEL), ("arm2.world.sdf", "arm2.world.sdf")):
+        plain, model = (path.read_text(encoding="utf-8") for path in (arm / "plain" / name, folder / renamed))
         assert model.count("<uri>model://desk_arm/meshes/") == plain.count("<uri>meshes/") > 0
         assert model.replace("model://desk_arm/", "") == plain
-    added = {path.name for path in folder.iterdir()} - {path.name for path in (arm / "plain").iterdir()}
-    assert added == {CONFIG}
+    names, plain_names = ({path.name for path in place.iterdir()} for place in (folder, arm / "plain"))
+    assert (names - plain_names, plain_names - names) == ({CONFIG, MODEL}, {"arm2.sdf"})
+    report = json.loads((folder / "report.json").read_text(encoding="utf-8"))
+    assert [one["path"] for one in report["files"] if one["content"] == "robot"] == [MODEL]
     again = ("uptodate", "arm2.robot.yaml", "-o", "models/desk_arm", "-f", "sdf")
     assert stepbot(*again, "--gazebo").code == 0
     assert stepbot(*again).code == 1
@@ -64,7 +67,7 @@ def test_model_config_names_the_file_and_its_version(make) -> None:  # type: ign
     config = ET.fromstring(files[CONFIG])
     (named,) = config.findall("sdf")
     model = ET.fromstring(files[named.text or ""])
-    assert named.text == main_file(lowered, SDF)
+    assert named.text == MODEL
     assert named.attrib["version"] == model.attrib["version"]
     assert config.findtext("name") == lowered.name
     uris = [uri.text or "" for uri in model.iter("uri")]

@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.observation_cache import ObservationCache
 from stepbot.formats import format_named
-from stepbot.formats.rendering import joined, main_file
+from stepbot.formats.rendering import joined
 from stepbot.report.record import Report
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import content_digest
@@ -55,7 +55,7 @@ class Proof:
                 options.package or options.gazebo
             )  # where `package://` and `model://` find the meshes
             write_atomically(joined(files), place)
-            written = {name: Written(place / main_file(one, format_named(name)), one) for name, one in lowered.items()}
+            written = {name: Written(place / next(iter(files[name])), one) for name, one in lowered.items()}
             contents = {name: content_digest(of_format) for name, of_format in files.items()}
             for name, one in lowered.items():
                 for beside in (one for one in format_named(name).writer.companions(one) if one.format):

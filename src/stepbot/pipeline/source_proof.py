@@ -13,9 +13,8 @@ from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
 from stepbot.engines.observation import Quantity
 from stepbot.engines.openable import openable
-from stepbot.formats import format_named
 from stepbot.formats.mjcf import FORMAT as MJCF
-from stepbot.formats.rendering import joined, main_file
+from stepbot.formats.rendering import joined
 from stepbot.report.record import Report
 from stepbot.robot.model import Robot
 from stepbot.runtime.output import write_atomically
@@ -54,7 +53,7 @@ def compared_with_source(
         place = Path(folder) / (options.package or options.gazebo)  # where meshes are found by the name of the folder
         write_atomically(joined(written.by_format), place)
         files = {
-            place / (file := main_file(one, format_named(name))): Converted(file, _given_names(written.robot, one))
+            place / (file := next(iter(written.by_format[name]))): Converted(file, _given_names(written.robot, one))
             for name, one in written.lowered.items()
         }
         source = path

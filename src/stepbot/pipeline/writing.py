@@ -11,7 +11,7 @@ from stepbot.formats.format import Format
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import files_of, joined, main_file
 from stepbot.formats.sdformat import FORMAT as SDFORMAT
-from stepbot.formats.sdformat.gazebo_model import gazebo_model
+from stepbot.formats.sdformat.gazebo_model import MODEL, gazebo_model
 from stepbot.formats.urdf import FORMAT as URDF
 from stepbot.formats.urdf.package import with_package
 from stepbot.formats.urdf.ros2.package import report_unknown, ros2_package
@@ -50,10 +50,14 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
     Raises:
         StepbotError: A format cannot express the robot.
     """
-    lowered = {written.name: lower(robot, written, found) for written in formats}
+    names = {SDFORMAT.name: MODEL} if options.gazebo else {}
+    lowered = {written.name: lower(robot, written, found, names.get(written.name)) for written in formats}
     found.raise_if_errors()
     by_format = {written.name: files_of(lowered[written.name], written) for written in formats}
-    listed = _listed(by_format)
+    listed = tuple(
+        replace(one, path=names[one.format]) if one.content is Content.ROBOT and one.format in names else one
+        for one in _listed(by_format)
+    )
     if options.package and URDF.name in by_format:
         urdf = main_file(lowered[URDF.name], URDF)
         by_format[URDF.name][urdf] = with_package(by_format[URDF.name][urdf], options.package)

@@ -119,9 +119,16 @@ class _Handling:
     """Removes the feature, for formats that cannot express it; ``rewrite`` if None."""
 
 
-def lower(robot: Robot, written: Format, found: Diagnostics) -> Robot:
-    """The robot as the format expresses it; rewritten or removed features are reported, once each."""
-    span = Span(f"{written.stem(robot.name)}{written.suffix}")
+def lower(robot: Robot, written: Format, found: Diagnostics, file: str | None = None) -> Robot:
+    """The robot as the format expresses it; rewritten or removed features are reported, once each.
+
+    Args:
+        robot: The robot.
+        written: The format.
+        found: Receives the diagnostics.
+        file: Name of the file in diagnostics; None for the robot's with the suffix of the format.
+    """
+    span = Span(file or f"{written.stem(robot.name)}{written.suffix}")
     names = reserved(robot, written.writer.reserves)
     if names:
         support = written.expresses[Feature.RESERVED_NAME]
