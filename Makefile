@@ -13,7 +13,7 @@ DEMO := robot_library/stepbot_four_bar/four_bar.robot.yaml
 STAMP := $(VENV)/.stepbot-installed
 
 .PHONY: help install demo test test-long format lint types contracts generate fresh check wheels hostile mutation library \
-	benchmarks build all lock clean
+	benchmarks gate build all lock clean
 .DEFAULT_GOAL := help
 
 help:  ## print this
@@ -85,10 +85,15 @@ library: install  ## draw, convert, verify and render every robot of the library
 benchmarks: install  ## run every benchmark once on small input; docs/performance.md describes measuring
 	$(BIN)/python -m benchmarks smoke
 
+gate: install  ## fail if stepbot needs 10 % more processor time than at the last tag, or at AGAINST=REVISION
+	@if [ -n "$(AGAINST)" ] || git describe --tags >/dev/null 2>&1; then \
+		$(BIN)/python -m benchmarks gate $(if $(AGAINST),--against $(AGAINST)); \
+	else echo "PROCESSOR TIME IS NOT COMPARED: there is no tag; make gate AGAINST=REVISION"; fi
+
 build: install  ## build wheel and sdist
 	rm -rf dist && $(BIN)/python -m hatchling build
 
-all: check wheels test test-long library benchmarks build  ## everything except hostile and mutation
+all: check wheels test test-long library benchmarks gate build  ## everything except hostile and mutation
 
 lock: install  ## pin the installed versions again, on Python 3.11, Linux x86-64
 	mkdir -p build && $(BIN)/python .ci/lock.py > build/requirements-ci.txt && mv build/requirements-ci.txt requirements-ci.txt

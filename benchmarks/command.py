@@ -6,6 +6,7 @@ python -m benchmarks check SIDECAR|STEP...              the start and unchanged 
 python -m benchmarks batch FOLDER                       all robots below a folder, on one core and on two
 python -m benchmarks cores SIDECAR...                   the bare script twice, in turn and at once: what two cores give
 python -m benchmarks scaling                            ever more definitions, ever more occurrences
+python -m benchmarks gate --against REVISION            processor time of the working tree against a tag's
 python -m benchmarks report                             tables in docs/performance.md from the results of ``--keep``
 python -m benchmarks inference                          links and joints from plain STEP files, against the known ones
 python -m benchmarks collision STEP                     convex pieces of its solids, by stepbot and by CoACD
@@ -23,6 +24,7 @@ import re
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
+from statistics import median, stdev
 from tempfile import TemporaryDirectory
 
 from stepbot.diagnostics import Diagnostics
@@ -32,6 +34,7 @@ from stepbot.step.assembly import ReadOptions
 from stepbot.step.reader import read_assembly
 
 from . import contenders as who
+from . import gate
 from .assemblies import ASSEMBLIES, Assembly, generate
 from .collision import compare_pieces, compare_steps, shapes_of
 from .comparison import compare
@@ -46,6 +49,10 @@ _STEP = re.compile(r"^step: *[\"']?([^\"'#\n]+?)[\"']? *(?:#.*)?$", re.MULTILINE
 _PROBE = "\nframes:\n  benchmark_probe: {{link: {link}, origin: {{xyz: [0, 0, 0.001]}}}}\n"
 _DEFAULT_SHAPE = re.compile(r",? *collision: \w+")
 _LINK = re.compile(r"^links:.*\n(?:\s*#.*\n)*  ([\w.]+|\"[^\"]+\"):", re.MULTILINE)
+GATED = ROOT / "robot_library" / "stepbot_arm2" / "arm2.robot.yaml"
+"""The robot of the gate."""
+CALIBRATED = (1.0, 1.05, 1.1, 1.15, 1.2)
+"""Factors of processor time for which calibration states how often the gate fails."""
 SCALES = {
     "definitions": [Assembly(definitions=count) for count in (125, 250, 500, 1000)],
     "occurrences": [Assembly(definitions=10, occurrences=count) for count in (1, 10, 100, 1000)],
@@ -78,6 +85,10 @@ def _parser() -> argparse.ArgumentParser:
     many.add_argument("folder", type=Path)
     _common(many, _batch)
     _common(commands.add_parser("scaling", help="time and memory over the size"), _scaling)
+    gated = commands.add_parser("gate", help="fail if the working tree needs 10 %% more processor time than a revision")
+    gated.add_argument("--against", metavar="REVISION", help="[default: the last tag]")
+    gated.add_argument("--calibrate", type=int, metavar="N", help="instead, N rounds of HEAD against itself")
+    gated.set_defaults(run=_gate)
     commands.add_parser("report", help="update the tables in docs/performance.md").set_defaults(run=_report)
     drafted = commands.add_parser("inference", help="how many joints are found, how many drafted ones are right")
     drafted.add_argument("--only", default="", metavar="TEXT", help="robots whose name contains this")
@@ -187,6 +198,31 @@ def _scaling(options: argparse.Namespace, folder: Path) -> None:
 
 def _inference(options: argparse.Namespace, _: Path) -> None:
     measure(corpus_folder(), options.only)
+
+
+def _gate(options: argparse.Namespace, folder: Path) -> int:
+    """Exit code 1 if a job needs more processor time than the limit allows, 2 without a revision to compare with."""
+    revision = "HEAD" if options.calibrate else options.against or gate.last_tag()
+    if revision is None:
+        print("no tag to compare with; name a revision: --against REVISION")
+        return 2
+    theirs = gate.source_of(revision, folder / "earlier")
+    ours = gate.source_of(revision, folder / "same") if options.calibrate else gate.Source("working tree", ROOT)
+    cases = tuple(case_of(GATED, None, folder / name) for name in ("ours", "theirs"))
+    print(f"{ours.name} against {theirs.name}, {GATED.stem}", flush=True)
+    failed = False
+    for job in gate.jobs(GATED.name):
+        run = gate.ratios(job, ours, theirs, cases)
+        if options.calibrate:
+            values = [run(number) for number in range(options.calibrate)]
+            rates = gate.alarm_rates(values, CALIBRATED)
+            words = ", ".join(f"{rate:.1%} at {factor:.2f}" for factor, rate in rates.items())
+            print(f"{job.name:24} {median(values):.3f}, deviation {stdev(values):.3f}; fails: {words}", flush=True)
+            continue
+        verdict, values = gate.decided(run)
+        failed |= verdict is gate.Verdict.FAILED
+        print(gate.line(job.name, verdict, values), flush=True)
+    return 1 if failed else 0
 
 
 def _report(*_: object) -> None:
