@@ -6,6 +6,7 @@ A robot may have one mesh at thousands of places. The elements of such shapes di
 
 import re
 from collections.abc import Callable, Hashable, Mapping, Sequence
+from functools import lru_cache
 from types import MappingProxyType
 from typing import TypeAlias
 from xml.etree.ElementTree import Element as Element  # noqa: PLC0414
@@ -45,7 +46,13 @@ def text_of(value: Value) -> str:
         return value
     if isinstance(value, int | float):
         return number(value)
-    return " ".join([number(entry) for entry in value])
+    return _numbers(tuple(value))
+
+
+@lru_cache(maxsize=1 << 14)
+def _numbers(values: tuple[float, ...]) -> str:
+    """Numbers separated by spaces: several formats place visual and collision of one part at the same position."""
+    return " ".join([number(value) for value in values])
 
 
 def element(parent: Element, tag: str, text: Value | None = None, /, **attributes: Value) -> Element:
@@ -75,7 +82,8 @@ class Patterns:
         pattern = self._made.get(key)
         if pattern is None:
             pattern = self._made[key] = _Pattern(make(Element(""), *_SLOTS[: len(values)]))
-        parent.append(_Copy(pattern, [_escaped(text_of(value), _IN_ATTRIBUTE) for value in values]))
+        texts = [_escaped(value, _IN_ATTRIBUTE) if isinstance(value, str) else text_of(value) for value in values]
+        parent.append(_Copy(pattern, texts))
 
 
 class _Pattern:

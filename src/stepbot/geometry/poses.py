@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .distinct_rows import distinct_rows
 from .spatial import Array, Pose, tidy_arrays
 
 
@@ -52,8 +53,8 @@ class Poses:
 def bounds_at(points: Array, poses: Poses) -> tuple[Array, Array]:
     """Lowest and highest corners (n, 3) [m] of points (m, 3) at each of n poses; they are turned once per rotation."""
     low, high = np.empty_like(poses.p), np.empty_like(poses.p)
-    rotations, number = np.unique(poses.R.reshape(-1, 9), axis=0, return_inverse=True)
-    for i, R in enumerate(rotations.reshape(-1, 3, 3)):
-        turned, at = points @ R.T, number.reshape(-1) == i
+    first, kinds = distinct_rows(poses.R.reshape(-1, 9))
+    for kind, row in enumerate(first.tolist()):
+        turned, at = points @ poses.R[row].T, kinds == kind
         low[at], high[at] = turned.min(axis=0) + poses.p[at], turned.max(axis=0) + poses.p[at]
     return low, high

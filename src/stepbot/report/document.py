@@ -7,6 +7,7 @@ The report is deterministic: no times, no local folders, infinite limits as null
 import json
 from collections import Counter
 from collections.abc import Iterable
+from math import isfinite
 from pathlib import PurePath
 from typing import Any
 
@@ -22,7 +23,8 @@ VERSION = 1
 
 Json = dict[str, Any]
 
-_encoded = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
+_quoted = json.encoder.encode_basestring
+_other = json.JSONEncoder(ensure_ascii=False, allow_nan=False).encode
 
 
 def report_bytes(report: Report, diagnostics: Iterable[Diagnostic]) -> bytes:
@@ -38,13 +40,17 @@ def indented(value: Any, indent: str = "\n") -> str:
         value: JSON data; keys are strings, numbers are finite.
         indent: A newline, and the indentation of the line that the value begins in.
     """
+    if type(value) is str:
+        return _quoted(value)
+    if type(value) is float and isfinite(value):
+        return repr(value)
     inner = f"{indent}  "
     if isinstance(value, dict) and value:
-        members = [f"{_encoded(name)}: {indented(member, inner)}" for name, member in value.items()]
+        members = [f"{_quoted(name)}: {indented(member, inner)}" for name, member in value.items()]
         return f"{{{inner}{f',{inner}'.join(members)}{indent}}}"
     if isinstance(value, list | tuple) and value:
         return f"[{inner}{f',{inner}'.join([indented(member, inner) for member in value])}{indent}]"
-    return _encoded(value)
+    return _other(value)
 
 
 def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:

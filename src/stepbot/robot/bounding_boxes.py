@@ -1,6 +1,6 @@
 """Bounding boxes of shapes and of links, exact for every rotation."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,7 +9,7 @@ from stepbot.geometry.poses import Poses, bounds_at
 from stepbot.geometry.spatial import Pose, Vector3, bounds, join_bounds, vector3
 
 from .kinematics import Configuration, link_poses
-from .model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Robot, Sphere, Visual
+from .model import Box, Capsule, Cylinder, Geometry, MeshRef, Robot, Sphere
 
 Bounds = tuple[Vector3, Vector3]
 
@@ -46,28 +46,11 @@ def robot_bounds(robot: Robot, q: Configuration, links: Iterable[str] | None = N
     """
     X_WL = link_poses(robot, q)
     chosen = [robot.link_by_name[name] for name in (X_WL if links is None else links)]
-    shapes: dict[str, Sequence[Collision | Visual]] = {link.name: link.collisions for link in chosen}
-    if not any(shapes.values()):
-        shapes = {link.name: link.visuals for link in chosen}
-    boxes = [_bounds(robot, geometry, placed) for geometry, placed in placed_geometries(shapes, X_WL)]
+    placed = [(X_WL[link.name], link.collision_poses) for link in chosen]
+    if not any(poses for _, poses in placed):
+        placed = [(X_WL[link.name], link.visual_poses) for link in chosen]
+    boxes = [_bounds(robot, geometry, X_LG.seen_from(X)) for X, of in placed for geometry, X_LG in of.items()]
     return join_bounds(boxes) if boxes else None
-
-
-def placed_geometries(
-    shapes: Mapping[str, Sequence[Collision | Visual]], X_WL: Mapping[str, Pose]
-) -> Iterator[tuple[Geometry, Poses]]:
-    """Each geometry of each link once, with its poses in the world.
-
-    Args:
-        shapes: Shapes of links.
-        X_WL: Frames of the links.
-    """
-    for link, of_link in shapes.items():
-        poses: dict[Geometry, list[Pose]] = {}
-        for shape in of_link:
-            poses.setdefault(shape.geometry, []).append(shape.X_LG)
-        for geometry, X_LG in poses.items():
-            yield geometry, Poses.of(X_LG).seen_from(X_WL[link])
 
 
 def _bounds(robot: Robot, geometry: Geometry, placed: Poses) -> Bounds:

@@ -3,7 +3,6 @@
 A file with a colour has one: a mesh that visuals show in several colours has a file for each.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from stepbot.geometry.mesh import obj_bytes
@@ -54,7 +53,7 @@ class MeshFiles:
         self._names = UniqueNames(asset.name for asset in robot.meshes)
         self._stems: dict[tuple[str, Rgba | None], str] = {}
         self._files: dict[str, MeshFile] = {}
-        for shape in _shapes(robot):
+        for shape in robot.looks:
             if isinstance(shape.geometry, MeshRef):
                 file = self.of(shape)
                 self._files.setdefault(file.path, file)
@@ -84,10 +83,3 @@ class MeshFiles:
             is_first = rgba is None or not any(of == name and color for of, color in self._stems)
             self._stems[name, rgba] = name if is_first else self._names.unique(name)
         return self._stems[name, rgba]
-
-
-def _shapes(robot: Robot) -> Iterator[Visual | Collision]:
-    for link in robot.links:
-        yield from link.visuals
-    for link in robot.links:
-        yield from link.collisions

@@ -4,6 +4,7 @@ The frame of a link is the frame of the joint above it; the root link's is the b
 the notation of :mod:`stepbot.geometry.spatial`.
 """
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
@@ -11,6 +12,7 @@ from math import inf
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.poses import Poses
 from stepbot.geometry.primitives import Box as Box  # noqa: PLC0414
 from stepbot.geometry.primitives import Capsule as Capsule  # noqa: PLC0414
 from stepbot.geometry.primitives import Cylinder as Cylinder  # noqa: PLC0414
@@ -121,6 +123,13 @@ class Collision:
     """Pose of the geometry in the link."""
 
 
+def _by_geometry(shapes: "Sequence[Visual | Collision]") -> Mapping[Geometry, Poses]:
+    poses: dict[Geometry, list[Pose]] = {}
+    for shape in shapes:
+        poses.setdefault(shape.geometry, []).append(shape.X_LG)
+    return {geometry: Poses.of(X_LG) for geometry, X_LG in poses.items()}
+
+
 @dataclass(frozen=True)
 class ComponentMass:
     """The mass of one component and its source."""
@@ -157,6 +166,16 @@ class Link:
     def shapes(self) -> "tuple[Visual | Collision, ...]":
         """All visuals, then all collisions."""
         return (*self.visuals, *self.collisions)
+
+    @cached_property
+    def visual_poses(self) -> Mapping[Geometry, Poses]:
+        """Each geometry of a visual, and where it is in the link."""
+        return _by_geometry(self.visuals)
+
+    @cached_property
+    def collision_poses(self) -> Mapping[Geometry, Poses]:
+        """Each geometry of a collision, and where it is in the link."""
+        return _by_geometry(self.collisions)
 
 
 @dataclass(frozen=True)
@@ -318,6 +337,18 @@ class Robot:
     def joint_by_name(self) -> dict[str, Joint]:
         """Joints by name."""
         return {joint.name: joint for joint in self.joints}
+
+    @cached_property
+    def looks(self) -> "tuple[Visual | Collision, ...]":
+        """The first of all visuals, then of all collisions, that differ in name and pose alone."""
+        first: dict[object, Visual | Collision] = {}
+        for link in self.links:
+            for visual in link.visuals:
+                first.setdefault((visual.geometry, visual.rgba), visual)
+        for link in self.links:
+            for collision in link.collisions:
+                first.setdefault(collision.geometry, collision)
+        return tuple(first.values())
 
     @cached_property
     def mesh_by_name(self) -> dict[str, MeshAsset]:

@@ -23,11 +23,11 @@ def share_meshes(robot: Robot) -> Robot:
             replace(shape, geometry=instead[shape.geometry]) if shape.geometry in instead else shape for shape in shapes
         )
 
-    links = robot.links
     if instead:
-        links = tuple(replace(one, visuals=shared(one.visuals), collisions=shared(one.collisions)) for one in links)
-    used = {shape.geometry for link in links for shape in link.shapes}
-    return replace(robot, links=links, meshes=tuple(asset for asset in robot.meshes if MeshRef(asset.name) in used))
+        links = (replace(one, visuals=shared(one.visuals), collisions=shared(one.collisions)) for one in robot.links)
+        robot = replace(robot, links=tuple(links))
+    used = {shape.geometry for shape in robot.looks}
+    return replace(robot, meshes=tuple(asset for asset in robot.meshes if MeshRef(asset.name) in used))
 
 
 def _content(asset: MeshAsset) -> tuple[bytes, bytes]:

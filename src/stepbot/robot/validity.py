@@ -16,7 +16,6 @@ from stepbot.geometry.poses import Poses, bounds_at
 from stepbot.geometry.spatial import Array, Pose, Vector3, bounds, join_bounds, vector3
 from stepbot.geometry.sums import exact_sum
 
-from .bounding_boxes import placed_geometries
 from .closures import closure_gap
 from .kinematics import initial_configuration, link_poses, mimic_relation, rigid_bodies
 from .model import (
@@ -113,7 +112,7 @@ def _check_references(robot: Robot, report: Report) -> bool:
     wanted += [(f"sensor '{sensor.name}'", "link", sensor.link, links) for sensor in robot.sensors]
     wanted += [(f"sensor '{s.name}'", "joint", s.joint, joints) for s in robot.sensors if s.joint]
     for link in robot.links:
-        used = dict.fromkeys(shape.geometry for shape in link.shapes)
+        used = dict.fromkeys((*link.visual_poses, *link.collision_poses))
         wanted += [(f"link '{link.name}'", "mesh", one.name, meshes) for one in used if isinstance(one, MeshRef)]
     missing = [(who, kind, name) for who, kind, name, there in wanted if name not in there]
     for who, kind, name in missing:
@@ -145,17 +144,22 @@ def _check_numbers(robot: Robot, report: Report) -> bool:
 def _check_poses(robot: Robot, report: Report) -> bool:
     """Poses are finite and their rotations valid; all at once, since there are thousands."""
     placed = list(_poses(robot))
-    if not placed:
+    names, arrays = [who for who, _ in placed], [Poses.of(pose for _, pose in placed)]
+    for link in robot.links:
+        for poses in (*link.visual_poses.values(), *link.collision_poses.values()):
+            names += [f"link '{link.name}'"] * len(poses)
+            arrays.append(poses)
+    if not names:
         return True
-    poses = Poses.of(pose for _, pose in placed)
+    poses = Poses(np.concatenate([one.R for one in arrays]), np.concatenate([one.p for one in arrays]))
     finite = np.asarray(np.isfinite(np.column_stack([poses.R.reshape(-1, 9), poses.p])).all(axis=1))
     R = np.where(finite[:, None, None], poses.R, np.eye(3))
     skew = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     turns = (skew <= _UNIT_SLACK) & (np.linalg.det(R) > 0.0)
     for i in np.flatnonzero(~finite).tolist():
-        report("SB414", f"{placed[i][0]}: pose is not finite")
+        report("SB414", f"{names[i]}: pose is not finite")
     for i in np.flatnonzero(~turns).tolist():
-        report("SB415", f"{placed[i][0]}: rotation matrix is not orthonormal")
+        report("SB415", f"{names[i]}: rotation matrix is not orthonormal")
     return bool(finite.all() and turns.all())
 
 
@@ -308,10 +312,10 @@ def _size(robot: Robot) -> float:
     """Longest edge [m] of the robot's bounding box as drawn; 0 without visuals."""
     poses = link_poses(robot, initial_configuration(robot))
     extents = {asset.name: asset.mesh.bounds for asset in robot.meshes if len(asset.mesh.vertices)}
-    shapes = {link.name: link.shapes for link in robot.links}
     boxes = [
-        bounds(np.concatenate(bounds_at(_corners(*extent), placed)))
-        for geometry, placed in placed_geometries(shapes, poses)
+        bounds(np.concatenate(bounds_at(_corners(*extent), X_LG.seen_from(poses[link.name]))))
+        for link in robot.links
+        for geometry, X_LG in (*link.visual_poses.items(), *link.collision_poses.items())
         if (extent := _extent(geometry, extents)) is not None
     ]
     if not boxes:
@@ -342,9 +346,6 @@ def _poses(robot: Robot) -> Iterator[tuple[str, Pose]]:
         yield f"frame '{frame.name}'", frame.X_LF
     for sensor in robot.sensors:
         yield f"sensor '{sensor.name}'", sensor.X_LS
-    for link in robot.links:
-        name = f"link '{link.name}'"
-        yield from ((name, shape.X_LG) for shape in link.shapes)
 
 
 def _numbers(robot: Robot) -> Iterator[tuple[str, list[float]]]:

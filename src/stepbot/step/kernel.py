@@ -98,9 +98,7 @@ def transfer(model: StepModel) -> Any:
 
 def matrix_of(transformation: Any) -> Array:
     """A transformation of the kernel as a homogeneous matrix (4, 4) [m]."""
-    X = np.eye(4)
-    for row in range(3):
-        for column in range(3):
-            X[row, column] = transformation.Value(row + 1, column + 1)
-        X[row, 3] = transformation.Value(row + 1, 4) / MILLIMETRES_PER_METRE
+    rows = [[transformation.Value(row, column) for column in (1, 2, 3, 4)] for row in (1, 2, 3)]
+    X = np.array([*rows, (0.0, 0.0, 0.0, 1.0)])
+    X[:3, 3] /= MILLIMETRES_PER_METRE
     return X

@@ -1,6 +1,6 @@
 """Mesh files in formats that the readers of a description do not read: OBJ in their place."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import replace
 
 from stepbot.robot.model import Collision, MeshFormat, MeshRef, Robot, Visual
@@ -10,7 +10,7 @@ def visuals_as(*formats: MeshFormat) -> Callable[[Robot], list[str]]:
     """The number of visual meshes, if they are in one of the formats."""
 
     def affected(robot: Robot) -> list[str]:
-        return _count("visual", robot.mesh_formats.visual in formats, (link.visuals for link in robot.links))
+        return _count("visual", robot.mesh_formats.visual in formats, Visual, robot)
 
     return affected
 
@@ -19,7 +19,7 @@ def collisions_as(*formats: MeshFormat) -> Callable[[Robot], list[str]]:
     """The number of collision meshes, if they are in one of the formats."""
 
     def affected(robot: Robot) -> list[str]:
-        return _count("collision", robot.mesh_formats.collision in formats, (link.collisions for link in robot.links))
+        return _count("collision", robot.mesh_formats.collision in formats, Collision, robot)
 
     return affected
 
@@ -34,8 +34,9 @@ def with_obj_collisions(robot: Robot) -> Robot:
     return replace(robot, mesh_formats=replace(robot.mesh_formats, collision=MeshFormat.OBJ))
 
 
-def _count(word: str, applies: bool, shapes: Iterable[tuple[Visual, ...] | tuple[Collision, ...]]) -> list[str]:
-    names = {shape.geometry.name for some in shapes for shape in some if isinstance(shape.geometry, MeshRef)}
-    if not applies or not names:
+def _count(word: str, applies: bool, kind: type[Visual | Collision], robot: Robot) -> list[str]:
+    looks = (shape.geometry for shape in robot.looks if isinstance(shape, kind)) if applies else ()
+    names = {geometry.name for geometry in looks if isinstance(geometry, MeshRef)}
+    if not names:
         return []
     return [f"{len(names)} {word} mesh{'es' if len(names) > 1 else ''}"]

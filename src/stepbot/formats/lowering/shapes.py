@@ -98,7 +98,8 @@ def _flat_meshes(robot: Robot) -> set[str]:
 
 
 def _touched(robot: Robot) -> set[str]:
-    return {c.geometry.name for link in robot.links for c in link.collisions if isinstance(c.geometry, MeshRef)}
+    touching = (shape.geometry for shape in robot.looks if isinstance(shape, Collision))
+    return {geometry.name for geometry in touching if isinstance(geometry, MeshRef)}
 
 
 def _is_convex(mesh: TriMesh) -> bool:

@@ -9,6 +9,8 @@ _OTHERS = ((1, 2), (2, 0), (0, 1))
 """For each axis, the two others in cyclic order."""
 _PARALLEL = 1e-9
 """Added to cosines, so that the cross product of parallel edges, whose direction is rounding, separates nothing."""
+_AT_ONCE = 1 << 18
+"""Pairs that are compared at once, which limits memory."""
 
 
 def moved_boxes(low: Array, high: Array, R: Array, p: Array) -> tuple[Array, Array]:
@@ -28,20 +30,31 @@ def moved_boxes(low: Array, high: Array, R: Array, p: Array) -> tuple[Array, Arr
 def box_pairs(low: Array, high: Array, depth: float = 0.0) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """All pairs i < j of boxes (n, 3) that overlap by more than ``depth`` along every axis, sorted.
 
-    Sorting along x makes a row of thousands nearly linear.
+    Of the boxes in the order along one axis, only those that overlap along it are compared: a row or a layer of
+    thousands takes nearly linear time.
     """
-    order = np.argsort(low[:, 0], kind="stable")
-    low, high = low[order] + depth, high[order]
-    ends = np.searchsorted(low[:, 0], high[:, 0])
+    low = low + depth
+    axis = min(range(3), key=lambda one: int(_behind(low[:, one], high[:, one])[1].sum()))
+    order, counts = _behind(low[:, axis], high[:, axis])
+    low, high = low[order], high[order]
     pairs = [np.empty((0, 2), dtype=np.int64)]
-    for i, end in enumerate(ends.tolist()):
-        behind = slice(i + 1, end)
-        meets = (low[behind, 1:] < high[i, 1:]).all(axis=1) & (low[i, 1:] < high[behind, 1:]).all(axis=1)
-        others = order[behind][meets]
-        pairs.append(np.column_stack([np.full(len(others), order[i]), others]))
+    for rows in np.split(np.arange(len(order)), np.flatnonzero(np.diff(np.cumsum(counts) // _AT_ONCE)) + 1):
+        first = np.repeat(rows, counts[rows])
+        second = first + 1 + np.arange(len(first)) - np.repeat(np.cumsum(counts[rows]) - counts[rows], counts[rows])
+        for one in range(3):
+            meet = (low[second, one] < high[first, one]) & (low[first, one] < high[second, one])
+            first, second = first[meet], second[meet]
+        pairs.append(np.column_stack([order[first], order[second]]))
     found = np.sort(np.concatenate(pairs), axis=1)
     found = found[np.lexsort((found[:, 1], found[:, 0]))]
     return found[:, 0], found[:, 1]
+
+
+def _behind(low: Array, high: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Intervals (n,) in the order of their beginning, and how many begin within each after it."""
+    order = np.argsort(low, kind="stable")
+    ends = np.searchsorted(low[order], high[order])
+    return order, np.maximum(ends - np.arange(len(order)) - 1, 0)
 
 
 def boxes_meet(box_a: tuple[Array, Array], box_b: tuple[Array, Array], R: Array, p: Array) -> NDArray[np.bool_]:

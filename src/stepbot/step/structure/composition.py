@@ -68,7 +68,7 @@ class _Composer:
         for number, file in enumerate(files):
             for own in file.elsewhere:
                 self._name(self._offsets[number] + own)
-        for definition in self.definitions:
+        for definition in self.definitions if self._instead else ():
             definition.children = [replace(c, definition=self.stand_in(c.definition)) for c in definition.children]
 
     def stand_in(self, index: int) -> int:
@@ -121,5 +121,7 @@ class _Composer:
 
 
 def _moved(definition: Definition, offset: int) -> Definition:
-    children = [replace(child, definition=child.definition + offset) for child in definition.children]
-    return replace(definition, children=children)
+    children = definition.children
+    if offset:
+        children = [replace(child, definition=child.definition + offset) for child in children]
+    return replace(definition, children=[*children])

@@ -6,7 +6,7 @@ names of labels, and identify the entities and their real names.
 """
 
 from collections import Counter, defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -83,7 +83,7 @@ class Products:
         for index, occurrence in enumerate(self.occurrences):
             if index not in taken_out:
                 self._below[occurrence.assembly].append(index)
-        self._mark(definitions, usages)
+        self._mark(definitions, {index: usage for index, usage in enumerate(usages) if index not in taken_out})
 
     def tree_size(self) -> int:
         """Number of components in the tree of all occurrences; files of a few kilobytes can expand to billions.
@@ -153,7 +153,7 @@ class Products:
             yield from ((index, place) for index, place in repetition.matrices.items() if index != occurrence)
 
     @staticmethod
-    def _mark(definitions: list[Any], usages: list[Any]) -> None:
+    def _mark(definitions: list[Any], usages: Mapping[int, Any]) -> None:
         marked: set[int] = set()
         for index, definition in enumerate(definitions):
             formation = definition.Formation()
@@ -165,7 +165,7 @@ class Products:
                 definition.SetFormation(formation)
             marked.add(id(product))
             product.SetName(TCollection_HAsciiString(f"{_PRODUCT}{index}"))
-        for index, usage in enumerate(usages):
+        for index, usage in usages.items():
             mark = TCollection_HAsciiString(f"{_OCCURRENCE}{index}")
             usage.SetName(mark)
             usage.SetDescription(mark)
@@ -188,7 +188,7 @@ def _occurrence_name(usage: Any) -> str:
 
 
 def _first(*strings: Any) -> str:
-    return next((text(string) for string in strings if text(string).strip()), "")
+    return next((name for name in map(text, strings) if name.strip()), "")
 
 
 def _precisions(session: Any) -> dict[int, float]:

@@ -105,6 +105,7 @@ class _Placements:
                 self._kept += [definition, representation]
         self._items: dict[int, set[int]] = {}
         self._factors: dict[int, StepData_Factors | None] = {}
+        self._frames: dict[tuple[int, int], gp_Ax3] = {}
 
     def of(self, usage: Any) -> Array | None:
         """Matrix (4, 4) [m] of an occurrence in its assembly; None if it is not placed in the usual way."""
@@ -142,7 +143,10 @@ class _Placements:
         factors = self._factors[key]
         if id(placement) not in self._items[key] or factors is None:
             return None
-        return gp_Ax3(StepToGeom.MakeAxis2Placement_s(placement, factors).Ax2())
+        known = id(placement), key
+        if known not in self._frames:
+            self._frames[known] = gp_Ax3(StepToGeom.MakeAxis2Placement_s(placement, factors).Ax2())
+        return self._frames[known]
 
 
 def _factors(context: Any) -> StepData_Factors | None:

@@ -3,13 +3,16 @@
 import numpy as np
 import pytest
 
+from stepbot.geometry.solids import box_pairs as module
 from stepbot.geometry.solids.box_pairs import box_pairs, moved_boxes
 from stepbot.geometry.spatial import rotation_from_rpy
 
 
+@pytest.mark.parametrize("at_once", [1, 7, 1 << 18])
 @pytest.mark.parametrize("depth", [0.0, 0.1])
-def test_every_pair_is_found_once(depth: float) -> None:
-    """The pairs are those of comparing each with each, in order."""
+def test_every_pair_is_found_once(depth: float, at_once: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The pairs are those of comparing each with each, in order, however many are compared at once."""
+    monkeypatch.setattr(module, "_AT_ONCE", at_once)
     rng = np.random.default_rng(1)
     low = rng.uniform(0, 4, (80, 3))
     high = low + rng.uniform(0, 1.5, (80, 3))
