@@ -31,7 +31,7 @@ def test_one_folder_is_a_package_a_model_and_a_proto(stepbot: Stepbot, tmp_path:
     assert [(row[0], row[2]) for row in rows] == [(one, Status.PASSED) for one in FORMATS]
     assert (folder / "model.config").is_file()
     assert list(folder.glob("*.proto"))
-    uris = [uri.text or "" for uri in ET.parse(folder / f"{name}.sdf").iter("uri")]
+    uris = [uri.text or "" for uri in ET.parse(folder / "model.sdf").iter("uri")]
     assert uris
     assert all((tmp_path / uri.removeprefix("model://")).is_file() for uri in uris)
     urdf = xacro(folder / "urdf" / f"{name}.urdf.xacro", parent="world")

@@ -17,6 +17,7 @@ from ..mesh import TriMesh
 from ..predicates import encloses
 from ..spatial import Array, Pose
 from .box_pairs import moved_boxes
+from .slivers import without_slivers
 
 TOUCHING = 1e-6
 """Depth [m] up to which touching faces may penetrate each other."""
@@ -180,7 +181,8 @@ def joined_solid(parts: Sequence[tuple[TriMesh, Pose]]) -> tuple[Any | None, tup
 def convex_hull(points: Array) -> TriMesh | None:
     """Convex hull of points (n, 3), outward-facing; None if they are coplanar, or nearly.
 
-    manifold3d finds the same faces in every run, in an order that depends on its threads: here they are sorted.
+    manifold3d finds the same faces in every run, in an order that depends on its threads: here they are sorted. It may
+    return triangles without area along edges with a further vertex (:func:`.without_slivers`).
     """
     import manifold3d
 
@@ -191,7 +193,8 @@ def convex_hull(points: Array) -> TriMesh | None:
     if hull.volume() <= _FLAT * diagonal**3:
         return None
     mesh = hull.to_mesh64()
-    return _sorted(TriMesh.of(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts)))
+    made = TriMesh.of(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts))
+    return without_slivers(_sorted(made))
 
 
 def mesh_arrays(solid: Any) -> tuple[Array, NDArray[np.int64]]:
