@@ -1,10 +1,12 @@
 """One sidecar and its assembly become one robot, with what the lock file records of an earlier revision."""
 
+import os.path
 from dataclasses import replace
 from functools import partial
 
 from stepbot.assemble import UNREVISED, Built, build_robot
 from stepbot.diagnostics import Diagnostics
+from stepbot.revisions.lock_path import lock_path
 from stepbot.robot.shared_meshes import share_meshes
 from stepbot.robot.validity import check_robot
 from stepbot.sidecar.located import Sidecar
@@ -12,7 +14,6 @@ from stepbot.step.assembly import Assembly
 
 from .conversion import Options
 from .loading import Loading
-from .locking import compared_with_lock
 
 
 def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Options, found: Diagnostics) -> Built | None:
@@ -26,8 +27,12 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
         found: Receives the diagnostics.
     """
     measures = partial(loading.measures, found)
-    compared = compared_with_lock(sidecar, assembly, measures, loading.content, options, found)
-    revised = UNREVISED if compared is None else compared.rebinding.revised
+    revised = UNREVISED
+    if os.path.lexists(lock_path(sidecar.path)):  # without one, revisions are not imported
+        from .locking import compared_with_lock
+
+        compared = compared_with_lock(sidecar, assembly, measures, loading.content, options, found)
+        revised = UNREVISED if compared is None else compared.rebinding.revised
     process, timeout = loading.mesh_worker, options.timeout
     built = build_robot(assembly, sidecar, measures, found, options.cache, process, revised, timeout)
     if built is None:

@@ -145,8 +145,10 @@ class _GeometryCache:
         self._cache, self._results, self._step = cache, TypedCache(cache, Geometry), step
         self._state = _state(step)
         self._content = input_digest(step) or ""
-        asked = codec_of(ReadOptions).encode(what)
-        self._key = Digest("geometry").add(environment(), self._content, step.name, asked).key if self._content else ""
+        self._key = ""
+        if cache is not None and self._content:
+            asked = codec_of(ReadOptions).encode(what)
+            self._key = Digest("geometry").add(environment(), self._content, step.name, asked).key
 
     @property
     def content(self) -> str:

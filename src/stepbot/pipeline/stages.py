@@ -4,7 +4,8 @@ r"""The conversion pipeline: sidecar and STEP file to verified robot files.
                          assemble -> Robot -> lower -> writers -> files -> engines -> observations -> verification
     STEP    -> Assembly /
 
-This module prints nothing. The result contains the diagnostics, which the command line shows.
+This module prints nothing. The result contains the diagnostics, which the command line shows. It imports what every
+conversion of a sidecar needs; the rest is imported where it is used.
 """
 
 from collections.abc import Callable, Mapping
@@ -14,7 +15,6 @@ from pathlib import Path
 
 from stepbot.assemble import link_components
 from stepbot.diagnostics import Diagnostics, StepbotError
-from stepbot.engines.workers import check_required
 from stepbot.formats import format_named
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.runtime.fork_server import ForkServer
@@ -25,9 +25,8 @@ from stepbot.step.assembly import Assembly
 from .building import build
 from .conversion import REPORT, Checked, Conversion, Options, write
 from .loading import Loading
-from .self_collisions import with_self_collision
 from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
-from .translating import check_description, is_description, produce_translation
+from .source_names import is_description
 from .writing import all_files, judged_by_files, proven, rendered, report_unused, started_proof
 
 __all__ = ["REPORT", "Conversion", "Inspection", "Options", "check", "convert", "inspect", "produce", "step_of"]
@@ -72,6 +71,8 @@ def produce(
     found = Diagnostics()
     try:
         if is_description(sidecar):
+            from .translating import produce_translation
+
             return produce_translation(sidecar, options, found, progress, server)
         return _produce(sidecar, options, found, progress, kernel, server)
     except StepbotError as error:
@@ -90,6 +91,8 @@ def _produce(
     progress("read")
     formats = [format_named(name) for name in dict.fromkeys(options.formats)]
     if options.verify:
+        from stepbot.engines.workers import check_required
+
         check_required(options.require, found)
     sidecar = load(path, options, found)
     with ExitStack() as running:
@@ -107,6 +110,8 @@ def _produce(
         robot, inputs = built.robot, loading.inputs()
         wanted = sidecar.document.self_collision or (SelfCollisionSection() if options.ros2 else None)
         if wanted is not None:
+            from .self_collisions import with_self_collision
+
             progress("self-collision")
             robot = with_self_collision(robot, wanted, options, found)
 
@@ -137,6 +142,8 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     checked = Checked()
     try:
         if is_description(sidecar):
+            from .translating import check_description
+
             return check_description(sidecar, options, found)
         loaded = load(sidecar, options, found)
         document = loaded.document
