@@ -3,6 +3,7 @@
 Only click is imported for `--version` and `--help`. The module of a command is imported when the command is used.
 """
 
+import gc
 import importlib
 import sys
 from collections.abc import Sequence
@@ -94,6 +95,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Args:
         argv: Arguments without the program name; default ``sys.argv[1:]``.
     """
+    gc.set_threshold(100_000, 20, 20)  # a command creates objects that stay: modules, a robot
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a name in Cyrillic must not raise an exception if the locale is ASCII
             stream.reconfigure(errors="backslashreplace")
