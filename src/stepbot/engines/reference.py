@@ -1,13 +1,15 @@
 """The reference: stepbot's own model as an Observation, in the same form as an engine's."""
 
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
+from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose, join_bounds
 from stepbot.robot.actuators import control_range, force_range
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.closures import closure_gap
-from stepbot.robot.dynamics import equations_of_motion
+from stepbot.robot.dynamics import Equations, equations_of_motion
 from stepbot.robot.kinematics import TURNING, Tree, initial_configuration, link_poses, without_contacts
 from stepbot.robot.loop_sensitivity import loop_sensitivity
 from stepbot.robot.model import (
@@ -15,7 +17,9 @@ from stepbot.robot.model import (
     ActuatorKind,
     Collision,
     Joint,
+    JointDynamics,
     JointKind,
+    Limit,
     Link,
     LoopClosure,
     MeshRef,
@@ -48,70 +52,106 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
     Raises:
         KeyError: A configuration names a joint that does not exist.
     """
-    tree = Tree(robot)
-    closed = [q for way in request.ways for q in way]
-    poses = tuple(link_poses(robot, q, tree) for q in [*request.configurations, *closed])
-    sensitivity = loop_sensitivity(robot, closed, request.driven)
-    equations = [equations_of_motion(robot, q, rates, tree=tree) for q, rates in request.moments]
-    return Observation(
-        engine=NAME,
-        version=__version__,
-        format=request.format,
-        name=robot.name,
-        base=robot.base.value,
-        links=tuple(_link(robot, link, shaded=request.format.endswith("sdf")) for link in robot.links),
-        joints=tuple(_joint(joint) for joint in robot.joints),
-        gravity=(),
-        coordinates=tree.joints,
-        poses=poses,
-        dynamics=tuple(Dynamics(one.mass_matrix, one.gravity, one.inverse) for one in equations),
-        closures=tuple(
-            replace(_closure(closure, poses[len(request.configurations) :]), sensitivity=sensitivity)
-            for closure in robot.closures
-        ),
-        frames={frame.name: (frame.link, frame.X_LF) for frame in robot.frames},
-        actuators=tuple(_actuator(robot, actuator) for actuator in robot.actuators),
-        sensors=tuple(_sensor(sensor) for sensor in robot.sensors),
-        initial=initial_configuration(robot),
-        excluded_pairs=_excluded_pairs(robot),
-    )
+    return Reference().observe(robot, request)
 
 
-def _link(robot: Robot, link: Link, *, shaded: bool) -> ObservedLink:
-    body = link.mass_properties
-    return ObservedLink(
-        link.name,
-        body.mass,
-        body.com,
-        body.inertia,
-        _bounds(robot, link.visuals),
-        _bounds(robot, link.collisions),
-        gravity_compensation=0.0,
-        has_visuals=bool(link.visuals),
-        has_collisions=bool(link.collisions),
-        visuals=tuple(
-            ObservedShape(shape.name, shape.rgba, shape.rgba if shaded else None, _bounds(robot, (shape,)), 2)
-            for shape in link.visuals
-        ),
-        collisions=tuple(
-            ObservedShape(shape.name, bounds=_bounds(robot, (shape,)), group=3) for shape in link.collisions
-        ),
-    )
+@dataclass(frozen=True, eq=False)
+class _Motion:
+    """Poses and equations of motion of a mechanism."""
+
+    of: tuple[Any, ...]
+    """Everything that they depend on."""
+    coordinates: tuple[str, ...]
+    poses: tuple[Mapping[str, Pose], ...]
+    equations: tuple[Equations, ...]
+
+
+class Reference:
+    """The reference for several files of one robot: what their formats express alike is computed once."""
+
+    def __init__(self) -> None:
+        self._motions: list[_Motion] = []
+        self._boxes: dict[tuple[Any, Pose], Bounds] = {}
+
+    def observe(self, robot: Robot, request: Request) -> Observation:
+        """See :func:`observe_robot`."""
+        closed = [q for way in request.ways for q in way]
+        motion = self._motion(robot, request, closed)
+        sensitivity = loop_sensitivity(robot, closed, request.driven)
+        closed_poses = motion.poses[len(request.configurations) :]
+        return Observation(
+            engine=NAME,
+            version=__version__,
+            format=request.format,
+            name=robot.name,
+            base=robot.base.value,
+            links=tuple(self._link(robot, link, shaded=request.format.endswith("sdf")) for link in robot.links),
+            joints=tuple(_joint(joint) for joint in robot.joints),
+            gravity=(),
+            coordinates=motion.coordinates,
+            poses=motion.poses,
+            dynamics=tuple(Dynamics(one.mass_matrix, one.gravity, one.inverse) for one in motion.equations),
+            closures=tuple(
+                replace(_closure(closure, closed_poses), sensitivity=sensitivity) for closure in robot.closures
+            ),
+            frames={frame.name: (frame.link, frame.X_LF) for frame in robot.frames},
+            actuators=tuple(_actuator(robot, actuator) for actuator in robot.actuators),
+            sensors=tuple(_sensor(sensor) for sensor in robot.sensors),
+            initial=initial_configuration(robot),
+            excluded_pairs=_excluded_pairs(robot),
+        )
+
+    def _motion(self, robot: Robot, request: Request, closed: Sequence[Mapping[str, float]]) -> _Motion:
+        joints = [replace(joint, limit=Limit(), dynamics=JointDynamics()) for joint in robot.joints]
+        bodies = [(link.name, link.mass_properties) for link in robot.links]
+        of = (joints, bodies, request.configurations, request.rates, closed)
+        known = next((motion for motion in self._motions if motion.of == of), None)
+        if known is None:
+            tree = Tree(robot)
+            poses = tuple(link_poses(robot, q, tree) for q in [*request.configurations, *closed])
+            equations = tuple(equations_of_motion(robot, q, rates, tree=tree) for q, rates in request.moments)
+            known = _Motion(of, tree.joints, poses, equations)
+            self._motions.append(known)
+        return known
+
+    def _link(self, robot: Robot, link: Link, *, shaded: bool) -> ObservedLink:
+        body = link.mass_properties
+        seen, touched = ([self._box(robot, shape) for shape in shapes] for shapes in (link.visuals, link.collisions))
+        return ObservedLink(
+            link.name,
+            body.mass,
+            body.com,
+            body.inertia,
+            join_bounds(seen) if seen else None,
+            join_bounds(touched) if touched else None,
+            gravity_compensation=0.0,
+            has_visuals=bool(link.visuals),
+            has_collisions=bool(link.collisions),
+            visuals=tuple(
+                ObservedShape(shape.name, shape.rgba, shape.rgba if shaded else None, box, 2)
+                for shape, box in zip(link.visuals, seen, strict=True)
+            ),
+            collisions=tuple(
+                ObservedShape(shape.name, bounds=box, group=3)
+                for shape, box in zip(link.collisions, touched, strict=True)
+            ),
+        )
+
+    def _box(self, robot: Robot, shape: Visual | Collision) -> Bounds:
+        """The bounding box of a shape in its link's frame."""
+        geometry, X_LG = shape.geometry, shape.X_LG
+        drawn = robot.mesh_by_name[geometry.name].mesh if isinstance(geometry, MeshRef) else geometry
+        if (drawn, X_LG) not in self._boxes:
+            if isinstance(drawn, TriMesh):
+                self._boxes[drawn, X_LG] = mesh_bounds(drawn.vertices, X_LG)
+            else:
+                self._boxes[drawn, X_LG] = primitive_bounds(drawn, X_LG)
+        return self._boxes[drawn, X_LG]
 
 
 def _excluded_pairs(robot: Robot) -> tuple[tuple[str, str], ...]:
     touching = {link.name for link in robot.links if link.collisions}
     return tuple(sorted((min(pair), max(pair)) for pair in without_contacts(robot) if pair <= touching))
-
-
-def _bounds(robot: Robot, shapes: Iterable[Visual | Collision]) -> Bounds | None:
-    boxes = []
-    for shape in shapes:
-        if isinstance(shape.geometry, MeshRef):
-            boxes.append(mesh_bounds(robot.mesh_by_name[shape.geometry.name].mesh.vertices, shape.X_LG))
-        else:
-            boxes.append(primitive_bounds(shape.geometry, shape.X_LG))
-    return join_bounds(boxes) if boxes else None
 
 
 def _joint(joint: Joint) -> ObservedJoint:

@@ -3,7 +3,7 @@
 An engine that is missing, rejects a file or crashes is a result like any other: the others continue.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from enum import StrEnum
 from types import TracebackType
@@ -108,11 +108,11 @@ class Engines:
             worker.close()
             self._cached[key, engine.name] = cached
 
-    def results(self, timeout: float = DEFAULT_TIMEOUT) -> tuple[Outcome, ...]:
-        """Wait for all workers, each of which may take ``timeout`` [s]; by file, then by engine."""
-        return tuple(
-            self._outcome(key, engine, timeout) for key in self._asked for engine in engines_for(self._files[key])
-        )
+    def results(self, timeout: float = DEFAULT_TIMEOUT) -> Iterator[Outcome]:
+        """Wait for one worker after the other, each of which may take ``timeout`` [s]; by file, then by engine."""
+        for key in self._asked:
+            for engine in engines_for(self._files[key]):
+                yield self._outcome(key, engine, timeout)
 
     def close(self) -> None:
         """End all workers that still run."""

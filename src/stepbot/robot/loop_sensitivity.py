@@ -21,9 +21,11 @@ def loop_sensitivity(robot: Robot, configurations: Sequence[Configuration], driv
         configurations: Closed configurations.
         driven: The joints that do not move with the gaps.
     """
+    if not (configurations and robot.closures):
+        return 0.0
     loops = Loops(robot)
     free = following(loops.tree, driven)
-    if not (free and configurations and robot.closures):
+    if not free:
         return 0.0
     _, J = loops.constraints(np.array([loops.tree.vector(q) for q in configurations]))
     sizes = np.linalg.svd(J[..., free], compute_uv=False)

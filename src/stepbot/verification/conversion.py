@@ -8,7 +8,7 @@ from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import engine_of, own_parsers
 from stepbot.engines.observation import Observation, Quantity
 from stepbot.engines.observation_cache import ObservationCache
-from stepbot.engines.reference import observe_robot
+from stepbot.engines.reference import Reference
 from stepbot.engines.workers import Engines, Fate, Outcome, check_required, check_started
 from stepbot.report.record import Check, Report, Status
 from stepbot.robot.closures import DoesNotClose, degrees_of_freedom, driven_joints
@@ -106,17 +106,21 @@ def verify(
     if provers.collider is not None:
         provers.collider.submit(robot, observations.cache if observations is not None else None)
     # The reference is computed while the engines are running.
-    expected = {name: observe_robot(_expected(robot, one.robot), asked[name]) for name, one in written.items()}
+    reference = Reference()
+    expected = {name: reference.observe(_expected(robot, one.robot), asked[name]) for name, one in written.items()}
     freedom = degrees_of_freedom(robot)
     _check_loops(robot, freedom, expected.values(), found)
-    outcomes = provers.engines.results(timeout)
-    check_started(required, outcomes, found)
+    outcomes: list[Outcome] = []
     checks: list[Check] = []
+    differences = Diagnostics()
+    for outcome in provers.engines.results(timeout):  # compared while the other engines are still running
+        subject = Subject(written[outcome.key].path.name, outcome.format, outcome.engine)
+        checks += _checks(subject, expected[outcome.key], outcome, differences)
+        outcomes.append(outcome)
+    check_started(required, outcomes, found)
     for key, one in written.items():
         _check_read(one.path.name, [outcome for outcome in outcomes if outcome.key == key], found)
-    for outcome in outcomes:
-        file = written[outcome.key].path.name
-        checks += _checks(Subject(file, outcome.format, outcome.engine), expected[outcome.key], outcome, found)
+    found.extend(differences)
     overlaps, collision_check = _self_collision(robot, provers, timeout, found)
     return Report(
         checks=(*checks, collision_check),
