@@ -6,6 +6,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 
 from .training import PLANS, draw, rise, shortened, train
@@ -17,6 +18,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     plan = shortened(PLANS[options.task], options.iterations, options.seed)
     plan = replace(plan, options={**plan.options, **options.option}, inputs=tuple(options.input) or plan.inputs)
     plan = replace(plan, outputs=tuple(options.output) or plan.outputs)
+    if options.plot and find_spec("matplotlib") is None:
+        sys.stderr.write("error: --plot needs matplotlib: pip install 'stepbot[learn]'\n")
+        return 2
     start, scores = time.monotonic(), []
     try:
         for score in train(options.model, plan, processes=options.processes):

@@ -13,8 +13,8 @@ import numpy as np
 from . import make as make_environment
 from .search import Episode, Search, Settings
 
-TEST_SEEDS = range(1_000_000, 1_000_100)
-"""Seeds of the episodes with which policies are compared; training uses others."""
+TEST_SEEDS = range(2_000_000, 2_000_100)
+"""Seeds of the episodes with which policies are compared; neither training nor the choice of the settings saw them."""
 _SIGMAS = 1.96
 """Standard deviations on either side of the mean in a confidence interval of 95 %."""
 _STYLE = {"svg.hashsalt": "stepbot", "svg.fonttype": "none", "font.size": 8, "axes.spines.top": False}

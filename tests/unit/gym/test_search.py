@@ -138,3 +138,14 @@ def test_command_trains_and_reports_errors(tmp_path: Path, capsys: pytest.Captur
     assert main([path, *short, "--option", "colour=red"]) == 2
     assert "colour" in capsys.readouterr().err
     assert set(PLANS) == set(stepbot.gym.TASKS)
+
+
+def test_missing_matplotlib_is_reported_before_training(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A curve that cannot be drawn is an error at once, not after minutes of training."""
+    monkeypatch.setattr("stepbot.gym.__main__.find_spec", lambda _name: None)
+    assert main([str(written(tmp_path, ARM)), "--plot", str(tmp_path / "curve.svg")]) == 2
+    seen = capsys.readouterr()
+    assert seen.out == ""
+    assert "--plot needs matplotlib" in seen.err
