@@ -7,7 +7,7 @@ import pytest
 
 from stepbot.described.robot import robot_of_description
 from stepbot.engines.describe import describe
-from stepbot.engines.observation import EngineCannotRead
+from stepbot.engines.observation import EngineCannotRead, EngineRefused
 from stepbot.jobs.incremental import convert
 from stepbot.pipeline.conversion import Options
 from stepbot.robot.kinematics import link_poses
@@ -81,6 +81,24 @@ def test_include_is_not_followed(rig: Path) -> None:
         RIG.replace("</model></sdf>", "<include><uri>model://x</uri></include></model></sdf>"), encoding="utf-8"
     )
     with pytest.raises(EngineCannotRead, match="include"):
+        describe(str(rig), "sdf")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('<link name="finger">', '<link name="palm">', "duplicate link 'hand::palm'"),
+        ('<frame name="flange"', '<frame name=""', "<frame> without a name"),
+        ("<parent>base</parent>", "", "joint 'wrist' has no <parent>"),
+        ("<axis><xyz>0 0 1</xyz>", "<axis><xyz>0 0 0</xyz>", "joint 'wrist': the axis is '0 0 0', not a direction"),
+        ("<mass>2</mass>", "<mass>2 kg</mass>", "'2 kg' is not a list of numbers"),
+    ],
+)
+def test_faults_have_a_message(old: str, new: str, message: str, rig: Path) -> None:
+    """Duplicate and missing names, a joint without an end or a direction, and text are reported, not raised."""
+    assert old in RIG
+    rig.write_text(RIG.replace('relative_to="flange"', "").replace(old, new, 1), encoding="utf-8")
+    with pytest.raises(EngineRefused, match=message):
         describe(str(rig), "sdf")
 
 

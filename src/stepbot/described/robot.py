@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stepbot.engines.description import Description
+from stepbot.engines.description import Description, half_size
 from stepbot.engines.observation import Observation, ObservedLink, Quantity
 from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import ZERO3, ZERO33, Pose
 from stepbot.robot.kinematics import MOVING, neighbours, without_contacts
 from stepbot.robot.model import Base, Frame, Link, Robot
@@ -59,7 +60,7 @@ def robot_of_description(
     seen = description.observation
     found = [Finding(MESH, f"mesh '{uri}' is missing or of an unsupported type") for uri in description.unread]
     found += [Finding(UNSUPPORTED, text) for text in description.unsupported]
-    shapes = Shapes(description, drawn=drawn)
+    shapes = Shapes(_with_volume(description, found), drawn=drawn)
     links = {link.name: _link(link, shapes, found) for link in seen.links}
     joints, extra = tree_of(description, found)
     root = joints[0].parent if joints else next(iter(links))
@@ -86,6 +87,19 @@ def robot_of_description(
     placed = _at_initial(share_meshes(rooted), seen.initial or {}, None if drawn else found)
     robot, names = with_valid_names(placed, found)
     return Described(robot, tuple(found), known, names)
+
+
+def _with_volume(description: Description, found: list[Finding]) -> Description:
+    """The description without primitives of size 0 or less, which engines reject."""
+    kept = []
+    for shape in description.shapes:
+        if isinstance(shape.geometry, TriMesh) or min(half_size(shape.geometry)) > 0.0:
+            kept.append(shape)
+            continue
+        kind, form = "collision" if shape.collides else "visual", type(shape.geometry).__name__.lower()
+        text = f"link '{shape.link}': {kind} with a {form} without volume: not converted"
+        found.append(Finding(LOST, text, (Quantity.SHAPES, Quantity.MESHES)))
+    return replace(description, shapes=tuple(kept))
 
 
 def _base(seen: str | None, wanted: Base | None) -> Base:
@@ -161,7 +175,7 @@ def _at_initial(robot: Robot, initial: Mapping[str, float], found: list[Finding]
         q = initial.get(joint.name, 0.0)
         if found is not None and joint.kind in MOVING and joint.mimic is None:
             inside = min(max(q, joint.limit.lower), joint.limit.upper)
-            if inside != q:
+            if inside != q and joint.limit.lower <= joint.limit.upper:  # swapped limits are an error of their own
                 limits = f"{joint.limit.lower:g} to {joint.limit.upper:g}"
                 text = f"joint '{joint.name}': initial position {q:g} is outside the limits {limits}: {inside:g} taken"
                 found.append(Finding(MOVED, text, (Quantity.INITIAL,)))

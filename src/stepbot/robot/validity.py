@@ -48,6 +48,8 @@ CLOSURE_DISTANCE = 1e-6
 CLOSURE_ANGLE = 1e-3
 """Maximum angle [rad] of a closure as drawn; CAD models align parallel pins no better."""
 
+_FARTHEST = 1e6
+"""Distance [m] beyond which a position is a mistake: squares of farther ones overflow."""
 _UNIT_SLACK = 1e-9
 _TRIANGLE_SLACK = 1e-6
 
@@ -152,12 +154,12 @@ def _check_poses(robot: Robot, report: Report) -> bool:
     if not names:
         return True
     poses = Poses(np.concatenate([one.R for one in arrays]), np.concatenate([one.p for one in arrays]))
-    finite = np.asarray(np.isfinite(np.column_stack([poses.R.reshape(-1, 9), poses.p])).all(axis=1))
+    finite = np.asarray(np.isfinite(poses.R).all(axis=(1, 2)) & (np.abs(poses.p) <= _FARTHEST).all(axis=1))
     R = np.where(finite[:, None, None], poses.R, np.eye(3))
     skew = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     turns = (skew <= _UNIT_SLACK) & (np.linalg.det(R) > 0.0)
     for i in np.flatnonzero(~finite).tolist():
-        report("SB414", f"{names[i]}: pose is not finite")
+        report("SB414", f"{names[i]}: pose is not finite, or farther than {_FARTHEST:g} m")
     for i in np.flatnonzero(~turns).tolist():
         report("SB415", f"{names[i]}: rotation matrix is not orthonormal")
     return bool(finite.all() and turns.all())

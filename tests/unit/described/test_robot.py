@@ -109,3 +109,18 @@ def test_a_file_without_links_is_reported(tmp_path: Path) -> None:
     shown = show(path, Options(output=Path()))
     assert [one.code for one in shown.diagnostics] == ["SB823"]
     assert shown.scene is None
+
+
+def test_shapes_without_volume_are_declared(tmp_path: Path) -> None:
+    """Boxes of size 0 or less, which engines reject, are left out, and listed."""
+    path = tmp_path / "flat.urdf"
+    box = "<{0}><geometry><box size='{1} 1 1'/></geometry></{0}>"
+    shapes = box.format("visual", 0) + box.format("collision", -1) + box.format("collision", 1)
+    path.write_text(f"<robot name='flat'><link name='base'>{shapes}</link></robot>", encoding="utf-8")
+    described = robot_of_description(describe(str(path), "urdf"), "flat", path.name)
+    (link,) = described.robot.links
+    assert (len(link.visuals), len(link.collisions)) == (0, 1)
+    assert [(one.code, one.text) for one in described.findings] == [
+        ("SB860", "link 'base': visual with a box without volume: not converted"),
+        ("SB860", "link 'base': collision with a box without volume: not converted"),
+    ]

@@ -10,7 +10,7 @@ from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 
 from .. import engine_of
-from ..observation import EngineCannotRead, Observation, Request
+from ..observation import EngineCannotRead, Observation, Quantity, Request
 from ..sdformat_reader.frames import Frames, number_at, numbers, read_pose
 from ..sdformat_reader.tree import parsed, read_model, the_model
 from .description import DescribedShape, Description, Primitive
@@ -77,7 +77,7 @@ def _is_weighed(link: Element) -> bool:
 def _at_zero(observation: Observation) -> dict[str, Pose]:
     """Poses in the parents at q = 0; the reader moves mimicking joints like any other."""
     if not observation.poses:
-        raise EngineCannotRead("the poses of its links are not known")
+        raise EngineCannotRead(observation.not_run[Quantity.POSES])
     poses = observation.poses[0]
     return {joint.child: poses[joint.parent].inverse() @ poses[joint.child] for joint in observation.joints}
 

@@ -13,9 +13,11 @@ from stepbot.geometry.spatial import ZERO3, Pose
 from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 
 from .. import engine_of
-from ..observation import EngineRefused, Observation, Request
+from ..observation import Observation, Request
+from ..sdformat_reader.tree import parsed
 from .description import DescribedShape, Description, Primitive
 from .meshes import MeshFiles
+from .urdf_structure import check_structure
 from .urdf_vocabulary import URDF
 
 if TYPE_CHECKING:
@@ -30,19 +32,15 @@ def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:
     Raises:
         EngineRefused: It contradicts its format.
     """
-    from lxml import etree
-
+    top = parsed(Path(file))
+    check_structure(top)
     request = Request(file, "urdf", simulate=0.0)
     seen: Observation = engine_of("yourdfpy").observer.observe(request)
     observation = _with_extensions(seen, engine_of("extensions").observer.observe(request))
-    top = etree.parse(file, etree.XMLParser(resolve_entities=False, no_network=True)).getroot()
     files = MeshFiles(Path(file), packages)
-    try:
-        X_PC = {_name(joint.find("child"), "link"): _origin(joint) for joint in top.findall("joint")}
-        materials = {_name(material): material for material in top.findall("material")}
-        shapes = tuple(shape for link in top.findall("link") for shape in _shapes(link, files, materials))
-    except ValueError as error:
-        raise EngineRefused(str(error)) from error
+    X_PC = {_name(joint.find("child"), "link"): _origin(joint) for joint in top.findall("joint")}
+    materials = {_name(material): material for material in top.findall("material")}
+    shapes = tuple(shape for link in top.findall("link") for shape in _shapes(link, files, materials))
     return Description(observation, X_PC, shapes, files.unread, URDF.unread(top), files.files, plain_meshes=files.plain)
 
 
@@ -133,10 +131,5 @@ def _origin(element: Element) -> Pose:
 
 
 def _numbers(text: str | None, default: Iterable[float]) -> tuple[float, ...]:
-    values = tuple(default)
-    if text is None:
-        return values
-    read = tuple(float(word) for word in text.split())
-    if len(read) != len(values):
-        raise ValueError(f"'{text}' has {len(read)} numbers, {len(values)} expected")
-    return read
+    """The numbers in an attribute, which :func:`.urdf_structure.check_structure` has counted."""
+    return tuple(default if text is None else map(float, text.split()))

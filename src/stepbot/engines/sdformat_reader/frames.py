@@ -32,7 +32,7 @@ def numbers(text: str | None) -> list[float]:
     try:
         return [float(word) for word in (text or "").split()]
     except ValueError as error:
-        raise EngineRefused(str(error)) from error
+        raise EngineRefused(f"'{text}' is not a list of numbers") from error
 
 
 def number_at(element: Element | None, path: str, default: float) -> float:
@@ -111,8 +111,8 @@ class Frames:
         """Direction (3,) of a joint's axis, in the model, not normalized."""
         xyz = axis.find("xyz")
         direction = numbers(xyz.text if xyz is not None else "0 0 1")
-        if len(direction) != 3:
-            raise EngineRefused(f"an axis with {len(direction)} numbers, 3 expected")
+        if len(direction) != 3 or not any(direction) or not all(map(math.isfinite, direction)):
+            raise EngineRefused(f"joint '{joint.get('name', '')}': the axis is '{xyz.text}', not a direction")
         frame = (xyz.get("expressed_in", "") if xyz is not None else "") or joint.get("name", "")
         if axis.findtext("use_parent_model_frame", "").strip() in ("1", "true"):
             frame = MODEL

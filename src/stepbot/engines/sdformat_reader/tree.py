@@ -6,6 +6,7 @@ PyBullet fixes the base.
 """
 
 import tempfile
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -35,11 +36,32 @@ def read_model(file: Path) -> Element:
         EngineRefused: The file is not XML.
         EngineCannotRead: It has no model, several, or an include.
     """
-    return plain(the_model(parsed(file)))
+    model = plain(the_model(parsed(file)))
+    check_names(model)
+    return model
+
+
+def check_names(model: Element) -> None:
+    """Check that elements can be told apart, and that joints have two ends.
+
+    Raises:
+        EngineRefused: A name is missing or used twice, or a joint lacks an end.
+        EngineCannotRead: There are no links.
+    """
+    if model.find("link") is None:
+        raise EngineCannotRead("the model has no links")
+    for tag in ("link", "joint", "frame"):
+        for name, count in Counter(element.get("name", "") for element in model.findall(tag)).items():
+            if count > 1 or not name:
+                raise EngineRefused(f"duplicate {tag} '{name}'" if name else f"<{tag}> without a name")
+    for joint in model.findall("joint"):
+        for end, tag in zip(ends(joint), ("parent", "child"), strict=True):
+            if not end:
+                raise EngineRefused(f"joint '{joint.get('name')}' has no <{tag}>")
 
 
 def parsed(file: Path) -> Element:
-    """The root element of an SDFormat file.
+    """The root element of an XML file, without comments and expanded entities.
 
     Raises:
         EngineRefused: The file is not XML.

@@ -1,0 +1,50 @@
+"""Faults of a URDF that other readers report as exceptions of their own have a message with the line."""
+
+import pytest
+from lxml import etree
+
+from stepbot.engines.description.urdf_structure import check_structure
+from stepbot.engines.observation import EngineRefused
+
+ARM = """<robot name="arm">
+<link name="base"><visual><geometry><box size="1 1 1"/></geometry></visual></link>
+<link name="tip"/>
+<joint name="hinge" type="revolute">
+<origin xyz="0 0 1"/>
+<parent link="base"/>
+<child link="tip"/>
+<axis xyz="0 0 1"/>
+<limit lower="-inf" upper="1" effort="1" velocity="1"/>
+</joint>
+<gazebo><origin xyz="any"/></gazebo>
+</robot>"""
+
+
+def test_sound_files_pass() -> None:
+    """Infinite limits are valid, and numbers in extension blocks are not judged."""
+    check_structure(etree.fromstring(ARM))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('robot name="arm"', "robot", "line 1: <robot> without attribute 'name'"),
+        ('link name="tip"', 'link name="base"', "line 3: duplicate link 'base'"),
+        ('</joint>', '</joint><joint name="hinge" type="fixed"/>', "line 10: duplicate joint 'hinge'"),
+        ('type="revolute"', "", "line 4: <joint> without attribute 'type'"),
+        ('<child link="tip"/>', "", "line 4: joint 'hinge': no <child>"),
+        ('<parent link="base"/>', '<parent link="bas"/>', "line 4: joint 'hinge': parent link 'bas' does not exist"),
+        ('axis xyz="0 0 1"', 'axis xyz="0 0 0"', "line 8: joint 'hinge': the axis is zero"),
+        ('axis xyz="0 0 1"', 'axis xyz="0,0,1"', "line 8: 'xyz' of <axis> is '0,0,1', not 3 numbers"),
+        ('origin xyz="0 0 1"', 'origin xyz="0 0"', "line 5: 'xyz' of <origin> is '0 0', not 3 numbers"),
+        ('origin xyz="0 0 1"', 'origin xyz="0 0 inf"', "line 5: 'xyz' of <origin> is '0 0 inf', not 3 numbers"),
+        ('lower="-inf"', 'lower="nan"', "line 9: 'lower' of <limit> is 'nan', not a number"),
+        ('<box size="1 1 1"/>', "<!-- none -->", "line 2: link 'base': <visual> has no geometry"),
+    ],
+)  # fmt: skip
+def test_faults_have_their_line(old: str, new: str, message: str) -> None:
+    """Missing and duplicate names, joints without ends, axes without direction, text in place of numbers."""
+    assert old in ARM
+    with pytest.raises(EngineRefused) as caught:
+        check_structure(etree.fromstring(ARM.replace(old, new, 1)))
+    assert str(caught.value) == message
