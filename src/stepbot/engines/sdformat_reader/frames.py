@@ -110,9 +110,10 @@ class Frames:
     def axis(self, joint: Element, axis: Element) -> Array:
         """Direction (3,) of a joint's axis, in the model, not normalized."""
         xyz = axis.find("xyz")
-        direction = numbers(xyz.text if xyz is not None else "0 0 1")
+        text = "0 0 1" if xyz is None else xyz.text
+        direction = numbers(text)
         if len(direction) != 3 or not any(direction) or not all(map(math.isfinite, direction)):
-            raise EngineRefused(f"joint '{joint.get('name', '')}': the axis is '{xyz.text}', not a direction")
+            raise EngineRefused(f"joint '{joint.get('name', '')}': the axis is '{text}', not a direction")
         frame = (xyz.get("expressed_in", "") if xyz is not None else "") or joint.get("name", "")
         if axis.findtext("use_parent_model_frame", "").strip() in ("1", "true"):
             frame = MODEL
