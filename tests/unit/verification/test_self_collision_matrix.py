@@ -27,6 +27,8 @@ from stepbot.robot.model import (
 )
 from stepbot.robot.self_collision import PairClass, PairContact
 from stepbot.verification.self_collision.matrix import matrix
+from stepbot.verification.self_collision.search import LinkPair
+from stepbot.verification.self_collision.shapes import Pair, shapes_of
 
 SAMPLES = 10_000
 SIGMAS = 4.0
@@ -185,3 +187,28 @@ def test_many_shapes_are_as_one() -> None:
     parts = replace(parts, links=(*parts.links[:2], Link("bar", collisions=pieces)))
     a, b = the_pair(one), the_pair(parts)
     assert (a.contacts, a.first, a.pose) == (b.contacts, b.first, b.pose)
+
+
+def test_many_shapes_at_many_poses_overlap_as_each_pair_does() -> None:
+    """Spheres and boxes around shapes exclude nothing that python-fcl finds when it compares every pair of shapes."""
+    ball, brick = Sphere(0.02), mesh(0.03, 0.02, 0.05)
+    places = [Pose.from_xyz_rpy((0.03 * i, 0.01 * (i % 3), 0.0), (0.3 * i, 0.2, 0.1)) for i in range(6)]
+    mixed = [ball, Box((0.02, 0.03, 0.04)), MeshRef("brick"), Capsule(0.01, 0.04), ball, ball]
+    given = {"a": [ball] * 6, "b": [ball] * 6, "c": mixed}
+    links = tuple(
+        Link(name, collisions=tuple(Collision(f"{name}{X.p}", one, X) for one, X in zip(those, places, strict=True)))
+        for name, those in given.items()
+    )
+    shapes = shapes_of(Robot("r", links, meshes=(MeshAsset("brick", brick),)))
+    random = np.random.default_rng(5)
+    R = np.array([Pose.from_xyz_rpy((0, 0, 0), rpy).R for rpy in random.uniform(-pi, pi, (200, 3))])
+    p = random.uniform(-0.1, 0.2, (200, 3))
+    for a, b in (("a", "b"), ("a", "c"), ("c", "b")):
+        pair = LinkPair(a, b, shapes[a], shapes[b])
+        one_by_one = [Pair(x, y) for x in shapes[a] for y in shapes[b]]
+        expected = [any(one.deepest(*X) is not None for one in one_by_one) for X in zip(R, p, strict=True)]
+        assert pair.overlapping((R, p)).tolist() == expected
+        assert 20 < sum(expected) < 180
+        for X in zip(R[:40], p[:40], strict=True):
+            depths = [found[0] for one in one_by_one if (found := one.deepest(*X)) is not None]
+            assert pair.depth(*X) == max(depths, default=None)

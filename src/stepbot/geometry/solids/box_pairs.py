@@ -9,6 +9,8 @@ _OTHERS = ((1, 2), (2, 0), (0, 1))
 """For each axis, the two others in cyclic order."""
 _PARALLEL = 1e-9
 """Added to cosines, so that the cross product of parallel edges, whose direction is rounding, separates nothing."""
+_SLACK = 1.0 + 1e-12
+"""Factor of radii, so that rounding separates nothing."""
 _AT_ONCE = 1 << 18
 """Pairs that are compared at once, which limits memory."""
 
@@ -70,6 +72,15 @@ def boxes_meet(box_a: tuple[Array, Array], box_b: tuple[Array, Array], R: Array,
     """
     (centre_a, half_a), (centre_b, half_b) = ((0.5 * (low + high), 0.5 * (high - low)) for low, high in (box_a, box_b))
     t = R @ centre_b + p - centre_a
+    reach = _SLACK * (float(half_a @ half_a) ** 0.5 + float(half_b @ half_b) ** 0.5)
+    near = np.flatnonzero(t[:, 0] ** 2 + t[:, 1] ** 2 + t[:, 2] ** 2 <= reach * reach)  # spheres around the boxes
+    found = np.zeros(len(R), dtype=bool)
+    found[near] = _none_separates(half_a, half_b, R[near], t[near])
+    return found
+
+
+def _none_separates(half_a: Array, half_b: Array, R: Array, t: Array) -> NDArray[np.bool_]:
+    """Whether no axis separates boxes with half edges (3,) [m], the second at R (n, 3, 3), t (n, 3) in the first."""
     size = np.abs(R) + _PARALLEL
     meet = (np.abs(t) <= half_a + size @ half_b).all(axis=1)
     meet &= (np.abs(np.einsum("nij,ni->nj", R, t)) <= half_b + np.einsum("nij,i->nj", size, half_a)).all(axis=1)

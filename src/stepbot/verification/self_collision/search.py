@@ -1,7 +1,8 @@
 """The poses in which the collision shapes of two links overlap.
 
-Boxes around links, then boxes around shapes, exclude most poses in a few array operations. python-fcl compares what is
-left, until one pair of shapes overlaps: the time grows with the number of poses in which links are near each other.
+Boxes around links, then spheres and boxes around shapes, exclude most poses in a few array operations; of two balls,
+the spheres are the answer. python-fcl compares what is left, until one pair of shapes overlaps: the time grows with the
+number of poses in which links are near each other.
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,7 +16,10 @@ from stepbot.geometry.spatial import Array
 from stepbot.robot.kinematics import Tree, neighbours
 from stepbot.robot.model import Robot
 
-from .shapes import Pair, Shape, shapes_of
+from .shapes import TOUCHING, Pair, Shape, shapes_of
+
+_MOST_DISTANCES = 1_000_000
+"""Distances of shapes that are in memory at a time."""
 
 Placed = tuple[Array, Array]
 """Rotations R_AB (n, 3, 3) and positions p_AB (n, 3) [m] of a link B in a link A."""
@@ -26,19 +30,44 @@ class LinkPair:
 
     def __init__(self, a: str, b: str, shapes_a: Sequence[Shape], shapes_b: Sequence[Shape]) -> None:
         self.a, self.b = a, b
-        pairs = [Pair(x, y) for x in shapes_a for y in shapes_b]
-        self._pairs = sorted(pairs, key=lambda pair: pair.surfaces)  # solids are compared faster
+        self._shapes = shapes_a, shapes_b
         self._boxes = _around(shapes_a), _around(shapes_b)
+        self._centers = tuple(np.array([shape.center for shape in shapes]) for shapes in self._shapes)
+        radii, balls = (
+            [np.array([getattr(shape, name) for shape in shapes]) for shapes in self._shapes]
+            for name in ("radius", "is_ball")
+        )
+        self._reach = radii[0][:, None] + radii[1][None, :]
+        """Distance [m] of centres (a, b) below which the spheres around two shapes overlap."""
+        self._are_balls = balls[0][:, None] & balls[1][None, :]
+        """Whether two shapes are balls (a, b), which overlap if and only if these spheres do."""
+        surfaces = [np.array([shape.surface is not None for shape in shapes], dtype=int) for shapes in self._shapes]
+        order = np.argsort((surfaces[0][:, None] + surfaces[1][None, :]).ravel(), kind="stable")
+        self._order = [divmod(number, len(shapes_b)) for number in order.tolist()]  # solids are compared faster
+        self._pairs: dict[tuple[int, int], Pair] = {}
 
     def overlapping(self, X_AB: Placed) -> NDArray[np.bool_]:
         """Whether the links overlap, at each of n poses."""
         overlap = np.zeros(len(X_AB[0]), dtype=bool)
         near = np.flatnonzero(boxes_meet(*self._boxes, *X_AB))
-        for pair in self._pairs:
-            near = near[~overlap[near]]
-            R, p = X_AB[0][near], X_AB[1][near]
-            meeting = np.flatnonzero(boxes_meet(_box(pair.a), _box(pair.b), R, p)) if len(near) else near
-            overlap[near[meeting]] = [pair.penetration(R[i], p[i]) is not None for i in meeting]
+        step = max(_MOST_DISTANCES // self._reach.size, 1)
+        for start in range(0, len(near), step):
+            some = near[start : start + step]
+            overlap[some] = self._overlapping(X_AB[0][some], X_AB[1][some])
+        return overlap
+
+    def _overlapping(self, R_AB: Array, p_AB: Array) -> NDArray[np.bool_]:
+        squared = self._squared(R_AB, p_AB)
+        touching = self._reach - TOUCHING
+        overlap = np.asarray((self._are_balls & (squared < touching * touching)).any(axis=(1, 2)))
+        meet = (squared <= self._reach * self._reach) & ~self._are_balls
+        for i, j in self._order:
+            near = np.flatnonzero(meet[:, i, j] & ~overlap)
+            if len(near):
+                R, p = R_AB[near], p_AB[near]
+                pair = self._pair(i, j)
+                boxes = np.flatnonzero(boxes_meet(_box(pair.a), _box(pair.b), R, p))
+                overlap[near[boxes]] = [pair.penetration(R[k], p[k]) is not None for k in boxes]
         return overlap
 
     def boxes_meet(self, R_AB: Array, p_AB: Array) -> bool:
@@ -52,8 +81,21 @@ class LinkPair:
 
     def deepest(self, R_AB: Array, p_AB: Array) -> tuple[float, Array | None] | None:
         """:meth:`.Pair.deepest` of the two shapes that overlap most at a pose; None without an overlap."""
-        found = [pair.deepest(R_AB, p_AB) for pair in self._pairs]
+        (meet,) = self._squared(R_AB[None], p_AB[None]) <= self._reach * self._reach
+        found = [self._pair(i, j).deepest(R_AB, p_AB) for i, j in self._order if meet[i, j]]
         return max((one for one in found if one is not None), key=lambda one: one[0], default=None)
+
+    def _squared(self, R_AB: Array, p_AB: Array) -> Array:
+        """Squared distances (n, a, b) [m^2] of the centres of all shapes, at each of n poses."""
+        of_a, of_b = self._centers
+        moved = of_b @ R_AB.swapaxes(-1, -2) + p_AB[:, None, :]
+        gap = of_a[None, :, None, :] - moved[:, None, :, :]
+        return np.asarray(gap[..., 0] ** 2 + gap[..., 1] ** 2 + gap[..., 2] ** 2)
+
+    def _pair(self, i: int, j: int) -> Pair:
+        if (i, j) not in self._pairs:
+            self._pairs[i, j] = Pair(self._shapes[0][i], self._shapes[1][j])
+        return self._pairs[i, j]
 
 
 def separate_links(robot: Robot) -> Iterator[LinkPair]:

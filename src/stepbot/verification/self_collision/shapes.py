@@ -76,6 +76,11 @@ class Shape:
     """The mesh in the link's frame, if the shape is a surface for python-fcl; None for a solid one."""
     inside: Array
     """A point (3,) [m] of the shape, in the link's frame."""
+    center: Array
+    radius: float
+    """Centre (3,) and radius [m] of a sphere around the shape, in the link's frame."""
+    is_ball: bool = False
+    """Whether the shape is that sphere."""
 
 
 def shapes_of(robot: Robot) -> dict[str, tuple[Shape, ...]]:
@@ -90,10 +95,15 @@ def _shape(robot: Robot, collision: Collision, convex: Set[str]) -> Shape:
         solid = collision.geometry.name in convex
         low, high = (np.array(corner) for corner in mesh.bounds)
         shape = _convex(mesh) if solid else _surface(_shrunk(mesh))
-        return Shape(shape, Pose(), low, high, None if solid else mesh, mesh.vertices[0])
-    half = np.abs(collision.X_LG.R) @ _half_extents(collision.geometry)
-    centre = collision.X_LG.p
-    return Shape(_primitive(collision.geometry), collision.X_LG, centre - half, centre + half, None, centre)
+        center = 0.5 * (low + high)
+        radius = float(np.linalg.norm(mesh.vertices - center, axis=1).max()) + TOUCHING
+        return Shape(shape, Pose(), low, high, None if solid else mesh, mesh.vertices[0], center, radius)
+    extents, centre = _half_extents(collision.geometry), collision.X_LG.p
+    ball = isinstance(collision.geometry, Sphere)
+    half = extents if ball else np.abs(collision.X_LG.R) @ extents
+    radius = float(extents[0]) if ball else float(np.linalg.norm(extents))
+    shape = _primitive(collision.geometry)
+    return Shape(shape, collision.X_LG, centre - half, centre + half, None, centre, centre, radius, ball)
 
 
 def _half_extents(geometry: Geometry) -> Array:
