@@ -202,13 +202,13 @@ def test_many_shapes_at_many_poses_overlap_as_each_pair_does() -> None:
     shapes = shapes_of(Robot("r", links, meshes=(MeshAsset("brick", brick),)))
     random = np.random.default_rng(5)
     R = np.array([Pose.from_xyz_rpy((0, 0, 0), rpy).R for rpy in random.uniform(-pi, pi, (200, 3))])
-    p = random.uniform(-0.1, 0.2, (200, 3))
+    p = random.uniform(-0.08, 0.12, (200, 3))
     for a, b in (("a", "b"), ("a", "c"), ("c", "b")):
         pair = LinkPair(a, b, shapes[a], shapes[b])
         one_by_one = [Pair(x, y) for x in shapes[a] for y in shapes[b]]
         expected = [any(one.deepest(*X) is not None for one in one_by_one) for X in zip(R, p, strict=True)]
         assert pair.overlapping((R, p)).tolist() == expected
-        assert 20 < sum(expected) < 180
+        assert 20 < expected.count(True) < 180
         for X in zip(R[:40], p[:40], strict=True):
             depths = [found[0] for one in one_by_one if (found := one.deepest(*X)) is not None]
             assert pair.depth(*X) == max(depths, default=None)
