@@ -16,18 +16,13 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, BinaryIO
 
-import pytest
-
-from stepbot.engines.prestart import shared_imports, started_engine_server
-from stepbot.pipeline import prestart
+from stepbot.engines.prestart import shared_imports
 from stepbot.runtime import worker
 from stepbot.runtime.fork_server import ForkServer, can_serve
-from stepbot.verification import files
 
 _KERNEL = ("stepbot.step.worker", "stepbot.geometry.mesh_worker")
 _REFERENCES = "stepbot.engines.file_references"
 _YOURDFPY = "stepbot.engines.yourdfpy.observer"
-_SPAWNED = worker.spawned
 
 
 class WarmProcesses:
@@ -38,7 +33,7 @@ class WarmProcesses:
 
     @cached_property
     def _kernel(self) -> ForkServer:
-        return ForkServer([*_KERNEL, "trimesh", __name__])  # this module too: it imports pytest
+        return ForkServer([*_KERNEL, "trimesh", __name__])
 
     @cached_property
     def _engines(self) -> ForkServer:
@@ -57,7 +52,7 @@ class WarmProcesses:
     def start(self, function: str, memory_limit: int | None, stderr: BinaryIO) -> worker.Process:
         """Start a worker; see :data:`stepbot.runtime.worker.Start`."""
         if not can_serve():
-            return _SPAWNED(function, memory_limit, stderr)
+            return worker.spawned(function, memory_limit, stderr)
         changes = {name: value for name, value in os.environ.items() if self._environment.get(name) != value}
         removed: dict[str, None] = dict.fromkeys(self._environment.keys() - os.environ.keys())
         return self._server(function).fork(_named(function, str(Path.cwd()), changes | removed), memory_limit, stderr)
@@ -73,10 +68,7 @@ class WarmProcesses:
 def warm_processes() -> Iterator[None]:
     """All workers of this process are started by :class:`WarmProcesses`."""
     processes = WarmProcesses()
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker, "spawned", processes.start)
-        for module in (files, prestart):
-            patch.setattr(module, "started_engine_server", lambda: None)
+    with worker.started_by(processes.start):
         yield
     processes.close()
 
@@ -84,10 +76,7 @@ def warm_processes() -> Iterator[None]:
 @contextmanager
 def cold_processes() -> Iterator[None]:
     """Workers are started as for every user."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(worker, "spawned", _SPAWNED)
-        for module in (files, prestart):
-            patch.setattr(module, "started_engine_server", started_engine_server)
+    with worker.started_by(worker.spawned):
         yield
 
 

@@ -57,6 +57,7 @@ def command(
     With --edit the page writes to the sidecar, each change checked before, and undone with one click. Otherwise nothing
     is written.
     """
+    from stepbot.pipeline.warm import warm_processes
     from stepbot.serving.session import Session
     from stepbot.serving.watching import Prover, follow
 
@@ -73,6 +74,8 @@ def command(
         found.add("SB019", f"port {port}: {error.strerror}", Span("stepbot"))
         return _say(found, "", as_json, display)
     with ExitStack() as running:
+        if edit:
+            running.enter_context(warm_processes())
         running.callback(session.close)
         with progress_bar(("read",)) as progress:
             progress("read")

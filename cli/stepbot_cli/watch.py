@@ -53,6 +53,7 @@ def command(
     After a save with errors, the page keeps the last good robot and lists the errors; so does the terminal. With -o,
     files are written whenever they pass verification. Ctrl-C ends it.
     """
+    from stepbot.pipeline.warm import warm_processes
     from stepbot.serving import watching
 
     found = Diagnostics()
@@ -77,6 +78,7 @@ def command(
 
     try:
         with ExitStack() as running:
+            running.enter_context(warm_processes())
             for session in sessions:
                 running.callback(session.close)
             prover = watching.Prover(sessions, proven)

@@ -1,6 +1,7 @@
 """The fork server of the engines, and the modules that it imports for all of them."""
 
 from stepbot.runtime.fork_server import ForkServer, can_serve
+from stepbot.runtime.worker import are_spawned
 
 from . import engines
 
@@ -12,7 +13,7 @@ def shared_imports() -> tuple[str, ...]:
 
 
 def started_engine_server() -> ForkServer | None:
-    """A process that starts engines; None without fork, so that each starts on its own."""
-    if not can_serve():
+    """A process that starts engines; None if they are started without it."""
+    if not can_serve() or not are_spawned():
         return None
     return ForkServer(shared_imports())

@@ -18,7 +18,8 @@ import sys
 import tempfile
 import threading
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import cache
 from types import TracebackType
 from typing import IO, Any, BinaryIO, NoReturn, Protocol
@@ -90,10 +91,10 @@ class Worker:
         Args:
             function: ``package.module:function``.
             memory_limit: Address space [bytes] if the system can limit it (POSIX); None for no limit.
-            start: Starts the process; None to start a new interpreter.
+            start: Starts the process; None to start a new interpreter, or as :func:`started_by` says.
         """
         self._stderr: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the worker
-        self._process = (start or spawned)(function, memory_limit, self._stderr)
+        self._process = (start or _starts[-1])(function, memory_limit, self._stderr)
         self._writer: threading.Thread | None = None
         self._more = False
 
@@ -218,6 +219,24 @@ def spawned(function: str, memory_limit: int | None, stderr: BinaryIO) -> Proces
             command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=stderr, env=worker_environment()
         )
     )
+
+
+_starts: list[Start] = [spawned]
+
+
+@contextmanager
+def started_by(start: Start) -> Iterator[None]:
+    """Within it, in all threads, ``start`` starts the workers for which nothing else is requested."""
+    _starts.append(start)
+    try:
+        yield
+    finally:
+        _starts.remove(start)
+
+
+def are_spawned() -> bool:
+    """Whether workers for which nothing else is requested are new interpreters."""
+    return _starts[-1] is spawned
 
 
 def worker_command(function: str, memory_limit: int | None) -> list[str]:

@@ -1,8 +1,9 @@
 """Where the robots of a batch are converted: any ``concurrent.futures`` executor works.
 
-On one machine, each robot gets its own process, so that a crash does not affect others; each process is limited to its
-share of the cores, since the kernel and the engines would each use all of them. On several machines, a Dask cluster
-runs the same function: https://distributed.dask.org.
+On one machine, a process converts one robot after the other, so that what it has loaded stays loaded; one that crashes
+is replaced, so that a crash does not affect other robots. Each is limited to its share of the cores, since the kernel
+and the engines would each use all of them. On several machines, a Dask cluster runs the same function:
+https://distributed.dask.org.
 """
 
 import os
@@ -23,15 +24,19 @@ class ClusterUnreachable(Exception):
     """No scheduler at that address, or the connection failed."""
 
 
-class ProcessEach(ThreadPoolExecutor):
-    """Runs each call in a fresh process that imports the function by its name."""
+class ProcessOfEachThread(ThreadPoolExecutor):
+    """Runs calls in processes, one of each thread, that import the function by its name.
+
+    :class:`concurrent.futures.ProcessPoolExecutor` ends all calls when one of its processes dies.
+    """
 
     def __init__(self, at_once: int, shares: list[frozenset[int]]) -> None:
         """Run ``at_once`` calls at a time, each on one of the ``shares`` of cores; without shares, on all cores."""
         self._shares: queue.SimpleQueue[frozenset[int]] = queue.SimpleQueue()
         for share in shares:
             self._shares.put(share)
-        self._running: set[Worker] = set()
+        self._workers: dict[int, tuple[str, Worker]] = {}
+        """For each thread the function of its process, and the process."""
         self._lock = threading.Lock()
         self._ended = False
         super().__init__(at_once, "robot", self._take_share if shares else None)
@@ -45,31 +50,47 @@ class ProcessEach(ThreadPoolExecutor):
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
         """Shut down; with ``cancel_futures`` running processes are ended too."""
         if cancel_futures:
-            with self._lock:
-                self._ended = True
-                for worker in self._running:
-                    worker.close()
+            self._end_workers()
         super().shutdown(wait, cancel_futures=cancel_futures)
+        self._end_workers()
+
+    def _end_workers(self) -> None:
+        with self._lock:
+            self._ended = True
+            for _, worker in self._workers.values():
+                worker.close()
 
     def _call(self, function: str, arguments: tuple[Any, ...]) -> Any:
-        with Worker(function) as worker:
+        worker = self._worker(function)
+        try:
+            # The kernel and the engines have their own time limits.
+            return worker.submit(*arguments, more=True).result(threading.TIMEOUT_MAX)
+        except BaseException:  # it has died, or may not be as it was
             with self._lock:
-                if self._ended:
-                    raise RuntimeError("the batch has ended")
-                self._running.add(worker)
-            try:
-                # The kernel and the engines have their own time limits.
-                return worker.submit(*arguments).result(threading.TIMEOUT_MAX)
-            finally:
-                with self._lock:
-                    self._running.discard(worker)
+                del self._workers[threading.get_ident()]
+            worker.close()
+            raise
+
+    def _worker(self, function: str) -> Worker:
+        """The process of this thread."""
+        mine = threading.get_ident()
+        with self._lock:
+            if self._ended:
+                raise RuntimeError("the batch has ended")
+            known, worker = self._workers.get(mine, ("", None))
+            if worker is None or known != function:
+                if worker is not None:
+                    worker.close()
+                worker = Worker(function)
+                self._workers[mine] = function, worker
+            return worker
 
     def _take_share(self) -> None:
         """Bind this thread to its cores: processes that it starts inherit the binding."""
         os.sched_setaffinity(0, self._shares.get())
 
 
-def local_executor(cores: int, tasks: int) -> ProcessEach:
+def local_executor(cores: int, tasks: int) -> ProcessOfEachThread:
     """An executor that uses a number of cores, with as many robots at once as there are cores and robots.
 
     Args:
@@ -77,7 +98,7 @@ def local_executor(cores: int, tasks: int) -> ProcessEach:
         tasks: Number of robots.
     """
     at_once = max(1, min(cores, tasks))
-    return ProcessEach(at_once, _shares(cores, at_once))
+    return ProcessOfEachThread(at_once, _shares(cores, at_once))
 
 
 def _shares(cores: int, at_once: int) -> list[frozenset[int]]:

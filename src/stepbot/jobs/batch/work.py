@@ -1,6 +1,7 @@
 """One robot of a batch: the function that runs in a separate process, here or on another machine."""
 
 from collections.abc import Mapping
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -12,6 +13,9 @@ from stepbot.runtime.temporary import run_folder
 from stepbot.version import __version__
 
 from ..incremental import conversion_key, produce
+
+_KEPT = ExitStack()
+"""Never closed: the processes that it keeps end with this one."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +46,13 @@ class Parcel:
     input: str
     """Key of everything that the files depend on."""
     version: str = __version__
+
+
+def prepare() -> None:
+    """In a process that converts one robot after the other: keep what it loads for the next one."""
+    from stepbot.pipeline.warm import warm_processes
+
+    _KEPT.enter_context(warm_processes())
 
 
 def carry_out(sidecar: Path, options: Options) -> Work:
