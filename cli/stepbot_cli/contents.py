@@ -2,7 +2,8 @@
 
 from dataclasses import dataclass
 
-from stepbot.geometry.spatial import Vector3, bounds, join_bounds
+from stepbot.geometry.poses import Poses, bounds_at
+from stepbot.geometry.spatial import Array, Vector3
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.step.assembly import Assembly, Body, BodyKind
 
@@ -42,8 +43,7 @@ class Contents:
         self.solids += other.solids
         self.surfaces += other.surfaces
         self.volume += other.volume
-        boxes = [box for box in (self.box, other.box) if box is not None]
-        self.box = join_bounds(boxes) if boxes else None
+        self.box = _joined(self.box, other.box) if self.box and other.box else self.box or other.box
 
 
 def contents(assembly: Assembly, measures: tuple[VolumeProperties | None, ...]) -> list[Contents]:
@@ -53,20 +53,33 @@ def contents(assembly: Assembly, measures: tuple[VolumeProperties | None, ...]) 
         assembly: The assembly.
         measures: Mass properties of the mesh of each body.
     """
-    found = []
-    for component in assembly.components:
-        own = Contents()
-        if component.body >= 0:
-            body = assembly.bodies[component.body]
-            own.volume = volume(body, measures[component.body])
-            own.solids = int(body.kind is BodyKind.SOLID or (body.kind is BodyKind.TESSELLATED and own.volume > 0.0))
-            own.surfaces = int(not own.solids and body.kind is not BodyKind.WIRE)
-            if len(body.mesh.vertices):
-                own.box = bounds(component.X_WC.apply(body.mesh.vertices))
-        found.append(own)
+    found = [Contents() for _ in assembly.components]
+    for number, indices in assembly.occurrences.items():
+        body = assembly.bodies[number]
+        own = volume(body, measures[number])
+        is_solid = body.kind is BodyKind.SOLID or (body.kind is BodyKind.TESSELLATED and own > 0.0)
+        is_surface = not is_solid and body.kind is not BodyKind.WIRE
+        boxes: list[Box | None] = [None] * len(indices)
+        if len(body.mesh.vertices):
+            corners = bounds_at(body.mesh.vertices, Poses.of(assembly.components[index].X_WC for index in indices))
+            boxes = list(zip(*(_vectors(corner) for corner in corners), strict=True))
+        for index, box in zip(indices, boxes, strict=True):
+            found[index] = Contents(int(is_solid), int(is_surface), own, box)
     for component in reversed(assembly.components[1:]):
         found[component.parent].add(found[component.index])
     return found
+
+
+def _vectors(rows: Array) -> list[Vector3]:
+    """The rows of an array (n, 3)."""
+    return [(x, y, z) for x, y, z in rows.tolist()]
+
+
+def _joined(a: Box, b: Box) -> Box:
+    """The box around two boxes."""
+    x, y, z = map(min, a[0], b[0])
+    u, v, w = map(max, a[1], b[1])
+    return (x, y, z), (u, v, w)
 
 
 def volume(body: Body, measured: VolumeProperties | None) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any, TextIO
 
 from stepbot.diagnostics import Diagnostic, Diagnostics
+from stepbot.report.indented_json import indented
 
 from . import diagnostic_text
 
@@ -53,9 +54,12 @@ def write_error(text: str) -> None:
 
 def write_json(document: Mapping[str, Any]) -> None:
     """Print one JSON document; diagnostics in it are written out."""
-    text = json.dumps(document, indent=2, ensure_ascii=False, default=_plain)
     # Some characters valid in JSON control a terminal: U+009B starts an escape sequence, U+202E reverses text.
-    write_result("".join(c if c.isprintable() or c == "\n" else json.dumps(c)[1:-1] for c in text))
+    write_result("\n".join(map(_printable, indented(document, _plain).split("\n"))))
+
+
+def _printable(line: str) -> str:
+    return line if line.isprintable() else "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in line)
 
 
 @dataclass(frozen=True)

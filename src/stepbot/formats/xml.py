@@ -16,6 +16,7 @@ from stepbot.version import __version__
 
 Value: TypeAlias = str | float | Sequence[float]
 
+_NUMBER = (int, float)
 _INDENTED = 30
 """Levels of elements that are indented: beyond, a chain of links would take space quadratic in its length."""
 _SLOTS = ("\x01", "\x02")
@@ -44,9 +45,7 @@ def text_of(value: Value) -> str:
     """The text of a value: a string unchanged, a number, or numbers separated by spaces."""
     if isinstance(value, str):
         return value
-    if isinstance(value, int | float):
-        return number(value)
-    return _numbers(tuple(value))
+    return number(value) if isinstance(value, _NUMBER) else _numbers(tuple(value))
 
 
 @lru_cache(maxsize=1 << 14)
@@ -194,6 +193,8 @@ def _escaped(text: str, characters: Mapping[int, str]) -> str:
     Raises:
         ValueError: It has a character that XML does not allow.
     """
+    if text.isidentifier():  # most names
+        return text
     if not text.isprintable() and (wrong := _NOT_XML.search(text)):
         raise ValueError(_NOT_ALLOWED.format(ord(wrong[0])))
     return text.translate(characters)

@@ -231,6 +231,15 @@ class Assembly:
             first.setdefault(component.body, component.index)
         return first
 
+    @cached_property
+    def occurrences(self) -> dict[int, tuple[int, ...]]:
+        """For each body the indices of its components, in file order."""
+        found: dict[int, list[int]] = {}
+        for component in self.components:
+            if component.body >= 0:
+                found.setdefault(component.body, []).append(component.index)
+        return {body: tuple(indices) for body, indices in found.items()}
+
     def subtree(self, index: int) -> tuple[int, ...]:
         """The component and everything below it, depth first."""
         found = [index]

@@ -4,6 +4,7 @@ Transfer builds shapes without healing them: healing takes most of its time, and
 parallel (:mod:`stepbot.step.shapes.healing`).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -40,6 +41,8 @@ _HEALING = (
     "FixNotchedEdgesMode", "FixSelfIntersectingEdgeMode", "FixIntersectingEdgesMode",
     "FixNonAdjacentIntersectingEdgesMode", "FixTailMode", "FixVertexPositionMode", "FixVertexToleranceMode",
 )  # fmt: skip
+_PLACES = tuple((row, column) for row in (1, 2, 3) for column in (1, 2, 3, 4))
+"""Of the values of a transformation."""
 _UNUSED = ("Layer", "SHUO", "GDT", "View", "Meta", "Props", "Mat")
 
 
@@ -98,7 +101,15 @@ def transfer(model: StepModel) -> Any:
 
 def matrix_of(transformation: Any) -> Array:
     """A transformation of the kernel as a homogeneous matrix (4, 4) [m]."""
-    rows = [[transformation.Value(row, column) for column in (1, 2, 3, 4)] for row in (1, 2, 3)]
-    X = np.array([*rows, (0.0, 0.0, 0.0, 1.0)])
-    X[:3, 3] /= MILLIMETRES_PER_METRE
+    X: Array = matrices_of([transformation])[0]
+    return X
+
+
+def matrices_of(transformations: Sequence[Any]) -> Array:
+    """Transformations of the kernel as homogeneous matrices (n, 4, 4) [m]."""
+    X = np.zeros((len(transformations), 4, 4))
+    values = [[one.Value(row, column) for row, column in _PLACES] for one in transformations]
+    X[:, :3, :] = np.array(values).reshape(-1, 3, 4)
+    X[:, :3, 3] /= MILLIMETRES_PER_METRE
+    X[:, 3, 3] = 1.0
     return X

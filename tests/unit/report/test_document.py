@@ -10,7 +10,7 @@ import pytest
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.geometry.inertia import MassProperties
-from stepbot.report.document import indented, report_bytes, report_document
+from stepbot.report.document import report_bytes, report_document
 from stepbot.report.record import Check, MeasuredBody, Report, Status
 from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side
 from stepbot.robot.model import ComponentMass, Limit
@@ -32,14 +32,6 @@ def validator() -> jsonschema.Draft202012Validator:
     schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator.check_schema(schema)
     return jsonschema.Draft202012Validator(schema)
-
-
-def test_indentation_is_that_of_json() -> None:
-    """A report is laid out as the json module does it."""
-    document = {"a": [], "b": {}, "c": [1, 2.5, None, True, 'é\n"'], "d": {"e": ({"f": -0.0},), "g": 1e22}}
-    assert indented(document) == json.dumps(document, indent=2, ensure_ascii=False)
-    with pytest.raises(ValueError, match="not JSON compliant"):
-        indented([inf])
 
 
 def faults(validator: jsonschema.Draft202012Validator, document: object) -> list[str]:

@@ -77,10 +77,7 @@ class _Sides:
 
     def __init__(self, assembly: Assembly, base: frozenset[int]) -> None:
         self._assembly, self._base = assembly, base
-        parts: dict[int, list[int]] = {}
-        for component in assembly.components:
-            if component.body >= 0 and len(assembly.bodies[component.body].mesh.faces):
-                parts.setdefault(component.body, []).append(component.index)
+        parts = {body: of for body, of in assembly.occurrences.items() if len(assembly.bodies[body].mesh.faces)}
         self.is_empty = not parts
         if not self.is_empty:
             poses = {body: Poses.of(assembly.components[i].X_WC for i in of) for body, of in parts.items()}

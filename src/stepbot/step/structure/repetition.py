@@ -5,7 +5,7 @@ The others are placed by the kernel's formula, and only if that gives the kernel
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,7 +23,7 @@ from stepbot.geometry.spatial import Array
 
 from ..exchange.length_unit import unit_factors
 from ..exchange.selection import entities, items
-from ..kernel import matrix_of
+from ..kernel import matrices_of
 
 MANY = 16
 """Number of occurrences of one product in one assembly up to which the kernel places them all."""
@@ -76,10 +76,10 @@ def take_out_repetitions(session: Any, usages: Sequence[Any], keys: Sequence[tup
     elsewhere = StepBasic_ProductDefinition()
     taken = []
     for group in many:
-        matrices = {index: matrix for index in group if (matrix := placements.of(usages[index])) is not None}
-        if len(matrices) < len(group):
+        motions = list(placements.of([usages[index] for index in group]))
+        if len(motions) < len(group):
             continue
-        taken.append(Repetition(group[0], matrices))
+        taken.append(Repetition(group[0], dict(zip(group, matrices_of(motions), strict=True))))
         for index in group[1:]:
             usages[index].SetRelatingProductDefinition(elsewhere)
     return taken
@@ -107,8 +107,15 @@ class _Placements:
         self._factors: dict[int, StepData_Factors | None] = {}
         self._frames: dict[tuple[int, int], gp_Ax3] = {}
 
-    def of(self, usage: Any) -> Array | None:
-        """Matrix (4, 4) [m] of an occurrence in its assembly; None if it is not placed in the usual way."""
+    def of(self, usages: Sequence[Any]) -> Iterator[gp_Trsf]:
+        """Motions [mm] of occurrences of one product in one assembly; none of those that are not placed as usual."""
+        ends = usages[0].RelatedProductDefinition(), usages[0].RelatingProductDefinition()
+        own, above = (self._shapes[id(end)] for end in ends)
+        for usage in usages:
+            if (motion := self._motion(usage, own, above)) is not None:
+                yield motion
+
+    def _motion(self, usage: Any, own_shapes: Collection[int], shapes_above: Collection[int]) -> gp_Trsf | None:
         relations = self._relations[id(usage)]
         if len(relations) != 1 or not isinstance(
             relations[0], StepRepr_ShapeRepresentationRelationshipWithTransformation
@@ -118,9 +125,7 @@ class _Placements:
         if operator is None:
             return None
         own, above = relations[0].Rep1(), relations[0].Rep2()
-        if id(own) not in self._shapes[id(usage.RelatedProductDefinition())]:
-            return None
-        if id(above) not in self._shapes[id(usage.RelatingProductDefinition())]:
+        if id(own) not in own_shapes or id(above) not in shapes_above:
             return None
         start, end = operator.TransformItem1(), operator.TransformItem2()
         frames = self._frame(start, own), self._frame(end, above)
@@ -128,7 +133,7 @@ class _Placements:
             return None
         motion = gp_Trsf()
         motion.SetTransformation(frames[1], frames[0])
-        return matrix_of(motion)
+        return motion
 
     def _frame(self, placement: Any, representation: Any) -> gp_Ax3 | None:
         """An axis placement [mm] that is an item of a representation."""
