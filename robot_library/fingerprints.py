@@ -5,6 +5,7 @@ Scripts count by their code: a changed comment, docstring or line break leaves t
 
 import ast
 import hashlib
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
@@ -17,6 +18,7 @@ _LOOK = "1"
 _DRIVES = "1"
 """How all robots are driven: raised when a change of the tests or of the written files is to drive every robot."""
 _DIGITS = 16
+_METADATA = re.compile(rb"\nmetadata: .*\n\Z")
 
 
 def drawing(folder: Path) -> str:
@@ -54,8 +56,12 @@ def _hash(paths: Iterable[Path], salt: str = "") -> str:
 
 
 def _content(path: Path) -> bytes:
-    """What counts of a file: the code of a script; all of another file, with line feeds for line ends."""
+    """What counts of a file: the code of a script; all of another file, with line feeds for line ends.
+
+    The metadata of a sidecar, its last line, is for packages: it is in no table, picture or drive test.
+    """
     content = path.read_bytes().replace(b"\r\n", b"\n")
+    content = _METADATA.sub(b"", content) if path.name.endswith(".robot.yaml") else content
     return " ".join(_code(ast.parse(content))).encode() if path.suffix == ".py" else content
 
 

@@ -25,6 +25,17 @@ def test_nothing_is_stale(robot: str) -> None:
     assert making.stale(LIBRARY / robot) == [], "run `make library`"
 
 
+def test_metadata_makes_nothing_stale(tmp_path: Path) -> None:
+    """The metadata of a sidecar is in no table, picture or drive test; every other line is."""
+    sidecar = tmp_path / "a.robot.yaml"
+    hashes = []
+    for text in ("base: fixed\n", "base: fixed\n\nmetadata: {license: MIT}\n", "base: floating\n"):
+        sidecar.write_text(text, encoding="utf-8")
+        hashes.append((fingerprints.robot(tmp_path), fingerprints.drives(tmp_path), fingerprints.picture(tmp_path)))
+    assert hashes[0] == hashes[1]
+    assert all(a != b for a, b in zip(hashes[0], hashes[2], strict=True))
+
+
 def test_the_gallery_shows_every_robot() -> None:
     """Pictures and table of the library's README are those of the robots' pages."""
     assert not making.gallery_is_stale(), "run `make library`, or `python -m robot_library --stale`"

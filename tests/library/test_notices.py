@@ -6,7 +6,9 @@ import tomllib
 
 import pytest
 
-from tests.library.conftest import LIBRARY, ROBOTS
+from stepbot.diagnostics import Diagnostics
+from stepbot.sidecar.load import load_sidecar
+from tests.library.conftest import LIBRARY, ROBOTS, sidecar_of
 
 NOTICES = LIBRARY / "NOTICES.md"
 ROW = re.compile(
@@ -34,6 +36,17 @@ def _notices() -> dict[str, tuple[str, str, str]]:
         for row in rows
         for robot in re.findall(r"`([a-z0-9_]+)`", row["robots"])
     }
+
+
+def test_every_sidecar_states_what_packages_need() -> None:
+    """Maintainer and licence, without which packages are reported (SB640), version and one sentence."""
+    for robot in ROBOTS:
+        sidecar = load_sidecar(sidecar_of(robot), Diagnostics())
+        assert sidecar is not None, robot
+        metadata = sidecar.document.metadata
+        assert metadata.license == "Apache-2.0", robot
+        assert all((metadata.maintainer, metadata.version, metadata.description)), robot
+    assert "placeholder" in NOTICES.read_text(encoding="utf-8")
 
 
 def test_there_is_a_notice_for_each_source_and_no_other() -> None:
