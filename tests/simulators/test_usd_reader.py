@@ -278,9 +278,13 @@ def test_a_scene_refers_to_a_file_with_an_at_sign(tmp_path: Path) -> None:
         ("PhysicsFixedJoint", "PhysicsPrismaticJoint", EngineCannotRead, "joints to the world that move"),
         ("</door/frame/leaf/hinge_place>", "</door/nothing>", EngineRefused, "'hinge': no prim /door/nothing"),
         ("</door/frame/leaf/hinge_place>", "</door/frame>", EngineRefused, "does not connect two bodies"),
+        ('physics:axis = "Y"', 'physics:axis = "Q"', EngineRefused, "joint 'hinge': axis 'Q' is not X, Y or Z"),
+        ("float physics:lowerLimit = -90", 'string physics:lowerLimit = "low"', EngineRefused, "is not a number"),
+        ("point3f physics:localPos1", "quatf physics:localRot0 = (0, 0, 0, 0)\n        point3f physics:localPos1",
+         EngineRefused, "joint 'hinge': a quaternion of length 0"),
         ('"PhysicsRigidBodyAPI", ', "", EngineCannotRead, "no rigid bodies"),
     ],
-)
+)  # fmt: skip
 def test_what_is_no_robot_is_rejected(old: str, new: str, error: type[Exception], message: str, tmp_path: Path) -> None:
     """Files of another version, loose bodies, moving joints to the world, missing prims."""
     assert old in ELSEWHERE

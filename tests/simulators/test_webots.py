@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.engines.observation import EngineCannotRead, EngineRefused
+from stepbot.engines.observation import EngineCannotRead, EngineRefused, Request
 from stepbot.engines.webots.vrml import Node, read_proto
 from stepbot.formats import format_named
 from stepbot.formats.lowering import lower
@@ -24,6 +24,7 @@ from stepbot.formats.webots.names import proto_name
 from stepbot.geometry.spatial import Pose, rotation_angle
 from stepbot.robot.model import Actuator, ActuatorKind, Base, JointKind, Limit, Mimic, Robot
 from tests.robots import ROBOTS, four_bar, two_link_arm
+from tests.simulators.conftest import look
 
 WEBOTS, URDF = format_named("webots"), format_named("urdf")
 
@@ -193,6 +194,30 @@ def test_other_texts_are_refused(text: str) -> None:
     """What is no PROTO, or more than this reader reads, ends with a reason."""
     with pytest.raises((EngineRefused, EngineCannotRead)):
         read_proto(text)
+
+
+PHYSICS = "physics Physics { density -1 mass 1 inertiaMatrix [ 1 1 1, 0 0 0 ] }"
+
+
+@pytest.mark.parametrize(
+    ("children", "reason"),
+    [
+        (f'Solid {{ name "a" {PHYSICS} }} Solid {{ name "a" {PHYSICS} }}', "two solids have the name 'a'"),
+        (f'Hinge2Joint {{ endPoint Solid {{ name "a" {PHYSICS} }} }}', "solids below a Hinge2Joint"),
+        (f'Pose {{ children [ Solid {{ name "a" {PHYSICS} }} ] }}', "solids below a Pose"),
+        (f"SliderJoint {{ jointParameters JointParameters {{ axis 0 0 0 }} endPoint Solid {{ {PHYSICS} }} }}", "zero"),
+        ('Solid { name "caf\xe9" }', "not UTF-8"),
+        (" ".join(f"DEF N{i + 1} Group {{ children [ USE N{i} USE N{i} ] }}" for i in range(40)), "1,000,000 nodes"),
+    ],
+    ids=["names", "joint", "group", "axis", "encoding", "bomb"],
+)  # fmt: skip
+def test_robots_beyond_the_reader_are_refused(children: str, reason: str, tmp_path: Path) -> None:
+    """Solids that would be lost, and what would end in an exception or never, are refused with the reason."""
+    file = tmp_path / "robot.proto"
+    text = f"#VRML_SIM R2023b utf8\nPROTO a [ ] {{ Robot {{ {PHYSICS} children [ DEF N0 Group {{ }} {children} ] }} }}"
+    file.write_bytes(text.encode("latin-1"))
+    with pytest.raises((EngineRefused, EngineCannotRead), match=reason):
+        look("vrml", Request(str(file), "webots", configurations=({},), simulate=0.0))
 
 
 def _solids(top: Node) -> dict[str, tuple[float, np.ndarray, Pose]]:

@@ -56,8 +56,15 @@ class Connection:
 
     @property
     def local_axis(self) -> Vector3:
-        """The axis in the joint's frame."""
-        return _UNITS[str(self.prim.GetAttribute("physics:axis").Get() or "X")]
+        """The axis in the joint's frame.
+
+        Raises:
+            EngineRefused: It is not X, Y or Z.
+        """
+        axis = str(self.prim.GetAttribute("physics:axis").Get() or "X")
+        if axis not in _UNITS:
+            raise EngineRefused(f"joint '{self.name}': axis '{axis}' is not X, Y or Z")
+        return _UNITS[axis]
 
     def units(self, stage: Stage) -> tuple[float, float]:
         """One unit of force [N] and of mass [kg]; for a joint that turns, of torque [N m] and inertia [kg m^2]."""
@@ -127,6 +134,8 @@ def _end(stage: Stage, joint: Any, number: int) -> tuple[Body | None, Pose]:
     if targets and not prim:
         raise EngineRefused(f"joint '{name_of(joint.GetPrim())}': no prim {targets[0]}")
     body = stage.body_of(prim) if prim else None
+    if not any(wxyz(rotation)):
+        raise EngineRefused(f"joint '{name_of(joint.GetPrim())}': a quaternion of length 0")
     local = Pose.from_quaternion(wxyz(rotation), position)
     if body is None:
         return None, Pose.of(local.R, local.p * stage.metres)
@@ -293,7 +302,10 @@ def _range(prim: Any) -> tuple[float, float]:
 
 def _number(prim: Any, name: str, default: float = 0.0) -> float:
     value = prim.GetAttribute(name).Get() if prim.HasAttribute(name) else None
-    return default if value is None else float(value)
+    try:
+        return default if value is None else float(value)
+    except (TypeError, ValueError) as error:
+        raise EngineRefused(f"'{name}' of '{name_of(prim)}' is not a number") from error
 
 
 def _schemas(prim: Any) -> set[str]:

@@ -17,6 +17,7 @@ from stepbot.version import __version__
 
 from ..observation import (
     EngineCannotRead,
+    EngineRefused,
     Observation,
     ObservedJoint,
     ObservedLink,
@@ -58,7 +59,7 @@ def observe(request: Request) -> Observation:
         EngineCannotRead: It declares no robot.
     """
     file = Path(request.file)
-    _, top = read_proto(file.read_text(encoding="utf-8"))
+    _, top = read_proto(_text(file))
     if top.type != "Robot":
         raise EngineCannotRead(f"the PROTO is a {top.type}, no Robot")
     fixed = top.node("physics") is None
@@ -84,6 +85,13 @@ def observe(request: Request) -> Observation:
     return with_motion(observation, frames, lambda _root: vector3(GRAVITY), request)
 
 
+def _text(file: Path) -> str:
+    try:
+        return file.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise EngineRefused(f"not UTF-8: byte {error.start} of the file") from error
+
+
 def _held(robot: Node) -> Node:
     """The solid that Webots attaches to the world: the only child of a robot without physics.
 
@@ -107,10 +115,18 @@ class _Tree:
         self.frames: dict[str, tuple[str, Pose]] = {}
         self.initial: dict[str, float] = {}
         self.missing: list[str] = []
+        self.names: set[str] = set()
         self.X_PC: dict[str, Pose] = {}
 
     def add(self, solid: Node, name: str) -> None:
-        """Add a solid and all below it."""
+        """Add a solid and all below it.
+
+        Raises:
+            EngineCannotRead: Two solids have one name, or a solid is below a node of another type than those read.
+        """
+        if name in self.names:
+            raise EngineCannotRead(f"two solids have the name '{name}'")
+        self.names.add(name)
         self.links.append(self._link(solid, name))
         for child in solid.nodes("children"):
             if child.type in _KINDS:
@@ -124,6 +140,10 @@ class _Tree:
                 self.add(child, below)
             elif child.type in _SENSORS:
                 self.sensors.append(_sensor(child, name))
+            elif child.type.endswith("Joint") or any(
+                node.type in (*_KINDS, "Solid") for node in child.nodes("children")
+            ):
+                raise EngineCannotRead(f"solids below a {child.type} are not supported")
 
     def _link(self, solid: Node, name: str) -> ObservedLink:
         physics = solid.node("physics")
@@ -155,7 +175,10 @@ class _Tree:
         name = next((one.text("name") for one in devices if one.type == "PositionSensor"), "").removesuffix(_SUFFIX)
         seen = ObservedJoint(name, kind, parent, child)
         if kind != JointKind.BALL:
-            axis = unit(parameters.numbers("axis", (1.0, 0.0, 0.0) if kind == JointKind.REVOLUTE else (0.0, 0.0, 1.0)))
+            given = parameters.numbers("axis", (1.0, 0.0, 0.0) if kind == JointKind.REVOLUTE else (0.0, 0.0, 1.0))
+            if not any(given):
+                raise EngineRefused(f"the axis of the joint above '{child}' is zero")
+            axis = unit(given)
             if kind == JointKind.REVOLUTE:
                 anchor = np.array(parameters.numbers("anchor", (0.0, 0.0, 0.0)))
                 turn = rotation_about(axis, -q)
@@ -163,13 +186,13 @@ class _Tree:
             else:
                 X_PC = Pose.of(position=-q * axis) @ X_PC
             self.initial[name] = q
-            given = parameters.number("dampingConstant", 0.0), parameters.number("staticFriction", 0.0)
+            damping, friction = parameters.number("dampingConstant", 0.0), parameters.number("staticFriction", 0.0)
             seen = replace(
                 seen,
                 axis=vector3(X_PC.inverse().turn(axis)),
                 limit=_limit(parameters, devices),
                 limit_fields=("lower", "upper", "velocity"),  # the effort is that of the actuator
-                dynamics=JointDynamics(damping=given[0], friction=given[1]),
+                dynamics=JointDynamics(damping=damping, friction=friction),
             )
         if kind in (JointKind.REVOLUTE, JointKind.BALL):
             place = parameters.numbers("anchor", (0.0, 0.0, 0.0))

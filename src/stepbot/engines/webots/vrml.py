@@ -16,6 +16,8 @@ Value: TypeAlias = Union[str, float, "Node", list["Value"]]
 _TOKEN = re.compile(r'"(?:\\.|[^"\\])*"|[\[\]{}]|[^\s,"\[\]{}#]+|#[^\n]*')
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\Z")
 _MOST_NESTED = 200
+_MOST_NODES = 1_000_000
+"""Number of nodes after each USE is replaced by what it stands for."""
 
 
 @dataclass
@@ -24,6 +26,8 @@ class Node:
 
     type: str
     fields: dict[str, Value] = field(default_factory=dict)
+    size: int = 1
+    """Number of nodes in it, itself included; a node that is used twice counts twice."""
 
     def node(self, name: str) -> "Node | None":
         """The node in a field; None without one."""
@@ -150,6 +154,9 @@ class _Reader:
                 node.fields[field_name] = self._value(parameters, ())
         self.expect("}")
         self._depth -= 1
+        node.size += sum(one.size for name in node.fields for one in node.nodes(name))
+        if node.size > _MOST_NODES:
+            raise EngineCannotRead(f"more than {_MOST_NODES:,} nodes")
         if name:
             self._defined[name] = node
         return node
