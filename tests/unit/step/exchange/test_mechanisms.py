@@ -1,7 +1,15 @@
 """STEP files with a kinematic mechanism (ISO 10303-105)."""
 
+import pkgutil
 import re
 from pathlib import Path
+
+import OCP
+from OCP.IFSelect import IFSelect_ReturnStatus
+from OCP.STEPCAFControl import STEPCAFControl_Reader, STEPCAFControl_Writer
+from OCP.TCollection import TCollection_ExtendedString
+from OCP.TDocStd import TDocStd_Document
+from OCP.XCAFApp import XCAFApp_Application
 
 from stepbot.step.exchange.selection import mechanism_count
 from stepbot.step.kernel import read_model
@@ -47,3 +55,25 @@ def test_file_with_a_mechanism_is_read(tmp_path: Path) -> None:
     assert [len(body.mesh.faces) for body in assembly.bodies] == [len(body.mesh.faces) for body in plain.bodies]
     assert "mechanisms" not in plain.facts
     assert assembly.facts["mechanisms"].startswith("1; `stepbot init` drafts joints from them")
+
+
+def test_the_kernel_parses_a_mechanism_and_does_not_write_it(tmp_path: Path) -> None:
+    """Its entities are correct, but bindings and XCAF have none, nor has a file written from it (decision 0033)."""
+    path = parts.write_slider(tmp_path / "slider.step").path
+    add_mechanism(path)
+    reader = STEPCAFControl_Reader()
+    assert reader.ReadFile(str(path)) == IFSelect_ReturnStatus.IFSelect_RetDone
+    model = reader.Reader().Model()
+    numbers = range(1, model.NbEntities() + 1)
+    assert not [n for n in numbers if model.IsUnknownEntity(n) or model.IsErrorEntity(n)]
+    document = TDocStd_Document(TCollection_ExtendedString("document"))
+    XCAFApp_Application.GetApplication_s().NewDocument(TCollection_ExtendedString("MDTV-XCAF"), document)
+    assert reader.Transfer(document)
+    writer = STEPCAFControl_Writer()
+    assert writer.Transfer(document)
+    assert writer.Write(str(tmp_path / "again.step")) == IFSelect_ReturnStatus.IFSelect_RetDone
+    counts = [file.read_text(encoding="utf-8").count("KINEMATIC_") for file in (path, tmp_path / "again.step")]
+    assert counts == [5, 0]
+    found = {module.name for module in pkgutil.iter_modules(OCP.__path__)}
+    assert "StepShape" in found
+    assert not {name for name in found if "Kinematic" in name}
