@@ -115,3 +115,24 @@ def test_hooks_import_nothing_of_a_repository(tmp_path: Path, robot_library: Pat
     assert (repository.folder / "random.py").is_file()
     assert repository.hooks() == {"stepbot check": "Passed", "stepbot uptodate": "Passed"}
     assert not marker.exists(), marker.read_text(encoding="utf-8")
+
+
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="pre-commit clones a git repository")
+def test_check_installs_no_engine(tmp_path: Path, robot_library: Path) -> None:
+    """pre-commit installs `stepbot-check` without engines; a good robot passes, and a truncated STEP fails."""
+    repository = Repository(tmp_path / "repository", robot_library / "stepbot_four_bar")
+    revision = repository.run("git", "-C", str(ROOT), "rev-parse", "HEAD").stdout.strip()
+    with (repository.folder / ".pre-commit-config.yaml").open("w", encoding="utf-8") as file:
+        hook = {"id": "stepbot-check", "args": ["--no-cache"]}
+        YAML().dump({"repos": [{"repo": str(ROOT), "rev": revision, "hooks": [hook]}]}, file)
+    repository.run("git", "add", "-A")
+    assert repository.hooks("--all-files") == {"stepbot check": "Passed"}, repository.reported
+    (site,) = (tmp_path / "pre-commit").glob("repo*/py_env-*/lib/python*/site-packages")
+    installed = {path.name for path in site.iterdir()}
+    assert {"OCP", "pydantic", "stepbot_cli"} <= installed
+    assert not installed & {"mujoco", "pybullet_data", "fcl", "scipy", "yourdfpy"}
+    step = repository.folder / "robots" / "four_bar.step"
+    step.write_bytes(step.read_bytes()[:10_000])
+    repository.run("git", "add", "-A")
+    assert repository.hooks("--all-files") == {"stepbot check": "Failed"}
+    assert "SB204" in repository.reported

@@ -16,7 +16,7 @@ from typing import Any
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE, Options
-from stepbot.runtime.output import MANIFEST, sidecars_of
+from stepbot.runtime.output_list import MANIFEST, sidecars_of
 
 from .incremental import check, produce, recorded
 

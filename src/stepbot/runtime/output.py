@@ -13,28 +13,32 @@ and its time stamp marks the last run: newer than all input, even if no other fi
 import contextlib
 import errno
 import hashlib
-import json
 import os
 import time
 from collections.abc import Iterable, Mapping
 from pathlib import Path, PurePosixPath
-from typing import Any, NamedTuple, NoReturn
+from typing import NamedTuple, NoReturn
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .folder_lock import LOCK, FolderInUse, locked
+from .output_list import (
+    MANIFEST,
+    STAGING,
+    Manifest,
+    is_below,
+    manifest_bytes,
+    manifest_of,
+    read_manifest,
+    sidecars_of,
+    stale_files,
+    top_files,
+)
 
-MANIFEST = ".stepbot.json"
-_STAGING = ".stepbot-"
 _ABANDONED_AFTER = 24 * 3600.0
 """Age [s] from which a staging folder belongs to a killed run."""
 _LONGEST_WAIT = 60.0
 """Maximum waiting time [s] for another run that writes into the same folder."""
-_NEVER_IN_NAMES = frozenset("\\\0")
-_NEVER_IN_WINDOWS_NAMES = frozenset('<>:"|?*')
-
-Manifest = dict[str, dict[str, str]]
-"""For each file at the top of the folder, itself and the files below that it needs, each with its SHA-256."""
 
 
 def failed_output(folder: Path) -> Path:
@@ -109,7 +113,7 @@ def discard(folder: Path) -> None:
 
 
 def _discard(folder: Path) -> None:
-    for needs in _read_manifest(folder).values():
+    for needs in read_manifest(folder).values():
         for path, digest in needs.items():
             _remove_stale(folder, path, digest)
     try:
@@ -120,18 +124,9 @@ def _discard(folder: Path) -> None:
         return
 
 
-def sidecars_of(folder: Path) -> dict[str, str]:
-    """For each file at the top of an output folder, the relative path of its sidecar, if the list has it."""
-    try:
-        sidecars = _listed(folder)["sidecars"]
-        return {str(name): str(sidecar) for name, sidecar in sidecars.items()}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return {}
-
-
 def other_robots(files: Mapping[str, bytes], folder: Path) -> tuple[str, ...]:
     """Robots whose files an earlier run wrote into a folder, other than that of ``files``, sorted."""
-    return tuple(sorted({_robot_of(name) for name in _of_others(_top(files), _read_manifest(folder), folder)}))
+    return tuple(sorted({_robot_of(name) for name in _of_others(top_files(files), read_manifest(folder), folder)}))
 
 
 def stamp(folder: Path) -> None:
@@ -165,7 +160,7 @@ class _Lists(NamedTuple):
 
 
 def _listed_after(files: Mapping[str, bytes], folder: Path, sidecar: str) -> _Lists:
-    before, own = _read_manifest(folder), _manifest_of(files)
+    before, own = read_manifest(folder), manifest_of(files)
     after = {**before, **own}
     sidecars = {name: source for name, source in sidecars_of(folder).items() if name in after}
     return _Lists(before, own, after, sidecars | dict.fromkeys(own, sidecar))
@@ -173,9 +168,11 @@ def _listed_after(files: Mapping[str, bytes], folder: Path, sidecar: str) -> _Li
 
 def _is_current(files: Mapping[str, bytes], folder: Path, lists: _Lists) -> bool:
     """Whether a folder has all files of a run with their content, the same list of them, and no file to remove."""
-    if _stale(lists.before, lists.after) or not all(_holds(folder / path, content) for path, content in files.items()):
+    if stale_files(lists.before, lists.after) or not all(
+        _holds(folder / path, content) for path, content in files.items()
+    ):
         return False
-    return _holds(folder / MANIFEST, _manifest_bytes(lists.after, lists.sidecars))
+    return _holds(folder / MANIFEST, manifest_bytes(lists.after, lists.sidecars))
 
 
 def _write(files: Mapping[str, bytes], folder: Path, lists: _Lists, made: list[Path]) -> None:
@@ -183,7 +180,7 @@ def _write(files: Mapping[str, bytes], folder: Path, lists: _Lists, made: list[P
     import shutil  # both take longer to import than it takes to find that nothing changed
     import tempfile
 
-    staging = Path(tempfile.mkdtemp(prefix=_STAGING, dir=folder))
+    staging = Path(tempfile.mkdtemp(prefix=STAGING, dir=folder))
     try:
         _check_case(files, staging, folder)
         _check_others(lists, folder)
@@ -194,17 +191,17 @@ def _write(files: Mapping[str, bytes], folder: Path, lists: _Lists, made: list[P
 
 def _replace(files: Mapping[str, bytes], folder: Path, staging: Path, lists: _Lists, made: list[Path]) -> None:
     before, own, after, sidecars = lists
-    stale = _stale(before, after)
+    stale = stale_files(before, after)
     # While files are moved, the manifest lists old and new, so that a killed run leaves no unlisted file.
     during = {**after, **{name: {**before.get(name, {}), **needs} for name, needs in own.items()}}
     below = {path: content for path, content in files.items() if "/" in path}
     top = {path: content for path, content in files.items() if "/" not in path}
-    moves = {MANIFEST: _manifest_bytes(during, sidecars), **below, **top}
+    moves = {MANIFEST: manifest_bytes(during, sidecars), **below, **top}
     changed = {path: content for path, content in moves.items() if not _holds(folder / path, content)}
     for number, (path, content) in enumerate(changed.items()):
         (staging / f"{number}.new").write_bytes(content)
         _make_folders((folder / path).parent, made)
-    (staging / MANIFEST).write_bytes(_manifest_bytes(after, sidecars))
+    (staging / MANIFEST).write_bytes(manifest_bytes(after, sidecars))
     _move(list(changed), folder, staging)
     for path, digest in stale.items():
         _remove_stale(folder, path, digest)
@@ -269,58 +266,6 @@ def _remove_if_empty(folder: Path) -> None:
         return
 
 
-def _manifest_of(files: Mapping[str, bytes]) -> Manifest:
-    digests = {path: hashlib.sha256(content).hexdigest() for path, content in files.items()}
-    meshes = {path: digest for path, digest in digests.items() if "/" in path}
-    pages = _pages(files)
-    return {
-        path: {path: digests[path], **meshes, **({pages[path]: digests[pages[path]]} if path in pages else {})}
-        for path in _top(files)
-    }
-
-
-def _top(files: Iterable[str]) -> list[str]:
-    """The files of a run that its list has entries of: those at the top, except pages."""
-    pages = _pages(files).values()
-    return [path for path in files if "/" not in path and path not in pages]
-
-
-def _pages(files: Iterable[str]) -> dict[str, str]:
-    """For report.json its page: a run that writes the one without the other removes an outdated page."""
-    return {path.removesuffix(".html") + ".json": path for path in files if path.endswith(".html")}
-
-
-def _manifest_bytes(manifest: Manifest, sidecars: Mapping[str, str]) -> bytes:
-    known = {name: sidecar for name, sidecar in sidecars.items() if sidecar}
-    document = {"version": 1, "files": manifest, **({"sidecars": known} if known else {})}
-    return (json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n").encode(
-        "utf-8", "backslashreplace"
-    )
-
-
-def _read_manifest(folder: Path) -> Manifest:
-    """The list of earlier runs; empty if it is missing or unreadable: then nothing is removed."""
-    try:
-        files = _listed(folder)["files"]
-        return {
-            str(name): {str(path): str(digest) for path, digest in needs.items() if _is_below(str(path))}
-            for name, needs in files.items()
-        }
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
-        return {}
-
-
-def _listed(folder: Path) -> Any:
-    """The content of an output folder's list; empty if it is not a regular file: a pipe or device might block."""
-    return json.loads((folder / MANIFEST).read_bytes()) if (folder / MANIFEST).is_file() else {}
-
-
-def _stale(before: Manifest, after: Manifest) -> dict[str, str]:
-    """Files that are no longer needed, with the hash of what was written."""
-    needed = {path for needs in after.values() for path in needs}
-    return {path: digest for needs in before.values() for path, digest in needs.items() if path not in needed}
-
-
 def _remove_stale(folder: Path, path: str, digest: str) -> None:
     target = folder / path
     try:
@@ -337,7 +282,7 @@ def _remove_stale(folder: Path, path: str, digest: str) -> None:
 
 def _remove_abandoned(folder: Path, staging: Path | None = None) -> None:
     """Remove leftovers of killed runs."""
-    for path in sorted(folder.glob(f"{_STAGING}*")):
+    for path in sorted(folder.glob(f"{STAGING}*")):
         try:
             if path != staging and path.is_dir() and time.time() - path.stat().st_mtime > _ABANDONED_AFTER:
                 import shutil
@@ -347,19 +292,8 @@ def _remove_abandoned(folder: Path, staging: Path | None = None) -> None:
             continue
 
 
-def _is_below(path: str) -> bool:
-    """Whether a relative path with forward slashes stays below its folder, on every system."""
-    never = _NEVER_IN_NAMES | (_NEVER_IN_WINDOWS_NAMES if os.name == "nt" else frozenset())
-    parts = path.split("/")
-    return (
-        all(part not in ("", ".", "..") and never.isdisjoint(part) for part in parts)
-        and parts[0] not in (MANIFEST, LOCK)
-        and not parts[0].startswith(_STAGING)
-    )
-
-
 def _check_path(path: str, folder: Path) -> None:
-    if not _is_below(path):
+    if not is_below(path):
         _refuse(folder, f"invalid file name '{path}'", "choose another name in the sidecar")
     parent = path.rpartition("/")[0]
     if parent and (link := _link_in(parent, folder)) is not None:

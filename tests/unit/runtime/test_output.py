@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 from stepbot.diagnostics import Diagnostics, StepbotError
-from stepbot.runtime.output import MANIFEST, discard, write_atomically
+from stepbot.runtime.output import discard, write_atomically
+from stepbot.runtime.output_list import MANIFEST
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="needs links and pipes in folders")
 ARM = {"arm.urdf": b"urdf", "arm.xml": b"mjcf", "meshes/a.obj": b"a", "meshes/b.obj": b"b"}

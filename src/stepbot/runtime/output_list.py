@@ -1,0 +1,94 @@
+"""The list of an output folder, ``.stepbot.json``: which files stepbot wrote, their content and their sidecars."""
+
+import hashlib
+import json
+import os
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from .folder_lock import LOCK
+
+MANIFEST = ".stepbot.json"
+STAGING = ".stepbot-"
+"""Start of the names of folders in which new files are created."""
+_NEVER_IN_NAMES = frozenset("\\\0")
+_NEVER_IN_WINDOWS_NAMES = frozenset('<>:"|?*')
+
+
+Manifest = dict[str, dict[str, str]]
+"""For each file at the top of the folder, itself and the files below that it needs, each with its SHA-256."""
+
+
+def sidecars_of(folder: Path) -> dict[str, str]:
+    """For each file at the top of an output folder, the relative path of its sidecar, if the list has it."""
+    try:
+        sidecars = _listed(folder)["sidecars"]
+        return {str(name): str(sidecar) for name, sidecar in sidecars.items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return {}
+
+
+def manifest_of(files: Mapping[str, bytes]) -> Manifest:
+    """The entries of the files of a run, by path relative to the folder."""
+    digests = {path: hashlib.sha256(content).hexdigest() for path, content in files.items()}
+    meshes = {path: digest for path, digest in digests.items() if "/" in path}
+    pages = _pages(files)
+    return {
+        path: {path: digests[path], **meshes, **({pages[path]: digests[pages[path]]} if path in pages else {})}
+        for path in top_files(files)
+    }
+
+
+def top_files(files: Iterable[str]) -> list[str]:
+    """The files of a run that its list has entries of: those at the top, except pages."""
+    pages = _pages(files).values()
+    return [path for path in files if "/" not in path and path not in pages]
+
+
+def _pages(files: Iterable[str]) -> dict[str, str]:
+    """For report.json its page: a run that writes the one without the other removes an outdated page."""
+    return {path.removesuffix(".html") + ".json": path for path in files if path.endswith(".html")}
+
+
+def manifest_bytes(manifest: Manifest, sidecars: Mapping[str, str]) -> bytes:
+    """The list as a file: its entries, and the sidecars of the files at the top."""
+    known = {name: sidecar for name, sidecar in sidecars.items() if sidecar}
+    document = {"version": 1, "files": manifest, **({"sidecars": known} if known else {})}
+    return (json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n").encode(
+        "utf-8", "backslashreplace"
+    )
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """The list of earlier runs; empty if it is missing or unreadable: then nothing is removed."""
+    try:
+        files = _listed(folder)["files"]
+        return {
+            str(name): {str(path): str(digest) for path, digest in needs.items() if is_below(str(path))}
+            for name, needs in files.items()
+        }
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return {}
+
+
+def _listed(folder: Path) -> Any:
+    """The content of an output folder's list; empty if it is not a regular file: a pipe or device might block."""
+    return json.loads((folder / MANIFEST).read_bytes()) if (folder / MANIFEST).is_file() else {}
+
+
+def stale_files(before: Manifest, after: Manifest) -> dict[str, str]:
+    """Files that are no longer needed, with the hash of what was written."""
+    needed = {path for needs in after.values() for path in needs}
+    return {path: digest for needs in before.values() for path, digest in needs.items() if path not in needed}
+
+
+def is_below(path: str) -> bool:
+    """Whether a relative path with forward slashes stays below its folder, on every system."""
+    never = _NEVER_IN_NAMES | (_NEVER_IN_WINDOWS_NAMES if os.name == "nt" else frozenset())
+    parts = path.split("/")
+    return (
+        all(part not in ("", ".", "..") and never.isdisjoint(part) for part in parts)
+        and parts[0] not in (MANIFEST, LOCK)
+        and not parts[0].startswith(STAGING)
+    )
