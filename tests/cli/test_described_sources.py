@@ -34,6 +34,18 @@ def test_base_and_packages_are_options_of_all_conversions(cart: Path, stepbot: S
 
 
 @pytest.mark.parametrize(
+    ("name", "text", "format_"),
+    [("r.usda", '#usda 1.0\ndef Xform "r" {}\n', "usd"), ("r.proto", "#VRML_SIM R2023b utf8\n", "webots")],
+)
+def test_formats_that_are_written_alone(name: str, text: str, format_: str, cart: Path, stepbot: Stepbot) -> None:
+    """OpenUSD and PROTOs are not taken for sidecars: the error says which formats are converted."""
+    (cart / name).write_text(text, encoding="utf-8")
+    run = stepbot("convert", name, "--no-verify")
+    assert run.code == 1
+    assert f"{name}: error[SB823]: only urdf, sdf, mjcf can be converted and shown, not {format_}" in run.err
+
+
+@pytest.mark.parametrize(
     "command",
     [
         ("convert", "cart.urdf", "--step", "cart.step"),

@@ -24,5 +24,5 @@ def describe(file: str, written_in: str, packages: tuple[Path, ...] = ()) -> Des
         EngineCannotRead: It uses what its reader does not support.
     """
     if written_in not in _READERS:
-        raise EngineCannotRead(f"only {', '.join(_READERS)} can be read as descriptions, not {written_in}")
+        raise EngineCannotRead(f"only {', '.join(_READERS)} can be converted and shown, not {written_in}")
     return _READERS[written_in](file, packages)

@@ -1,11 +1,11 @@
-"""Which files are robot descriptions that can be converted, by their names; imports nothing heavy."""
+"""Which files are robot descriptions, by their names; imports nothing heavy."""
 
 from pathlib import Path
 
-_SUFFIXES = (".urdf", ".sdf", ".xml", ".mjcf", ".world")
-"""Suffixes of URDF, SDFormat and MJCF; the root element decides between the formats."""
+_SUFFIXES = (".urdf", ".xacro", ".sdf", ".xml", ".mjcf", ".world", ".usd", ".usda", ".usdc", ".proto")
+"""The content decides between the formats; OpenUSD, PROTOs and macros are not converted, which readers report."""
 
 
 def is_description(path: Path) -> bool:
-    """Whether a file is taken as a URDF, SDFormat or MJCF, not as a sidecar."""
+    """Whether a file is taken as a robot description, not as a sidecar."""
     return path.suffix.lower() in _SUFFIXES

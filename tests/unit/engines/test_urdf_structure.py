@@ -29,6 +29,8 @@ def test_sound_files_pass() -> None:
     ("old", "new", "message"),
     [
         ('robot name="arm"', "robot", "line 1: <robot> without attribute 'name'"),
+        ("<gazebo>", '<x:include xmlns:x="http://ros.org/wiki/xacro"/><gazebo>',
+         "line 11: <xacro:include>: expand macros first, `xacro robot.urdf.xacro -o robot.urdf`"),
         ('link name="tip"', 'link name="base"', "line 3: duplicate link 'base'"),
         ('</joint>', '</joint><joint name="hinge" type="fixed"/>', "line 10: duplicate joint 'hinge'"),
         ('type="revolute"', "", "line 4: <joint> without attribute 'type'"),

@@ -35,6 +35,10 @@ def check_structure(robot: Element) -> None:
         EngineRefused: One is missing or contradicts the format; the message has its line.
     """
     _need(robot, "name")
+    macro = next((one for one in robot.iter("{*}*") if "xacro" in str(one.tag).partition("}")[0]), None)
+    if macro is not None:
+        name = str(macro.tag).rpartition("}")[2]
+        raise _refused(macro, f"<xacro:{name}>: expand macros first, `xacro robot.urdf.xacro -o robot.urdf`")
     links = _names(robot.findall("link"))
     joints = robot.findall("joint")
     _names(joints)
