@@ -59,7 +59,7 @@ def test_heavy_imports_live_in_one_place() -> None:
     """Each heavy package is imported only by the modules that own it, inside functions."""
     owners = {
         "OCP": r"src/stepbot/step/",
-        "fcl": r"src/stepbot/(verification/self_collision/|geometry/solids/collision_scores\.py)",
+        "fcl": r"src/stepbot/(verification/self_collision/|geometry/surface_distances\.py)",
         "manifold3d": r"src/stepbot/geometry/solids/",
         "gymnasium": r"src/stepbot/gym/",
         "mujoco": r"src/stepbot/(engines/mujoco|gym)/",

@@ -1,17 +1,14 @@
 """The largest distance between two meshes of which one was made from the other."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from .spatial import Array, cross
+from .surface_distances import SurfaceDistances
 
 Integers = NDArray[np.int64]
 _CHUNK = 200_000
 """Number of pairs of point and triangle to measure at once."""
-_PROBE = 1e-9
-"""Radius [m] of the sphere in place of a point."""
 _MOST_QUERIES = 2_000
 """Maximum number of exact distances."""
 
@@ -32,13 +29,13 @@ def largest_distance(points: Array, places: Integers, vertices: Array, surface: 
     if not len(points) or not len(surface):
         return 0.0
     bounds = _bounds(points, places, vertices, surface, at)
-    distances, farthest = _Distances(vertices, surface), 0.0
+    distances, farthest = SurfaceDistances(vertices, surface), 0.0
     for number, index in enumerate(np.argsort(-bounds, kind="stable").tolist()):
         if bounds[index] <= farthest:
             break
         if number == _MOST_QUERIES:
             return float(bounds[index])
-        farthest = max(farthest, min(float(bounds[index]), distances.of(points[index])))
+        farthest = max(farthest, min(float(bounds[index]), float(distances.of(points[index][None])[0])))
     return farthest
 
 
@@ -91,25 +88,3 @@ def _squared_from_segment(p: Array, a: Array, b: Array) -> Array:
 
 def _dot(a: Array, b: Array) -> Array:
     return np.asarray(a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2])
-
-
-class _Distances:
-    """Distances from a surface, by python-fcl, to the size of a probe."""
-
-    def __init__(self, vertices: Array, faces: Integers) -> None:
-        import fcl
-
-        model: Any = fcl.BVHModel()
-        model.beginModel(len(vertices), len(faces))
-        model.addSubModel(vertices, faces)
-        model.endModel()
-        self._surface = fcl.CollisionObject(model, fcl.Transform())
-        self._point = fcl.Sphere(_PROBE)
-
-    def of(self, point: Array) -> float:
-        """Distance [m] of a point."""
-        import fcl
-
-        probe = fcl.CollisionObject(self._point, fcl.Transform(point))
-        gap = fcl.distance(probe, self._surface, fcl.DistanceRequest(), fcl.DistanceResult())
-        return max(float(gap), 0.0)

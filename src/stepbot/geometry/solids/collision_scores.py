@@ -18,6 +18,7 @@ import numpy as np
 from ..mesh import TriMesh
 from ..primitives import Box, Capsule, Cylinder, Primitive, Sphere
 from ..spatial import IDENTITY, Array, Pose
+from ..surface_distances import SurfaceDistances
 from .collision_sets import PlacedSolid
 from .joined import joined
 from .manifolds import joined_solid, mesh_arrays
@@ -117,7 +118,7 @@ def _overshoot(solid: Any, outside: Any) -> float:
     outside = outside.simplify(0.25 * accuracy)
     if outside.is_empty():
         return 0.0
-    distances = _Distances(points, faces)
+    distances = SurfaceDistances(points, faces)
     corners, sides = mesh_arrays(outside)
     # Most often it is a corner, which centres of ever smaller triangles approach slowly.
     triangles, count = corners[sides], min(len(corners), _MOST_POINTS)
@@ -138,25 +139,3 @@ def _quartered(triangles: Array) -> Array:
     ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
     parts = [np.stack(part, axis=1) for part in ((a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca))]
     return np.concatenate(parts)
-
-
-class _Distances:
-    """Distances from a surface, by python-fcl."""
-
-    def __init__(self, points: Array, faces: Any) -> None:
-        import fcl
-
-        model = fcl.BVHModel()
-        model.beginModel(len(points), len(faces))
-        model.addSubModel(points, faces)
-        model.endModel()
-        self._surface = fcl.CollisionObject(model, fcl.Transform())
-        self._point = fcl.Sphere(1e-9)
-
-    def of(self, points: Array) -> Array:
-        """Distances (n,) [m] of points (n, 3)."""
-        import fcl
-
-        probes = (fcl.CollisionObject(self._point, fcl.Transform(point)) for point in points)
-        found = [fcl.distance(probe, self._surface, fcl.DistanceRequest(), fcl.DistanceResult()) for probe in probes]
-        return np.asarray(np.maximum(found, 0.0))
