@@ -1,6 +1,7 @@
 """``mesh: {format, visual, collision, max_triangles}`` in a sidecar: engines prove the files."""
 
 import json
+import shutil
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -80,3 +81,20 @@ def test_budgets_hold_for_a_link_and_the_robot(
     assert 30 < counts["plate"] <= 60
     assert 120 < whole["after"] <= 160
     assert 0.0 < own["deviation"] < 0.01
+
+
+@pytest.mark.long
+def test_an_arm_of_the_library_with_few_triangles(
+    stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path
+) -> None:
+    """The Panda's 48 466 triangles become 3000, with the deviation that docs/sidecar.md states."""
+    monkeypatch.chdir(tmp_path)
+    for file in ("panda.robot.yaml", "panda.step"):
+        shutil.copy(robot_library / "franka_panda" / file, tmp_path)
+    sidecar = Path("panda.robot.yaml")
+    sidecar.write_text(sidecar.read_text(encoding="utf-8") + "mesh: {max_triangles: 3000}\n", encoding="utf-8")
+    run = stepbot("convert", "panda.robot.yaml", "-o", "out", "--no-verify", "-f", "mjcf")
+    assert run.code == 0, run.err
+    (record,) = json.loads(Path("out/report.json").read_text(encoding="utf-8"))["simplified_visuals"]
+    assert (record["before"], record["after"]) == (48466, 3000)
+    assert 1e3 * record["deviation"] == pytest.approx(7.4, abs=0.05)

@@ -5,6 +5,7 @@ import hashlib
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from stepbot.formats import FORMATS, format_named
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import render
 from stepbot.robot.mesh_files import MeshFiles
-from stepbot.robot.model import Robot
+from stepbot.robot.model import MeshFormat, MeshFormats, Robot
 from stepbot.robot.multi_dof import steps_by_child
 from tests.robots import ROBOTS
 
@@ -25,18 +26,21 @@ every_format = pytest.mark.parametrize("format_", FORMATS)
 every_xml_format = pytest.mark.parametrize("format_", [one.name for one in FORMATS.values() if one.root])
 
 RENDER_ALL = """
-import hashlib, sys
-from stepbot.diagnostics import Diagnostics
-from stepbot.formats import FORMATS
-from stepbot.formats.rendering import render
-from tests.robots import ROBOTS
-digest = hashlib.sha256()
-for build in ROBOTS.values():
-    for name in FORMATS:
-        for path, content in render(build(), name, Diagnostics()).items():
-            digest.update(path.encode() + content)
-print(digest.hexdigest())
+from tests.conformance.test_every_writer import digest_of_all
+print(digest_of_all())
 """
+
+
+def digest_of_all() -> str:
+    """A hash of the files of every robot in every format, and of one robot with meshes in every format of theirs."""
+    robots = [build() for build in ROBOTS.values()]
+    robots += [replace(ROBOTS["tree"](), mesh_formats=MeshFormats(one, one)) for one in MeshFormat]
+    digest = hashlib.sha256()
+    for robot in robots:
+        for name in FORMATS:
+            for path, content in render(robot, name, Diagnostics()).items():
+                digest.update(path.encode() + content)
+    return digest.hexdigest()
 
 
 def mesh_bytes(robot: Robot) -> list[bytes]:
@@ -63,12 +67,7 @@ def test_bytes_depend_on_nothing_around(tmp_path: Path) -> None:
             [sys.executable, "-c", RENDER_ALL], env=environment, cwd=folder, capture_output=True, text=True, check=True
         )
         digests.add(run.stdout)
-    here = hashlib.sha256()
-    for build in ROBOTS.values():
-        for format_ in FORMATS:
-            for path, content in render(build(), format_, Diagnostics()).items():
-                here.update(path.encode() + content)
-    assert digests == {here.hexdigest() + "\n"}
+    assert digests == {digest_of_all() + "\n"}
 
 
 @every_format
