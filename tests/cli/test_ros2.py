@@ -401,13 +401,13 @@ def test_a_fresh_tree_has_all_that_ros_reads(package: Path, tmp_path: Path) -> N
 def test_the_manifest_states_what_the_sidecar_does(stepbot: Stepbot, arm: Path) -> None:
     """Maintainer, licence and version are the sidecar's; without them there is a warning with what to write."""
     command = ("convert", "arm2.robot.yaml", "-o", "out", "--ros2", "arm2", "-f", "urdf", "--no-verify")
+    sidecar = arm / "arm2.robot.yaml"
+    bare = sidecar.read_text(encoding="utf-8").partition("\nmetadata:")[0]
+    sidecar.write_text(bare, encoding="utf-8")
     run = stepbot(*command)
     assert run.code == 0
     (remedy,) = re.findall(r"metadata: \{.*\}", run.err)
-    sidecar = arm / "arm2.robot.yaml"
-    sidecar.write_text(
-        f"{sidecar.read_text(encoding='utf-8')}\n{remedy.strip('`')[:-1]}, version: '2.0.1'}}\n", encoding="utf-8"
-    )
+    sidecar.write_text(f"{bare}\n{remedy.strip('`')[:-1]}, version: '2.0.1'}}\n", encoding="utf-8")
     run = stepbot(*command)
     assert "SB640" not in run.err
     manifest = ET.parse(arm / "out" / "package.xml").getroot()

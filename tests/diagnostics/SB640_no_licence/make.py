@@ -10,5 +10,6 @@ from tests.diagnostics.transcripts import ROOT
 def make(patch: pytest.MonkeyPatch) -> None:
     """Set it up."""
     folder = ROOT / "robot_library" / "stepbot_arm2"
-    for name in ("arm2.step", "arm2.robot.yaml"):
-        Path(name).write_bytes((folder / name).read_bytes())
+    Path("arm2.step").write_bytes((folder / "arm2.step").read_bytes())
+    text = (folder / "arm2.robot.yaml").read_text(encoding="utf-8")
+    Path("arm2.robot.yaml").write_text(text.partition("\nmetadata:")[0], encoding="utf-8", newline="\n")
