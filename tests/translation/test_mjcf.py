@@ -51,7 +51,7 @@ LEG = """<mujoco model="leg">
     <intvelocity name="integrated" joint="b" kp="3" actrange="-1 1"/>
     <motor name="pull" tendon="cord"/>
   </actuator>
-  <sensor><accelerometer name="acc" site="imu"/></sensor>
+  <sensor><accelerometer name="acc" site="imu"/><touch site="imu"/><gyro site="imu"/></sensor>
 </mujoco>"""
 DEFAULTS = """<mujocoinclude><default>
   <default class="joints"><joint damping="0.7" armature="0.01" range="-1 1" actuatorfrcrange="-40 40"/></default>
@@ -114,7 +114,7 @@ def test_actuators_of_other_kinds_are_listed(described: Described) -> None:
     servo = described.robot.actuators[0].limit
     assert (servo.lower, servo.upper, servo.effort) == (-0.5, 0.4, 30.0)
     lost = [one.text for one in described.findings if one.code == "SB863"]
-    assert [text.split("'")[1] for text in lost] == ["drive", "integrated", "pull", "acc"]
+    assert [text.split("'")[1] for text in lost] == ["drive", "integrated", "pull", "acc", "sensor_1", "sensor_2"]
     assert lost[0] == "actuator 'drive': speed from 0 to 3 at the joint: not symmetric, 3 taken for both directions"
     assert described.robot.actuators[1].limit.velocity == 3.0
 

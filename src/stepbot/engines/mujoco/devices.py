@@ -115,11 +115,11 @@ def _range(bounds: Any, limited: Any) -> tuple[float, float]:
 
 
 def observed_sensors(compiled: "Compiled") -> tuple[ObservedSensor, ...]:
-    """The sensors: groups of readings, and cameras."""
+    """The sensors: groups of readings, and cameras; a reading without a name is a group of its own."""
     groups: dict[str, list[_Reading]] = {}
     for s in range(compiled.model.nsensor):
         reading = _reading(compiled, s)
-        groups.setdefault(reading.name.split("/")[0], []).append(reading)
+        groups.setdefault(reading.name.split("/")[0] or f"sensor_{s}", []).append(reading)
     sensors = [_sensor(compiled, name, readings) for name, readings in groups.items()]
     return (*sensors, *_cameras(compiled))
 
