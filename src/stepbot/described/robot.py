@@ -14,7 +14,7 @@ from stepbot.engines.observation import Observation, ObservedLink, Quantity
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import ZERO3, ZERO33, Pose
-from stepbot.robot.kinematics import MOVING, neighbours, without_contacts
+from stepbot.robot.kinematics import MOVING, complete, neighbours, without_contacts
 from stepbot.robot.model import Base, Frame, Link, Robot
 from stepbot.robot.shared_meshes import share_meshes
 
@@ -26,6 +26,8 @@ from .shapes import Shapes
 from .tree import tree_of, without_broken_mimics
 
 _WORLD = "world"
+_RESIDUE = 1e-9
+"""Difference [rad], [m] of positions that is numeric residue."""
 
 
 @dataclass(frozen=True)
@@ -165,7 +167,12 @@ def _report_place(robot: Robot, X_WR: Pose, found: list[Finding]) -> None:
     if X_WR.is_identity or (robot.base is Base.FLOATING and not (x or y or roll or pitch or yaw)):
         return
     where = f"({x:g}, {y:g}, {z:g}) m, turned by ({roll:g}, {pitch:g}, {yaw:g}) rad"
-    found.append(Finding(REARRANGED, f"link '{robot.root.name}': the root's place in the world is not kept: {where}"))
+    text = f"link '{robot.root.name}': the root's place in the world is not kept: {where}"
+    if robot.base is Base.FIXED and (roll or pitch):
+        tilted = f"{text}; gravity acts in another direction of the robot"
+        found.append(Finding(LOST, tilted, (Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS)))
+        return
+    found.append(Finding(REARRANGED, text))
 
 
 def _at_initial(robot: Robot, initial: Mapping[str, float], found: list[Finding] | None) -> Robot:
@@ -181,4 +188,19 @@ def _at_initial(robot: Robot, initial: Mapping[str, float], found: list[Finding]
                 found.append(Finding(MOVED, text, (Quantity.INITIAL,)))
             q = inside
         joints.append(replace(joint, drawn_position=q))
+    return _with_led_followers(replace(robot, joints=tuple(joints)), initial, found)
+
+
+def _with_led_followers(robot: Robot, initial: Mapping[str, float], found: list[Finding] | None) -> Robot:
+    """The robot with followers where their leaders put them; with ``found``, those that the file has elsewhere."""
+    leaders = {one.name: one.drawn_position for one in robot.joints if one.kind in MOVING and one.mimic is None}
+    full, joints = complete(robot, leaders), []
+    for joint in robot.joints:
+        if joint.mimic is not None:
+            q, stated = full[joint.name], initial.get(joint.name)
+            if found is not None and stated is not None and abs(q - stated) > _RESIDUE:
+                text = f"joint '{joint.name}': initial position {stated:g} is not where its mimic puts it: {q:g} taken"
+                found.append(Finding(MOVED, text, (Quantity.INITIAL,)))
+            joint = replace(joint, drawn_position=q)
+        joints.append(joint)
     return replace(robot, joints=tuple(joints))

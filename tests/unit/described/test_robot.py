@@ -9,6 +9,7 @@ import pytest
 from stepbot.described.robot import robot_of_description
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.describe import describe
+from stepbot.engines.observation import Quantity
 from stepbot.formats import FORMATS
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import render
@@ -124,3 +125,23 @@ def test_shapes_without_volume_are_declared(tmp_path: Path) -> None:
         ("SB860", "link 'base': visual with a box without volume: not converted"),
         ("SB860", "link 'base': collision with a box without volume: not converted"),
     ]
+
+
+MOUNTED = """<robot name="mounted"><link name="world"/><link name="base"/><link name="a"/><link name="b"/>
+<joint name="mount" type="fixed"><origin xyz="0 0 2" rpy="3.14159 0 0"/>
+<parent link="world"/><child link="base"/></joint>
+<joint name="lead" type="continuous"><parent link="base"/><child link="a"/></joint>
+<joint name="follow" type="continuous"><parent link="base"/><child link="b"/><mimic joint="lead" offset="0.3"/></joint>
+</robot>"""
+
+
+def test_a_tilted_mount_is_a_loss_and_followers_start_with_their_leader(tmp_path: Path) -> None:
+    """Gravity acts otherwise on a robot that hung from the ceiling, which is a warning; a mimic's offset counts."""
+    path = tmp_path / "mounted.urdf"
+    path.write_text(MOUNTED, encoding="utf-8")
+    described = robot_of_description(describe(str(path), "urdf"), "mounted", path.name)
+    (tilted,) = described.findings
+    assert tilted.code == "SB860"
+    assert tilted.text.endswith("turned by (3.14159, 0, 0) rad; gravity acts in another direction of the robot")
+    assert tilted.differs == (Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS)
+    assert described.robot.joint_by_name["follow"].drawn_position == 0.3

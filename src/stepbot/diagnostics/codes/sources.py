@@ -93,7 +93,8 @@ CODES: tuple[Code, ...] = (
         "SB870",
         "warning",
         "initial position outside the limits",
-        "The initial position of a joint in the converted file, 0 unless the file states another, is outside the joint's limits.",
+        "The initial position of a joint in the converted file, 0 unless the file states another, is outside the joint's limits, or "
+        "is not where its mimic puts it.",
         "Simulators push the joint into its range in the first steps, or let it pass. The written files start at the nearest limit.",
         "State an initial pose within the limits: in MJCF the keyframe `home`.",
     ),
