@@ -68,9 +68,9 @@ class Session:
             self._editor = Editor(target, options, self._edited)
             editor = self._editor
             answers |= {
-                "edit": editor.edit,
-                "undo": editor.undo,
-                "redo": editor.redo,
+                "edit": lambda question: self._revised(editor.edit(question)),
+                "undo": lambda question: self._revised(editor.undo(question)),
+                "redo": lambda question: self._revised(editor.redo(question)),
                 "between": lambda question: axes_between(self._shown, question),
                 "lines": lambda question: axes_of_joint(self._shown, editor.sidecar(), question),
             }
@@ -123,6 +123,11 @@ class Session:
         self._seen = _signature(self.files)
         self._set(shown)
         self.on_edit()
+
+    def _revised(self, answer: Json) -> Json:
+        """An answer with the revision of the scene that has the change."""
+        with self._lock:
+            return {**answer, "revision": self._revision}
 
     def prove(self) -> Conversion | None:
         """Convert the sidecar that is shown, verify the files, and show the result; None for other targets."""

@@ -1,42 +1,27 @@
 // The card of what is selected: a part, a link, a joint.
 
-import { copyable, element, pairs } from "./dom.js";
+import { copyable, element, pairs, place } from "./dom.js";
 import { mass, millimetres, short, shown, unitOf, vector } from "./numbers.js";
 import { position, turn } from "./vectors.js";
 
 export function card(state, node, extras = () => []) {
-  // A new scene waits until the pointer is released and what is typed has been entered.
-  let [pressed, typing, waiting] = [false, false, false];
+  const close = element("button.close", { type: "button", "aria-label": "close", onclick: () => state.select(null) }, "×");
+  let facts = [];
   const update = () => {
-    waiting = false;
     const { selection } = state;
     node.hidden = !selection;
     if (!selection) return;
-    const content = selection.connection ? connectionCard(state, selection) : partCard(state, selection);
     const { scrollTop } = node;
     const focused = [...(document.activeElement?.attributes ?? [])].find(({ name }) => node.contains(document.activeElement) && name.startsWith("data-"));
-    node.replaceChildren(element("button.close", { type: "button", "aria-label": "close", onclick: () => state.select(null) }, "×"), ...content, ...extras(selection));
+    const content = selection.connection ? connectionCard(state, selection) : partCard(state, selection);
+    // What has not changed stays: it may have the focus, or a press of a button in it is not over.
+    facts = content.map((one) => facts.find((former) => former.isEqualNode(one)) ?? one);
+    place(node, [close, ...facts, ...extras(selection)]);
     node.scrollTop = scrollTop;
-    if (focused) node.querySelector(`[${focused.name}="${CSS.escape(focused.value)}"]`)?.focus();
+    if (focused && !node.contains(document.activeElement)) node.querySelector(`[${focused.name}="${CSS.escape(focused.value)}"]`)?.focus();
   };
-  const leave = () => {
-    if (waiting && !pressed && !typing) update();
-  };
-  node.addEventListener("pointerdown", () => (pressed = true));
-  for (const end of ["pointerup", "pointercancel"]) {
-    addEventListener(end, () => {
-      pressed = false;
-      setTimeout(leave); // after the click
-    });
-  }
-  node.addEventListener("input", ({ target }) => (typing = target.type === "text"));
-  node.addEventListener("focusout", () => {
-    typing = false;
-    setTimeout(leave);
-  });
   state.listen((what) => {
-    if (what === "scene" && (pressed || typing) && state.selection) waiting = true;
-    else if (what === "selection" || what === "scene") update();
+    if (what === "selection" || what === "scene") update();
   });
 }
 
@@ -45,13 +30,13 @@ function partCard(state, selection) {
   const component = state.scene.components.find((one) => one.path === selection.component);
   const { mass: body } = link;
   if (selection.picked?.length > 1) {
-    const pick = (former) => (path) => state.select({ ...selection, add: false, component: path, picked: selection.picked.map((one) => (one === former ? path : one)) });
+    const pick = (former) => (path) => state.select({ ...state.selection, add: false, component: path, picked: selection.picked.map((one) => (one === former ? path : one)) });
     return [element("h2", {}, `${selection.picked.length} parts`), element("ul", {}, selection.picked.map((path) => element("li", {}, path, ancestors(path, pick(path)))))];
   }
   const source = link.sources.find((one) => one.component === selection.component);
   const lines = [element("h2", {}, selection.component || `link ${link.name}`)];
   if (selection.component) {
-    lines.push(ancestors(selection.component, (path) => state.select({ link: selection.link, component: path })), copyable(component?.quoted ?? selection.component, { id: "path" }));
+    lines.push(ancestors(selection.component, (path) => state.select({ link: state.linkOf(path), component: path })), copyable(component?.quoted ?? selection.component, { id: "path" }));
     lines.push(pairs([
       ["link", link.name],
       ["product", component?.product],

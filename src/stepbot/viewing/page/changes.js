@@ -1,7 +1,7 @@
 // Sends edits to the server, which checks each before it is written, and shows what came of them.
 
 import { byId, element } from "./dom.js";
-import { ask, live } from "./live.js";
+import { arrive, ask, live } from "./live.js";
 import { app } from "./main.js";
 
 const { state } = app;
@@ -19,12 +19,22 @@ export function say(text, tone = "bad") {
   words.textContent = text;
 }
 
-export async function send(name, question) {
+// One change after the other, each with the scene of the one before it on the page. A question that is a function is
+// asked for then: names may have changed. Resolves to whether the change was made.
+let last = Promise.resolve();
+export function send(name, question) {
   checking += 1;
   document.body.classList.add("checking");
   say("checking the change …", "busy");
+  last = last.then(() => answered(name, question));
+  return last;
+}
+
+async function answered(name, question) {
   try {
-    steps = await ask(name, question);
+    const { revision, ...now } = await ask(name, typeof question === "function" ? question() : question);
+    steps = now;
+    await arrive(revision);
     say("saved", "good");
     return true;
   } catch (error) {
@@ -37,7 +47,19 @@ export async function send(name, question) {
   }
 }
 
-export const edit = (action, question) => send("edit", { action, ...question });
+export const edit = (action, question) => send("edit", () => ({ action, ...(typeof question === "function" ? question() : question) }));
+
+// A new name for a joint or link; what is selected stays selected under it. `from` is a function.
+export async function rename(what, from, to) {
+  let pair;
+  const done = await edit("rename", () => {
+    pair = [from(), to];
+    state.renames.push(pair);
+    return { what, from: pair[0], to };
+  });
+  if (!done) state.renames = state.renames.filter((one) => one !== pair);
+  return done;
+}
 
 const undo = element("button.chip", { type: "button", id: "undo", title: "Ctrl-Z", onclick: () => send("undo", {}) }, "Undo");
 const redo = element("button.chip", { type: "button", id: "redo", title: "Shift-Ctrl-Z", onclick: () => send("redo", {}) }, "Redo");

@@ -17,6 +17,17 @@ export function element(kind, attributes = {}, ...children) {
 
 export const byId = (id) => document.getElementById(id);
 
+// Children of a node in place of the former ones; those that stay keep focus, selection and scroll position.
+export function place(node, children) {
+  const wanted = new Set(children);
+  for (const old of [...node.childNodes]) if (!wanted.has(old)) old.remove();
+  let at = node.firstChild;
+  for (const child of children) {
+    if (child === at) at = at.nextSibling;
+    else node.insertBefore(child, at);
+  }
+}
+
 // Text that a button copies.
 export function copyable(text, { id } = {}) {
   const button = element("button.small", { type: "button", onclick: () => copy(text, button) }, "copy");

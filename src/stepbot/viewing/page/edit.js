@@ -9,6 +9,7 @@ import { app } from "./main.js";
 
 const { state } = app;
 let picking = false;
+let form = null; // for the parts that are picked: kept with what is in it, until another scene changes what it is about
 
 // The paths that an edit is about: those picked, else the one selected.
 const picked = (selection) => selection.picked ?? [selection.component];
@@ -16,12 +17,15 @@ const picked = (selection) => selection.picked ?? [selection.component];
 function partTools(selection) {
   if (!selection.component) return [];
   const paths = picked(selection);
+  const about = JSON.stringify([paths, paths.map((path) => state.linkOf(path)), selection.link, state.scene.links.map(({ name }) => name), picking]);
+  if (form?.about === about) return form.nodes;
   const more = button(picking ? "click the next part" : "pick another part", () => {
     picking = true;
     state.tell("selection");
   });
   const joint = paths.length === 2 ? [jointForm(paths)] : [];
-  return [...joint, element("h3", {}, paths.length > 1 ? "Move these parts" : "Edit"), assignForm(paths, selection), more];
+  form = { about, nodes: [...joint, element("h3", {}, paths.length > 1 ? "Move these parts" : "Edit"), assignForm(paths, selection), more] };
+  return form.nodes;
 }
 
 function assignForm(paths, selection) {
@@ -48,5 +52,6 @@ app.extras.push((selection) => (selection.connection ? jointTools(selection) : p
 byId("toolbar").after(element("p", { id: "hint" }, "This page edits the sidecar. Click a part to move it or to put a joint on it, or a joint in the list to change it."));
 state.listen((what) => {
   if (what === "selection" && state.selection) byId("hint").hidden = true;
+  if (!state.selection?.component) form = null;
 });
 document.body.classList.add("editing");

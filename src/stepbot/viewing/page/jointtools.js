@@ -1,31 +1,61 @@
 // Edits of one joint or closure: its name, type, axis, limits.
 
-import { edit, say } from "./changes.js";
+import { edit, rename, say } from "./changes.js";
 import { element } from "./dom.js";
-import { button, choice, field, options } from "./form.js";
+import { bound, button, choice, field, options } from "./form.js";
+import { limitTools } from "./limittools.js";
 import { ask } from "./live.js";
 import { app } from "./main.js";
-import { fine, internal, mistyped, parsed, shown, unitOf } from "./numbers.js";
 
 const { state } = app;
 const KINDS = ["revolute", "continuous", "prismatic", "fixed"];
+let panel = null;
 
+// The tools of the joint that is selected: made once, and kept at what each new scene has.
 export function jointTools(selection) {
   const one = state.find(selection);
-  if (!one) return [];
-  const acts = [];
-  if (one.axis) acts.push(act("flip", "flip axis", () => edit("flip", { joint: one.name })));
-  acts.push(act("remove", one.closes ? "remove closure" : "remove joint", async () => {
-    if (await edit("remove_joint", { joint: one.name })) state.select(null);
-  }));
-  const joint = one.coordinates.length === 1 ? state.tree.joints[state.tree.column.get(one.coordinates[0])] : null;
-  const limited = joint && ["revolute", "prismatic"].includes(one.kind);
-  return [
-    element("h3", {}, "Edit"),
-    element("div.form", {}, nameField("joint", one.name), ...(one.closes ? [] : [nameField("link", one.child), typeField(one)]), ...lineField(one)),
-    ...(limited ? limitTools(one, joint) : []),
-    element("div.acts", {}, acts),
-  ];
+  const isSame = panel && one && (panel.selection === selection || panel.one.name === one.name) && panel.one.closes === one.closes;
+  if (!isSame) {
+    state.preview = {};
+    panel = one ? jointPanel(one) : null;
+  }
+  return panel?.show(one, selection) ?? [];
+}
+
+state.listen(() => {
+  if (state.selection?.connection) return;
+  state.preview = {};
+  panel = null;
+});
+
+function jointPanel(first) {
+  const name = () => made.one.name;
+  const title = element("h3", {}, "Edit");
+  const fields = [nameField("joint", "name", name)];
+  if (!first.closes) fields.push(nameField("link", "child link", () => made.one.child), typeField(() => made.one));
+  const axis = lineField(() => made.one);
+  const form = element("div.form", {}, fields.map(({ node }) => node), axis.node);
+  const flip = act("flip", "flip axis", () => edit("flip", () => ({ joint: name() })));
+  const remove = act("remove", first.closes ? "remove closure" : "remove joint", async () => {
+    if (await edit("remove_joint", () => ({ joint: name() }))) state.select(null);
+  });
+  const acts = element("div.acts", {}, flip, remove);
+  let limits = null;
+  const made = {
+    one: first,
+    selection: null,
+    show(one, selection) {
+      Object.assign(made, { one, selection });
+      for (const { update } of [...fields, axis]) update();
+      flip.hidden = !one.axis;
+      const joint = one.coordinates.length === 1 ? state.tree.joints[state.tree.column.get(one.coordinates[0])] : null;
+      const isLimited = joint && ["revolute", "prismatic"].includes(one.kind);
+      if (!isLimited || limits?.kind !== one.kind) limits = isLimited ? limitTools(one.kind, name) : null;
+      limits?.update(joint);
+      return [title, form, ...(limits?.nodes ?? []), acts];
+    },
+  };
+  return made;
 }
 
 function act(name, label, onclick) {
@@ -34,83 +64,58 @@ function act(name, label, onclick) {
   return made;
 }
 
-// The name of the joint, or of its child link; all references to it follow.
-function nameField(what, former) {
-  const box = element("input", { type: "text", value: former, "data-edit": `${what}-name`, onchange: async () => {
-    const name = box.value.trim();
-    if (name === former) return;
-    const done = await edit("rename", { what, from: former, to: name });
-    if (!done) box.value = former;
-    else if (what === "joint") state.select({ connection: name });
-  } });
-  return field(what === "joint" ? "name" : "child link", box);
+// The name of a joint or link, which `former` returns; all references to it follow.
+export function nameField(what, label, former) {
+  const box = element("input", { type: "text", "data-edit": `${what}-name` });
+  const update = bound(box, former, async (text) => {
+    const to = text.trim();
+    if (to !== former()) await rename(what, former, to);
+  });
+  return { node: field(label, box), update };
 }
 
-function typeField(one) {
-  const kinds = KINDS.includes(one.kind) ? KINDS : [one.kind, ...KINDS];
-  const select = choice(kinds.map((kind) => [kind, kind]), one.kind, { "data-edit": "type", onchange: async () => {
-    if (!(await edit("type", { joint: one.name, kind: select.value }))) select.value = one.kind;
-  } });
-  return field("type", select);
+function typeField(current) {
+  const select = choice([]);
+  select.dataset.edit = "type";
+  const keep = bound(select, () => current().kind, (kind) => edit("type", () => ({ joint: current().name, kind })));
+  const update = () => {
+    const kinds = KINDS.includes(current().kind) ? KINDS : [current().kind, ...KINDS];
+    if (select.length !== kinds.length) options(select, kinds.map((kind) => [kind, kind]), select.value);
+    keep();
+  };
+  return { node: field("type", select), update };
 }
 
 // The lines that could be its axis: choosing one writes the origin.
-function lineField(one) {
-  if (!one.axis) return [];
+function lineField(current) {
   let lines = [];
-  let current = "";
-  const select = choice([["", "looking for axes"]], "", { "data-edit": "origin", onchange: async () => {
-    const { radius, near } = lines[Number(select.value)];
-    if (!(await edit("origin", { joint: one.name, radius, near }))) select.value = current;
-  } });
+  let asked = 0;
+  const select = choice([["", "looking for axes"]], "", { "data-edit": "origin" });
   const words = element("p.quiet.hint");
-  const made = element("div.form", { hidden: true }, field("axis", select), words); // shown if there is a choice
-  ask("lines", { joint: one.name }).then((found) => {
-    lines = found.lines;
-    current = String(lines.findIndex((line) => line.chosen));
-    options(select, lines.map((line, i) => [String(i), line.words]), current);
-    words.textContent = lines[Number(current)]?.words ?? "";
-    made.hidden = lines.length < 2;
-  }).catch((error) => say(error.message));
-  return [made];
-}
-
-// A slider and a box for each limit; the change is written when one is released and both are set.
-function limitTools(one, joint) {
-  const driven = state.scene.motion.driven.find(({ name }) => name === joint.name);
-  const travel = driven ? driven.range.map(Math.abs) : [0.2];
-  const widest = joint.turn ? Math.PI : Math.max(...travel, 2 * Math.abs(joint.lower ?? 0), 2 * Math.abs(joint.upper ?? 0));
-  const known = { lower: joint.lower ?? -widest, upper: joint.upper ?? widest };
-  const far = Math.max(widest, Math.abs(known.lower), Math.abs(known.upper));
-  const hint = element("p.quiet.hint", { hidden: true }, "Set the other limit, too.");
-  const rows = ["lower", "upper"].map((end) => {
-    const text = () => (joint[end] === null ? "not set" : `${fine(shown(joint, known[end]))} ${unitOf(joint)}`);
-    const take = (value) => {
-      known[end] = joint[end] = value;
-      box.value = text();
-      bar.value = shown(joint, value);
-      app.view.request();
-    };
-    const write = () => {
-      const whole = joint.lower !== null && joint.upper !== null;
-      hint.hidden = whole;
-      if (whole) edit("limits", { joint: one.name, ...known });
-    };
-    const box = element("input.number", { type: "text", "aria-label": `${end} limit [${unitOf(joint)}]`, "data-end": end, onchange: () => {
-      const value = parsed(joint, box.value);
-      if (value === null) {
-        say(mistyped(joint, box.value));
-        box.value = text();
-        return;
-      }
-      take(value);
-      write();
-    } });
-    const bar = element("input", { type: "range", min: shown(joint, -far), max: shown(joint, far), step: joint.turn ? 1 : 0.5, "aria-label": `${end} limit`, "data-limit": end,
-      oninput: () => take(internal(joint, Number(bar.value))), onchange: write });
-    bar.value = shown(joint, known[end]);
-    box.value = text();
-    return element("div.limit", {}, element("span.quiet", {}, end), bar, box);
+  const node = element("div.form", { hidden: true }, field("axis", select), words); // shown if there is a choice
+  const chosen = () => (lines.length ? String(lines.findIndex((line) => line.chosen)) : "");
+  const keep = bound(select, chosen, (value) => {
+    const { radius, near } = lines[Number(value)];
+    return edit("origin", () => ({ joint: current().name, radius, near }));
   });
-  return [...rows, hint];
+  const update = async () => {
+    const mine = (asked += 1);
+    if (!current().axis) {
+      node.hidden = true;
+      return;
+    }
+    try {
+      const found = (await ask("lines", { joint: current().name })).lines;
+      if (mine !== asked) return; // a later answer comes
+      const same = found.length === lines.length && found.every((line, i) => line.words === lines[i].words);
+      lines = found;
+      if (!same) options(select, lines.map((line, i) => [String(i), line.words]), chosen());
+      keep();
+      words.textContent = lines[Number(chosen())]?.words ?? "";
+      node.hidden = lines.length < 2;
+    } catch (error) {
+      say(error.message);
+    }
+  };
+  return { node, update };
 }

@@ -28,13 +28,16 @@ async function take(newer) {
   state.load(scene);
 }
 
+// One after the other: a scene is fetched before what follows it is shown.
+let last = Promise.resolve();
+const next = (act) => (last = last.then(act).catch((error) => status("bad", error.message)));
+
+// Resolves when the page shows the scene of a revision or a later one.
+export const arrive = (newer) => next(() => (newer > revision ? take(newer) : null));
+
 function connect() {
   const events = new EventSource("events");
-  // One after the other: a scene is fetched before what follows it is shown.
-  let last = Promise.resolve();
-  const on = (name, act) => events.addEventListener(name, (event) => {
-    last = last.then(() => act(JSON.parse(event.data))).catch((error) => status("bad", error.message));
-  });
+  const on = (name, act) => events.addEventListener(name, (event) => next(() => act(JSON.parse(event.data))));
   on("scene", async (content) => {
     await take(content.revision);
     live.forEach((heard) => heard(content));

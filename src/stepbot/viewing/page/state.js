@@ -9,6 +9,8 @@ export class State {
     this.show = { joints: true, names: false, frames: false, masses: false, collisions: false, visuals: true, sensors: true, byLink: false };
     this.hidden = new Set();
     this.selection = null;
+    this.preview = {}; // for joints by name, limits to draw that were not written yet
+    this.renames = []; // pairs of names, the former one first; the latest pair last
     this.tab = "joints";
   }
 
@@ -34,8 +36,12 @@ export class State {
   again(selection) {
     const { component } = selection;
     if (component && !this.scene.components.some((one) => one.path === component)) return null;
-    const found = component ? { ...selection, link: this.linkOf(component) } : selection;
-    return this.find(found) ? found : null;
+    if (component) return { ...selection, link: this.linkOf(component) };
+    // The same object under its new name; an undone change gives back the former one.
+    const key = selection.connection ? "connection" : "link";
+    const names = [selection[key], ...this.renames.filter((pair) => pair.includes(selection[key])).map(([from, to]) => (from === selection[key] ? to : from)).reverse()];
+    const name = names.find((one) => this.find({ [key]: one }));
+    return name === undefined ? null : Object.assign(selection, { [key]: name });
   }
 
   // The link of a part or of the first part below it.

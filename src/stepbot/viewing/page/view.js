@@ -196,7 +196,7 @@ export class View {
         const passive = joint.leader !== name || !state.loops.driven.has(state.tree.row.get(name));
         const tint = passive && !chosen && !one.doubt ? PASSIVE : color;
         const scale = (chosen ? 1.5 : 1) * (one.coordinates.length > 1 ? 0.45 : 1) * size;
-        lines.push(...jointGlyph(state.pose(joint.child), joint, state.positions[column], scale, tint));
+        lines.push(...jointGlyph(state.pose(joint.child), { ...joint, ...state.preview[name] }, state.positions[column], scale, tint));
       }
       if (one.closes || one.doubt) lines.push(...ring(this.place(one), 0.28 * size, this.camera, color));
     }

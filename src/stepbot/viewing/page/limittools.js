@@ -1,0 +1,101 @@
+// A slider and a box for each limit of a joint; the change is written when one is released and both are set.
+
+import { edit, say } from "./changes.js";
+import { element } from "./dom.js";
+import { bound } from "./form.js";
+import { app } from "./main.js";
+import { fine, internal, mistyped, parsed, shown, unitOf } from "./numbers.js";
+
+const { state } = app;
+const ENDS = ["lower", "upper"];
+
+// `name` returns the name of the joint. Until a limit is written it is in `draft`, and drawn; no new scene replaces it.
+export function limitTools(kind, name) {
+  const draft = {};
+  let joint = null;
+  let far = 0; // the ends of the sliders
+  const value = (end) => draft[end] ?? joint[end];
+  const hint = element("p.quiet.hint", { hidden: true }, "Set the other limit, too.");
+
+  function show() {
+    const driven = state.scene.motion.driven.find((one) => one.name === joint.name);
+    const travel = driven ? driven.range.map(Math.abs) : [0.2];
+    const widest = joint.turn ? Math.PI : Math.max(...travel, 2 * Math.abs(joint.lower ?? 0), 2 * Math.abs(joint.upper ?? 0));
+    far = Math.max(far, widest, Math.abs(value("lower") ?? 0), Math.abs(value("upper") ?? 0));
+    state.preview = { [joint.name]: { ...draft } };
+    for (const row of rows) row.update(far, { lower: -widest, upper: widest }[row.end]);
+    hint.hidden = ENDS.every((end) => value(end) === null) || ENDS.every((end) => value(end) !== null);
+    app.view.request();
+  }
+
+  function take(end, q) {
+    draft[end] = q;
+    show();
+  }
+
+  async function write(end) {
+    if (ENDS.some((one) => value(one) === null)) return;
+    let sent = {};
+    const done = await edit("limits", () => {
+      sent = { ...draft };
+      return { joint: name(), lower: value("lower"), upper: value("upper") };
+    });
+    // What was changed meanwhile stays, and so does a refused limit of a joint that has none yet, marked as invalid.
+    for (const one of ENDS) {
+      const isRefused = !done && one === end && joint[one] === null && draft[one] === sent[one];
+      if ((done || (one === end && !isRefused)) && draft[one] === sent[one]) delete draft[one];
+      row(one).mark(isRefused);
+    }
+    show();
+  }
+
+  const row = (end) => rows.find((one) => one.end === end);
+  const rows = ENDS.map((end) => limitRow(end, {
+    joint: () => joint,
+    value: () => value(end),
+    take: (q) => take(end, q),
+    write: () => write(end),
+  }));
+  return {
+    kind,
+    nodes: [...rows.map(({ node }) => node), hint],
+    update(now) {
+      joint = now;
+      show();
+    },
+  };
+}
+
+function limitRow(end, limit) {
+  const bar = element("input", { type: "range", "aria-label": `${end} limit`, "data-limit": end,
+    oninput: () => limit.take(internal(limit.joint(), Number(bar.value))), onchange: limit.write });
+  const box = element("input.number", { type: "text", "data-end": end });
+  const text = () => {
+    const joint = limit.joint();
+    if (!joint) return "";
+    return limit.value() === null ? "not set" : `${fine(shown(joint, limit.value()))} ${unitOf(joint)}`;
+  };
+  const keep = bound(box, text, (typed) => {
+    const q = parsed(limit.joint(), typed);
+    if (q === null) {
+      say(mistyped(limit.joint(), typed));
+      return null;
+    }
+    limit.take(q);
+    return limit.write();
+  });
+  return {
+    end,
+    node: element("div.limit", {}, element("span.quiet", {}, end), bar, box),
+    mark: (isInvalid) => (isInvalid ? box.setAttribute("aria-invalid", "true") : box.removeAttribute("aria-invalid")),
+    // `otherwise`: where the slider is without a limit.
+    update(far, otherwise) {
+      const joint = limit.joint();
+      Object.assign(bar, { min: shown(joint, -far), max: shown(joint, far), step: joint.turn ? 1 : 0.5 });
+      const at = String(shown(joint, limit.value() ?? otherwise));
+      if (bar.value !== at) bar.value = at;
+      box.setAttribute("aria-label", `${end} limit [${unitOf(joint)}]`);
+      keep();
+    },
+  };
+}

@@ -1,0 +1,120 @@
+"""``stepbot view --edit``: the card of a joint follows each answer, and keeps what was not sent yet."""
+
+from collections.abc import Callable
+
+import pytest
+
+from stepbot.serving.session import Session
+
+from .page import Page
+from .test_edit import press
+from .test_edit_joints import CONTROL, PARTS_OF_THE_ROOT, enter
+
+ENTER, TAB = "\ue007", "\ue004"
+"""The keys in WebDriver."""
+
+TODO = PARTS_OF_THE_ROOT.replace("{lower: -91 deg, upper: 89 deg}", "todo")
+NAME, LOWER, UPPER = "#card [data-edit=joint-name]", "#card [data-end=lower]", "#card [data-end=upper]"
+
+
+@pytest.fixture
+def session(page: Page, edited: Callable[[str], Session]) -> Session:
+    """A joint without limits, selected."""
+    session = edited(TODO)
+    page.run("stepbot.state.select({connection: 'crank_turn'})")
+    return session
+
+
+def settled(page: Page) -> None:
+    """Wait until every change is answered."""
+    page.wait("return !document.body.classList.contains('checking')")
+
+
+def value(page: Page, selector: str) -> str:
+    """What a field shows."""
+    return str(page.element(selector).get_property("value"))
+
+
+def retype(page: Page, selector: str, text: str) -> None:
+    """Type over a field."""
+    page.element(selector).send_keys(CONTROL, "a")
+    page.element(selector).send_keys(text)
+
+
+def drag(page: Page, end: str, to: float) -> None:
+    """Drag the slider of a limit and release it."""
+    page.run(
+        "const bar = document.querySelector(`#card [data-limit=${arguments[0]}]`); bar.value = arguments[1];"
+        "bar.dispatchEvent(new Event('input')); bar.dispatchEvent(new Event('change'));",
+        end,
+        to,
+    )
+
+
+def test_answers_keep_what_was_not_sent(page: Page, session: Session) -> None:
+    """A limit typed or dragged stays, with the focus, while an earlier change is answered; the facts are new."""
+    retype(page, NAME, "first" + ENTER)
+    retype(page, LOWER, "-20" + TAB)
+    settled(page)
+    assert page.text("#card h2") == "first"
+    assert value(page, LOWER) == "-20 °"
+    assert "Set the other limit, too." in page.text("#card")
+    retype(page, NAME, "second" + ENTER)
+    drag(page, "lower", -30)
+    retype(page, UPPER, "4")
+    settled(page)
+    assert page.text("#card h2") == "second"
+    assert (value(page, LOWER), value(page, UPPER)) == ("-30 °", "4")
+    page.element(UPPER).send_keys("5")
+    assert page.run("return document.activeElement === document.querySelector(arguments[0])", UPPER)
+    page.element(UPPER).send_keys(ENTER)
+    settled(page)
+    assert "limits: {lower: -30 deg, upper: 45 deg}" in session.target.read_text(encoding="utf-8")
+    assert "range\n-30 ° to 45 °" in page.text("#card")
+
+
+def test_changes_use_the_name_that_a_joint_has(page: Page, session: Session) -> None:
+    """A joint is renamed twice, limited and removed without leaving the field, each before the former answer."""
+    retype(page, NAME, "first" + ENTER)
+    retype(page, NAME, "second" + ENTER)
+    settled(page)
+    text = session.target.read_text(encoding="utf-8")
+    assert "\n  second:" in text
+    assert "first" not in text
+    assert page.text("#card h2") == "second"
+    assert page.text("#notice").startswith("saved")
+    page.element("#undo").click()
+    settled(page)
+    assert (page.text("#card h2"), value(page, NAME)) == ("first", "first")
+    retype(page, NAME, "third" + ENTER)
+    press(page, "remove")
+    settled(page)
+    assert "crank" not in session.target.read_text(encoding="utf-8").split("links:")[1]
+    assert page.text("#notice").startswith("saved")
+    assert not page.element("#card").is_displayed()
+
+
+def test_the_panel_says_saved_with_the_new_scene(page: Page, session: Session) -> None:
+    """When the page says `saved`, title, links and fields are the new ones, while the field has the focus."""
+    retype(page, "#card [data-edit=link-name]", "disc" + ENTER)
+    page.wait("return document.querySelector('#notice').textContent.startsWith('saved')")
+    assert "links\nground → disc" in page.text("#card")
+    assert page.run("return document.activeElement.dataset.edit") == "link-name"
+
+
+def test_refused_values_do_not_stay(page: Page, session: Session) -> None:
+    """A refused limit is replaced by the stored one; without one it stays to be corrected, marked as invalid."""
+    enter(page, "[data-end=lower]", "-10")
+    enter(page, "[data-end=upper]", "-20")
+    settled(page)
+    assert "must be below" in page.text("#notice")
+    assert value(page, UPPER) == "-20 °"
+    assert page.element(UPPER).get_attribute("aria-invalid") == "true"
+    enter(page, "[data-end=upper]", "78")
+    settled(page)
+    assert page.element(UPPER).get_attribute("aria-invalid") is None
+    enter(page, "[data-end=upper]", "-20")
+    settled(page)
+    assert value(page, UPPER) == "78 °"
+    assert page.run("return Number(document.querySelector('#card [data-limit=upper]').value)") == 78
+    assert "limits: {lower: -10 deg, upper: 78 deg}" in session.target.read_text(encoding="utf-8")
