@@ -45,9 +45,10 @@ class Poses:
         return np.asarray((at[:, None, :] @ self.R.transpose(0, 2, 1))[:, 0, :] + self.p)
 
     def listed(self) -> list[Pose]:
-        """Each as a :class:`.Pose`."""
-        rotations = [(tuple(a), tuple(b), tuple(c)) for a, b, c in self.R.tolist()]
-        return [Pose(rotation, tuple(p)) for rotation, p in zip(rotations, self.p.tolist(), strict=True)]
+        """Each as a :class:`.Pose`; equal rotations are one object, in memory and when they are pickled."""
+        first, kinds = distinct_rows(self.R.reshape(-1, 9))
+        rotations = [(tuple(a), tuple(b), tuple(c)) for a, b, c in self.R[first].tolist()]
+        return [Pose(rotations[kind], tuple(p)) for kind, p in zip(kinds.tolist(), self.p.tolist(), strict=True)]
 
 
 def bounds_at(points: Array, poses: Poses) -> tuple[Array, Array]:
