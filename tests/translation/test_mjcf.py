@@ -172,6 +172,22 @@ def test_gymnasium_models_convert_with_proof(name: str, tmp_path: Path) -> None:
     assert len(against) == 3
 
 
+def test_losses_of_a_format_are_no_differences_from_the_source(tmp_path: Path) -> None:
+    """Stops away from 0, which Webots lacks, are a declared loss (SB750), not an error."""
+    source = tmp_path / "knee.xml"
+    source.write_text(
+        """<mujoco model="knee"><worldbody><body name="hip"><freejoint/>
+        <inertial pos="0 0 0" mass="1" diaginertia="0.004 0.004 0.004"/><geom size="0.1"/>
+        <body name="shin" pos="0.3 0 0"><inertial pos="0 0 0" mass="1" diaginertia="0.004 0.004 0.004"/>
+        <joint name="knee" range="10 50"/><geom size="0.1"/></body></body></worldbody>
+        <keyframe><key name="home" qpos="0 0 0 1 0 0 0 0.5"/></keyframe></mujoco>""",
+        encoding="utf-8",
+    )
+    conversion = convert(source, Options(tmp_path / "out", formats=("webots",)))
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert "SB750" in {one.code for one in conversion.diagnostics}
+
+
 @pytest.mark.parametrize(
     ("bodies", "text"),
     [

@@ -13,6 +13,8 @@ from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
 from stepbot.engines.observation import Quantity
 from stepbot.engines.openable import openable
+from stepbot.formats import format_named
+from stepbot.formats.lowering import lower
 from stepbot.formats.mjcf import FORMAT as MJCF
 from stepbot.formats.rendering import joined
 from stepbot.report.record import Report
@@ -26,6 +28,12 @@ from stepbot.verification.source import Converted, verify_against_source
 from .conversion import Options
 from .writing import Rendered
 
+_CHANGED = {
+    "SB729": (Quantity.ACTUATORS,),
+    "SB745": (Quantity.ACTUATORS,),
+    "SB750": (Quantity.JOINTS, Quantity.LIMITS),
+}
+"""Quantities in which files differ from the source by what their format lacks: bounds of actuators, far stops."""
 _LOCATED = "stepbot.engines.located_copy:located_copy"
 
 
@@ -53,7 +61,9 @@ def compared_with_source(
         place = Path(folder) / (options.package or options.gazebo)  # where meshes are found by the name of the folder
         write_atomically(joined(written.by_format), place)
         files = {
-            place / (file := next(iter(written.by_format[name]))): Converted(file, _given_names(written.robot, one))
+            place / (file := next(iter(written.by_format[name]))): Converted(
+                file, _given_names(written.robot, one), _lost_by(name, written.robot)
+            )
             for name, one in written.lowered.items()
         }
         source = path
@@ -79,6 +89,14 @@ def _given_names(robot: Robot, lowered: Robot) -> Renaming:
     names = {joint.child: joint.name for joint in robot.joints}
     changed = {joint.name: names[joint.child] for joint in lowered.joints if joint.child in names}
     return Renaming(joints={new: old for new, old in changed.items() if new != old})
+
+
+def _lost_by(written_in: str, robot: Robot) -> dict[Quantity, str]:
+    """Quantities that a format declares to change."""
+    found = Diagnostics()
+    lower(robot, format_named(written_in), found)
+    codes = sorted({one.code for one in found} & set(_CHANGED))
+    return {quantity: f"a loss is declared ({code})" for code in codes for quantity in _CHANGED[code]}
 
 
 def _lost(described: Described, description: Description) -> dict[Quantity, str]:

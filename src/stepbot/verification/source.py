@@ -32,6 +32,8 @@ class Converted:
     """Its name in the report."""
     names: Renaming = field(default_factory=Renaming)
     """The model's names of what its format needs other names for."""
+    lost: Mapping[Quantity, str] = field(default_factory=dict)
+    """Quantities with losses that its format declares, each with the reason not to compare it."""
 
 
 def verify_against_source(
@@ -83,8 +85,9 @@ def verify_against_source(
         for compared in compared_with_first(ours, theirs, asked):
             if compared.quantity in _OWN:
                 continue
-            if compared.quantity in lost:
-                compared = replace(compared, not_run=lost[compared.quantity])
+            reason = lost.get(compared.quantity) or written.lost.get(compared.quantity)
+            if reason:
+                compared = replace(compared, not_run=reason)
             against = f"{name} ({ours.engine(compared.quantity)})"
             subject = Subject(written.name, theirs.format, theirs.engine(compared.quantity), against)
             report_failure(subject, compared, ENGINE_WARNING, found)
