@@ -118,3 +118,34 @@ def test_refused_values_do_not_stay(page: Page, session: Session) -> None:
     assert value(page, UPPER) == "78 °"
     assert page.run("return Number(document.querySelector('#card [data-limit=upper]').value)") == 78
     assert "limits: {lower: -10 deg, upper: 78 deg}" in session.target.read_text(encoding="utf-8")
+
+
+def test_every_link_has_a_name_field(page: Page, session: Session) -> None:
+    """The panel of the base link renames it, twice without leaving the field, and stays open."""
+    page.run("stepbot.state.select({link: 'ground'})")
+    for name in ("bench", "base"):
+        retype(page, "#card [data-edit=link-name]", name + ENTER)
+    settled(page)
+    assert page.text("#card h2") == "link base"
+    assert page.run("return document.activeElement.dataset.edit") == "link-name"
+    text = session.target.read_text(encoding="utf-8")
+    assert "\n  base: {rest: true}" in text
+    assert "parent: base\n" in text
+    retype(page, "#card [data-edit=link-name]", "crank_turn" + ENTER)
+    settled(page)
+    assert page.text("#notice").startswith("a link and a joint cannot have one name; try 'crank_turn_link'")
+    assert value(page, "#card [data-edit=link-name]") == "base"
+
+
+def test_flip_axis_says_what_happens_to_the_limits(page: Page, session: Session) -> None:
+    """With limits they are mirrored; without there is nothing to say about them."""
+    press(page, "flip")
+    settled(page)
+    assert page.text("#notice").startswith("axis flipped\n")
+    enter(page, "[data-end=lower]", "-10")
+    enter(page, "[data-end=upper]", "78")
+    settled(page)
+    press(page, "flip")
+    settled(page)
+    assert page.text("#notice").startswith("axis flipped; limits mirrored, the motion is the same")
+    assert (value(page, LOWER), value(page, UPPER)) == ("-78 °", "10 °")

@@ -12,7 +12,7 @@ from stepbot.sidecar.located import Sidecar
 from .joint_edits import KINDS, WITH_LIMITS, change_type, choose_line, flip, set_limits
 from .local_server import Refused
 from .questions import Json, limits, origin, paths, text
-from .renaming import rename
+from .renaming import rename, require_free
 
 _CLOSING = (*WITH_LIMITS, "ball", "fixed")
 
@@ -57,8 +57,7 @@ def _add_joint(sidecar: Sidecar, question: Json) -> list[Change]:
     parent, child = text(question, "parent"), text(question, "child").strip()
     if not name or not child:
         raise Refused("the joint and its child link need names")
-    if name in document.joints:
-        raise Refused(f"there is a joint '{name}' already")
+    require_free(document, "joints", name)
     if kind not in KINDS:
         raise Refused(f"no joints of type '{kind}' here; edit the sidecar")
     if parent not in document.links:
@@ -75,8 +74,9 @@ def _add_joint(sidecar: Sidecar, question: Json) -> list[Change]:
 def _add_closure(sidecar: Sidecar, question: Json) -> list[Change]:
     """``{name, kind, parent, child, origin}``: a joint between two links that closes a loop."""
     name, kind = text(question, "name").strip(), text(question, "kind")
-    if not name or name in sidecar.document.closures:
-        raise Refused(f"there is a closure '{name}' already" if name else "the closure needs a name")
+    if not name:
+        raise Refused("the closure needs a name")
+    require_free(sidecar.document, "closures", name)
     if kind not in _CLOSING:
         raise Refused(f"no closures of type '{kind}' here; edit the sidecar")
     closure: Json = {"type": kind, "link_a": text(question, "parent"), "link_b": text(question, "child")}

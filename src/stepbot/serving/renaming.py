@@ -27,15 +27,29 @@ def rename(sidecar: Sidecar, question: Json) -> list[Change]:
         raise Refused(f"no {question['what']} '{former}'")
     if not new:
         raise Refused("a name is missing")
-    for other in ("links", "joints", "closures", "frames"):
-        if new in getattr(document, other):
-            raise Refused(f"there is a {other.removesuffix('s')} '{new}' already")
+    require_free(document, section, new)
     changes: list[Change] = []
     if section == "joints":
         changes += _patterns(document, former, new)
     references = _links if section == "links" else _joints
     changes += [Put(keys, new) for keys, name in references(document) if name == former]
     return [*changes, Rename((section, former), new)]
+
+
+def require_free(document: Document, section: str, name: str) -> None:
+    """Refuse a name for an entry of ``section`` that a link, joint, closure or frame has."""
+    other = next((one for one in _NAMED if name in getattr(document, one)), None)
+    if other is None:
+        return
+    kind, its = section.removesuffix("s"), other.removesuffix("s")
+    if section == other:
+        raise Refused(f"there is a {kind} '{name}' already")
+    free = (f"{name}_{kind}{number}" for number in ("", *(f"_{count}" for count in range(2, 1000))))
+    known = {one for names in _NAMED for one in getattr(document, names)}
+    raise Refused(f"a {kind} and a {its} cannot have one name; try '{next(one for one in free if one not in known)}'")
+
+
+_NAMED = ("links", "joints", "closures", "frames")
 
 
 def _joints(document: Document) -> Iterator[tuple[Keys, str | None]]:

@@ -152,11 +152,25 @@ def test_names_and_all_references() -> None:
         check_sidecar(parsed(changed), found)
         assert not found.has_errors, list(found)
     with pytest.raises(Refused, match="there is a joint 'wrist' already"):
-        after(REFERENCES, action="rename", what="link", **{"from": "base", "to": "wrist"})
+        after(REFERENCES, action="rename", what="joint", **{"from": "elbow", "to": "wrist"})
     several = REFERENCES.replace("  elbow: {limits: {velocity: 1}}", '  "elb*": {limits: {velocity: 1}}')
     with pytest.raises(Refused, match="'elb\\*' would apply to only one"):
         after(several, action="rename", what="joint", **{"from": "elbow", "to": "shoulder"})
     assert "elbow_2:" in after(several, action="rename", what="joint", **{"from": "elbow", "to": "elbow_2"})
+
+
+def test_names_of_other_kinds_are_taken() -> None:
+    """A joint must not have the name of a link, nor a link that of a joint; a free name is proposed."""
+    with pytest.raises(Refused, match="a joint and a link cannot have one name; try 'hand_joint'"):
+        after(REFERENCES, action="rename", what="joint", **{"from": "elbow", "to": "hand"})
+    with pytest.raises(Refused, match="a link and a joint cannot have one name; try 'wrist_link'"):
+        after(REFERENCES, action="rename", what="link", **{"from": "base", "to": "wrist"})
+    taken = REFERENCES.replace("  tip: {link", "  hand_joint: {link")
+    joint = {"kind": "fixed", "parent": "base", "child": "jaw", "paths": ["jaw"]}
+    with pytest.raises(Refused, match="try 'hand_joint_2'"):
+        after(taken, action="add_joint", name="hand", **joint)
+    with pytest.raises(Refused, match="a closure and a joint cannot have one name; try 'wrist_closure'"):
+        after(REFERENCES, action="add_closure", name="wrist", kind="ball", parent="base", child="hand")
 
 
 def test_a_removed_joint_takes_the_comments_of_the_draft() -> None:

@@ -20,22 +20,22 @@ export function say(text, tone = "bad") {
 }
 
 // One change after the other, each with the scene of the one before it on the page. A question that is a function is
-// asked for then: names may have changed. Resolves to whether the change was made.
+// asked for then: names may have changed. `words` returns what to say of a change that was made. Resolves to whether it was.
 let last = Promise.resolve();
-export function send(name, question) {
+export function send(name, question, words = () => "saved") {
   checking += 1;
   document.body.classList.add("checking");
   say("checking the change …", "busy");
-  last = last.then(() => answered(name, question));
+  last = last.then(() => answered(name, question, words));
   return last;
 }
 
-async function answered(name, question) {
+async function answered(name, question, words) {
   try {
     const { revision, ...now } = await ask(name, typeof question === "function" ? question() : question);
     steps = now;
     await arrive(revision);
-    say("saved", "good");
+    say(words(), "good");
     return true;
   } catch (error) {
     say(error.message);
@@ -47,7 +47,7 @@ async function answered(name, question) {
   }
 }
 
-export const edit = (action, question) => send("edit", () => ({ action, ...(typeof question === "function" ? question() : question) }));
+export const edit = (action, question, words) => send("edit", () => ({ action, ...(typeof question === "function" ? question() : question) }), words);
 
 // A new name for a joint or link; what is selected stays selected under it. `from` is a function.
 export async function rename(what, from, to) {

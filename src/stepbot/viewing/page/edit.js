@@ -4,18 +4,26 @@ import { edit, say } from "./changes.js";
 import { byId, element } from "./dom.js";
 import { button, choice, field } from "./form.js";
 import { jointForm } from "./jointform.js";
-import { jointTools } from "./jointtools.js";
+import { jointTools, nameField } from "./jointtools.js";
 import { app } from "./main.js";
 
 const { state } = app;
 let picking = false;
-let form = null; // for the parts that are picked: kept with what is in it, until another scene changes what it is about
+let form = null; // for the link or parts that are picked: kept with what is in it, until a scene changes what it is about
 
 // The paths that an edit is about: those picked, else the one selected.
 const picked = (selection) => selection.picked ?? [selection.component];
 
+function linkTools(selection) {
+  if (form?.about !== selection) {
+    const name = nameField("link", "name", () => form.about.link);
+    form = { about: selection, name, nodes: [element("h3", {}, "Edit"), element("div.form", {}, name.node)] };
+  }
+  form.name.update();
+  return form.nodes;
+}
+
 function partTools(selection) {
-  if (!selection.component) return [];
   const paths = picked(selection);
   const about = JSON.stringify([paths, paths.map((path) => state.linkOf(path)), selection.link, state.scene.links.map(({ name }) => name), picking]);
   if (form?.about === about) return form.nodes;
@@ -48,10 +56,13 @@ state.picking = (selection) => {
   const paths = [...new Set([...picked(before), selection.component])];
   return { ...selection, picked: paths, triangle: null, line: null };
 };
-app.extras.push((selection) => (selection.connection ? jointTools(selection) : partTools(selection)));
+app.extras.push((selection) => {
+  if (selection.connection) return jointTools(selection);
+  return selection.component ? partTools(selection) : linkTools(selection);
+});
 byId("toolbar").after(element("p", { id: "hint" }, "This page edits the sidecar. Click a part to move it or to put a joint on it, or a joint in the list to change it."));
 state.listen((what) => {
   if (what === "selection" && state.selection) byId("hint").hidden = true;
-  if (!state.selection?.component) form = null;
+  if (!state.selection?.link) form = null;
 });
 document.body.classList.add("editing");

@@ -35,7 +35,7 @@ function jointPanel(first) {
   if (!first.closes) fields.push(nameField("link", "child link", () => made.one.child), typeField(() => made.one));
   const axis = lineField(() => made.one);
   const form = element("div.form", {}, fields.map(({ node }) => node), axis.node);
-  const flip = act("flip", "flip axis", () => edit("flip", () => ({ joint: name() })));
+  const flip = act("flip", "flip axis", () => edit("flip", () => ({ joint: name() }), () => `axis flipped${hasLimits(made.one) ? "; limits mirrored, the motion is the same" : ""}`));
   const remove = act("remove", first.closes ? "remove closure" : "remove joint", async () => {
     if (await edit("remove_joint", () => ({ joint: name() }))) state.select(null);
   });
@@ -57,6 +57,8 @@ function jointPanel(first) {
   };
   return made;
 }
+
+const hasLimits = ({ limits }) => limits && (limits.lower !== null || limits.upper !== null);
 
 function act(name, label, onclick) {
   const made = button(label, onclick);
