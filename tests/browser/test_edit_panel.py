@@ -1,10 +1,15 @@
 """``stepbot view --edit``: the card of a joint follows each answer, and keeps what was not sent yet."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 
+from robot_library.step_file import Assembly, Occurrence
+from stepbot.pipeline.conversion import Options
+from stepbot.runtime.cache import Cache
 from stepbot.serving.session import Session
+from tests import parts, solids
 
 from .page import Page
 from .test_edit import press
@@ -149,3 +154,71 @@ def test_flip_axis_says_what_happens_to_the_limits(page: Page, session: Session)
     settled(page)
     assert page.text("#notice").startswith("axis flipped; limits mirrored, the motion is the same")
     assert (value(page, LOWER), value(page, UPPER)) == ("-78 °", "10 °")
+
+
+STOPS = """  # stop found by collision at -2.0944 rad: 'base/pad' and 'crank'; a limit may be closer
+  # stop found by collision at 0.6981 rad: 'base/pad' and 'crank/pin'; a limit may be closer
+"""
+WEAK = """version: 1
+robot: hinge
+step: hinge.step
+links:
+  plate: {parts: [plate]}
+  arm: {parts: [arm]}
+joints:
+  hinge: {type: revolute, parent: plate, child: arm, limits: {lower: -1, upper: 1}}
+"""
+
+
+def test_stops_of_the_draft_become_limits(page: Page, edited: Callable[[str], Session]) -> None:
+    """The panel has the stops with their parts; one press makes limits of them; they follow `flip axis`."""
+    session = edited(TODO.replace("  # REVIEW", f"{STOPS}  # REVIEW"))
+    page.run("stepbot.state.select({connection: 'crank_turn'})")
+    card = page.text("#card")
+    assert "-120 °: 'base/pad' and 'crank'\n40 °: 'base/pad' and 'crank/pin'\n" in card
+    press(page, "flip")
+    settled(page)
+    assert "120 °: 'base/pad' and 'crank'\n-40 °: 'base/pad' and 'crank/pin'\n" in page.text("#card")
+    press(page, "stops")
+    settled(page)
+    assert (value(page, LOWER), value(page, UPPER)) == ("-39.998 °", "120 °")
+    assert "limits: {lower: -39.998 deg, upper: 120 deg}" in session.target.read_text(encoding="utf-8")
+
+
+def test_a_drafted_joint_is_confirmed(page: Page, edited: Callable[[str], Session]) -> None:
+    """`axis is right` takes the mark from a drafted joint; it is offered for marked ones alone."""
+    session = edited(PARTS_OF_THE_ROOT)
+    page.run("stepbot.state.select({connection: 'crank_turn'})")
+    assert page.text("#card [data-edit=confirm]") == "axis is right"
+    press(page, "confirm")
+    settled(page)
+    assert page.run("return stepbot.state.find({connection: 'crank_turn'}).doubt") == ""
+    assert not page.element("#card [data-edit=confirm]").is_displayed()
+    assert "# REVIEW" not in session.target.read_text(encoding="utf-8")
+
+
+def test_a_weak_axis_is_confirmed(page: Page, tmp_path: Path, cache: Path) -> None:
+    """A pin in a wider bore is a doubted axis (SB407); `axis is right` selects it and takes the mark away."""
+    plate = solids.box(80, 80, 10) + solids.cylinder(10, 20).at(0, 0, 5)
+    arm = solids.box(40, 120, 10).at(0, 45, 10) - solids.cylinder(10.5, 10).at(0, 0, 5)
+    children = [
+        Occurrence(parts.drawn("plate", plate, density=7850.0), "plate:1"),
+        Occurrence(parts.drawn("arm", arm, density=2700.0), "arm:1"),
+    ]
+    parts.write_step(tmp_path / "hinge.step", Assembly("hinge", children))
+    sidecar = tmp_path / "hinge.robot.yaml"
+    sidecar.write_text(WEAK, encoding="utf-8")
+    session = Session(sidecar, Options(output=Path(), cache=Cache(cache)), edits=True)
+    try:
+        session.load()
+        session.server.start()
+        page.open(session.server.url)
+        page.wait("return document.querySelector('#live').textContent === 'live'")
+        assert "do not match" in page.run("return stepbot.state.find({connection: 'hinge'}).doubt")
+        page.run("stepbot.state.select({connection: 'hinge'})")
+        press(page, "confirm")
+        settled(page)
+        assert page.run("return stepbot.state.find({connection: 'hinge'}).doubt") == ""
+    finally:
+        session.close()
+    assert "origin: {auto: true, radius: 10.5 mm}" in sidecar.read_text(encoding="utf-8")

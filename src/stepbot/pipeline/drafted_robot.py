@@ -64,6 +64,10 @@ def _evidence(one: DraftConnection) -> Json:
         "at": point_words(one.point),
         "along": "" if one.direction is None else direction_words(vector3(unit(one.direction))),
         "others": [f"{other.type.value} between {other.a} and {other.b}" for other in one.alternatives],
+        "stops": [
+            {"position": stop.position, "parts": f"'{stop.parts[0]}' and '{stop.parts[1]}'"}
+            for stop in (one.stops if isinstance(one, DraftJoint) else ())
+        ],
     }
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.robot.model import Robot
 from stepbot.robot.step_names import is_step_name, step_stem
-from stepbot.sidecar.draft_comments import drafted_reviews
+from stepbot.sidecar.draft_comments import drafted_reviews, drafted_stops
 from stepbot.step.assembly import Assembly
 from stepbot.viewing.connections import evidence_of_rows
 from stepbot.viewing.scene import scene_document
@@ -115,6 +115,6 @@ def _show_sidecar(path: Path, options: Options, text: str | None = None) -> Show
         if assembly is None:
             return Shown(found, sidecar=path, files=files)
         return _parts_alone(assembly, step_stem(assembly.source), found, path, files)
-    evidence = evidence_of_rows(built.joint_table, drafted_reviews(sidecar.text))
+    evidence = evidence_of_rows(built.joint_table, drafted_reviews(sidecar.text), drafted_stops(sidecar.text))
     scene = scene_document(built.robot, evidence=evidence, assembly=assembly, found=found)
     return Shown(found, scene, assembly, built.robot, path, files)

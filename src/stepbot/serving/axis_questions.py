@@ -47,7 +47,8 @@ def axes_of_joint(shown: Shown | None, sidecar: Sidecar, question: Json) -> Json
         origin = AutoOrigin()
     if not isinstance(origin, AxisOrigin | MateOrigin | AutoOrigin):
         return {"lines": []}
-    wanted = Wanted(origin.radius, origin.near, direction_only=kind is JointKind.PRISMATIC)
+    is_doubted = any(one["name"] == name and one["doubt"] for one in (shown.scene or {}).get("connections", ()))
+    wanted = Wanted(origin.radius, origin.near, direction_only=kind is JointKind.PRISMATIC, all_explicit=is_doubted)
     b: Sequence[int] | None = None
     if isinstance(origin, AxisOrigin):
         a: Sequence[int] = _below(assembly, origin.axis_of)

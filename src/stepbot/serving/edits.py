@@ -9,7 +9,7 @@ from stepbot.sidecar.document import Document
 from stepbot.sidecar.editing import Append, Change, Put, Remove
 from stepbot.sidecar.located import Sidecar
 
-from .joint_edits import KINDS, WITH_LIMITS, change_type, choose_line, flip, set_limits
+from .joint_edits import KINDS, WITH_LIMITS, change_type, choose_line, confirm, flip, set_limits
 from .local_server import Refused
 from .questions import Json, limits, origin, paths, text
 from .renaming import rename, require_free
@@ -108,6 +108,7 @@ _ACTIONS: dict[str, Callable[[Sidecar, Json], list[Change]]] = {
     "flip": flip,
     "type": change_type,
     "origin": choose_line,
+    "confirm": confirm,
     "rename": rename,
     "assign": _assign,
     "add_joint": _add_joint,

@@ -3,7 +3,8 @@
 from typing import Any
 
 from stepbot.robot.model import JointKind
-from stepbot.sidecar.editing import Change, Put, Remove
+from stepbot.sidecar.draft_comments import drafted_stops, mirrored_stops, without_reviews, without_stops
+from stepbot.sidecar.editing import Annotate, Change, Put, Remove
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.tree import plain_data
 
@@ -41,6 +42,8 @@ def flip(sidecar: Sidecar, question: Json) -> list[Change]:
         changes += [Remove((section, name, "limits", key)) for key in _BOUNDS if key in bounds and key not in mirrored]
     if "zero" in written:
         changes.append(Put((section, name, "zero"), _negated(written["zero"])))
+    if _has_stops(sidecar, name):
+        changes.append(Annotate((section, name), mirrored_stops))
     return changes
 
 
@@ -66,12 +69,33 @@ def change_type(sidecar: Sidecar, question: Json) -> list[Change]:
         changes.append(Remove((*place, "limits")))
     if kind == "fixed" and "axis" in written:
         changes.append(Remove((*place, "axis")))
+    if "prismatic" in (kind, former) and _has_stops(sidecar, name):
+        changes.append(Annotate(place, without_stops))
     return changes
 
 
 def choose_line(sidecar: Sidecar, question: Json) -> list[Change]:
-    """``{joint, radius, near}``: another line of the same parts as axis, by the selectors of its origin."""
+    """``{joint, radius, near}``: another line of the same parts as axis, by the selectors of its origin.
+
+    The stops that the draft found about the former axis go.
+    """
     section, name = _place(sidecar, question)
+    gone: list[Change] = [Annotate((section, name), without_stops)] if _has_stops(sidecar, name) else []
+    return [_on_line(sidecar, section, name, question), *gone]
+
+
+def confirm(sidecar: Sidecar, question: Json) -> list[Change]:
+    """``{joint, radius, near}``: the axis that it has is right: selected explicitly, without REVIEW comments."""
+    section, name = _place(sidecar, question)
+    origin = _written(sidecar, section, name).get("origin", "auto")
+    is_selected = isinstance(origin, dict) and not {"radius", "near"}.isdisjoint(origin)
+    changes: list[Change] = [Annotate((section, name), without_reviews)]
+    if selectors(question) and not is_selected:
+        changes.append(_on_line(sidecar, section, name, question))
+    return changes
+
+
+def _on_line(sidecar: Sidecar, section: str, name: str, question: Json) -> Put:
     former = _written(sidecar, section, name).get("origin", "auto")
     kept = {"auto": True} if former == "auto" else former
     if not isinstance(kept, dict) or not {"mate", "axis_of", "auto", "radius", "near"} & set(kept):
@@ -80,7 +104,11 @@ def choose_line(sidecar: Sidecar, question: Json) -> list[Change]:
     if not {"mate", "axis_of"} & set(kept):
         kept = {"auto": True, **kept}
     new = {**kept, **selectors(question)}
-    return [Put((section, name, "origin"), "auto" if new == {"auto": True} else new)]
+    return Put((section, name, "origin"), "auto" if new == {"auto": True} else new)
+
+
+def _has_stops(sidecar: Sidecar, name: str) -> bool:
+    return bool(drafted_stops(sidecar.text).get(name))
 
 
 def _place(sidecar: Sidecar, question: Json) -> tuple[str, str]:

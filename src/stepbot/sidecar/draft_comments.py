@@ -1,11 +1,15 @@
 """The comments that `stepbot init` writes about a joint or link: the evidence for it, and what to review."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from math import isfinite
 
 _EVIDENCE = re.compile(r" *# (score \d|limits: |stop found by collision |stops: |REVIEW: )")
 _CONTINUED = re.compile(r" *#   \S")
 _REVIEW = re.compile(r" *# REVIEW: (.*)")
+_STOP = re.compile(r" *# stop found by collision at (.*)")
+_POSITION = re.compile(r"(\S+) (rad|mm): (.*?)(?:; a limit may be closer)?$")
 _SCORE = re.compile(r" *# score \d")
 _ENTRY = re.compile(r"  (\S.*?):(?: .*)?$")
 
@@ -30,29 +34,93 @@ def below(lines: Sequence[str], after: int, name: str) -> int:
     return after
 
 
+@dataclass(frozen=True)
+class DraftedStop:
+    """A stop of a joint that `stepbot init` found by collision."""
+
+    position: float
+    """From the drawn pose [rad] or [m]."""
+    parts: str
+    """The two parts, quoted: ``'base/pad' and 'jaw/pad'``."""
+
+
 def drafted_reviews(text: str) -> dict[str, str]:
     """What to review of each joint and closure that still has its score from the draft and a REVIEW comment."""
+    return {name: "; ".join(_texts(written, _REVIEW)) for name, written in _drafted(text)}
+
+
+def drafted_stops(text: str) -> dict[str, tuple[DraftedStop, ...]]:
+    """The stops of each joint that still has its score from the draft, in the order of their comments."""
+    return {
+        name: tuple(
+            DraftedStop(float(found[1]) * (1e-3 if found[2] == "mm" else 1.0), found[3])
+            for stop in _texts(written, _STOP)
+            if (found := _POSITION.match(stop)) and _is_number(found[1])
+        )
+        for name, written in _drafted(text)
+    }
+
+
+Rewrite = Callable[[Sequence[str]], Sequence[str | None]]
+"""Gives each line of the draft's comments above an entry anew, or None to remove it."""
+
+
+def without_reviews(lines: Sequence[str]) -> Sequence[str | None]:
+    """Comments without REVIEW."""
+    return _without(lines, _REVIEW)
+
+
+def without_stops(lines: Sequence[str]) -> Sequence[str | None]:
+    """Comments without stops."""
+    return _without(lines, _STOP)
+
+
+def mirrored_stops(lines: Sequence[str]) -> Sequence[str | None]:
+    """Comments with the stops of an axis in the other direction."""
+    return [re.sub(r"^( *# stop found by collision at )(-?)(\S)", _mirrored, line) for line in lines]
+
+
+def _mirrored(found: re.Match[str]) -> str:
+    return f"{found[1]}{'' if found[2] else '-'}{found[3]}"
+
+
+def _without(lines: Sequence[str], kind: re.Pattern[str]) -> Sequence[str | None]:
+    kept: list[str | None] = []
+    is_gone = False
+    for line in lines:
+        is_gone = kind.match(line) is not None or (is_gone and _CONTINUED.match(line) is not None)
+        kept.append(None if is_gone else line)
+    return kept
+
+
+def _drafted(text: str) -> Iterator[tuple[str, list[str]]]:
+    """Name and comments of each entry that still has its score from the draft."""
     lines = text.split("\n")
-    found = {}
     for index, line in enumerate(lines):
         entry = _ENTRY.match(line)
         if entry is None or line.lstrip(" ").startswith("#"):
             continue
         written = [lines[at] for at in above(lines, index)]
         if any(map(_SCORE.match, written)):
-            found[entry[1].strip("\"'")] = "; ".join(_reviews(written))
-    return found
+            yield entry[1].strip("\"'"), written
 
 
-def _reviews(lines: Sequence[str]) -> list[str]:
-    """The texts of REVIEW comments, with the lines that continue them."""
+def _texts(lines: Sequence[str], kind: re.Pattern[str]) -> list[str]:
+    """The texts of comments of one kind, with the lines that continue them."""
     texts: list[str] = []
     is_open = False
     for line in lines:
-        review = _REVIEW.match(line)
-        if review is not None:
-            texts.append(review[1])
+        found = kind.match(line)
+        if found is not None:
+            texts.append(found[1])
         elif is_open and _CONTINUED.match(line):
             texts[-1] += f" {line.lstrip(' #')}"
-        is_open = review is not None or (is_open and _CONTINUED.match(line) is not None)
+        is_open = found is not None or (is_open and _CONTINUED.match(line) is not None)
     return texts
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return isfinite(float(text))
+    except ValueError:
+        return False

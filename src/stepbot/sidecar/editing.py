@@ -15,7 +15,7 @@ from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
 from stepbot.diagnostics import Diagnostics
 
-from .draft_comments import above, below
+from .draft_comments import Rewrite, above, below
 from .load import parse_sidecar
 from .starter import scalar
 from .tree import plain_data
@@ -57,7 +57,15 @@ class Rename:
     name: str
 
 
-Change = Put | Append | Remove | Rename
+@dataclass(frozen=True)
+class Annotate:
+    """Rewrite the comments that `stepbot init` wrote about the entry at keys, which must exist; no value changes."""
+
+    keys: Keys
+    rewrite: Rewrite
+
+
+Change = Put | Append | Remove | Rename | Annotate
 
 
 class CannotEdit(Exception):
@@ -77,7 +85,7 @@ def edited(text: str, changes: Sequence[Change]) -> str:
     expected = _values(text)
     for change in changes:
         text = _spliced(text, change)
-        expected = _applied(expected, change)
+        expected = expected if isinstance(change, Annotate) else _applied(expected, change)
     if _values(text) != expected:
         raise CannotEdit("the sidecar is written in a way that this change does not fit; edit it in an editor")
     return text
@@ -99,7 +107,7 @@ def _copied(data: Any) -> Any:
     return [_copied(value) for value in data] if isinstance(data, list) else data
 
 
-def _applied(data: Any, change: Change) -> Any:
+def _applied(data: Any, change: Put | Append | Remove | Rename) -> Any:
     """The values after a change, computed on plain data."""
     *above, last = change.keys
     at = data
@@ -129,10 +137,12 @@ def _spliced(text: str, change: Change) -> str:
         raise CannotEdit("the sidecar is not a mapping")
     nodes = _way(root, change.keys)
     missing = change.keys[len(nodes) - 1 :]
-    if isinstance(change, Remove | Rename) and missing:
+    if isinstance(change, Remove | Rename | Annotate) and missing:
         raise CannotEdit(f"there is no {'.'.join(map(str, change.keys))}")
     if isinstance(change, Rename):
         return _renamed(text, nodes, change.name)
+    if isinstance(change, Annotate):
+        return _annotated(text, nodes, change.rewrite)
     if isinstance(change, Remove):
         return _without(text, nodes, change.keys, str(change.keys[-1]) if change.with_draft else None)
     if isinstance(change, Append) and not missing:
@@ -205,6 +215,18 @@ def _as_lines(text: str, after: int, lines: Sequence[str]) -> str:
     stop = text.find("\n", after)
     head, tail = (text, "") if stop < 0 else (text[:stop], text[stop + 1 :])
     return "\n".join([head, *lines, ""]) + tail
+
+
+def _annotated(text: str, nodes: Sequence[Node], rewrite: Rewrite) -> str:
+    parent, node = nodes[-2], nodes[-1]
+    if not isinstance(parent, MappingNode):
+        raise CannotEdit("an item of a list has no comments of the draft")
+    lines: list[str | None] = list(text.split("\n"))
+    start = next(key for key, value in parent.value if value is node).start_mark.line
+    places = above([str(line) for line in lines], start)
+    for at, line in zip(places, rewrite([str(lines[at]) for at in places]), strict=True):
+        lines[at] = line
+    return "\n".join(line for line in lines if line is not None)
 
 
 def _renamed(text: str, nodes: Sequence[Node], name: str) -> str:

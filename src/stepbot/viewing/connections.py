@@ -1,6 +1,6 @@
 """Joints and closures as a person reviews them: type, limits, evidence, and a mark where the evidence is weak."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from stepbot.report.joint_words import direction_words, evidence_words, point_words, rival_words
@@ -8,12 +8,14 @@ from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import Joint, JointKind, LoopClosure, Robot
 from stepbot.robot.multi_dof import unfolded
+from stepbot.sidecar.draft_comments import DraftedStop
 
 from .motion import bound
 
 Json = dict[str, Any]
 
 NO_REVIEWS: Mapping[str, str] = {}
+NO_STOPS: Mapping[str, Sequence[DraftedStop]] = {}
 _WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
 
 
@@ -24,12 +26,17 @@ def connection_documents(robot: Robot, evidence: Mapping[str, Json]) -> list[Jso
     return [*joints, *(_closure(closure, evidence) for closure in robot.closures)]
 
 
-def evidence_of_rows(rows: Iterable[JointRow], reviews: Mapping[str, str] = NO_REVIEWS) -> dict[str, Json]:
-    """The evidence of each row of a joint table: in words, why it is weak, the other lines.
+def evidence_of_rows(
+    rows: Iterable[JointRow],
+    reviews: Mapping[str, str] = NO_REVIEWS,
+    stops: Mapping[str, Sequence[DraftedStop]] = NO_STOPS,
+) -> dict[str, Json]:
+    """The evidence of each row of a joint table: in words, why it is weak, the other lines, the stops of the draft.
 
     Args:
         rows: The joint table.
         reviews: What the sidecar's REVIEW comments say about drafted joints; for others, the doubt of the joint table.
+        stops: The stops that the sidecar's comments give for drafted joints.
     """
     return {
         row.name: {
@@ -38,6 +45,7 @@ def evidence_of_rows(rows: Iterable[JointRow], reviews: Mapping[str, str] = NO_R
             "at": "" if row.origin is None else point_words(row.origin),
             "along": "" if row.axis is None else direction_words(row.axis),
             "others": [rival_words(one) for one in row.evidence.rivals],
+            "stops": [{"position": one.position, "parts": one.parts} for one in stops.get(row.name, ())],
         }
         for row in rows
     }
@@ -85,5 +93,5 @@ def _closure(closure: LoopClosure, evidence: Mapping[str, Json]) -> Json:
     }
 
 
-_UNKNOWN: Json = {"evidence": "", "doubt": "", "others": []}
+_UNKNOWN: Json = {"evidence": "", "doubt": "", "others": [], "stops": []}
 """Of a joint whose place is stated, not found."""

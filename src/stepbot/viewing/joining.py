@@ -63,6 +63,8 @@ class Wanted:
     """[m] in the assembly."""
     direction_only: bool = False
     """Whether parallel lines are equivalent, as for a prismatic joint."""
+    all_explicit: bool = False
+    """Whether selectors are given for the line, too, that needs none: they state that it was chosen."""
 
 
 def shared_lines(assembly: Assembly, a: int, b: int, link: Iterable[int] = ()) -> tuple[SharedLine, ...]:
@@ -109,7 +111,7 @@ def lines_of_origin(
     plain = choose(found, direction_only=wanted.direction_only).line
     made = []
     for line in found:
-        one = Selector() if line is plain else selector(line, found)
+        one = Selector() if line is plain and not wanted.all_explicit else selector(line, found)
         made.append(_shared(assembly, a[0], line, line is chosen, one, "mate"))
     return tuple(made)
 

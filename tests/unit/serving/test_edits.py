@@ -11,7 +11,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.serving.edits import changes_of
 from stepbot.serving.local_server import Refused
 from stepbot.sidecar.check import check_sidecar
-from stepbot.sidecar.draft_comments import drafted_reviews
+from stepbot.sidecar.draft_comments import DraftedStop, drafted_reviews, drafted_stops
 from stepbot.sidecar.editing import Append, CannotEdit, Put, Remove, edited
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
@@ -187,6 +187,61 @@ def test_a_removed_joint_takes_the_comments_of_the_draft() -> None:
     assert after(text, action="remove_joint", joint="grip") == TEXT + mine
 
 
+STOPS = """version: 1
+robot: arm
+step: arm.step
+links:
+  base: {rest: true}
+  hand: {parts: [hand]}
+joints:
+  # mine
+  # score 0.95: output of the motor 'm'
+  # stop found by collision at -3.9652 rad: 'base/a' and 'a long
+  #   name/b'; a limit may be closer
+  # stop found by collision at 0.7001 rad: 'c' and 'd'; a limit may be closer
+  # stops: pairs of parts not compared, because of their many faces: 6
+  # REVIEW: could also be
+  #   prismatic
+  turn:
+    type: revolute
+    parent: base
+    child: hand
+    origin: {mate: [base, hand]}
+    limits: todo
+"""
+
+
+def test_stops_of_the_draft() -> None:
+    """Positions and parts are read from the comments; they follow the axis: mirrored with it, gone with another one."""
+    both = (DraftedStop(-3.9652, "'base/a' and 'a long name/b'"), DraftedStop(0.7001, "'c' and 'd'"))
+    assert drafted_stops(STOPS) == {"turn": both}
+    slide = STOPS.replace("0.7001 rad", "12.5 mm").replace("type: revolute", "type: prismatic")
+    assert drafted_stops(slide)["turn"][1] == DraftedStop(0.0125, "'c' and 'd'")
+    assert drafted_stops(STOPS.replace("0.7001 rad", "once rad"))["turn"] == both[:1]
+    assert drafted_stops(STOPS.replace("score 0.95", "mine")) == {}
+    flipped = after(STOPS, action="flip", joint="turn")
+    mirrored = STOPS.replace("at -3.9652", "at 3.9652").replace("at 0.7001", "at -0.7001")
+    assert flipped == mirrored.replace("limits: todo\n", "limits: todo\n    axis: -z\n")
+    assert after(flipped, action="flip", joint="turn") == STOPS.replace("todo\n", "todo\n    axis: z\n")
+    start, stop = STOPS.index("  # stop found"), STOPS.index("  # stops: ")
+    without = STOPS[:start] + STOPS[stop:]
+    other = after(STOPS, action="origin", joint="turn", radius=0.008)
+    assert other == without.replace("[base, hand]}", "[base, hand], radius: 8 mm}")
+    assert after(STOPS, action="type", joint="turn", kind="prismatic") == without.replace("revolute", "prismatic")
+    assert drafted_stops(after(STOPS, action="type", joint="turn", kind="continuous")) == {"turn": both}
+
+
+def test_an_axis_is_confirmed() -> None:
+    """The selectors of the axis are written, and REVIEW comments go; stops, score and comments of the user stay."""
+    start, stop = STOPS.index("  # REVIEW"), STOPS.index("  turn:")
+    reviewed = STOPS[:start] + STOPS[stop:]
+    assert after(STOPS, action="confirm", joint="turn") == reviewed
+    text = after(STOPS, action="confirm", joint="turn", radius=0.008)
+    assert text == reviewed.replace("[base, hand]}", "[base, hand], radius: 8 mm}")
+    assert drafted_reviews(text) == {"turn": ""}
+    assert after(text, action="confirm", joint="turn", near=[0, 0, 1]) == text
+
+
 def test_assign(sidecar: Sidecar) -> None:
     """A part leaves the list that names it; a link must not lose its last part."""
     question: dict[str, Any] = {"action": "assign", "paths": ["cover", "screw"], "link": "hand"}
@@ -246,7 +301,19 @@ _KEYS = (
     "lower",
     "upper",
 )
-_ACTIONS = ("limits", "flip", "type", "origin", "rename", "assign", "add_joint", "add_closure", "remove_joint", "other")
+_ACTIONS = (
+    "limits",
+    "flip",
+    "type",
+    "origin",
+    "confirm",
+    "rename",
+    "assign",
+    "add_joint",
+    "add_closure",
+    "remove_joint",
+    "other",
+)
 
 
 @settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])

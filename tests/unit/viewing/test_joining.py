@@ -76,6 +76,8 @@ def test_lines_of_an_origin(tmp_path: Path) -> None:
         assert bolt.near is not None
         again = lines_of_origin(hinge, plate, arm, Wanted(bolt.radius, bolt.near))
         assert [one.words for one in again if one.chosen] == [bolt.words]
+    explicit = lines_of_origin(hinge, plate, arm, Wanted(all_explicit=True))[0]
+    assert (explicit.words, explicit.chosen, explicit.radius) == (pin.words, True, 0.01005)
     assert lines_of_origin(hinge, [], None, Wanted()) == ()
     assert pytest.approx(0.0, abs=1e-9) == distance(
         hinge, lines_of_origin(hinge, plate, None, Wanted())[0], (0.1, 0.0, 0.05)

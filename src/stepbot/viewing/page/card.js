@@ -84,6 +84,13 @@ function directed(axis) {
   return main === undefined ? `[${axis.map((value) => short(value)).join(", ")}]` : `${axis[main] > 0 ? "+" : "-"}${"xyz"[main]}`;
 }
 
+// Where parts of its links meet, found by `init` from the drawn pose.
+function stopList(one, [joint]) {
+  if (!joint || !one.stops.length) return null;
+  const line = ({ position, parts }) => element("li", {}, `${short(shown(joint, joint.drawn + position))} ${unitOf(joint)}: ${parts}`);
+  return element("div.stops", {}, "found by collision; a limit may be closer", element("ul", {}, one.stops.map(line)));
+}
+
 function connectionCard(state, selection) {
   const one = state.find(selection);
   const joints = one.coordinates.map((name) => state.tree.joints[state.tree.column.get(name)]);
@@ -99,6 +106,7 @@ function connectionCard(state, selection) {
       ["at", one.at || vector(position(state.pose(one.child)))],
       ["axis", one.along || (one.axis ? directed(turn(state.pose(one.child), one.axis)) : null)],
       ["range", joints.map(range).join("; ")],
+      ["stops", stopList(one, joints)],
       ["velocity", one.limits?.velocity ? `${short(one.limits.velocity)} ${joints[0]?.turn ? "rad/s" : "m/s"}` : null],
       ["effort", one.limits?.effort ? `${short(one.limits.effort)} ${joints[0]?.turn ? "N m" : "N"}` : null],
       ["follows", one.mimic ? `${short(one.mimic[1])} × ${one.mimic[0]}` : null],

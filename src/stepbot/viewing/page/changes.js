@@ -32,7 +32,7 @@ export function send(name, question, words = () => "saved") {
 
 async function answered(name, question, words) {
   try {
-    const { revision, ...now } = await ask(name, typeof question === "function" ? question() : question);
+    const { revision, ...now } = await ask(name, typeof question === "function" ? await question() : question);
     steps = now;
     await arrive(revision);
     say(words(), "good");
@@ -47,7 +47,7 @@ async function answered(name, question, words) {
   }
 }
 
-export const edit = (action, question, words) => send("edit", () => ({ action, ...(typeof question === "function" ? question() : question) }), words);
+export const edit = (action, question, words) => send("edit", async () => ({ action, ...(typeof question === "function" ? await question() : question) }), words);
 
 // A new name for a joint or link; what is selected stays selected under it. `from` is a function.
 export async function rename(what, from, to) {

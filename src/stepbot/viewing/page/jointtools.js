@@ -39,7 +39,8 @@ function jointPanel(first) {
   const remove = act("remove", first.closes ? "remove closure" : "remove joint", async () => {
     if (await edit("remove_joint", () => ({ joint: name() }))) state.select(null);
   });
-  const acts = element("div.acts", {}, flip, remove);
+  const confirm = act("confirm", "", () => edit("confirm", async () => ({ joint: name(), ...(await axis.selectors()) })));
+  const acts = element("div.acts", {}, confirm, flip, remove);
   let limits = null;
   const made = {
     one: first,
@@ -48,9 +49,11 @@ function jointPanel(first) {
       Object.assign(made, { one, selection });
       for (const { update } of [...fields, axis]) update();
       flip.hidden = !one.axis;
+      confirm.hidden = !one.doubt;
+      confirm.textContent = one.axis ? "axis is right" : "reviewed";
       const joint = one.coordinates.length === 1 ? state.tree.joints[state.tree.column.get(one.coordinates[0])] : null;
       const isLimited = joint && ["revolute", "prismatic"].includes(one.kind);
-      if (!isLimited || limits?.kind !== one.kind) limits = isLimited ? limitTools(one.kind, name) : null;
+      if (!isLimited || limits?.kind !== one.kind) limits = isLimited ? limitTools(one.kind, () => made.one) : null;
       limits?.update(joint);
       return [title, form, ...(limits?.nodes ?? []), acts];
     },
@@ -100,7 +103,9 @@ function lineField(current) {
     const { radius, near } = lines[Number(value)];
     return edit("origin", () => ({ joint: current().name, radius, near }));
   });
-  const update = async () => {
+  let answer = null;
+  const update = () => (answer = take());
+  const take = async () => {
     const mine = (asked += 1);
     if (!current().axis) {
       node.hidden = true;
@@ -119,5 +124,11 @@ function lineField(current) {
       say(error.message);
     }
   };
-  return { node, update };
+  // Those of the line that it has.
+  const selectors = async () => {
+    await answer;
+    const { radius, near } = lines[Number(chosen())] ?? {};
+    return { radius, near };
+  };
+  return { node, update, selectors };
 }

@@ -2,20 +2,34 @@
 
 import { edit, say } from "./changes.js";
 import { element } from "./dom.js";
-import { bound } from "./form.js";
+import { bound, button } from "./form.js";
 import { app } from "./main.js";
 import { fine, internal, mistyped, parsed, shown, unitOf } from "./numbers.js";
 
 const { state } = app;
 const ENDS = ["lower", "upper"];
 
-// `name` returns the name of the joint. Until a limit is written it is in `draft`, and drawn; no new scene replaces it.
-export function limitTools(kind, name) {
+// `current` returns the joint of the scene. Until a limit is written it is in `draft`, and drawn; no new scene replaces it.
+export function limitTools(kind, current) {
   const draft = {};
   let joint = null;
   let far = 0; // the ends of the sliders
   const value = (end) => draft[end] ?? joint[end];
   const hint = element("p.quiet.hint", { hidden: true }, "Set the other limit, too.");
+
+  // The closest stops below and above the drawn pose that `init` found.
+  const stops = () => {
+    const found = current().stops.map(({ position }) => position);
+    const [below, above] = [found.filter((q) => q < 0), found.filter((q) => q > 0)];
+    return below.length && above.length ? { lower: joint.drawn + Math.max(...below), upper: joint.drawn + Math.min(...above) } : null;
+  };
+  const adopt = button("use stops as limits", () => {
+    Object.assign(draft, stops());
+    show();
+    write("upper");
+  });
+  adopt.dataset.edit = "stops";
+  const adopting = element("div.acts", {}, adopt);
 
   function show() {
     const driven = state.scene.motion.driven.find((one) => one.name === joint.name);
@@ -25,6 +39,7 @@ export function limitTools(kind, name) {
     state.preview = { [joint.name]: { ...draft } };
     for (const row of rows) row.update(far, { lower: -widest, upper: widest }[row.end]);
     hint.hidden = ENDS.every((end) => value(end) === null) || ENDS.every((end) => value(end) !== null);
+    adopting.hidden = !stops();
     app.view.request();
   }
 
@@ -38,7 +53,7 @@ export function limitTools(kind, name) {
     let sent = {};
     const done = await edit("limits", () => {
       sent = { ...draft };
-      return { joint: name(), lower: value("lower"), upper: value("upper") };
+      return { joint: current().name, lower: value("lower"), upper: value("upper") };
     });
     // What was changed meanwhile stays, and so does a refused limit of a joint that has none yet, marked as invalid.
     for (const one of ENDS) {
@@ -58,7 +73,7 @@ export function limitTools(kind, name) {
   }));
   return {
     kind,
-    nodes: [...rows.map(({ node }) => node), hint],
+    nodes: [...rows.map(({ node }) => node), hint, adopting],
     update(now) {
       joint = now;
       show();
