@@ -82,6 +82,7 @@ def test_a_part_of_the_root_becomes_a_link(page: Page, edited: Callable[[str], S
     enter(page, "#joint-form [data-edit=lower]", "abc")
     press(page, "add")
     page.wait("return document.querySelector('#notice').textContent.includes(\"'abc' is not an angle\")")
+    assert page.element("#joint-form [data-edit=lower]").get_attribute("aria-invalid") == "true"
     enter(page, "#joint-form [data-edit=lower]", "-1 rad")
     press(page, "add")
     page.wait("return stepbot.state.selection?.connection === 'coupler_joint'")

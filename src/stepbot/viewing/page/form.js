@@ -16,6 +16,8 @@ export function choice(entries, chosen, attributes = {}) {
   return made;
 }
 
+export const mark = (input, isInvalid) => (isInvalid ? input.setAttribute("aria-invalid", "true") : input.removeAttribute("aria-invalid"));
+
 // Keeps an input at a stored value, except while it holds another one that was not written yet: no new scene replaces
 // that. write(text) resolves when the text was taken or refused; then the input shows what is stored. Returns a
 // function to call when the stored value may have changed.

@@ -2,7 +2,7 @@
 
 import { edit, say } from "./changes.js";
 import { element } from "./dom.js";
-import { button, choice, field, options } from "./form.js";
+import { button, choice, field, mark, options } from "./form.js";
 import { ask } from "./live.js";
 import { app } from "./main.js";
 import { mistyped, parsed } from "./numbers.js";
@@ -57,6 +57,7 @@ export function jointForm([a, b]) {
   async function make() {
     const joint = { turn: kind.value !== "prismatic" };
     const [low, high] = [lower, upper].map((box) => parsed(joint, box.value));
+    for (const [box, value] of [[lower, low], [upper, high]]) mark(box, isLimited() && (value === null || (low !== null && high !== null && low >= high)));
     const wrong = [[lower, low], [upper, high]].find(([, value]) => value === null);
     if (isLimited() && wrong) return say(mistyped(joint, wrong[0].value));
     const line = origin.value === "" ? null : lines[Number(origin.value)];

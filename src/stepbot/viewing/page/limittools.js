@@ -2,7 +2,7 @@
 
 import { edit, say } from "./changes.js";
 import { element } from "./dom.js";
-import { bound, button } from "./form.js";
+import { bound, button, mark } from "./form.js";
 import { app } from "./main.js";
 import { fine, internal, mistyped, parsed, shown, unitOf } from "./numbers.js";
 
@@ -102,7 +102,7 @@ function limitRow(end, limit) {
   return {
     end,
     node: element("div.limit", {}, element("span.quiet", {}, end), bar, box),
-    mark: (isInvalid) => (isInvalid ? box.setAttribute("aria-invalid", "true") : box.removeAttribute("aria-invalid")),
+    mark: (isInvalid) => mark(box, isInvalid),
     // `otherwise`: where the slider is without a limit.
     update(far, otherwise) {
       const joint = limit.joint();
