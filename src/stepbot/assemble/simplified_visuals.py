@@ -75,7 +75,7 @@ class SimplifiedVisualMeshes:
                 records.append(record)
         if document.mesh.max_triangles is not None:
             others = tuple(link.name for link in robot.links if link.name not in own)
-            taken = sum(_drawn(robot, link) for link in robot.links if link.name in own)
+            taken = sum(_faces_drawn(robot, link) for link in robot.links if link.name in own)
             robot, record = self._within(robot, _Scope("", others, document.mesh.max_triangles), taken)
             records.append(record)
         return robot, tuple(record for record in records if record is not None)
@@ -83,7 +83,7 @@ class SimplifiedVisualMeshes:
     def _within(self, robot: Robot, scope: _Scope, taken: int = 0) -> tuple[Robot, SimplifiedVisuals | None]:
         """The robot with a scope within its budget; ``taken`` of it is used by links with budgets of their own."""
         links = [robot.link_by_name[name] for name in scope.links]
-        before = sum(_drawn(robot, link) for link in links)
+        before = sum(_faces_drawn(robot, link) for link in links)
         if before + taken <= scope.max_triangles:
             return robot, None
         counts = Counter(_names(group) for link in links for group in _groups(link))
@@ -121,7 +121,7 @@ class SimplifiedVisualMeshes:
         self._binder.found.add("SB611", message, span)
 
 
-def _drawn(robot: Robot, link: Link) -> int:
+def _faces_drawn(robot: Robot, link: Link) -> int:
     """Number of triangles of a link's visual meshes."""
     meshes = robot.mesh_by_name
     return sum(len(meshes[v.geometry.name].mesh.faces) for v in link.visuals if isinstance(v.geometry, MeshRef))

@@ -81,7 +81,7 @@ def _started(unit: Unit) -> Simplification:
 
 
 def _drawn(states: Sequence[Simplification], counts: Sequence[int]) -> int:
-    return sum(count * len(state.faces) for state, count in zip(states, counts, strict=True))
+    return sum(len(state.faces) * count for state, count in zip(states, counts, strict=True))
 
 
 def _diagonal(mesh: TriMesh) -> float:

@@ -14,7 +14,7 @@ from stepbot.geometry.sums import exact_sum
 
 SOURCE = Path(__file__).resolve().parents[3] / "src"
 COUNTS = re.compile(
-    r"len\(|map\(len,|int\(|1\b|count$|any\(|bool\(|(map\()?self(\._lines)?\.has\b|_straighten_face\(|sizes\["
+    r"len\(|map\(len,|int\(|1\b|count$|any\(|bool\(|(map\()?self(\._lines)?\.has\b|_straighten_face\(|_faces_drawn\(|sizes\["
     r"|.*(\.size| (==|!=|<|>|is not|in) .*|nthreads\(\)\.values\(\))$"
 )
 """Arguments allowed for the built-in ``sum``: whole numbers."""
