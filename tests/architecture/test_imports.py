@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from stepbot_cli import main
-
 HEAVY = {
     "OCP",
     "fcl",
@@ -87,9 +85,8 @@ def converted(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (folder / file.name).write_bytes(file.read_bytes())
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STEPBOT_CACHE", str(folder / "cache"))
-        patch.chdir(folder)
         for arguments in UNCHANGED:
-            assert main(arguments) == 0
+            assert loaded_by(arguments, folder)[0] == 0
     return folder
 
 
