@@ -18,14 +18,14 @@ from .test_edit_joints import CONTROL, PARTS_OF_THE_ROOT, enter
 ENTER, TAB = "\ue007", "\ue004"
 """The keys in WebDriver."""
 
-TODO = PARTS_OF_THE_ROOT.replace("{lower: -91 deg, upper: 89 deg}", "todo")
+WITHOUT_LIMITS = PARTS_OF_THE_ROOT.replace("{lower: -91 deg, upper: 89 deg}", "todo")
 NAME, LOWER, UPPER = "#card [data-edit=joint-name]", "#card [data-end=lower]", "#card [data-end=upper]"
 
 
 @pytest.fixture
 def session(page: Page, edited: Callable[[str], Session]) -> Session:
     """A joint without limits, selected."""
-    session = edited(TODO)
+    session = edited(WITHOUT_LIMITS)
     page.run("stepbot.state.select({connection: 'crank_turn'})")
     return session
 
@@ -172,7 +172,7 @@ joints:
 
 def test_stops_of_the_draft_become_limits(page: Page, edited: Callable[[str], Session]) -> None:
     """The panel has the stops with their parts; one press makes limits of them; they follow `flip axis`."""
-    session = edited(TODO.replace("  # REVIEW", f"{STOPS}  # REVIEW"))
+    session = edited(WITHOUT_LIMITS.replace("  # REVIEW", f"{STOPS}  # REVIEW"))
     page.run("stepbot.state.select({connection: 'crank_turn'})")
     card = page.text("#card")
     assert "-120 °: 'base/pad' and 'crank'\n40 °: 'base/pad' and 'crank/pin'\n" in card
