@@ -77,7 +77,7 @@ def edit(path: Path, old: str, new: str) -> None:
     """Replace a part of a file."""
     text = path.read_text(encoding="utf-8")
     assert old in text
-    path.write_text(text.replace(old, new), encoding="utf-8")
+    path.write_text(text.replace(old, new, 1), encoding="utf-8")
 
 
 def test_same_bytes_with_and_without(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
