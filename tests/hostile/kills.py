@@ -139,7 +139,7 @@ EXPERIMENT = Experiment(
     "each file is the old or the new one, after SIGTERM and SIGINT all of them; no process, temporary file or shared "
     "memory is left; the next run ends as if nothing had happened",
     run,
-    short=6,
+    short=2,
     long=400,
     repaired=(
         "engines that were ended by SIGTERM or SIGKILL left their copies of robots in the folder for temporary files",
