@@ -27,7 +27,22 @@ from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 def main(path: str, deflection: float = 0.002, angle: float = math.radians(15.0)) -> None:
     """Measure a file and print its solids and their volume, each definition once."""
     solids, volume = 0, 0.0
-    for shape in definitions(read(path)):
+    for solid in meshed_solids(path, deflection, angle):
+        properties = GProp_GProps()
+        BRepGProp.VolumeProperties_s(solid, properties)
+        solids, volume = solids + 1, volume + properties.Mass()
+    sys.stdout.write(json.dumps({"solids": solids, "volume": volume}) + "\n")
+
+
+def meshed_solids(path: str, deflection: float, angle: float) -> Iterator[Any]:
+    """The solids of all definitions of a file, meshed.
+
+    Args:
+        path: The STEP file.
+        deflection: Tolerance of the mesh, as a share of the diagonal of a definition's bounding box.
+        angle: Its angular tolerance [rad].
+    """
+    for shape in _definitions(_read(path)):
         box = Bnd_Box()
         BRepBndLib.Add_s(shape, box, False)
         if box.IsVoid():
@@ -35,14 +50,11 @@ def main(path: str, deflection: float = 0.002, angle: float = math.radians(15.0)
         BRepMesh_IncrementalMesh(shape, deflection * math.sqrt(box.SquareExtent()), False, angle, False)
         explorer = TopExp_Explorer(shape, TopAbs_ShapeEnum.TopAbs_SOLID)
         while explorer.More():
-            properties = GProp_GProps()
-            BRepGProp.VolumeProperties_s(explorer.Current(), properties)
-            solids, volume = solids + 1, volume + properties.Mass()
+            yield explorer.Current()
             explorer.Next()
-    sys.stdout.write(json.dumps({"solids": solids, "volume": volume}) + "\n")
 
 
-def read(path: str) -> Any:
+def _read(path: str) -> Any:
     """The document of a STEP file."""
     document = TDocStd_Document(TCollection_ExtendedString("XmlXCAF"))
     reader = STEPCAFControl_Reader()
@@ -51,7 +63,7 @@ def read(path: str) -> Any:
     return document
 
 
-def definitions(document: Any) -> Iterator[Any]:
+def _definitions(document: Any) -> Iterator[Any]:
     """The shape of each product that is no assembly."""
     labels = Sequence_TDF_Label()
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetShapes(labels)

@@ -6,20 +6,14 @@ stands for the scripts that export an assembly with the kernel's Python bindings
 
 import math
 import sys
-from itertools import count
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
-from bare_occt import definitions, read
-from OCP.Bnd import Bnd_Box
-from OCP.BRepBndLib import BRepBndLib
+from bare_occt import meshed_solids
 from OCP.BRepGProp import BRepGProp
-from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.GProp import GProp_GProps
 from OCP.StlAPI import StlAPI_Writer
-from OCP.TopAbs import TopAbs_ShapeEnum
-from OCP.TopExp import TopExp_Explorer
 
 DENSITY = 1000.0
 """[kg/m^3]."""
@@ -32,17 +26,8 @@ def main(path: str, folder: str, deflection: float = 0.002, angle: float = math.
     output.mkdir(exist_ok=True)
     robot = ET.Element("robot", name="assembly")
     ET.SubElement(robot, "link", name="base")
-    names = (f"solid_{number}" for number in count(1))
-    for shape in definitions(read(path)):
-        box = Bnd_Box()
-        BRepBndLib.Add_s(shape, box, False)
-        if box.IsVoid():
-            continue
-        BRepMesh_IncrementalMesh(shape, deflection * math.sqrt(box.SquareExtent()), False, angle, False)
-        explorer = TopExp_Explorer(shape, TopAbs_ShapeEnum.TopAbs_SOLID)
-        while explorer.More():
-            _add_link(robot, explorer.Current(), output, next(names))
-            explorer.Next()
+    for number, solid in enumerate(meshed_solids(path, deflection, angle), 1):
+        _add_link(robot, solid, output, f"solid_{number}")
     ET.ElementTree(robot).write(output / "assembly.urdf", encoding="utf-8", xml_declaration=True)
 
 
