@@ -20,8 +20,8 @@ from ..primitives import Box, Capsule, Cylinder, Primitive, Sphere
 from ..spatial import IDENTITY, Array, Pose
 from ..surface_distances import SurfaceDistances
 from .collision_sets import PlacedSolid
-from .joined import joined
 from .manifolds import joined_solid, mesh_arrays
+from .unions import union
 
 MAX_FACES = 1_000_000
 """Maximum number of faces of a link that is scored."""
@@ -74,7 +74,7 @@ def _score(one: Unscored) -> CollisionScore:
     meshes += [shape.geometry for shape in one.shapes if isinstance(shape.geometry, TriMesh)]
     if not one.shapes or sum(len(mesh.faces) for mesh in meshes) > MAX_FACES:
         return CollisionScore()
-    solid, _ = joined([(placed.mesh, placed.X_AC) for placed in one.solids])
+    solid, _ = union([(placed.mesh, placed.X_AC) for placed in one.solids])
     if solid is None:
         return CollisionScore()
     parts = [_manifold(shape.geometry).transform(shape.X_AG.matrix[:3]) for shape in one.shapes]

@@ -16,9 +16,9 @@ from ..spatial import IDENTITY, Array, Pose
 from ..sums import exact_sum
 from .bounded_hulls import bounded_hull
 from .convex_pieces import Bore, convex_pieces, main_axes
-from .joined import joined
 from .manifolds import convex_hull, hull_volume, mesh_arrays
 from .primitive_fits import Shaft, fitted_primitive
+from .unions import union
 
 MAX_HULLS, MAX_VERTICES = 16, 64
 """Default budgets; PhysX and MJX take at most 64 vertices a hull."""
@@ -76,7 +76,7 @@ def collision_sets(all_wanted: Sequence[Wanted]) -> tuple[CollisionSet, ...]:
 
 
 def _collision_set(wanted: Wanted) -> CollisionSet:
-    solid, left_out = joined([(one.mesh, one.X_AC) for one in wanted.solids])
+    solid, left_out = union([(one.mesh, one.X_AC) for one in wanted.solids])
     if solid is None:
         return CollisionSet((), left_out=left_out)
     points, faces = mesh_arrays(solid)

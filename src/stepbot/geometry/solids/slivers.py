@@ -11,10 +11,10 @@ _HEIGHT = 2.0 / GRID_PER_METRE
 
 
 def without_slivers(hull: TriMesh) -> TriMesh:
-    """The same closed surface, with the same vertices, without triangles that have no area.
+    """The same closed surface, with the same vertices, where possible without triangles that have no area.
 
-    Such a triangle and its neighbour at its longest edge become the two triangles on the other diagonal. A mesh without
-    such triangles is returned as it is, and all other triangles keep their places.
+    Such a triangle and its neighbour at its longest edge become the two triangles on the other diagonal; they stay if
+    that is an edge already. A mesh without such triangles is returned as it is.
     """
     faces = hull.faces.tolist()
     flat = np.flatnonzero(_heights(hull.vertices, hull.faces) <= _HEIGHT).tolist()
