@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .colors import linear_from_srgb
 from .fixed_point import fixed_point_lines
 from .mesh import GRID_DECIMALS, GRID_PER_METRE, TriMesh, with_four_vertices
-from .spatial import Array, cross
+from .spatial import Array, cross, lengths
 
 Color = tuple[float, float, float, float]
 """Colour and opacity, each 0 to 1, sRGB."""
@@ -62,23 +62,7 @@ _COLLADA = """\
   <library_geometries>
     <geometry id="mesh" name="{name}">
       <mesh>
-        <source id="positions">
-          <float_array id="positions-array" count="{numbers}">{positions}</float_array>
-          <technique_common>
-            <accessor source="#positions-array" count="{vertices}" stride="3">
-              <param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>
-            </accessor>
-          </technique_common>
-        </source>
-        <source id="normals">
-          <float_array id="normals-array" count="{normal_numbers}">{normals}</float_array>
-          <technique_common>
-            <accessor source="#normals-array" count="{faces}" stride="3">
-              <param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>
-            </accessor>
-          </technique_common>
-        </source>
-        <vertices id="vertices"><input semantic="POSITION" source="#positions"/></vertices>
+{positions}{normals}        <vertices id="vertices"><input semantic="POSITION" source="#positions"/></vertices>
         <triangles material="color" count="{faces}">
           <input semantic="VERTEX" source="#vertices" offset="0"/>
           <input semantic="NORMAL" source="#normals" offset="1"/>
@@ -100,6 +84,16 @@ _COLLADA = """\
   </library_visual_scenes>
   <scene><instance_visual_scene url="#scene"/></scene>
 </COLLADA>
+"""
+_SOURCE = """\
+        <source id="{name}">
+          <float_array id="{name}-array" count="{numbers}">{values}</float_array>
+          <technique_common>
+            <accessor source="#{name}-array" count="{rows}" stride="3">
+              <param name="X" type="float"/><param name="Y" type="float"/><param name="Z" type="float"/>
+            </accessor>
+          </technique_common>
+        </source>
 """
 _TRANSPARENCY = """
             <transparent opaque="A_ONE"><color>1 1 1 {opacity}</color></transparent>
@@ -168,11 +162,8 @@ def dae_bytes(mesh: TriMesh, name: str, rgba: Color) -> bytes:
         color=f"{red} {green} {blue} 1",
         transparency=_TRANSPARENCY.format(opacity=opacity) if rgba[3] < 1.0 else "",
         name=name,
-        vertices=len(nanometres),
-        numbers=nanometres.size,
-        positions=_words(nanometres, GRID_DECIMALS),
-        normals=_words(normals, _NORMAL_DECIMALS),
-        normal_numbers=normals.size,
+        positions=_source("positions", nanometres, GRID_DECIMALS),
+        normals=_source("normals", normals, _NORMAL_DECIMALS),
         faces=len(faces),
         corners=_words(corners.astype(np.int64)),
     ).encode()
@@ -182,8 +173,7 @@ def unit_normals(mesh: TriMesh) -> Array:
     """Unit normal (n, 3) of each face; z for a face without area, as of collinear vertices of a hull."""
     a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
     across = cross(b - a, c - a)
-    x, y, z = across.T
-    length = np.sqrt(x * x + y * y + z * z)
+    length = lengths(across)
     flat = length == 0.0
     return np.where(flat[:, None], (0.0, 0.0, 1.0), across / np.where(flat, 1.0, length)[:, None])
 
@@ -191,6 +181,11 @@ def unit_normals(mesh: TriMesh) -> Array:
 def _chunk(kind: bytes, content: bytes, padding: bytes) -> bytes:
     padded = content + padding * (-len(content) % 4)
     return pack("<I", len(padded)) + kind + padded
+
+
+def _source(name: str, rows: NDArray[np.int64], decimals: int) -> str:
+    """A COLLADA source of vectors (n, 3), in units of the last decimal."""
+    return _SOURCE.format(name=name, numbers=rows.size, values=_words(rows, decimals), rows=len(rows))
 
 
 def _words(rows: NDArray[np.int64], decimals: int = 0) -> str:

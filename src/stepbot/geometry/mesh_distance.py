@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from .spatial import Array, cross
+from .spatial import Array, cross, dot
 from .surface_distances import SurfaceDistances
 
 Integers = NDArray[np.int64]
@@ -66,11 +66,11 @@ def squared_distances(p: Array, triangles: Array) -> Array:
     """Squared distances (n,) [m^2] of points (n, 3) from triangles (n, 3, 3)."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     normal = cross(b - a, c - a)
-    size = _dot(normal, normal)
+    size = dot(normal, normal)
     over = size > 0.0
     for start, end in ((a, b), (b, c), (c, a)):
-        over &= _dot(cross(end - start, p - start), normal) >= 0.0
-    height = _dot(p - a, normal)
+        over &= dot(cross(end - start, p - start), normal) >= 0.0
+    height = dot(p - a, normal)
     plane = height * height / np.where(size > 0.0, size, 1.0)
     squared = np.where(over, plane, np.inf)
     for start, end in ((a, b), (b, c), (c, a)):
@@ -80,11 +80,7 @@ def squared_distances(p: Array, triangles: Array) -> Array:
 
 def _squared_from_segment(p: Array, a: Array, b: Array) -> Array:
     along = b - a
-    length = _dot(along, along)
-    share = np.clip(_dot(p - a, along) / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
+    length = dot(along, along)
+    share = np.clip(dot(p - a, along) / np.where(length > 0.0, length, 1.0), 0.0, 1.0)
     gap = p - a - share[:, None] * along
-    return _dot(gap, gap)
-
-
-def _dot(a: Array, b: Array) -> Array:
-    return np.asarray(a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2])
+    return dot(gap, gap)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from .mesh import TriMesh, merged
 from .mesh_distance import Integers, largest_distance
-from .spatial import Array, cross
+from .spatial import Array, cross, dot, lengths
 
 _LEAST_TURN = 0.2
 """Cosine of the largest angle by which a triangle may turn."""
@@ -50,7 +50,7 @@ class Simplification:
         given = np.zeros(len(mesh.faces), np.int64) if labels is None else labels.astype(np.int64)
         original = merged(mesh)
         faces = original.faces.astype(np.int64)
-        kept = _lengths(_across(original.vertices, faces)) > _LEAST_AREA
+        kept = lengths(_across(original.vertices, faces)) > _LEAST_AREA
         faces, given = faces[kept], given[kept]
         count = len(original.vertices)
         quadrics = _quadrics(original.vertices, faces, given, count)
@@ -124,8 +124,8 @@ class Simplification:
         dropped = (faces == goal[:, None]).any(axis=1)
         changed = np.where(corner, goal[:, None], faces)[~dropped]
         before, after = _across(vertices, faces[~dropped]), _across(vertices, changed)
-        turn = _dot(before, after) - _LEAST_TURN * _lengths(before) * _lengths(after)
-        folds = (turn <= 0.0) | (_lengths(after) <= _LEAST_AREA)
+        turn = dot(before, after) - _LEAST_TURN * lengths(before) * lengths(after)
+        folds = (turn <= 0.0) | (lengths(after) <= _LEAST_AREA)
         flat = np.bincount(mover, minlength=count)[mover[~dropped]] == 3  # may fall onto another face
         folds[flat] |= np.isin(_triples(changed[flat], count), _triples(self.faces, count))
         unable = np.zeros(count, np.bool_)
@@ -162,7 +162,7 @@ def _priority(cost: Array, limit: float, start: Integers, end: Integers) -> Inte
 def _quadrics(vertices: Array, faces: Integers, labels: Integers, count: int) -> Array:
     """Of each vertex (n, 10), the sum over the planes of its faces, and over planes across borders."""
     across = _across(vertices, faces)
-    normals = across / _lengths(across)[:, None]
+    normals = across / lengths(across)[:, None]
     total = np.zeros((count, 10))
     planes = _planes(normals, vertices[faces[:, 0]])
     for i in range(3):
@@ -170,7 +170,7 @@ def _quadrics(vertices: Array, faces: Integers, labels: Integers, count: int) ->
     a, b, face = _border(faces, labels)
     along = vertices[b] - vertices[a]
     outwards = cross(along, normals[face])
-    size = _lengths(outwards)
+    size = lengths(outwards)
     borders = _planes(outwards / np.where(size > 0.0, size, 1.0)[:, None], vertices[a])
     for ends in (a, b):
         np.add.at(total, ends, borders)
@@ -190,7 +190,7 @@ def _border(faces: Integers, labels: Integers) -> tuple[Integers, Integers, Inte
 def _planes(normals: Array, points: Array) -> Array:
     """Quadrics (n, 10) of the squared distance from planes."""
     x, y, z = normals.T
-    d = -_dot(normals, points)
+    d = -dot(normals, points)
     return np.stack([x * x, x * y, x * z, x * d, y * y, y * z, y * d, z * z, z * d, d * d], axis=1)
 
 
@@ -223,11 +223,3 @@ def _centers(vertices: Array, faces: Integers) -> Array:
 def _across(vertices: Array, faces: Integers) -> Array:
     a, b, c = (vertices[faces[:, i]] for i in range(3))
     return cross(b - a, c - a)
-
-
-def _dot(a: Array, b: Array) -> Array:
-    return np.asarray(a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2])
-
-
-def _lengths(rows: Array) -> Array:
-    return np.sqrt(_dot(rows, rows))

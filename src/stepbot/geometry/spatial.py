@@ -231,6 +231,16 @@ def cross(a: Array, b: Array) -> Array:
     return np.asarray(a[..., [1, 2, 0]] * b[..., [2, 0, 1]] - a[..., [2, 0, 1]] * b[..., [1, 2, 0]])
 
 
+def dot(a: Array, b: Array) -> Array:
+    """Dot products (n,) of vectors (n, 3); x, y and z are added in this order, the same on all machines."""
+    return np.asarray(a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2])
+
+
+def lengths(vectors: Array) -> Array:
+    """Lengths (n,) of vectors (n, 3), the same on all machines."""
+    return np.sqrt(dot(vectors, vectors))
+
+
 def cross_matrix(v: ArrayLike) -> Array:
     """[v]x, shape (3, 3), so that ``cross_matrix(v) @ u == cross(v, u)``."""
     x, y, z = np.asarray(v, dtype=np.float64).tolist()
