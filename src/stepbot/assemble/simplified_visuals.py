@@ -63,14 +63,17 @@ class SimplifiedVisualMeshes:
     def of(self, robot: Robot) -> tuple[Robot, tuple[SimplifiedVisuals, ...]]:
         """The robot within its budgets, and what was simplified; the robot itself without budgets or after SB902."""
         document = self._binder.document
-        own = {name: link.mesh.max_triangles for name, link in document.links.items() if link.mesh is not None}
-        own = {name: most for name, most in own.items() if most is not None}
+        own = {
+            name: link.mesh.max_triangles
+            for name, link in document.links.items()
+            if link.mesh is not None and link.mesh.max_triangles is not None
+        }
         if not own and document.mesh.max_triangles is None:
             return robot, ()
         robot = share_meshes(robot)
         records = []
         for name, most in own.items():
-            if most is not None and name in robot.link_by_name:
+            if name in robot.link_by_name:
                 robot, record = self._within(robot, _Scope(name, (name,), most))
                 records.append(record)
         if document.mesh.max_triangles is not None:

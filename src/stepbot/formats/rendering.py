@@ -41,7 +41,7 @@ def files_of(lowered: Robot, written: Format) -> dict[str, bytes]:
     files |= {beside.path: beside.content for beside in companions}
     files |= written.writer.scenes(lowered)
     robots = (lowered, *(beside.robot for beside in companions)) if written.mesh_files else ()
-    for file in chain.from_iterable(MeshFiles(robot).all() for robot in robots):
+    for file in chain.from_iterable(MeshFiles(robot).all for robot in robots):
         contents = _CONTENTS.setdefault(file.asset, {})
         key = file.path, file.rgba
         if key not in contents:

@@ -105,7 +105,7 @@ def proven(written: Rendered, proof: "Proof | None", found: Diagnostics) -> Repo
 def _sources(written: Rendered) -> dict[str, str]:
     """The component or link of each mesh file."""
     with_files = [lowered for name, lowered in written.lowered.items() if format_named(name).mesh_files]
-    files = (file for lowered in with_files or [written.robot] for file in MeshFiles(lowered).all())
+    files = (file for lowered in with_files or [written.robot] for file in MeshFiles(lowered).all)
     return {file.path: file.asset.source for file in files}
 
 

@@ -45,24 +45,24 @@ class MeshFile:
 
 
 class MeshFiles:
-    """The mesh files of a lowered robot, and which of them each shape refers to."""
+    """The mesh files of a lowered robot, and which of them each shape refers to.
+
+    Attributes:
+        all: Every file, in the order of the robot's meshes; visuals first.
+    """
 
     def __init__(self, robot: Robot) -> None:
         self._formats = robot.mesh_formats
         self._assets = robot.mesh_by_name
         self._names = UniqueNames(asset.name for asset in robot.meshes)
         self._stems: dict[tuple[str, Rgba | None], str] = {}
-        self._files: dict[str, MeshFile] = {}
-        for shape in robot.looks:
+        files: dict[str, MeshFile] = {}
+        for shape in robot.distinct_shapes:
             if isinstance(shape.geometry, MeshRef):
                 file = self.of(shape)
-                self._files.setdefault(file.path, file)
+                files.setdefault(file.path, file)
         order = {asset.name: number for number, asset in enumerate(robot.meshes)}
-        self._sorted = tuple(sorted(self._files.values(), key=lambda file: order[file.asset.name]))
-
-    def all(self) -> tuple[MeshFile, ...]:
-        """Every file, in the order of the robot's meshes; visuals first."""
-        return self._sorted
+        self.all = tuple(sorted(files.values(), key=lambda file: order[file.asset.name]))
 
     def of(self, shape: Visual | Collision) -> MeshFile:
         """The file of a shape whose geometry is a mesh.

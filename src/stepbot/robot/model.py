@@ -339,8 +339,8 @@ class Robot:
         return {joint.name: joint for joint in self.joints}
 
     @cached_property
-    def looks(self) -> "tuple[Visual | Collision, ...]":
-        """The first of all visuals, then of all collisions, that differ in name and pose alone."""
+    def distinct_shapes(self) -> "tuple[Visual | Collision, ...]":
+        """One visual for each geometry and colour, then one collision shape for each geometry: the first of each."""
         first: dict[object, Visual | Collision] = {}
         for link in self.links:
             for visual in link.visuals:

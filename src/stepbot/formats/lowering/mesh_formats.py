@@ -35,8 +35,8 @@ def with_obj_collisions(robot: Robot) -> Robot:
 
 
 def _count(word: str, applies: bool, kind: type[Visual | Collision], robot: Robot) -> list[str]:
-    looks = (shape.geometry for shape in robot.looks if isinstance(shape, kind)) if applies else ()
-    names = {geometry.name for geometry in looks if isinstance(geometry, MeshRef)}
+    geometries = {shape.geometry for shape in robot.distinct_shapes if isinstance(shape, kind)} if applies else set()
+    names = [geometry.name for geometry in geometries if isinstance(geometry, MeshRef)]
     if not names:
         return []
     return [f"{len(names)} {word} mesh{'es' if len(names) > 1 else ''}"]

@@ -98,7 +98,7 @@ def _flat_meshes(robot: Robot) -> set[str]:
 
 
 def _touched(robot: Robot) -> set[str]:
-    touching = (shape.geometry for shape in robot.looks if isinstance(shape, Collision))
+    touching = (shape.geometry for shape in robot.distinct_shapes if isinstance(shape, Collision))
     return {geometry.name for geometry in touching if isinstance(geometry, MeshRef)}
 
 

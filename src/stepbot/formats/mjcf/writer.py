@@ -206,8 +206,8 @@ def _defaults(top: Element, robot: Robot) -> None:
 def _assets(top: Element, robot: Robot) -> None:
     """Meshes; for one without volume, MuJoCo can compute the (unused) inertia only as that of a ``shell``."""
     meshes = _Meshes(robot)
-    asset = element(top, "asset") if meshes.files.all() else top
-    for file in meshes.files.all():
+    asset = element(top, "asset") if meshes.files.all else top
+    for file in meshes.files.all:
         name, mesh = meshes.name_of(file), file.asset.mesh
         optional: dict[str, Value] = {"name": name} if PurePosixPath(file.path).stem != name else {}
         if is_flat(mesh) or float(np.prod(np.ptp(mesh.bounds, axis=0))) < _TINY:

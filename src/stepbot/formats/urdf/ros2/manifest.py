@@ -32,7 +32,7 @@ def cmake_lists(robot: Robot, package: str) -> str:
     """Installs the URDF, its SRDF, and all folders."""
     name = _quoted(robot.name)
     files = " ".join(f'"{name}.{suffix}"' for suffix in ("urdf", "srdf"))
-    folders = " ".join(["config", "launch", *(["meshes"] if MeshFiles(robot).all() else []), "rviz", "urdf"])
+    folders = " ".join(["config", "launch", *(["meshes"] if MeshFiles(robot).all else []), "rviz", "urdf"])
     return f"""\
 cmake_minimum_required(VERSION 3.8)
 project({package})
