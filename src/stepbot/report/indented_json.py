@@ -8,11 +8,11 @@ from typing import Any
 _quoted = json.encoder.encode_basestring
 
 
-def _no_json(value: Any) -> Any:
-    raise TypeError(f"{type(value).__name__} is no JSON")
+def _not_serializable(value: Any) -> Any:
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
 
 
-def indented(document: Any, default: Callable[[Any], Any] = _no_json) -> str:
+def indented(document: Any, default: Callable[[Any], Any] = _not_serializable) -> str:
     """The text that :func:`json.dumps` returns for an indentation of two spaces and ``ensure_ascii=False``.
 
     Args:
@@ -20,6 +20,7 @@ def indented(document: Any, default: Callable[[Any], Any] = _no_json) -> str:
         default: JSON data in place of any other object.
 
     Raises:
+        TypeError: An object is no JSON data, and ``default`` is not given.
         ValueError: A number is not finite.
     """
     return _text(document, "\n", default)

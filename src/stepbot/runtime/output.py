@@ -4,10 +4,9 @@ New files are created in a hidden folder next to their destinations and then mov
 files that refer to them last; an unchanged file is not touched. If a move fails, the previous ones are reverted. A
 killed process leaves every file complete, old or new, and the next run cleans up.
 
-``.stepbot.json`` in the output folder lists each robot file and its meshes, with a hash of the written content. A later
-run uses it to remove meshes that are no longer needed; files that are not listed, or were changed since, are never
-touched. It also names the sidecar of each robot file, so that ``stepbot uptodate`` can find the outputs of a sidecar,
-and its time stamp marks the last run: newer than all input, even if no other file changed.
+A later run uses the list of an output folder (:mod:`.output_list`) to remove meshes that are no longer needed; files
+that are not listed, or were changed since, are never touched. The time stamp of the list marks the last run: newer than
+all input, even if no other file changed.
 """
 
 import contextlib

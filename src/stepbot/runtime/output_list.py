@@ -1,4 +1,8 @@
-"""The list of an output folder, ``.stepbot.json``: which files stepbot wrote, their content and their sidecars."""
+"""The list of an output folder, ``.stepbot.json``: which files stepbot wrote, their content and their sidecars.
+
+It has each robot file and its meshes, with a hash of the written content, and the sidecar of each robot file, so that
+``stepbot uptodate`` can find the outputs of a sidecar.
+"""
 
 import hashlib
 import json

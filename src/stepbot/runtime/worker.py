@@ -91,7 +91,7 @@ class Worker:
         Args:
             function: ``package.module:function``.
             memory_limit: Address space [bytes] if the system can limit it (POSIX); None for no limit.
-            start: Starts the process; None to start a new interpreter, or as :func:`started_by` says.
+            start: Starts the process; None for the one set by :func:`started_by`, or a new interpreter.
         """
         self._stderr: BinaryIO = tempfile.TemporaryFile()  # noqa: SIM115 - closed with the worker
         self._process = (start or _starts[-1])(function, memory_limit, self._stderr)
@@ -222,6 +222,7 @@ def spawned(function: str, memory_limit: int | None, stderr: BinaryIO) -> Proces
 
 
 _starts: list[Start] = [spawned]
+"""How workers start for which nothing else is requested: the last one counts."""
 
 
 @contextmanager

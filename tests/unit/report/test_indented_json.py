@@ -27,7 +27,7 @@ def test_other_objects() -> None:
     """Other objects are written as the JSON data that replaces them; without a replacement they are an error."""
     document = {"a": [Fraction(1, 2)]}
     assert indented(document, lambda value: {"of": str(value)}) == json.dumps({"a": [{"of": "1/2"}]}, indent=2)
-    with pytest.raises(TypeError, match="Fraction is no JSON"):
+    with pytest.raises(TypeError, match="Fraction cannot be written as JSON"):
         indented(document)
 
 

@@ -129,7 +129,8 @@ class _Statements:
 def check_numbers(path: Path, place: str, found: Diagnostics) -> bool:
     """Whether every entity has a number of its own (else SB221); to be called before the kernel reads the file.
 
-    The kernel has not ended on a duplicate, now and then: StepData_StepReaderData::SetEntityNumbers of OCCT 8.0.
+    On duplicate numbers the kernel occasionally does not terminate (StepData_StepReaderData::SetEntityNumbers, OCCT
+    8.0).
     """
     statements = _Statements(path, None)
     faults = [_duplicate(one, statements) for one in duplicates(statements.data)]
