@@ -3,7 +3,7 @@
 python -m benchmarks generate definitions -o FOLDER     one of the large assemblies, or all
 python -m benchmarks cold SIDECAR|STEP...               against the bare script, other converters, an earlier stepbot
 python -m benchmarks check SIDECAR|STEP...              the start and unchanged input against ``import click``
-python -m benchmarks batch FOLDER                       all robots below a folder, on one core and on two
+python -m benchmarks batch DIR|LIST                     all robots below a folder or on a list, on one core and on two
 python -m benchmarks cores SIDECAR...                   the bare script twice, in turn and at once: what two cores give
 python -m benchmarks scaling                            ever more definitions, ever more occurrences
 python -m benchmarks gate --against REVISION            processor time of the working tree against a tag's
@@ -82,7 +82,8 @@ def _parser() -> argparse.ArgumentParser:
             one.add_argument("--cascadio", metavar="PYTHON", help="cascadio too, in this interpreter's environment")
         _common(one, run)
     many = commands.add_parser("batch", help="compare one core with two")
-    many.add_argument("folder", type=Path)
+    many.add_argument("robots", type=Path, metavar="DIR|LIST")
+    many.add_argument("--dask", action="store_true", help="Dask clusters of one, two and four workers too")
     _common(many, _batch)
     _common(commands.add_parser("scaling", help="time and memory over the size"), _scaling)
     gated = commands.add_parser("gate", help="fail if the working tree needs 10 %% more processor time than a revision")
@@ -183,9 +184,12 @@ def _gym(options: argparse.Namespace, _: Path) -> None:
 
 
 def _batch(options: argparse.Namespace, folder: Path) -> None:
-    case = Case(options.folder.name, folder, folder, folder)
-    library = options.folder.resolve()
-    _compare(options, case, [who.batch(1, library), who.batch(2, library)])
+    case = Case(options.robots.stem, folder, folder, folder)
+    robots = options.robots.resolve()
+    contenders = [who.batch(1, robots), who.batch(2, robots)]
+    if options.dask:
+        contenders += [who.dask_batch(workers, robots) for workers in (1, 2, 4)]
+    _compare(options, case, contenders)
 
 
 def _scaling(options: argparse.Namespace, folder: Path) -> None:

@@ -130,15 +130,25 @@ def cascadio(python: str) -> Contender:
 
 def batch(jobs: int, library: Path) -> Contender:
     """All robots below a folder, on a number of cores."""
-
-    def fresh(case: Case) -> None:
-        shutil.rmtree(case.folder / "batch", ignore_errors=True)
-
     return Contender(
         f"stepbot batch -j {jobs}",
         lambda case: [*STEPBOT, "batch", str(library), "-o", "batch", "-j", str(jobs), "--no-cache"],
-        fresh,
+        _without_batch,
     )
+
+
+def dask_batch(workers: int, library: Path) -> Contender:
+    """All robots below a folder, on a Dask cluster of this machine."""
+    script = str(ROOT / "benchmarks" / "dask_batch.py")
+    return Contender(
+        f"stepbot batch, Dask with {workers} workers",
+        lambda case: [sys.executable, script, str(workers), str(library), "batch"],
+        _without_batch,
+    )
+
+
+def _without_batch(case: Case) -> None:
+    shutil.rmtree(case.folder / "batch", ignore_errors=True)
 
 
 def revision(name: str, folder: Path) -> Contender:

@@ -1,13 +1,18 @@
 """The cost of one run of a command: elapsed time, processor time and memory of all its processes."""
 
+import ctypes
 import os
 import subprocess
+import sys
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+_PR_SET_CHILD_SUBREAPER = 36
+"""Linux, ``prctl(2)``."""
 _BETWEEN_SAMPLES = 0.02
 """Sampling interval [s] of the memory of a process tree."""
 
@@ -19,7 +24,7 @@ class Cost:
     wall: float
     """[s]."""
     cpu: float
-    """User and system time [s] of the command and of all processes that it started and waited for."""
+    """User and system time [s] of the command and of all its processes; on macOS of those that were waited for."""
 
 
 class CommandFailed(Exception):
@@ -32,14 +37,40 @@ def timed(command: Sequence[str], folder: Path, environment: Mapping[str, str]) 
     Raises:
         CommandFailed: Its exit code is not 0.
     """
-    with tempfile.TemporaryFile() as output:
+    with tempfile.TemporaryFile() as output, _adopted_orphans():
         start = time.perf_counter()
-        process = subprocess.Popen(command, cwd=folder, env=environment, stdout=output, stderr=output)
+        process = subprocess.Popen(command, cwd=folder, env=environment, stdout=output, stderr=output, process_group=0)
         _, status, usage = os.wait4(process.pid, 0)
         wall = time.perf_counter() - start
+        cpu = usage.ru_utime + usage.ru_stime + _time_of_orphans(process.pid)
         process.returncode = os.waitstatus_to_exitcode(status)
         _check(command, process.returncode, output)
-    return Cost(wall, usage.ru_utime + usage.ru_stime)
+    return Cost(wall, cpu)
+
+
+@contextmanager
+def _adopted_orphans() -> Iterator[None]:
+    """Within it, processes below this one whose parent ends become its children, so that their time is counted."""
+    if sys.platform != "linux":
+        yield
+        return
+    prctl = ctypes.CDLL(None).prctl
+    prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+    try:
+        yield
+    finally:
+        prctl(_PR_SET_CHILD_SUBREAPER, 0, 0, 0, 0)
+
+
+def _time_of_orphans(group: int) -> float:
+    """User and system time [s] of the processes that a command left to this one; waits for their end."""
+    total = 0.0
+    while True:
+        try:
+            _, _, usage = os.wait4(-group, 0)
+        except ChildProcessError:
+            return total
+        total += usage.ru_utime + usage.ru_stime
 
 
 def peak_memory(command: Sequence[str], folder: Path, environment: Mapping[str, str]) -> float:

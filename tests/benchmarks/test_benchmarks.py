@@ -86,6 +86,13 @@ def test_time_of_all_processes(tmp_path: Path) -> None:
         timed([sys.executable, "-c", "raise SystemExit(3)"], tmp_path, os.environ)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="orphans are adopted on Linux")
+def test_time_of_processes_that_outlive_the_command(tmp_path: Path) -> None:
+    """CPU time includes child processes that the command does not wait for."""
+    left = f"import subprocess, sys; subprocess.Popen([sys.executable, '-c', {BURN!r}])"
+    assert timed([sys.executable, "-c", left], tmp_path, os.environ).cpu >= 0.3
+
+
 @pytest.mark.skipif(not Path("/proc/self/smaps_rollup").exists(), reason="memory is measured on Linux")
 def test_memory_of_all_processes(tmp_path: Path) -> None:
     """Memory includes child processes."""
