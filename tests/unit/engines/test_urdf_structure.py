@@ -25,6 +25,12 @@ def test_sound_files_pass() -> None:
     check_structure(etree.fromstring(ARM))
 
 
+def test_fixed_joints_need_no_axis() -> None:
+    """The SolidWorks exporter writes a zero axis for them."""
+    fixed = ARM.replace('type="revolute"', 'type="fixed"').replace('axis xyz="0 0 1"', 'axis xyz="0 0 0"')
+    check_structure(etree.fromstring(fixed))
+
+
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [

@@ -1,4 +1,7 @@
-"""What readers of a URDF rely on: names, ends of joints, shapes and numbers; without them they raise any exception."""
+"""Checks what the readers of a URDF assume: names, ends of joints, shapes and numbers.
+
+Without these they raise exceptions of many types, which do not state a place in the file.
+"""
 
 from math import isfinite, isnan
 from typing import Any
@@ -26,6 +29,8 @@ _NUMBERS = {
 """For each element its attributes with numbers, and how many."""
 _UNBOUNDED = ("limit", "dynamics")
 """Elements whose numbers may be infinite."""
+_WITHOUT_AXIS = ("fixed", "floating")
+"""Types of joints whose axis has no meaning: the SolidWorks exporter writes 0 0 0 for fixed joints."""
 
 
 def check_structure(robot: Element) -> None:
@@ -50,7 +55,8 @@ def check_structure(robot: Element) -> None:
                 lacks = f"no <{tag}>" if end is None else f"{tag} link '{end.get('link', '')}' does not exist"
                 raise _refused(joint, f"joint '{joint.get('name')}': {lacks}")
         axis = joint.find("axis")
-        if axis is not None and not any(_numbers(axis, "xyz", 3, (1.0, 0.0, 0.0))):
+        needs_axis = joint.get("type") not in _WITHOUT_AXIS
+        if needs_axis and axis is not None and not any(_numbers(axis, "xyz", 3, (1.0, 0.0, 0.0))):
             raise _refused(axis, f"joint '{joint.get('name')}': the axis is zero")
     for link in robot.findall("link"):
         for shape in (*link.findall("visual"), *link.findall("collision")):
