@@ -59,7 +59,7 @@ def observe_robot(robot: Robot, request: Request) -> Observation:
 class _Motion:
     """Poses and equations of motion of a mechanism."""
 
-    of: tuple[Any, ...]
+    inputs: tuple[Any, ...]
     """Everything that they depend on."""
     coordinates: tuple[str, ...]
     poses: tuple[Mapping[str, Pose], ...]
@@ -67,7 +67,7 @@ class _Motion:
 
 
 class Reference:
-    """The reference for several files of one robot: what their formats express alike is computed once."""
+    """The reference for several files of one robot: poses and boxes that two formats share are computed once."""
 
     def __init__(self) -> None:
         self._motions: list[_Motion] = []
@@ -102,15 +102,16 @@ class Reference:
         )
 
     def _motion(self, robot: Robot, request: Request, closed: Sequence[Mapping[str, float]]) -> _Motion:
+        """Limits and dynamics of joints, which formats express differently, have no influence on it."""
         joints = [replace(joint, limit=Limit(), dynamics=JointDynamics()) for joint in robot.joints]
         bodies = [(link.name, link.mass_properties) for link in robot.links]
-        of = (joints, bodies, request.configurations, request.rates, closed)
-        known = next((motion for motion in self._motions if motion.of == of), None)
+        inputs = (joints, bodies, request.configurations, request.rates, closed)
+        known = next((motion for motion in self._motions if motion.inputs == inputs), None)
         if known is None:
             tree = Tree(robot)
             poses = tuple(link_poses(robot, q, tree) for q in [*request.configurations, *closed])
             equations = tuple(equations_of_motion(robot, q, rates, tree=tree) for q, rates in request.moments)
-            known = _Motion(of, tree.joints, poses, equations)
+            known = _Motion(inputs, tree.joints, poses, equations)
             self._motions.append(known)
         return known
 

@@ -45,7 +45,7 @@ def vertices_of(path: Path) -> Array | None:
 
 
 @lru_cache(maxsize=1024)
-def _of_other(path: Path, content: bytes) -> Array | None:  # noqa: ARG001 - another content is another file
+def _of_other(path: Path, content: bytes) -> Array | None:  # noqa: ARG001 - a part of the cache key
     mesh = read_mesh(path)
     return None if mesh is None else mesh.vertices
 

@@ -12,7 +12,8 @@ from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 from .. import engine_of
 from ..observation import EngineCannotRead, Observation, Quantity, Request
 from ..sdformat_reader.frames import Frames, number_at, numbers, read_pose
-from ..sdformat_reader.tree import parsed, read_model, the_model
+from ..sdformat_reader.tree import read_model, the_model
+from ..xml_root import xml_root
 from .description import DescribedShape, Description, Primitive
 from .meshes import MeshFiles
 from .sdf_vocabulary import AROUND, MODEL
@@ -51,7 +52,7 @@ def describe_sdf(file: str, packages: Iterable[Path] = ()) -> Description:
 
 def _unread(file: Path) -> tuple[Unread, ...]:
     """What is not read of the model, and of the world around it."""
-    top = parsed(file)
+    top = xml_root(file)
     model = the_model(top)
     around = model.getparent()
     own = MODEL.unread(model)

@@ -14,7 +14,7 @@ from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 
 from .. import engine_of
 from ..observation import Observation, Request
-from ..sdformat_reader.tree import parsed
+from ..xml_root import xml_root
 from .description import DescribedShape, Description, Primitive
 from .meshes import MeshFiles
 from .urdf_structure import check_structure
@@ -32,7 +32,7 @@ def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:
     Raises:
         EngineRefused: It contradicts its format.
     """
-    top = parsed(Path(file))
+    top = xml_root(Path(file))
     check_structure(top)
     request = Request(file, "urdf", simulate=0.0)
     seen: Observation = engine_of("yourdfpy").observer.observe(request)

@@ -20,7 +20,8 @@ from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, shift_in
 from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.dynamics import Rates
 
-from ..observation import Dynamics, EngineCannotRead, EngineRefused, Observation, ObservedLink, Quantity, Request
+from ..observation import Dynamics, EngineCannotRead, Observation, ObservedLink, Quantity, Request
+from ..xml_root import xml_root
 from . import ENGINE
 from .joints import observed_joints
 from .plant import Built, build
@@ -108,17 +109,12 @@ def _messages(path: Path) -> Iterator[list[str]]:
 
 
 def _check_mjcf(path: Path) -> None:
-    """Reject what Drake is known to fail on: joints that share a body, infinite ranges, meshes but OBJ, zero mass.
+    """Reject what Drake is known to fail on: bodies with several joints or no mass, infinite ranges, meshes not OBJ.
 
     Raises:
         EngineCannotRead: The file has one of them.
     """
-    from lxml import etree
-
-    try:
-        top = etree.parse(str(path), etree.XMLParser(resolve_entities=False, remove_comments=True)).getroot()
-    except etree.XMLSyntaxError as error:
-        raise EngineRefused(f"not XML: {error.msg}") from error
+    top = xml_root(path)
     if any(len(body.findall("joint")) > 1 for body in top.iter("body")):
         raise EngineCannotRead("Drake uses wrong axes for several joints in one body")
     if any("inf" in joint.get("range", "") for joint in top.iter("joint")):

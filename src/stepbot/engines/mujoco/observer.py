@@ -19,6 +19,7 @@ from stepbot.robot.dynamics import GRAVITY, Rates
 from ..mesh_substitutes import MeshSubstitutes
 from ..observation import Dynamics, EngineRefused, Observation, ObservedLink, ObservedShape, Quantity, Request
 from ..resources import resolve
+from ..xml_root import xml_root
 from . import ENGINE
 from .compiled import Compiled
 from .contacts import excluded_pairs
@@ -119,10 +120,7 @@ def _urdf_spec(engine: Any, path: Path, substitutes: MeshSubstitutes) -> Any:
     """The URDF with MuJoCo's compiler options, with resolved mesh paths, and with meshes that MuJoCo reads."""
     from lxml import etree
 
-    try:
-        top = etree.parse(str(path), etree.XMLParser(resolve_entities=False, remove_comments=True)).getroot()
-    except etree.XMLSyntaxError as error:
-        raise EngineRefused(f"not XML: {error.msg}") from error
+    top = xml_root(path)
     assets: dict[str, bytes] = {}
     for mesh in top.iter("mesh"):
         found = resolve(mesh.get("filename", ""), path)

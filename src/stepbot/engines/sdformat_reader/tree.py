@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from ..mesh_substitutes import MeshSubstitutes
 from ..observation import EngineCannotRead, EngineRefused
 from ..resources import resolve
+from ..xml_root import xml_root
 from .frames import ends, read_pose
 from .plain import plain
 
@@ -36,13 +37,13 @@ def read_model(file: Path) -> Element:
         EngineRefused: The file is not XML.
         EngineCannotRead: It has no model, several, or an include.
     """
-    model = plain(the_model(parsed(file)))
+    model = plain(the_model(xml_root(file)))
     check_names(model)
     return model
 
 
 def check_names(model: Element) -> None:
-    """Check that elements can be told apart, and that joints have two ends.
+    """Check that links, joints and frames have unique names, and that joints have two ends.
 
     Raises:
         EngineRefused: A name is missing or used twice, or a joint lacks an end.
@@ -58,20 +59,6 @@ def check_names(model: Element) -> None:
         for end, tag in zip(ends(joint), ("parent", "child"), strict=True):
             if not end:
                 raise EngineRefused(f"joint '{joint.get('name')}' has no <{tag}>")
-
-
-def parsed(file: Path) -> Element:
-    """The root element of an XML file, without comments and expanded entities.
-
-    Raises:
-        EngineRefused: The file is not XML.
-    """
-    from lxml import etree
-
-    try:
-        return etree.parse(str(file), etree.XMLParser(resolve_entities=False, remove_comments=True)).getroot()
-    except etree.XMLSyntaxError as error:
-        raise EngineRefused(f"not XML: {error.msg}") from error
 
 
 def the_model(top: Element) -> Element:

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 from stepbot.robot.model import JointDynamics
 from stepbot.version import __version__
 
-from ..observation import EngineRefused, Observation, ObservedJoint, ObservedLink, ObservedSensor, Quantity, Request
+from ..observation import Observation, ObservedJoint, ObservedLink, ObservedSensor, Quantity, Request
 from ..sdformat_reader.frames import bool_at, number_at, read_pose
 from ..sdformat_reader.sensors import read_sensor
+from ..xml_root import xml_root
 from . import ENGINE
 from .ros2_control import faults, in_gazebo_alone, observed_actuators, state_sensors
 
@@ -47,12 +48,7 @@ def observe(request: Request) -> Observation:
     Raises:
         EngineRefused: The file is not XML, or a value is not a number.
     """
-    from lxml import etree
-
-    try:
-        top = etree.parse(request.file, etree.XMLParser(resolve_entities=False, remove_comments=True)).getroot()
-    except etree.XMLSyntaxError as error:
-        raise EngineRefused(f"{Path(request.file).name}: not XML: {error.msg}") from error
+    top = xml_root(Path(request.file))
     blocks = bool(top.findall("gazebo") or top.findall("transmission") or top.findall("ros2_control"))
     return Observation(
         engine=ENGINE.name,
