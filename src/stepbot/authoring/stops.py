@@ -7,20 +7,19 @@ into, and the other way round. Parts that touch in the drawn pose are left out. 
 meshes: edges that cross may meet a little earlier, and cables, other links or software may stop the joint before.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array, cross, perpendicular_frame
 
+from .sweeps import TOUCHING, TOUCHING_ANGLE, Triangles, across, reach, slide, turn
+
 _ALONG = 0.3
 """Cosine of the angle between normal and motion from which a face can stop it."""
-_TOUCHING_ANGLE, _TOUCHING = 2e-3, 1e-5
-"""Distances [rad] and [m] within which parts touch in the drawn pose."""
 _GRID = 3
 """Parts of each edge of a triangle between the points that are followed."""
 _WEIGHTS = np.array([(i, k, _GRID - i - k) for i in range(_GRID + 1) for k in range(_GRID + 1 - i)]) / _GRID
@@ -29,14 +28,8 @@ _GRAZE = 1.5e-4
 """Distance [m] from its edges that a face must meet another with: twice what coarse meshes are off by."""
 _SLACK_ANGLE, _SLACK = 0.05, 1e-3
 """Differences [rad] and [m] up to which a meeting at an edge is that of the face."""
-_INSIDE = 1e-9
 _MOST = 4_000_000
 """Points times triangles that are tried for all joints together."""
-_CHUNK = 1_000_000
-_MARGIN = 1e-6
-"""Distance [m] from a triangle's bounds within which a point is tried."""
-
-Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,36 +86,22 @@ def find_stops(questions: Sequence[Question]) -> tuple[Stops, ...]:
     return tuple(_stops(question, share) for question in questions)
 
 
-@dataclass(frozen=True, eq=False)
-class _Side:
-    """Triangles of a part that look one way, in a frame whose z axis is that of the joint."""
-
-    part: int
-    corners: Array
-    """Shape (n, 3, 3) [m]."""
-    low: Array
-    """Shape (n, 2): of each triangle the least of what the motion leaves as it is."""
-    high: Array
-    """Shape (n, 2), likewise."""
-
-    @cached_property
-    def least(self) -> Array:
-        """Shape (2,): the least of all triangles."""
-        return np.asarray(self.low.min(axis=0))
-
-    @cached_property
-    def most(self) -> Array:
-        """Shape (2,): the most of all triangles."""
-        return np.asarray(self.high.max(axis=0))
-
-
 def _stops(question: Question, share: int) -> Stops:
-    touching, least = (_TOUCHING, _SLACK) if question.slides else (_TOUCHING_ANGLE, 2.0 * _SLACK_ANGLE)
+    touching, least = (TOUCHING, _SLACK) if question.slides else (TOUCHING_ANGLE, 2.0 * _SLACK_ANGLE)
+    frame = perpendicular_frame(question.direction)
+    still, moving = (
+        [
+            _Placed(shape.part, (shape.vertices - question.point) @ frame, shape.faces, slides=question.slides)
+            for shape in shapes
+        ]
+        for shapes in (question.still, question.moving)
+    )
+    still, moving = _within_reach(still, moving), _within_reach(moving, still)
     both, skipped = {}, set[tuple[int, int]]()
     for sign in (-1.0, 1.0):
-        still = [side for shape in question.still if (side := _facing(question, shape, -sign)) is not None]
-        moving = [side for shape in question.moving if (side := _facing(question, shape, sign)) is not None]
-        both[sign], left = _ways(still, moving, sign, share, slides=question.slides)
+        ours = [side for placed in still if (side := placed.facing(-sign)) is not None]
+        theirs = [side for placed in moving if (side := placed.facing(sign)) is not None]
+        both[sign], left = _ways(ours, theirs, sign, share, _Sweep(question.slides, least + 2.0 * touching))
         skipped |= left
     # A pair that leaves the joint no motion at all is a fit with play, and no stop.
     fits = {pair for pair, way in both[1.0].items() if way + both[-1.0].get(pair, np.inf) < least}
@@ -135,61 +114,126 @@ def _stops(question: Question, share: int) -> Stops:
     return Stops(tuple(found), len(skipped))
 
 
+@dataclass(frozen=True, eq=False)
+class _Side:
+    """Triangles of a part that look one way."""
+
+    part: int
+    corners: Array
+    """Shape (n, 3, 3) [m]."""
+    low: Array
+    """Shape (n, 2): of each triangle the least of what the motion leaves as it is."""
+    high: Array
+    """Shape (n, 2), likewise."""
+
+    @cached_property
+    def bounds(self) -> Array:
+        """Shape (2, 2): the least and the most of all triangles."""
+        return np.array([self.low.min(axis=0), self.high.max(axis=0)])
+
+    def near(self, other: "_Side") -> Triangles | None:
+        """The triangles that can meet some of another side; None if there is none."""
+        rows = ((self.low < other.bounds[1]) & (other.bounds[0] < self.high)).all(axis=1)
+        return Triangles(self.corners[rows], self.low[rows], self.high[rows]) if rows.any() else None
+
+
+class _Placed:
+    """A part in a frame whose z axis is that of the joint."""
+
+    def __init__(self, part: int, vertices: Array, faces: NDArray[np.int32], *, slides: bool) -> None:
+        self._part, self._vertices, self._faces, self._slides = part, vertices, faces, slides
+
+    @cached_property
+    def bounds(self) -> Array:
+        """Shape (2, 2): bounds of what the motion leaves as it is, around those of all triangles."""
+        low, high = self._vertices.min(axis=0), self._vertices.max(axis=0)
+        if self._slides:
+            return np.array([low[:2], high[:2]])
+        radii = np.linalg.norm(self._vertices[:, :2], axis=1)
+        return np.array([[radii.min() - np.linalg.norm(high - low), low[2]], [radii.max(), high[2]]])
+
+    def facing(self, sign: float) -> _Side | None:
+        """The triangles whose outside looks along the motion, or against it for a negative sign; None without any."""
+        corners, low, high, along, least = self._triangles
+        faces = (least > 0.0) & (sign * along > _ALONG * least)
+        return _Side(self._part, corners[faces], low[faces], high[faces]) if faces.any() else None
+
+    @cached_property
+    def _triangles(self) -> tuple[Array, Array, Array, Array, Array]:
+        """Corners, bounds, products of normal and motion, and the product of their lengths."""
+        corners = self._vertices[self._faces]
+        normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        z = np.array([0.0, 0.0, 1.0])
+        motion = np.broadcast_to(z, normals.shape) if self._slides else cross(z[None], corners.mean(axis=1))
+        lengths = np.linalg.norm(normals, axis=1) * np.linalg.norm(motion, axis=1)
+        low, high = across(corners) if self._slides else reach(corners)
+        return corners, low, high, np.einsum("ij,ij->i", normals, motion), lengths
+
+
+def _within_reach(some: Sequence[_Placed], others: Sequence[_Placed]) -> list[_Placed]:
+    """The parts that can meet one of the others, by their bounds."""
+    if not some or not others:
+        return []
+    meet = _overlaps([placed.bounds for placed in some], [placed.bounds for placed in others])
+    return [some[k] for k in np.flatnonzero(meet.any(axis=1)).tolist()]
+
+
+def _overlaps(one: Sequence[Array], two: Sequence[Array]) -> NDArray[np.bool_]:
+    """Which of n and m bounds (2, 2) overlap: shape (n, m)."""
+    a, b = np.array(one).reshape(-1, 1, 2, 2), np.array(two).reshape(1, -1, 2, 2)
+    return np.asarray(((a[:, :, 0] < b[:, :, 1]) & (b[:, :, 0] < a[:, :, 1])).all(axis=2))
+
+
 def _ways(
-    still: Sequence[_Side], moving: Sequence[_Side], sign: float, share: int, *, slides: bool
+    still: Sequence[_Side], moving: Sequence[_Side], sign: float, share: int, sweep: "_Sweep"
 ) -> tuple[dict[tuple[int, int], float], set[tuple[int, int]]]:
-    """For pairs of parts how far the moving one goes until they meet, cheap pairs first; and pairs beyond the share."""
-    pairs = [(*_near(a, b), a.part, b.part) for b in moving for a in still if _can_meet(a, b)]
-    ways, skipped = {}, set()
-    for ours, theirs, a, b in sorted(pairs, key=lambda pair: len(pair[0]) * len(pair[1])):
-        share -= 2 * _PER_TRIANGLE * len(ours) * len(theirs)
+    """For pairs of parts how far the moving one goes until they meet, cheap pairs first; and pairs beyond the share.
+
+    A way is infinite if it is longer than that of a pair that can only be a stop.
+    """
+    met = _overlaps([side.bounds for side in moving], [side.bounds for side in still])
+    pairs = []
+    for m, s in np.argwhere(met).tolist():
+        ours, theirs = still[s].near(moving[m]), moving[m].near(still[s])
+        if ours is not None and theirs is not None:
+            work = len(ours.corners) * len(theirs.corners)
+            pairs.append((work, ours, theirs, still[s].part, moving[m].part))
+    ways, skipped, most = {}, set(), np.inf
+    for work, ours, theirs, a, b in sorted(pairs, key=lambda pair: pair[0]):
+        share -= 2 * _PER_TRIANGLE * work
         if share < 0:
             skipped.add((a, b))
-        elif len(ours) and len(theirs):
-            ways[a, b] = _way(ours, theirs, sign, slides=slides)
+            continue
+        ways[a, b] = sweep.way(ours, theirs, sign, most)
+        if ways[a, b] > sweep.least:
+            most = min(most, ways[a, b])
     return ways, skipped
 
 
-def _way(still: Array, moving: Array, sign: float, *, slides: bool) -> float:
-    """How far moving triangles go until they meet others.
+@dataclass(frozen=True)
+class _Sweep:
+    """How triangles are followed."""
 
-    What only grazes is none: meshes of a shaft and its bore cut into each other.
-    """
-    follow = _slides if slides else _turns
-    exact, inner = (
-        min(follow(_points(moving, inset), still, sign), follow(_points(still, inset), moving, -sign))
-        for inset in (0.0, _GRAZE)
-    )
-    return exact if inner - exact < (_SLACK if slides else _SLACK_ANGLE) else inner
+    slides: bool
+    least: float
+    """Way beyond which a pair is no fit with play [rad] or [m]."""
 
+    def way(self, still: Triangles, moving: Triangles, sign: float, most: float) -> float:
+        """How far moving triangles go until they meet others; infinite beyond ``most``.
 
-def _facing(question: Question, shape: Shape, sign: float) -> _Side | None:
-    """The triangles whose outside looks along the motion, or against it for a negative sign; None without any."""
-    frame = perpendicular_frame(question.direction)
-    corners = ((shape.vertices - question.point) @ frame)[shape.faces]
-    normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    z = np.array([0.0, 0.0, 1.0])
-    motion = np.broadcast_to(z, normals.shape) if question.slides else cross(z[None], corners.mean(axis=1))
-    lengths = np.linalg.norm(normals, axis=1) * np.linalg.norm(motion, axis=1)
-    faces = (lengths > 0.0) & (sign * np.einsum("ij,ij->i", normals, motion) > _ALONG * lengths)
-    if not faces.any():
-        return None
-    corners = corners[faces]
-    if question.slides:
-        return _Side(shape.part, corners, corners[..., :2].min(axis=1), corners[..., :2].max(axis=1))
-    return _Side(shape.part, corners, *_reach(corners))
+        What only grazes is none: meshes of a shaft and its bore cut into each other.
+        """
+        exact = self._shortest(still, moving, sign, 0.0, most)
+        if exact == np.inf:
+            return exact
+        slack = _SLACK if self.slides else _SLACK_ANGLE
+        inner = self._shortest(still, moving, sign, _GRAZE, most + slack)
+        return exact if inner - exact < slack else inner
 
-
-def _can_meet(a: _Side, b: _Side) -> bool:
-    """Whether what the motion leaves as it is overlaps: height and distance from the axis, or the place across."""
-    return bool((a.least < b.most).all() and (b.least < a.most).all())
-
-
-def _near(a: _Side, b: _Side) -> tuple[Array, Array]:
-    """The triangles of two sides that can meet some of the other's."""
-    ours = ((a.low < b.most) & (b.least < a.high)).all(axis=1)
-    theirs = ((b.low < a.most) & (a.least < b.high)).all(axis=1)
-    return a.corners[ours], b.corners[theirs]
+    def _shortest(self, still: Triangles, moving: Triangles, sign: float, inset: float, most: float) -> float:
+        follow = slide if self.slides else turn
+        way = follow(_points(moving.corners, inset), still, sign, most)
+        return min(way, follow(_points(still.corners, inset), moving, -sign, min(way, most)))
 
 
 def _points(corners: Array, inset: float) -> Array:
@@ -198,81 +242,3 @@ def _points(corners: Array, inset: float) -> Array:
     reach = np.linalg.norm(corners - middles, axis=2, keepdims=True)
     inner = corners + (middles - corners) * np.minimum(1.0, 2.0 * inset / np.maximum(reach, 1e-12))
     return np.asarray((_WEIGHTS @ inner).reshape(-1, 3))
-
-
-def _slides(points: Array, corners: Array, sign: float) -> float:
-    """The shortest way [m] of points (n, 3) along z, or against it, to triangles (m, 3, 3)."""
-    triangles, best = _Triangles(corners), np.inf
-    places = points[:, :2]
-    low, high = corners[..., :2].min(axis=1), corners[..., :2].max(axis=1)
-    for i, j in _candidates(places, low, high):
-        normals = triangles.normals[j]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            height = (triangles.offsets[j] - np.einsum("ij,ij->i", places[i], normals[:, :2])) / normals[:, 2]
-        at = np.column_stack([places[i], height])
-        way = np.where(triangles.contain(at, j), sign * (height - points[i, 2]), np.inf)
-        best = min(best, float(np.where(way >= -_TOUCHING, way, np.inf).min(initial=np.inf)))
-    return best
-
-
-def _turns(points: Array, corners: Array, sign: float) -> float:
-    """The smallest angle [rad] of points (n, 3) about z, or against it, to triangles (m, 3, 3)."""
-    triangles, best = _Triangles(corners), np.inf
-    radii, angles = np.linalg.norm(points[:, :2], axis=1), np.arctan2(points[:, 1], points[:, 0])
-    low, high = _reach(corners)
-    slopes = np.hypot(triangles.normals[:, 0], triangles.normals[:, 1])
-    headings = np.arctan2(triangles.normals[:, 1], triangles.normals[:, 0])
-    for i, j in _candidates(np.column_stack([radii, points[:, 2]]), low, high):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            cosines = (triangles.offsets[j] - points[i, 2] * triangles.normals[j, 2]) / (radii[i] * slopes[j])
-        half = np.arccos(np.where(np.abs(cosines) <= 1.0, cosines, np.nan))
-        for other in (half, -half):
-            at_angle = headings[j] + other
-            at = np.column_stack([radii[i] * np.cos(at_angle), radii[i] * np.sin(at_angle), points[i, 2]])
-            way = (sign * (at_angle - angles[i]) + _TOUCHING_ANGLE) % (2.0 * pi) - _TOUCHING_ANGLE
-            best = min(best, float(np.where(triangles.contain(at, j), way, np.inf).min(initial=np.inf)))
-    return best
-
-
-def _reach(corners: Array) -> tuple[Array, Array]:
-    """Bounds (n, 2) of triangles (n, 3, 3) in distance from z and in height."""
-    heights, radii = corners[..., 2], np.linalg.norm(corners[..., :2], axis=2)
-    # A triangle comes nearer to the axis than its corners: by no more than its longest edge.
-    edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    low = np.column_stack([radii.min(axis=1) - edges, heights.min(axis=1)])
-    return low, np.column_stack([radii.max(axis=1), heights.max(axis=1)])
-
-
-def _candidates(places: Array, low: Array, high: Array) -> Iterator[tuple[Indices, Indices]]:
-    """Indices of points and of triangles, in chunks: pairs where the motion can take the point into the triangle.
-
-    Args:
-        places: Shape (n, 2): of each point what the motion leaves as it is.
-        low: Shape (m, 2): the least of it of each triangle.
-        high: Shape (m, 2): the most of it.
-    """
-    rows = max(1, _CHUNK // len(low))
-    for start in range(0, len(places), rows):
-        some = places[start : start + rows, None]
-        i, j = np.nonzero(((some >= low - _MARGIN) & (some <= high + _MARGIN)).all(axis=2))
-        if len(i):
-            yield i + start, j
-
-
-class _Triangles:
-    """Triangles (n, 3, 3) with what does not depend on the points."""
-
-    def __init__(self, corners: Array) -> None:
-        self._first = corners[:, 0]
-        self._u, self._v = corners[:, 1] - self._first, corners[:, 2] - self._first
-        self.normals = cross(self._u, self._v)
-        self.offsets = np.einsum("ij,ij->i", self.normals, self._first)
-        self._sizes = np.einsum("ij,ij->i", self.normals, self.normals)
-
-    def contain(self, points: Array, j: Indices) -> NDArray[np.bool_]:
-        """For points (k, 3), each in the plane of the triangle with an index (k,), whether it is in the triangle."""
-        w, normals, sizes = points - self._first[j], self.normals[j], self._sizes[j]
-        with np.errstate(invalid="ignore"):
-            s = np.einsum("ij,ij->i", cross(w, self._v[j]), normals) / sizes
-            t = np.einsum("ij,ij->i", cross(self._u[j], w), normals) / sizes
-            return np.asarray((s >= -_INSIDE) & (t >= -_INSIDE) & (s + t <= 1.0 + _INSIDE))

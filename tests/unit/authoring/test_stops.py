@@ -8,6 +8,7 @@ import trimesh
 
 from stepbot.authoring import stops
 from stepbot.authoring.stops import Question, Shape, Stops, find_stops
+from stepbot.authoring.sweeps import Triangles, across, reach, slide, turn
 
 WIDTH, RADIUS = 0.004, 0.03
 
@@ -80,3 +81,27 @@ def test_pairs_beyond_the_bound_are_counted(monkeypatch: pytest.MonkeyPatch) -> 
     moving = box(1, (RADIUS, 0.0, 0.0), (0.02, WIDTH, 0.01))
     still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
     assert find_stops((turning((still,), (moving,)),)) == (Stops((), skipped=1),)
+
+
+def test_the_nearest_of_several_stops_is_found_in_any_order() -> None:
+    """Of four lugs around a turning one, the nearest stops it in either direction, whatever comes first."""
+    lugs = [
+        box(part, (RADIUS * np.cos(angle), RADIUS * np.sin(angle), 0.0), (WIDTH, WIDTH, 0.01))
+        for part, angle in enumerate((2.0, 1.0, -2.5, -1.5))
+    ]
+    moving = box(4, (RADIUS, 0.0, 0.0), (0.02, WIDTH, 0.01))
+    for still in (lugs, lugs[::-1]):
+        (answer,) = find_stops((turning(tuple(still), (moving,)),))
+        assert [stop.still for stop in answer.found] == [3, 1]
+
+
+def test_a_way_beyond_the_longest_that_matters_is_infinite() -> None:
+    """A point that meets a triangle after 10 mm, or a quarter turn, meets none within less."""
+    corners = np.array([[[-0.05, -0.05, 0.01], [0.05, -0.05, 0.01], [0.0, 0.05, 0.01]]])
+    ahead = Triangles(corners, *across(corners))
+    assert slide(np.zeros((1, 3)), ahead, 1.0, np.inf) == pytest.approx(0.01)
+    assert slide(np.zeros((1, 3)), ahead, 1.0, 0.009) == np.inf
+    corners = np.array([[[0.0, 0.01, -0.05], [0.0, 0.05, -0.05], [0.0, 0.03, 0.05]]])
+    beside = Triangles(corners, *reach(corners))
+    assert turn(np.array([[0.03, 0.0, 0.0]]), beside, 1.0, np.inf) == pytest.approx(0.5 * pi)
+    assert turn(np.array([[0.03, 0.0, 0.0]]), beside, 1.0, 1.5) == np.inf
