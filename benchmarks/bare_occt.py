@@ -64,7 +64,7 @@ def _read(path: str) -> Any:
 
 
 def _definitions(document: Any) -> Iterator[Any]:
-    """The shape of each product that is no assembly."""
+    """The shape of each product that is not an assembly."""
     labels = Sequence_TDF_Label()
     XCAFDoc_DocumentTool.ShapeTool_s(document.Main()).GetShapes(labels)
     for index in range(1, labels.Length() + 1):

@@ -76,7 +76,7 @@ def _vectors(rows: Array) -> list[Vector3]:
 
 
 def _joined(a: Box, b: Box) -> Box:
-    """The box around two boxes."""
+    """The box around two boxes, without arrays: there may be 10,000 components."""
     x, y, z = map(min, a[0], b[0])
     u, v, w = map(max, a[1], b[1])
     return (x, y, z), (u, v, w)
