@@ -13,7 +13,7 @@ from xml.etree import ElementTree as ET
 import pytest
 
 from stepbot.jobs.batch import Status, Task, run_batch
-from stepbot.jobs.batch.executors import ProcessOfEachThread
+from stepbot.jobs.batch.executors import ProcessPerThread
 from stepbot.pipeline.conversion import Options
 from tests.command_line import snapshot
 
@@ -102,7 +102,7 @@ def raises(sidecar: Path, options: Options) -> None:
     raise ZeroDivisionError("a bug")
 
 
-class Broken(ProcessOfEachThread):
+class Broken(ProcessPerThread):
     """An executor that runs another function for robots of one name."""
 
     how = staticmethod(dies)

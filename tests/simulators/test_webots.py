@@ -202,7 +202,7 @@ PHYSICS = "physics Physics { density -1 mass 1 inertiaMatrix [ 1 1 1, 0 0 0 ] }"
 @pytest.mark.parametrize(
     ("children", "reason"),
     [
-        (f'Solid {{ name "a" {PHYSICS} }} Solid {{ name "a" {PHYSICS} }}', "two solids have the name 'a'"),
+        (f'Solid {{ name "a" {PHYSICS} }} Solid {{ name "a" {PHYSICS} }}', "duplicate solid 'a'"),
         (f'Hinge2Joint {{ endPoint Solid {{ name "a" {PHYSICS} }} }}', "solids below a Hinge2Joint"),
         (f'Pose {{ children [ Solid {{ name "a" {PHYSICS} }} ] }}', "solids below a Pose"),
         (f"SliderJoint {{ jointParameters JointParameters {{ axis 0 0 0 }} endPoint Solid {{ {PHYSICS} }} }}", "zero"),

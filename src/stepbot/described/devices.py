@@ -40,14 +40,14 @@ def _own_limit(one: ObservedActuator, name: str, gear: float, joint: Limit, foun
     motor = one.kind == ActuatorKind.MOTOR
     low, high = sorted(bound * (gear if motor else 1.0 / gear) for bound in one.control or (-inf, inf))
     force = sorted(bound * gear for bound in one.force or (-inf, inf))
-    effort = _either_way(force[0], force[1], f"actuator '{name}': force", found)
+    effort = _symmetric(force[0], force[1], f"actuator '{name}': force", found)
     limit = Limit()
     if one.kind == ActuatorKind.POSITION:
         limit = Limit(low, high, effort=effort)
     elif one.kind == ActuatorKind.VELOCITY:
-        limit = Limit(velocity=_either_way(low, high, f"actuator '{name}': speed", found), effort=effort)
+        limit = Limit(velocity=_symmetric(low, high, f"actuator '{name}': speed", found), effort=effort)
     elif motor:
-        limit = Limit(effort=min(_either_way(low, high, f"actuator '{name}': control", found), effort))
+        limit = Limit(effort=min(_symmetric(low, high, f"actuator '{name}': control", found), effort))
     return Limit(
         limit.lower if limit.lower > joint.lower else -inf,
         limit.upper if limit.upper < joint.upper else inf,
@@ -56,8 +56,8 @@ def _own_limit(one: ObservedActuator, name: str, gear: float, joint: Limit, foun
     )
 
 
-def _either_way(low: float, high: float, what: str, found: list[Finding]) -> float:
-    """The bound of a range that is symmetric in the model: of one that is not, the narrower side, unless it is 0."""
+def _symmetric(low: float, high: float, what: str, found: list[Finding]) -> float:
+    """The bound of both sides of a range; of one that is not symmetric, that of the narrower side, unless it is 0."""
     narrow, wide = sorted((abs(low), abs(high)))
     if narrow != wide:
         bounds = f"from {low + 0.0:g} to {high + 0.0:g} at the joint"

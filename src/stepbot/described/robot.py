@@ -143,7 +143,8 @@ def _excluded(robot: Robot, seen: Observation) -> tuple[tuple[str, str], ...]:
 def _report_contacts(robot: Robot, seen: Observation, found: list[Finding]) -> None:
     """Adjacent links that collide in the file, and links that have shapes there alone.
 
-    MuJoCo lets a base that is fixed to the world collide with the first links, and the world has surroundings.
+    In MuJoCo, a base that is fixed to the world collides with the links next to it, and the world of a file may have
+    shapes of its own.
     """
     if seen.excluded_pairs is None:
         return

@@ -191,11 +191,11 @@ def one_line(text: str) -> str:
 
 def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:
     """``help`` for a misspelt name: the same in other case, else the nearest candidates, else nothing."""
+    from difflib import get_close_matches  # only some findings need it
+
     names = list(dict.fromkeys(candidates))
     same = [name for name in names if name.casefold() == word.casefold()]
     comparable = [name for name in names if len(name) <= _LONGEST_COMPARED]  # the comparison takes quadratic time
-    from difflib import get_close_matches
-
     near = same or (get_close_matches(word, comparable, n=3, cutoff=0.6) if len(word) <= _LONGEST_COMPARED else [])
     if not near:
         return ()

@@ -22,7 +22,7 @@ _INDENTED = 30
 _SLOTS = ("\x01", "\x02")
 """Stand for the first and the second value of a pattern; no document can contain them."""
 _NOT_XML = re.compile("[^\x01\x02\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
-"""Characters that XML 1.0 does not allow, and that are no slots."""
+"""Characters that XML 1.0 does not allow, without those of slots."""
 _NO_NAMESPACES: Mapping[str, str] = MappingProxyType({})
 _NOT_ALLOWED = "U+{:04X} cannot be written to XML"
 _IN_TEXT = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;", "\r": "&#13;"})

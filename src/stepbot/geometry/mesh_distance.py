@@ -1,4 +1,4 @@
-"""The largest distance between two meshes of which one was made from the other."""
+"""The largest distance of points of a mesh from another mesh that was made from it, or the other way round."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -46,7 +46,7 @@ class Simplification:
 
     @staticmethod
     def of(mesh: TriMesh, labels: NDArray[np.int32] | None = None) -> "Simplification":
-        """Start with a mesh, and a label for each of its faces (m,), whose borders are kept; faces without area go."""
+        """Start with a mesh, and a label for each of its faces (m,), whose borders stay; drops faces without area."""
         given = np.zeros(len(mesh.faces), np.int64) if labels is None else labels.astype(np.int64)
         original = merged(mesh)
         faces = original.faces.astype(np.int64)

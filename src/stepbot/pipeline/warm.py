@@ -1,4 +1,4 @@
-"""Processes that stay between the conversions of a batch or of `watch`, with the kernel or the engines loaded.
+"""Processes with the kernel or the engines loaded, kept from one conversion of a batch or a page to the next.
 
 Loading takes longer than the rest of a small conversion. Each worker is still a process of its own, forked from one of
 these: they only import.
@@ -18,7 +18,7 @@ _ENGINES = ("stepbot.engines.", "stepbot.verification.self_collision.")
 
 
 class WarmProcesses:
-    """Starts workers from processes that have loaded what those need; these start when they are needed first."""
+    """Starts workers from processes that have loaded what those need; each of these starts with its first worker."""
 
     def __init__(self) -> None:
         self._servers: dict[Sequence[str], ForkServer] = {}
@@ -43,7 +43,7 @@ class WarmProcesses:
 
 @contextmanager
 def warm_processes() -> Iterator[None]:
-    """Within it, workers are started by :class:`WarmProcesses`, if processes can be forked and are not so already."""
+    """Within it, :class:`WarmProcesses` start the workers, if processes can be forked and nothing else starts them."""
     with ExitStack() as running:
         if can_serve() and are_spawned():
             processes = WarmProcesses()

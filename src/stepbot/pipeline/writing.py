@@ -39,7 +39,7 @@ class Rendered:
     lowered: Mapping[str, Robot]
     """For each format, the robot as that format expresses it."""
     by_format: Mapping[str, Mapping[str, bytes]]
-    """For each format, the bytes of its files."""
+    """For each format, the bytes of its files, the main one first."""
     listed: tuple[WrittenFile, ...]
     """The written files, for the report."""
 

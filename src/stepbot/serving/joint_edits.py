@@ -77,7 +77,7 @@ def change_type(sidecar: Sidecar, question: Json) -> list[Change]:
 def choose_line(sidecar: Sidecar, question: Json) -> list[Change]:
     """``{joint, radius, near}``: another line of the same parts as axis, by the selectors of its origin.
 
-    The stops that the draft found about the former axis go.
+    The comments about stops along the former axis are removed.
     """
     section, name = _place(sidecar, question)
     gone: list[Change] = [Annotate((section, name), without_stops)] if _has_stops(sidecar, name) else []
@@ -85,7 +85,7 @@ def choose_line(sidecar: Sidecar, question: Json) -> list[Change]:
 
 
 def confirm(sidecar: Sidecar, question: Json) -> list[Change]:
-    """``{joint, radius, near}``: the axis that it has is right: selected explicitly, without REVIEW comments."""
+    """``{joint, radius, near}``: confirm the axis: its selectors are written, its REVIEW comments removed."""
     section, name = _place(sidecar, question)
     origin = _written(sidecar, section, name).get("origin", "auto")
     is_selected = isinstance(origin, dict) and not {"radius", "near"}.isdisjoint(origin)

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
 
+from stepbot.robot.unique_names import free_name
 from stepbot.sidecar.document import Document, ExplicitOrigin
 from stepbot.sidecar.editing import Change, Put, Rename
 from stepbot.sidecar.located import Sidecar
@@ -12,6 +13,9 @@ from .local_server import Refused
 from .questions import Json, text
 
 Keys = tuple[str, ...]
+
+_NAMED = ("links", "joints", "closures", "frames")
+"""Sections of the sidecar whose entries need different names."""
 
 
 def rename(sidecar: Sidecar, question: Json) -> list[Change]:
@@ -37,19 +41,20 @@ def rename(sidecar: Sidecar, question: Json) -> list[Change]:
 
 
 def require_free(document: Document, section: str, name: str) -> None:
-    """Refuse a name for an entry of ``section`` that a link, joint, closure or frame has."""
-    other = next((one for one in _NAMED if name in getattr(document, one)), None)
-    if other is None:
+    """Check that a new entry of ``section`` can have a name.
+
+    Raises:
+        Refused: A link, joint, closure or frame has it; the message has a free one.
+    """
+    taken = next((one for one in _NAMED if name in getattr(document, one)), None)
+    if taken is None:
         return
-    kind, its = section.removesuffix("s"), other.removesuffix("s")
-    if section == other:
+    kind, other = section.removesuffix("s"), taken.removesuffix("s")
+    if section == taken:
         raise Refused(f"there is a {kind} '{name}' already")
-    free = (f"{name}_{kind}{number}" for number in ("", *(f"_{count}" for count in range(2, 1000))))
     known = {one for names in _NAMED for one in getattr(document, names)}
-    raise Refused(f"a {kind} and a {its} cannot have one name; try '{next(one for one in free if one not in known)}'")
-
-
-_NAMED = ("links", "joints", "closures", "frames")
+    free = free_name(f"{name}_{kind}", "_2", known)
+    raise Refused(f"a {kind} and a {other} cannot have one name; try '{free}'")
 
 
 def _joints(document: Document) -> Iterator[tuple[Keys, str | None]]:

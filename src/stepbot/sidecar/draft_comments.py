@@ -45,7 +45,7 @@ class DraftedStop:
 
 
 def drafted_reviews(text: str) -> dict[str, str]:
-    """What to review of each joint and closure that still has its score from the draft and a REVIEW comment."""
+    """The REVIEW comments of each joint and closure that still has its score from the draft; empty without any."""
     return {name: "; ".join(_texts(written, _REVIEW)) for name, written in _drafted(text)}
 
 
@@ -62,7 +62,7 @@ def drafted_stops(text: str) -> dict[str, tuple[DraftedStop, ...]]:
 
 
 Rewrite = Callable[[Sequence[str]], Sequence[str | None]]
-"""Gives each line of the draft's comments above an entry anew, or None to remove it."""
+"""Gives the new text of each line of the draft's comments above an entry; None removes the line."""
 
 
 def without_reviews(lines: Sequence[str]) -> Sequence[str | None]:

@@ -194,7 +194,7 @@ def _with_entry(text: str, node: Node, keys: Keys, value: Any) -> str:
 
 def _with_item(text: str, node: Node, value: Any) -> str:
     if not isinstance(node, SequenceNode):
-        raise CannotEdit("a single value is no list")
+        raise CannotEdit("a single value is not a list")
     if node.flow_style:
         return _into_flow(text, node, _flow(value))
     dash = node.start_mark.column

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from stepbot.jobs.batch.executors import ProcessOfEachThread
+from stepbot.jobs.batch.executors import ProcessPerThread
 from stepbot.runtime.worker import RemoteError
 
 
@@ -17,14 +17,14 @@ def process(fails: bool) -> int:
 
 def test_a_process_makes_one_call_after_the_other() -> None:
     """Calls of one thread run in one process, which is not this one."""
-    with ProcessOfEachThread(1, []) as executor:
+    with ProcessPerThread(1, []) as executor:
         first, second = (executor.submit(process, False).result() for _ in range(2))
     assert first == second != os.getpid()
 
 
 def test_a_process_that_raised_is_replaced() -> None:
     """After an unexpected exception the next call runs in a new process."""
-    with ProcessOfEachThread(1, []) as executor:
+    with ProcessPerThread(1, []) as executor:
         before = executor.submit(process, False).result()
         with pytest.raises(RemoteError, match="a bug"):
             executor.submit(process, True).result()

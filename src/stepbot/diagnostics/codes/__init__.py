@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class _Codes(Mapping[str, "Code"]):
-    """All codes. Their texts, 100 kB, are imported when one is looked up: a run without findings needs none."""
+    """All codes. Their texts, about 100 kB, are imported when one is looked up: a run without findings needs none."""
 
     def __getitem__(self, code: str) -> "Code":
         return self._codes[code]

@@ -109,7 +109,7 @@ def _messages(path: Path) -> Iterator[list[str]]:
 
 
 def _check_mjcf(path: Path) -> None:
-    """Reject what Drake is known to fail on: bodies with several joints or no mass, infinite ranges, meshes not OBJ.
+    """Reject known failures of Drake: bodies with several joints or no mass, infinite ranges, meshes other than OBJ.
 
     Raises:
         EngineCannotRead: The file has one of them.

@@ -61,7 +61,7 @@ def observe(request: Request) -> Observation:
     file = Path(request.file)
     _, top = read_proto(_text(file))
     if top.type != "Robot":
-        raise EngineCannotRead(f"the PROTO is a {top.type}, no Robot")
+        raise EngineCannotRead(f"the PROTO is a {top.type}, not a Robot")
     fixed = top.node("physics") is None
     root = _held(top) if fixed else top
     seen = _Tree(file)
@@ -125,7 +125,7 @@ class _Tree:
             EngineCannotRead: Two solids have one name, or a solid is below a node of another type than those read.
         """
         if name in self.names:
-            raise EngineCannotRead(f"two solids have the name '{name}'")
+            raise EngineCannotRead(f"duplicate solid '{name}'")
         self.names.add(name)
         self.links.append(self._link(solid, name))
         for child in solid.nodes("children"):

@@ -24,7 +24,7 @@ class ClusterUnreachable(Exception):
     """No scheduler at that address, or the connection failed."""
 
 
-class ProcessOfEachThread(ThreadPoolExecutor):
+class ProcessPerThread(ThreadPoolExecutor):
     """Runs calls in processes, one of each thread, that import the function by its name.
 
     :class:`concurrent.futures.ProcessPoolExecutor` ends all calls when one of its processes dies.
@@ -90,7 +90,7 @@ class ProcessOfEachThread(ThreadPoolExecutor):
         os.sched_setaffinity(0, self._shares.get())
 
 
-def local_executor(cores: int, tasks: int) -> ProcessOfEachThread:
+def local_executor(cores: int, tasks: int) -> ProcessPerThread:
     """An executor that uses a number of cores, with as many robots at once as there are cores and robots.
 
     Args:
@@ -98,7 +98,7 @@ def local_executor(cores: int, tasks: int) -> ProcessOfEachThread:
         tasks: Number of robots.
     """
     at_once = max(1, min(cores, tasks))
-    return ProcessOfEachThread(at_once, _shares(cores, at_once))
+    return ProcessPerThread(at_once, _shares(cores, at_once))
 
 
 def _shares(cores: int, at_once: int) -> list[frozenset[int]]:

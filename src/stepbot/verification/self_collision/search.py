@@ -33,16 +33,15 @@ class LinkPair:
         self._shapes = shapes_a, shapes_b
         self._boxes = _around(shapes_a), _around(shapes_b)
         self._centers = tuple(np.array([shape.center for shape in shapes]) for shapes in self._shapes)
-        radii, balls = (
-            [np.array([getattr(shape, name) for shape in shapes]) for shapes in self._shapes]
-            for name in ("radius", "is_ball")
+        radii, balls, surfaces = (
+            tuple(np.array([value(shape) for shape in shapes]) for shapes in self._shapes)
+            for value in (lambda one: one.radius, lambda one: one.is_ball, lambda one: int(one.surface is not None))
         )
-        self._reach = radii[0][:, None] + radii[1][None, :]
+        self._reach = np.add.outer(*radii)
         """Distance [m] of centres (a, b) below which the spheres around two shapes overlap."""
-        self._are_balls = balls[0][:, None] & balls[1][None, :]
+        self._are_balls = np.logical_and.outer(*balls)
         """Whether two shapes are balls (a, b), which overlap if and only if these spheres do."""
-        surfaces = [np.array([shape.surface is not None for shape in shapes], dtype=int) for shapes in self._shapes]
-        order = np.argsort((surfaces[0][:, None] + surfaces[1][None, :]).ravel(), kind="stable")
+        order = np.argsort(np.add.outer(*surfaces).ravel(), kind="stable")
         self._order = [divmod(number, len(shapes_b)) for number in order.tolist()]  # solids are compared faster
         self._pairs: dict[tuple[int, int], Pair] = {}
 
