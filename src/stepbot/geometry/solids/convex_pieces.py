@@ -12,7 +12,6 @@ a hundred times as long (``docs/decisions/0028-convex-decomposition-by-planes.md
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ import numpy as np
 from ..distinct_rows import distinct_rows
 from ..spatial import Array
 from ..sums import exact_sum
+from .cut_surfaces import ON, CutSurface, Plane, crossings
 from .manifolds import hull_points, hull_volume, mesh_arrays
 
 _COARSE = (1e-3, 2e-3, 4e-3)
@@ -37,8 +37,8 @@ _LEAST_GAIN = 3e-4
 """Share of the hulls' total volume from which a cut is a gain."""
 _BLIND_CUTS = 4
 """Number of cuts without a gain that may prepare one: a ring has to be quartered first."""
-_ON = 1e-7
-"""Distance [m] up to which a point is on a plane."""
+_ROUNDING = 1e-6
+"""Share of a hull's volume up to which it may differ from that of its solid by rounding."""
 _SLIVER = 1e-9
 """Volume of a piece, as a share of the hull of the one that it was cut from, up to which it is omitted."""
 _ANGLES, _OFFSETS = 1e3, 500.0
@@ -58,76 +58,73 @@ class Bore:
 
 
 @dataclass(frozen=True, eq=False)
-class _Plane:
-    normal: Array
-    """Unit vector (3,)."""
-    offset: float
-    """Distance [m] from the origin along the normal."""
-
-    @property
-    def reverse(self) -> "_Plane":
-        return _Plane(-self.normal, -self.offset)
-
-
-@dataclass(frozen=True, eq=False)
 class _Cut:
     gain: float
     """Reduction of the hulls' volume [m^3]."""
-    plane: _Plane
+    plane: Plane
 
 
 class _Solid:
-    """The part of a mesh on one side of several planes.
+    """A part of the simplified solid, on one side of several planes.
 
     Where faces lie on a plane, or cross it by the rounding of their vertices, the cut leaves films without a volume.
-    Their points, from which no edge leads away from the plane, do not count. Points are made when they are needed: of
-    an exact solid that is cut again, never.
+    Their points, from which no edge leads away from the plane, do not count.
     """
 
-    def __init__(self, manifold: Any, planes: tuple[_Plane, ...] = ()) -> None:
+    def __init__(self, manifold: Any, planes: tuple[Plane, ...] = ()) -> None:
         self.manifold, self.planes = manifold, planes
-
-    @property
-    def points(self) -> Array:
-        """Shape (n, 3) [m]."""
-        return self._arrays[0]
-
-    @property
-    def edges(self) -> Any:
-        """Pairs (m, 2) of indices of points."""
-        return self._arrays[1]
-
-    @cached_property
-    def _arrays(self) -> tuple[Array, Any]:
-        points, faces = mesh_arrays(self.manifold)
+        points, faces = mesh_arrays(manifold)
         sides = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-        edges = sides[sides[:, 0] < sides[:, 1]]
+        edges = sides[sides[:, 0] < sides[:, 1]].T
         counts = np.ones(len(points), dtype=bool)
-        for plane in self.planes:
-            counts &= _reaching(points @ plane.normal - plane.offset, edges)
+        for plane in planes:
+            heights = plane.heights(points)
+            counts &= _reaching(heights > ON, np.abs(heights) <= ON, edges)
         renumbered = np.cumsum(counts) - 1
-        # Columns are contiguous: they are read for every plane that is tried.
-        return points[counts], np.asfortranarray(renumbered[edges[counts[edges].all(axis=1)]])
+        self.points = points[counts]
+        """Shape (n, 3) [m]."""
+        self.edges = renumbered[edges[:, counts[edges].all(axis=0)]]
+        """Indices (2, m) of points."""
 
-    def above(self, plane: _Plane) -> "_Solid":
+    def above(self, plane: Plane) -> "_Solid":
         """The part of this solid that the plane's normal points to."""
         x, y, z = plane.normal.tolist()
         return _Solid(self.manifold.trim_by_plane((x, y, z), plane.offset), (*self.planes, plane))
+
+    def sides(self, heights: Array) -> tuple[Array, Array]:
+        """The points on either side of a plane, with those where edges cross it, by the heights (n,) [m] of all."""
+        above, below = heights > ON, heights < -ON
+        first, second = self.edges
+        crosses = np.flatnonzero((above[first] & below[second]) | (below[first] & above[second]))
+        on_plane = crossings(self.points, heights, first[crosses], second[crosses])
+        on = ~(above | below)
+        above, below = _reaching(above, on, self.edges), _reaching(below, on, self.edges)
+        return np.concatenate([self.points[above], on_plane]), np.concatenate([self.points[below], on_plane])
+
+
+def _reaching(beyond: Any, on: Any, edges: Any) -> Any:
+    """Points beyond a plane, and those on it that have an edge to one: a face on the plane has far corners."""
+    if not on.any():
+        return beyond
+    first, second = edges
+    reached = np.zeros(len(on), dtype=bool)
+    reached[second[beyond[first]]] = True
+    reached[first[beyond[second]]] = True
+    return beyond | (reached & on)
 
 
 class _Piece:
     """A piece of the solid, exact and coarse."""
 
-    def __init__(self, exact: _Solid, coarse: _Solid) -> None:
+    def __init__(self, exact: CutSurface, coarse: _Solid) -> None:
         self.exact, self.coarse = exact, coarse
-        self.volume = float(coarse.manifold.volume())
-        self.hull = hull_volume(coarse.points)
+        self.volume, self.hull = float(coarse.manifold.volume()), hull_volume(coarse.points)
         self.cut: _Cut | None = None
         self.is_tried = False
 
     @property
     def excess(self) -> float:
-        """Volume of the hull outside the solid [m^3]."""
+        """Volume of the hull outside the solid [m^3]: the most that a cut can gain."""
         return self.hull - self.volume
 
 
@@ -142,17 +139,14 @@ def convex_pieces(solid: Any, bores: Sequence[Bore], filled: float, max_pieces: 
     """
     points, faces = mesh_arrays(solid)
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-    coarse = _simplified(solid, diagonal)
-    pieces = [_Piece(_Solid(solid), _Solid(coarse))]
-    normals, offsets = _candidates(points, faces, bores, diagonal)
+    pieces = [_Piece(CutSurface.of(points, faces), _Solid(_simplified(solid, diagonal)))]
+    planes = _candidates(points, faces, bores, diagonal)
     blind = 0
     while len(pieces) < max_pieces:
         total = exact_sum(piece.hull for piece in pieces)
         if exact_sum(piece.volume for piece in pieces) >= filled * total:
             break
-        for piece in pieces:
-            if not piece.is_tried:
-                piece.cut, piece.is_tried = _best_cut(piece, normals, offsets, _THINNEST * diagonal), True
+        _try_cuts(pieces, planes, _THINNEST * diagonal, _LEAST_GAIN * total)
         best = max(range(len(pieces)), key=lambda i: _rank(pieces[i].cut, total))
         cut = pieces[best].cut
         if cut is None or cut.gain < _LEAST_GAIN * total:
@@ -165,6 +159,17 @@ def convex_pieces(solid: Any, bores: Sequence[Bore], filled: float, max_pieces: 
             blind = 0
         pieces[best : best + 1] = _halves(pieces[best], cut.plane)
     return _merged(pieces, filled)
+
+
+def _try_cuts(pieces: Sequence[_Piece], planes: tuple[Array, Array], thinnest: float, least: float) -> None:
+    """Find the best cuts of pieces, except where their excess is less than a gain that is known, or than the least."""
+    for piece in sorted(pieces, key=lambda piece: -piece.excess):
+        if piece.excess + _ROUNDING * piece.hull < least:
+            break
+        if not piece.is_tried:
+            piece.cut, piece.is_tried = _best_cut(piece, *planes, thinnest), True
+        if piece.cut is not None:
+            least = max(least, piece.cut.gain)
 
 
 def _simplified(solid: Any, diagonal: float) -> Any:
@@ -189,7 +194,7 @@ def _digits(value: float, total: float) -> float:
     return round(value / total, 9)
 
 
-def _halves(piece: _Piece, plane: _Plane) -> list[_Piece]:
+def _halves(piece: _Piece, plane: Plane) -> list[_Piece]:
     """The parts of a piece on both sides of a plane, those with a volume."""
     halves = [_Piece(piece.exact.above(side), piece.coarse.above(side)) for side in (plane, plane.reverse)]
     return [half for half in halves if half.hull > 0.0 and half.volume > _SLIVER * piece.hull] or [piece]
@@ -198,50 +203,28 @@ def _halves(piece: _Piece, plane: _Plane) -> list[_Piece]:
 def _best_cut(piece: _Piece, normals: Array, offsets: Array, thinnest: float) -> _Cut | None:
     """The cut that reduces the volume of the hulls most; the first of equal ones."""
     best: _Cut | None = None
-    if piece.hull <= 0.0 or piece.excess <= 1e-6 * piece.hull:
+    if piece.hull <= 0.0 or piece.excess <= _ROUNDING * piece.hull:
         return None
-    heights = piece.coarse.points @ normals.T - offsets
-    crosses = (heights.max(axis=0) > thinnest) & (heights.min(axis=0) < -thinnest)
+    heights = normals @ piece.coarse.points.T - offsets[:, None]
+    crosses = (heights.max(axis=1) > thinnest) & (heights.min(axis=1) < -thinnest)
     for k in np.flatnonzero(crosses).tolist():
-        above, below = _sides(piece.coarse, heights[:, k])
+        above, below = piece.coarse.sides(heights[k])
         gain = piece.hull - hull_volume(above) - hull_volume(below)
         if best is None or _digits(gain - best.gain, piece.hull) > 0.0:
-            best = _Cut(gain, _Plane(normals[k], float(offsets[k])))
+            best = _Cut(gain, Plane(normals[k], float(offsets[k])))
     return best
-
-
-def _sides(solid: _Solid, heights: Array) -> tuple[Array, Array]:
-    """The points of a solid on either side of a plane, with those where edges cross it."""
-    start, end = heights[solid.edges[:, 0]], heights[solid.edges[:, 1]]
-    crosses = ((start > _ON) & (end < -_ON)) | ((start < -_ON) & (end > _ON))
-    share = (start[crosses] / (start[crosses] - end[crosses]))[:, None]
-    a, b = solid.points[solid.edges[crosses, 0]], solid.points[solid.edges[crosses, 1]]
-    on = a + share * (b - a)
-    above, below = (_reaching(side, solid.edges) & (side >= -_ON) for side in (heights, -heights))
-    return np.vstack([solid.points[above], on]), np.vstack([solid.points[below], on])
-
-
-def _reaching(heights: Array, edges: Any) -> Any:
-    """Which points are above a plane, or have an edge to one that is: a face on the plane has far corners."""
-    beyond = heights > _ON
-    if not (np.abs(heights) <= _ON).any():
-        return beyond
-    reaching = beyond.copy()
-    reaching[edges[beyond[edges[:, 0]], 1]] = True
-    reaching[edges[beyond[edges[:, 1]], 0]] = True
-    return reaching
 
 
 def _middle_cut(piece: _Piece) -> _Cut:
     """The cut across the longest axis of the bounding box, in its middle."""
     low, high = piece.coarse.points.min(axis=0), piece.coarse.points.max(axis=0)
     axis = int((high - low).round(9).argmax())
-    return _Cut(0.0, _Plane(np.eye(3)[axis], float(0.5 * (low + high)[axis])))
+    return _Cut(0.0, Plane(np.eye(3)[axis], float(0.5 * (low + high)[axis])))
 
 
 def _merged(pieces: list[_Piece], filled: float) -> list[Array]:
     """The points of the pieces, merged while the solid fills enough of the hulls' volume."""
-    points = [hull_points(piece.exact.points) for piece in pieces]
+    points = [hull_points(piece.exact.corners()) for piece in pieces]
     hulls = [hull_volume(of) for of in points]
     solid = exact_sum(piece.volume for piece in pieces)
     costs = {(i, j): _cost(points, hulls, i, j) for j in range(len(points)) for i in range(j)}
