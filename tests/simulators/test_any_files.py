@@ -53,14 +53,21 @@ def _is_another_robot(name: str, format_: str) -> bool:
 @pytest.mark.mujoco
 @pytest.mark.parametrize("name", ["two_link_arm", "gripper_with_mimic", "tree"])
 def test_three_formats_are_the_same_robot(name: str, tmp_path: Path) -> None:
-    """Three formats of one robot pass, each alone and against the first."""
+    """Three formats of one robot pass, each alone and against the first; the joint table has the names of all joints.
+
+    MuJoCo, which is asked first, drops those of fixed joints of a URDF.
+    """
     skip_without("mujoco")
-    folder = write(ROBOTS[name](), tmp_path)
+    robot = ROBOTS[name]()
+    folder = write(robot, tmp_path)
     found = Diagnostics()
     same = [one.path for format_, one in folder.written.items() if not _is_another_robot(name, format_)]
     report = verify_files(same, found, timeout=120.0)
     assert not list(found)
     assert not report.failed
+    names = {row.name for row in report.joint_table}
+    assert "" not in names
+    assert names >= {joint.name for joint in robot.joints}
     first = folder.written["urdf"].path.as_posix()
     across = {row.file: row for row in report.rows() if row.against == f"{first} (mujoco)"}
     assert set(across) == {path.as_posix() for path in same} - {first}

@@ -85,9 +85,15 @@ def verify_files(
     checks = judge(outcomes, asked, found)
     versions = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
     notes = {f"{o.key} in {o.engine}": o.observation.notes for o in outcomes if o.observation and o.observation.notes}
-    return Report(
-        checks, dict(sorted(versions.items())), notes=notes, joint_table=asked.joint_table, own_parsers=own_parsers()
-    )
+    table = _named(asked.joint_table, outcomes)
+    return Report(checks, dict(sorted(versions.items())), notes=notes, joint_table=table, own_parsers=own_parsers())
+
+
+def _named(table: Sequence[JointRow], outcomes: Iterable[Outcome]) -> tuple[JointRow, ...]:
+    """The joint table of the first file, with names that its engine lacks from others: MuJoCo drops fixed joints."""
+    seen = [(outcome.key, outcome.observation) for outcome in outcomes if outcome.observation is not None]
+    names = {joint.child: joint.name for key, one in seen if key == seen[0][0] for joint in one.joints if joint.name}
+    return tuple(row if row.name or row.is_closure else replace(row, name=names.get(row.child, "")) for row in table)
 
 
 def compare_two(

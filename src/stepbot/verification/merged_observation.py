@@ -27,12 +27,12 @@ class Gathered:
     """The user's path of the file."""
     format: str
     observation: Observation
-    tellers: Mapping[Quantity, tuple[str, ...]]
+    sources: Mapping[Quantity, tuple[str, ...]]
     """Engines that added values to a quantity which the first engine does not report."""
 
     def engine(self, quantity: Quantity) -> str:
         """The engines that a quantity comes from, for tables and messages."""
-        return ", ".join(self.tellers.get(quantity) or (self.observation.engine,))
+        return ", ".join(self.sources.get(quantity) or (self.observation.engine,))
 
 
 def gather(outcomes: Sequence[Outcome]) -> Gathered:
