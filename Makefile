@@ -43,6 +43,7 @@ test: install  ## run the tests
 test-long: install  ## run the tests that `make test` skips; some require build123d, dask, pre-commit
 	$(BIN)/python -m pip install --quiet -e '.[dask,draw,hooks,newton,verify]'
 	$(BIN)/pytest -n $(JOBS) -m long
+	$(BIN)/pytest -n $(JOBS) -m hypothesis --hypothesis-profile long
 	$(BIN)/pytest -n $(JOBS) tests/simulators  # once more, with the engines of stepbot[newton,verify]
 
 format: install  ## format the code

@@ -1,5 +1,6 @@
 """Fixtures for all tests: a collector that must be read, the corpus of real assemblies, the robot library."""
 
+import gc
 import importlib.util
 import os
 import shutil
@@ -34,8 +35,9 @@ if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in the background of
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # The duration of an example depends on the load of the machine.
-settings.register_profile("unhurried", settings(), deadline=None)
-settings.load_profile("unhurried")
+settings.register_profile("short", deadline=None, max_examples=40)
+settings.register_profile("long", deadline=None, max_examples=400)  # `make test-long`
+settings.load_profile("short")
 
 
 class ReadDiagnostics(Diagnostics):
@@ -117,7 +119,12 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:
-    """Reject a pytest-xdist that does not group tests: they would share nothing, in silence."""
+    """Reject a pytest-xdist that does not group tests: they would share nothing, in silence.
+
+    What has been imported until now stays: the garbage collector need not look at it again.
+    """
+    gc.collect()
+    gc.freeze()
     if session.config.getoption("loadgroup", default=False):
         grouped = [item for item in session.items if item.get_closest_marker("xdist_group")]
         if lost := [item.nodeid for item in grouped if "@" not in item.nodeid]:

@@ -334,7 +334,9 @@ def engines(command: "subprocess.Popen[bytes]", name: str) -> list[int]:
 
 
 @ON_LINUX
-@pytest.mark.parametrize("busy", [False, True], ids=["while it loads", "while it works"])
+@pytest.mark.parametrize(
+    "busy", [pytest.param(False, id="while it loads"), pytest.param(True, id="while it works", marks=pytest.mark.long)]
+)
 def test_kernel_that_dies(desk: Desk, busy: bool) -> None:
     """A kernel killed by SIGKILL is reported with the signal and the file being read; exit code 2."""
     before = snapshot(desk.folder)
@@ -399,8 +401,12 @@ def test_engine_that_dies(desk: Desk) -> None:
 @ON_LINUX
 @pytest.mark.parametrize(
     ("sent", "busy"),
-    [(signal.SIGINT, False), (signal.SIGINT, True), (signal.SIGTERM, True), (signal.SIGKILL, True)],
-    ids=["Ctrl-C while it loads", "Ctrl-C while it works", "SIGTERM", "SIGKILL"],
+    [
+        pytest.param(signal.SIGINT, False, id="Ctrl-C while it loads", marks=pytest.mark.long),
+        pytest.param(signal.SIGINT, True, id="Ctrl-C while it works"),
+        pytest.param(signal.SIGTERM, True, id="SIGTERM", marks=pytest.mark.long),
+        pytest.param(signal.SIGKILL, True, id="SIGKILL"),
+    ],
 )
 def test_interrupted(desk: Desk, sent: signal.Signals, busy: bool) -> None:
     """A signal ends the command and all its child processes; no file changes."""

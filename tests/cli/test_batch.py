@@ -119,7 +119,7 @@ class Raising(Broken):
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal on this system")
-@pytest.mark.parametrize(("kind", "code"), [(Broken, "SB902"), (Raising, "SB901")])
+@pytest.mark.parametrize(("kind", "code"), [(Broken, "SB902"), pytest.param(Raising, "SB901", marks=pytest.mark.long)])
 def test_crash_is_one_robots_own(library: Path, kind: type[Broken], code: str) -> None:
     """A robot whose process dies or raises fails; the others are converted."""
     tasks = [Task(n, Path(f"lib/{n}/{n}.robot.yaml"), Path("out", n)) for n in ("arm2", "four_bar")]
@@ -131,7 +131,9 @@ def test_crash_is_one_robots_own(library: Path, kind: type[Broken], code: str) -
     assert outcomes["four_bar"].status is Status.CONVERTED
 
 
-@pytest.mark.parametrize(("kind", "as_bytes"), [("threads", False), ("spawned", True)])
+@pytest.mark.parametrize(
+    ("kind", "as_bytes"), [("threads", False), pytest.param("spawned", True, marks=pytest.mark.long)]
+)
 def test_any_executor(library: Path, stepbot: Stepbot, kind: str, as_bytes: bool) -> None:
     """Threads and spawned processes, with input by path or by bytes, write the files of `convert`."""
     task = Task("arm2", Path("lib/arm2/arm2.robot.yaml"), Path("out/arm2"))

@@ -106,10 +106,10 @@ def test_no_further_command_imports_from_the_current_folder(tmp_path: Path, robo
     trap.run(INSTALLED, "batch", "-j", "2", "-o", "many", "arm2.robot.yaml")
 
 
-@pytest.mark.slow
+@pytest.mark.long  # tests/unit/runtime/test_import_path.py removes the entries in a new interpreter
 @pytest.mark.parametrize(
     "python_path",
-    [pytest.param(os.pathsep, id="empty", marks=pytest.mark.long), pytest.param(f"{os.pathsep}.", id="relative")],
+    [pytest.param(os.pathsep, id="empty"), pytest.param(f"{os.pathsep}.", id="relative")],
 )
 def test_no_import_from_the_current_folder_where_python_begins_with_it(
     tmp_path: Path, robot_library: Path, python_path: str

@@ -78,6 +78,7 @@ def german(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return changes
 
 
+@pytest.mark.long
 def test_other_locale_and_relative_paths(
     german: dict[str, str], tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
@@ -98,6 +99,7 @@ def test_other_locale_and_relative_paths(
     assert_same_bytes(first.folder, tmp_path / "out" / "here")
 
 
+@pytest.mark.long  # tests/unit/step/test_without_fork.py compares the assemblies
 def test_without_fork(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> None:
     """Processes started as new interpreters, as on macOS and Windows, do not change the bytes or the proof."""
     first = first_run(tmp_path_factory, robot_library, "stepbot_four_bar")

@@ -62,6 +62,7 @@ def test_convert_proves_what_it_writes(
     run(folder, "check", "--step", "--", sidecar)
 
 
+@pytest.mark.long
 def test_batch_and_inspect(folder: Path) -> None:
     """`batch` and `inspect` handle such names; their JUnit and JSON are valid."""
     reported = json.loads(run(folder, "batch", ".", "-o", BAR, "--json", "--no-verify", "--junit", "tests.xml").out)

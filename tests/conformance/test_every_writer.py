@@ -57,17 +57,14 @@ def test_same_input_same_bytes(name: str, format_: str) -> None:
 
 
 def test_bytes_depend_on_nothing_around(tmp_path: Path) -> None:
-    """Hash seed, locale and working directory change no byte."""
+    """Another hash seed, locale and working directory than those of this process change no byte."""
     root = Path(__file__).resolve().parents[2]
-    digests = set()
-    for seed, locale, folder in (("1", "C", root), ("4242", "de_DE.UTF-8", tmp_path)):
-        paths = os.pathsep.join([str(root), str(root / "src")])
-        environment = {**os.environ, "PYTHONHASHSEED": seed, "LC_ALL": locale, "PYTHONPATH": paths}
-        run = subprocess.run(
-            [sys.executable, "-c", RENDER_ALL], env=environment, cwd=folder, capture_output=True, text=True, check=True
-        )
-        digests.add(run.stdout)
-    assert digests == {digest_of_all() + "\n"}
+    paths = os.pathsep.join([str(root), str(root / "src")])
+    environment = {**os.environ, "PYTHONHASHSEED": "4242", "LC_ALL": "de_DE.UTF-8", "PYTHONPATH": paths}
+    run = subprocess.run(
+        [sys.executable, "-c", RENDER_ALL], env=environment, cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert run.stdout == digest_of_all() + "\n"
 
 
 @every_format

@@ -20,7 +20,8 @@ STEP = "low_cost_robot_follower.step"
 SIDECAR = "follower.robot.yaml"
 CONSOLE = re.compile(r"^```console\n\$ (stepbot [^\n]*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
-pytestmark = pytest.mark.slow
+# `make test` drafts other assemblies: test_init.py.
+pytestmark = pytest.mark.long
 
 
 def blocks(kind: str, page: str) -> list[str]:
@@ -63,7 +64,6 @@ def test_draft(corpus: Path, tmp_path: Path) -> None:
     assert blocks("yaml", page)[0] in (tmp_path / SIDECAR).read_text(encoding="utf-8")
 
 
-@pytest.mark.long
 def test_session(corpus: Path, tmp_path: Path) -> None:
     """The commands print the page's lines with exit code 0, the draft has the page's joint, and the arm moves."""
     page = PAGE.read_text(encoding="utf-8")

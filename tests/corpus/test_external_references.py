@@ -24,7 +24,8 @@ links:
 """
 
 
-pytestmark = pytest.mark.xdist_group("koch")
+# `make test` reads made assemblies in many files: tests/cli/test_external_files.py.
+pytestmark = [pytest.mark.long, pytest.mark.xdist_group("koch")]
 
 
 @pytest.fixture(scope="module")
@@ -66,7 +67,6 @@ def test_tree(whole: Assembly) -> None:
     assert (whole.definitions, len(whole.children[0]), len(whole.external_files)) == (13, 25, 12)
 
 
-@pytest.mark.long
 def test_whole_and_parts(koch: Path, whole: Assembly) -> None:
     """Each of the 25 parts has the volume of its own file."""
     assembly = whole
@@ -125,7 +125,6 @@ def test_the_axis_that_is_up(whole: Assembly) -> None:
     assert found.up == "y"
 
 
-@pytest.mark.long
 def test_one_link(koch: Path, tmp_path: Path) -> None:
     """The assembly converts and is verified; without one of its files it is rejected with the name of that file."""
     sidecar = tmp_path / "whole.robot.yaml"

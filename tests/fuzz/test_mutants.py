@@ -37,7 +37,7 @@ def bases(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("origin", ["drawings", "corpus"])
+@pytest.mark.parametrize("origin", ["drawings", pytest.param("corpus", marks=pytest.mark.long)])
 def test_mutants_find_no_fault(bases: Path, origin: str) -> None:
     """Twelve mutants each of small drawings and real files raise no exception, do not crash, and give valid results."""
     if origin == "corpus" and base_files.absent():

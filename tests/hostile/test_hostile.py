@@ -44,6 +44,7 @@ def test_run_during_which_the_code_changes_does_not_count(
     assert "does not count" in capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_tree_of_a_sidecar_is_written_as_it_was_read(tmp_path: Path) -> None:
     """Every sidecar of the library keeps its meaning when its tree is written without damage."""
     sources = sorted(LIBRARY.glob("*/*.robot.yaml"))

@@ -2,14 +2,11 @@
 
 import mujoco
 import pytest
-from ruamel.yaml import YAML
 
 from tests.library.conftest import ROBOTS, SHORT, Converted, sidecar_of
 from tests.stiffness import largest_gap
 
-CLOSED = tuple(
-    robot for robot in ROBOTS if YAML(typ="safe", pure=True).load(sidecar_of(robot).read_text("utf-8")).get("closures")
-)
+CLOSED = tuple(robot for robot in ROBOTS if "\nclosures:\n" in sidecar_of(robot).read_text("utf-8"))
 WIDEST = 5e-4
 """[m], [rad]"""
 

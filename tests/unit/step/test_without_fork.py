@@ -57,7 +57,7 @@ def test_all_time_is_bounded(tmp_path: Path, found: ReadDiagnostics, monkeypatch
     """A body that hangs for longer than the file's time limit ends the reading."""
     monkeypatch.setattr(reader, "KERNEL", "tests.unit.step.stuck_kernel:hanging")
     path = parts.write_nested(tmp_path / "nested.step").path
-    assert reader.start_reading(path, ReadOptions()).finish(found, timeout=10.0) is None
+    assert reader.start_reading(path, ReadOptions()).finish(found, timeout=4.0) is None
     (diagnostic,) = found
     assert (diagnostic.code, "no result after" in diagnostic.message) == ("SB902", True)
 
