@@ -264,6 +264,7 @@ SLIDE = """<robot name="slide">
 </robot>"""
 
 
+@pytest.mark.long
 def test_links_are_compared_while_they_move(page: Page, session: Serve, tmp_path: Path) -> None:
     """A ball that a slider lowers into the floor: depth and place are those of geometry, red, and gone further up."""
     urdf = tmp_path / "slide.urdf"

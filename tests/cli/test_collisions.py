@@ -160,6 +160,7 @@ def test_never_can_be_excluded_too(stepbot: Stepbot, plates: Path) -> None:
         assert "self_collision" in run.out or "plates.robot.yaml:15" in run.out
 
 
+@pytest.mark.long
 def test_written_files_give_the_same_classes(stepbot: Stepbot, plates: Path) -> None:
     """The classes of the written URDF and MJCF are those of the sidecar."""
     assert stepbot("convert", "plates.robot.yaml", "-o", "out", "-f", "urdf,mjcf", "--no-verify").code == 0

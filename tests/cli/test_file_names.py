@@ -75,6 +75,7 @@ def test_batch_and_inspect(folder: Path) -> None:
     assert "crank" in run(folder, "inspect", f"{BAR}.step").out
 
 
+@pytest.mark.long
 def test_verify_gives_engines_names_that_they_can_open(
     folder: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:

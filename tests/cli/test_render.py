@@ -154,7 +154,9 @@ def test_a_step_file_gives_a_picture_of_its_assembly(arm: Path, stepbot: Stepbot
     assert document["places"]
 
 
-@pytest.mark.parametrize("suffix", ["urdf", "sdf", "xml"])
+@pytest.mark.parametrize(
+    "suffix", [pytest.param("urdf", marks=pytest.mark.long), pytest.param("sdf", marks=pytest.mark.long), "xml"]
+)
 def test_a_description_gives_the_picture_of_its_sidecar(suffix: str, arm: Path, stepbot: Stepbot) -> None:
     """Links of the file are where those of the sidecar are, at the same positions of the joints."""
     assert stepbot("convert", "arm2.robot.yaml", "-o", "out", "--no-verify").code == 0

@@ -30,7 +30,8 @@ LIMITS = {
 }
 """Lower and upper [deg], effort [N m], velocity [rpm]."""
 
-pytestmark = pytest.mark.slow
+# `make test` converts the arm in test_first_hour.py.
+pytestmark = pytest.mark.long
 
 
 @cache

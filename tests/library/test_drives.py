@@ -9,7 +9,7 @@ from stepbot_cli import main
 from tests.library.conftest import LIBRARY, ROBOTS, Converted
 
 PASSED = re.compile(r"\d+ passed")
-QUICK = ("franka_hand", "stepbot_four_bar")
+QUICK = ("stepbot_four_bar",)
 """Robots whose tests take seconds."""
 
 

@@ -22,7 +22,7 @@ def step_of(robot: str) -> Path:
     ("robot", "suffix"),
     [
         ("stepbot_arm2", "urdf"),
-        ("stepbot_desk_arm", "xml"),
+        pytest.param("stepbot_desk_arm", "xml", marks=pytest.mark.long),
         pytest.param("stepbot_desk_arm", "sdf", marks=pytest.mark.long),
         pytest.param("robotiq_2f85", "urdf", marks=pytest.mark.long),
         pytest.param("franka_panda", "urdf", marks=pytest.mark.long),
@@ -46,6 +46,7 @@ def test_closures_come_back(tmp_path: Path) -> None:
         assert ours.X_AF.distance_to(theirs.X_AF)[0] < 1e-6 or abs(ours.X_AF.p - theirs.X_AF.p)[1:].max() < 1e-6
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("robot", ["stepbot_desk_arm"])
 def test_description_in_another_frame_is_found(robot: str, tmp_path: Path) -> None:
     """A description with another base frame, rotated about no axis of the CAD, is located by its joint axes."""

@@ -118,10 +118,14 @@ def _lacks(name: str) -> set[str]:
     return lacks
 
 
+LONG = ("cylindrical", "delta", "four_bar_with_zeros", "gear", "left_screw", "stewart", "tree")
+"""Robots that resemble others, and those with the most loops: a third of the time."""
+
+
 def _marks(name: str) -> list[pytest.MarkDecorator]:
-    """Tests of a robot run in one process; the two with the most loops take a third of the time."""
+    """Tests of a robot run in one process."""
     group = pytest.mark.xdist_group(f"every_robot_{name}")
-    return [group, pytest.mark.long] if name in ("delta", "stewart") else [group]
+    return [group, pytest.mark.long] if name in LONG else [group]
 
 
 @pytest.fixture(

@@ -79,6 +79,7 @@ def test_the_background_is_plain_and_shadows_are_dark() -> None:
     assert picture[beside[1], beside[0]].max() < paper.min() - 40
 
 
+@pytest.mark.long
 def test_soft_light_has_no_noise() -> None:
     """On a ball and in the penumbra of its shadow, no pixel differs from the mean of its neighbours by 2 levels."""
     view = VIEWS["corner"]

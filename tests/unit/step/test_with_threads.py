@@ -10,6 +10,7 @@ from tests import parts
 from tests.conftest import ReadDiagnostics
 
 
+@pytest.mark.long
 def test_a_body_that_takes_too_long(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
     """A body that takes too long is stopped and reported by name, long before the time limit of the file."""
     monkeypatch.setattr(reader, "KERNEL", "tests.unit.step.stuck_kernel:hanging_beside_a_thread")

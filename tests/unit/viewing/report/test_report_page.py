@@ -196,10 +196,8 @@ def test_the_same_robot_gives_the_same_bytes() -> None:
     assert report_page(robot, report, found, {}) == report_page(robot, report, found, {})
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", ["low_cost_robot_follower.step", pytest.param("so101_assembly.step", marks=pytest.mark.long)]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["low_cost_robot_follower.step", "so101_assembly.step"])
 def test_a_real_arm_is_below_three_megabytes(name: str, corpus: Path, tmp_path: Path) -> None:
     """With all of its parts; the page says how far the displayed meshes are from the exact ones."""
     assembly = inspect(corpus / name, Options(tmp_path)).assembly
