@@ -138,6 +138,15 @@ def test_any_angles_make_a_ball_joint(written: Callable[[str], Folder]) -> None:
     assert differences(folder.written["mjcf"].path, leaning) == {}
 
 
+@pytest.mark.mujoco
+def test_ball_joint_of_a_third_file(written: Callable[[str], Folder]) -> None:
+    """Configurations are cleared of gimbal lock in a third file, too, where the first two have the same angles."""
+    folder = written("ball")
+    same = folder.written["urdf"].path.with_name("same.urdf")
+    same.write_bytes(folder.written["urdf"].path.read_bytes())
+    assert differences(folder.written["urdf"].path, same, folder.written["mjcf"].path) == {}
+
+
 def _urdf(joints: str, links: str = "") -> str:
     inertia = '<inertia ixx="0.01" iyy="0.02" izz="0.025" ixy="0" ixz="0" iyz="0"/>'
     body = f'<inertial><origin xyz="0.1 0.2 -0.3"/><mass value="2"/>{inertia}</inertial>'

@@ -15,7 +15,7 @@ from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import ZERO3, ZERO33, Pose
 from stepbot.robot.kinematics import MOVING, complete, neighbours, without_contacts
-from stepbot.robot.model import Base, Frame, Link, Robot
+from stepbot.robot.model import Base, Frame, JointKind, Link, Robot
 from stepbot.robot.shared_meshes import share_meshes
 
 from .closures import closures_of
@@ -26,6 +26,8 @@ from .shapes import Shapes
 from .tree import tree_of, without_broken_mimics
 
 _WORLD = "world"
+_BASES = {JointKind.FIXED: Base.FIXED, JointKind.FLOATING: Base.FLOATING}
+"""The base that a joint on the world makes."""
 _RESIDUE = 1e-9
 """Difference [rad], [m] of positions that is numeric residue."""
 
@@ -122,16 +124,17 @@ def _link(link: ObservedLink, shapes: Shapes, found: list[Finding]) -> Link:
 
 
 def _without_world(robot: Robot, found: list[Finding]) -> Robot:
-    """A bare root link called ``world`` on one fixed joint is the world: the link below it is the root."""
+    """A bare root link called ``world`` above one fixed or floating joint is the world: the link below is the root."""
     below = [joint for joint in robot.joints if joint.parent == robot.root.name]
     root, first = robot.root, robot.joints[0] if robot.joints else None
     bare = not (root.mass_properties.mass or root.visuals or root.collisions)
-    if root.name != _WORLD or not bare or first is None or len(below) != 1 or first.kind != "fixed":
+    if root.name != _WORLD or not bare or first is None or len(below) != 1 or first.kind not in _BASES:
         return robot
     if any(frame.link == root.name for frame in robot.frames):
         return robot
-    _report_place(replace(robot, links=robot.links[1:]), first.X_PC, found)
-    return replace(robot, links=robot.links[1:], joints=robot.joints[1:], base=Base.FIXED)
+    below_world = replace(robot, links=robot.links[1:], joints=robot.joints[1:], base=_BASES[first.kind])
+    _report_place(below_world, first.X_PC, found)
+    return below_world
 
 
 def _excluded(robot: Robot, seen: Observation) -> tuple[tuple[str, str], ...]:
@@ -169,9 +172,10 @@ def _report_place(robot: Robot, X_WR: Pose, found: list[Finding]) -> None:
         return
     where = f"({x:g}, {y:g}, {z:g}) m, turned by ({roll:g}, {pitch:g}, {yaw:g}) rad"
     text = f"link '{robot.root.name}': the root's place in the world is not kept: {where}"
-    if robot.base is Base.FIXED and (roll or pitch):
-        tilted = f"{text}; gravity acts in another direction of the robot"
-        found.append(Finding(LOST, tilted, (Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS)))
+    if roll or pitch:
+        held = robot.base is Base.FIXED
+        effect = "gravity acts in another direction of the robot" if held else "the robot starts upright"
+        found.append(Finding(LOST, f"{text}; {effect}", (Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS)))
         return
     found.append(Finding(REARRANGED, text))
 

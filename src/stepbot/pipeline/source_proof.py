@@ -13,28 +13,32 @@ from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
 from stepbot.engines.observation import Quantity
 from stepbot.engines.openable import openable
+from stepbot.engines.urdf_chains import ChainNames
 from stepbot.formats import format_named
 from stepbot.formats.lowering import lower
 from stepbot.formats.mjcf import FORMAT as MJCF
 from stepbot.formats.rendering import joined
 from stepbot.report.record import Report
-from stepbot.robot.model import Robot
+from stepbot.robot.model import Joint, JointKind, Robot
+from stepbot.robot.multi_dof import steps_by_child, unfolded
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import Worker
 from stepbot.verification.renamed import Renaming
-from stepbot.verification.source import Converted, verify_against_source
+from stepbot.verification.source import NOT_CONFIRMED, Converted, verify_against_source
 
 from .conversion import Options
 from .writing import Rendered
 
 _CHANGED = {
     "SB729": (Quantity.ACTUATORS,),
+    "SB741": (Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS),
     "SB745": (Quantity.ACTUATORS,),
     "SB750": (Quantity.JOINTS, Quantity.LIMITS),
 }
-"""Quantities in which files differ from the source by what their format lacks: bounds of actuators, far stops."""
-_LOCATED = "stepbot.engines.located_copy:located_copy"
+"""Quantities in which files differ from the source by what their format lacks: bounds of actuators, links without mass, far
+stops."""
+_COPIED = "stepbot.engines.source_copy:source_copy"
 
 
 def compared_with_source(
@@ -66,11 +70,17 @@ def compared_with_source(
             )
             for name, one in written.lowered.items()
         }
-        source = path
-        if options.package_path and description.observation.format != MJCF.name:  # whose meshes are in no package
+        source, chains = path, _chains(description, described)
+        if chains or (options.package_path and description.observation.format != MJCF.name):  # which has no packages
             source = Path(folder) / f"source{path.suffix}"
-            with Worker(_LOCATED, memory_limit=options.memory_limit) as worker:
-                worker.submit(str(openable(path)), str(source), options.package_path).result(options.timeout)
+            with Worker(_COPIED, memory_limit=options.memory_limit) as worker:
+                asked = worker.submit(str(openable(path)), str(source), options.package_path, chains)
+                asked.result(options.timeout)
+        if chains:
+            kinds = {joint.name: joint.kind for joint in description.observation.joints}
+            joints = ", ".join(f"'{name}' ({kinds[name]})" for name in chains)
+            text = f"joints {joints}: engines read the file with several single joints in place of each"
+            found.add(NOT_CONFIRMED, text, Span(path.as_posix()))
         checks = verify_against_source(
             source,
             Span(path.as_posix()),
@@ -86,9 +96,43 @@ def compared_with_source(
 
 def _given_names(robot: Robot, lowered: Robot) -> Renaming:
     """The model's names of the joints that a format needs other names for."""
-    names = {joint.child: joint.name for joint in robot.joints}
-    changed = {joint.name: names[joint.child] for joint in lowered.joints if joint.child in names}
+    whole = {joint.child: (joint,) for joint in robot.joints}
+    changed = {}
+    for joint in robot.joints:
+        chain = _chain(lowered, joint)
+        for names in (whole, steps_by_child(robot), _single_steps(robot)):
+            if len(names[joint.child]) == len(chain):
+                changed.update({new.name: old.name for new, old in zip(chain, names[joint.child], strict=True)})
+                break
     return Renaming(joints={new: old for new, old in changed.items() if new != old})
+
+
+def _chain(robot: Robot, joint: Joint) -> tuple[Joint, ...]:
+    """The joints of a robot that represent one between the same two links, from the parent on."""
+    above = {one.child: one for one in robot.joints}
+    chain = [above[joint.child]]
+    while chain[0].parent != joint.parent:
+        chain.insert(0, above[chain[0].parent])
+    return tuple(chain)
+
+
+def _single_steps(robot: Robot) -> dict[str, tuple[Joint, ...]]:
+    """For each link below a joint, the chain of single joints that represents this joint."""
+    single = unfolded(robot)
+    return {joint.child: _chain(single, joint) for joint in robot.joints}
+
+
+def _chains(description: Description, described: Described) -> dict[str, ChainNames]:
+    """The joints of a URDF that engines do not read alike, and the names of the single joints that they become."""
+    if description.observation.format != "urdf":
+        return {}
+    steps, several = _single_steps(described.robot), (JointKind.PLANAR, JointKind.FLOATING)
+    found = {joint.name: steps[joint.child] for joint in described.robot.joints if joint.kind in several}
+    old = {new: name for name, new in described.names.joints.items()}
+    return {
+        old.get(name, name): ChainNames(tuple(one.name for one in chain), tuple(one.child for one in chain[:-1]))
+        for name, chain in found.items()
+    }
 
 
 def _lost_by(written_in: str, robot: Robot) -> dict[Quantity, str]:

@@ -289,9 +289,8 @@ def _clear_of_locks(
     random = np.random.Generator(np.random.PCG64(SEED + 2))
     clear = []
     for q in drawn:
-        for one in by:
-            while not all(other.is_clear(q) for other in by):
-                q = one.turned_elsewhere(q, random)
+        while locked := next((one for one in by if not one.is_clear(q)), None):
+            q = locked.turned_elsewhere(q, random)  # it alone is known to have a ball joint to turn
         clear.append(q)
     return tuple(clear)
 

@@ -69,7 +69,8 @@ CODES: tuple[Code, ...] = (
         "warning",
         "source not confirmed",
         "No engine could read the converted file, so the written files are compared with stepbot's own reading of it alone; or the "
-        "file does not give the mass properties of a link, and those that its format defines are written.",
+        "file does not give the mass properties of a link, and those that its format defines are written; or a URDF has planar or "
+        "floating joints, which engines fix, reject or name differently: they read a copy with several single joints in place of each.",
         "A misreading would not be noticed.",
         "Install an engine that reads the format (`pip install stepbot[verify]`), or give the missing values in the source.",
     ),

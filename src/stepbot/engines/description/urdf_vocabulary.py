@@ -63,17 +63,24 @@ _JOINT = {
     "parent": "link",
     "child": "link",
     "axis": "xyz",
+}
+_DRIVEN = {
+    **_JOINT,
     "limit": "lower upper effort velocity",
     "dynamics": "damping friction",
     "mimic": "joint multiplier offset",
 }
+_TYPES = ("revolute", "continuous", "prismatic", "fixed")
+"""Types of joints that have one position, or none."""
 
 URDF = Vocabulary(
     read={
         "robot": "name version",
         **each(["robot"], _MATERIAL),
         **paths("robot/link", _LINK),
-        **paths("robot/joint", _JOINT),
+        **each([f"robot/joint[{kind}]" for kind in _TYPES], _DRIVEN),
+        "robot/joint[*]": "",
+        **each(["robot/joint[planar]", "robot/joint[floating]"], _JOINT),
         **paths("robot/transmission", _TRANSMISSION),
         **paths("robot/ros2_control", _CONTROL),
         **paths("robot/gazebo", _GAZEBO),
@@ -97,4 +104,5 @@ URDF = Vocabulary(
         "plugin": "simulator plugins and hardware interfaces are set up anew",
         "drake:proximity_properties": "contact properties are those of the formats' defaults",
     },
+    kinds={"robot/joint": "type"},
 )

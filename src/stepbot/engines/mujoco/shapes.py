@@ -71,6 +71,9 @@ def geom_bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:
         mesh = model.geom_dataid[g]
         start = model.mesh_vertadr[mesh]
         vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
+        if not collides(compiled, g):  # what is seen are the faces; the hull that collides has all vertices
+            first = model.mesh_faceadr[mesh]
+            vertices = vertices[np.unique(model.mesh_face[first : first + model.mesh_facenum[mesh]])]
         return mesh_bounds(np.asarray(vertices, dtype=np.float64), X_LG)
     return _primitive_bounds(engine, kind, size, X_LG)
 

@@ -124,7 +124,8 @@ def _rgba(material: Any) -> tuple[float, ...]:
 
 def _joint(joint: Any) -> ObservedJoint:
     if joint.type not in _MOVING:
-        return ObservedJoint(joint.name, joint.type, joint.parent, joint.child, mimic_read=True)
+        axis = vector3(unit(joint.axis)) if joint.type == "planar" else None
+        return ObservedJoint(joint.name, joint.type, joint.parent, joint.child, axis=axis, mimic_read=True)
     mimic = joint.mimic
     return ObservedJoint(
         joint.name,

@@ -1,0 +1,41 @@
+"""A copy of a description that every engine can read; to be called in a worker process."""
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from .resources import resolve
+from .urdf_chains import ChainNames, with_chains
+
+Element = Any
+"""``lxml.etree._Element``."""
+
+
+def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[str, ChainNames]) -> None:
+    """Write a copy with absolute paths of meshes, and with single joints in place of others.
+
+    Engines do not search folders of packages. A mesh that is not found keeps its name.
+
+    Args:
+        file: The description.
+        copy: Path of the copy.
+        packages: Folders of packages.
+        chains: Planar and floating joints of a URDF, and the names of what replaces each.
+    """
+    from lxml import etree
+
+    top = etree.parse(file, etree.XMLParser(resolve_entities=False, no_network=True)).getroot()
+    _locate(top, Path(file), packages)
+    with_chains(top, chains)
+    Path(copy).write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
+
+
+def _locate(top: Element, file: Path, packages: Iterable[Path]) -> None:
+    """Make the paths of meshes absolute."""
+    for element in top.iter("mesh", "uri"):
+        uri = element.get("filename", "") or (element.text or "").strip()
+        found = resolve(uri, file, packages) if uri else None
+        if found is not None and element.get("filename"):
+            element.set("filename", found.resolve().as_posix())
+        elif found is not None:
+            element.text = found.resolve().as_posix()

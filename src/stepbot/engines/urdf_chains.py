@@ -1,0 +1,70 @@
+"""URDF with chains of single joints in place of planar and floating joints.
+
+Engines differ in what they make of these: PyBullet and yourdfpy fix them, MuJoCo rejects a floating joint within a robot, and
+names the directions of a plane itself. https://wiki.ros.org/urdf/XML/joint
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from stepbot.geometry.spatial import Vector3, perpendicular_frame, vector3
+
+Element = Any
+"""``lxml.etree._Element``."""
+
+_X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+_UNLIMITED = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}
+"""A prismatic joint must have limits."""
+
+
+@dataclass(frozen=True)
+class ChainNames:
+    """Names of what replaces a joint, from the parent on."""
+
+    joints: tuple[str, ...]
+    links: tuple[str, ...]
+    """The links in between, one less than the joints."""
+
+
+def with_chains(robot: Element, chains: Mapping[str, ChainNames]) -> None:
+    """Replace joints by chains.
+
+    Args:
+        robot: The root element of a URDF; changed.
+        chains: Planar and floating joints, and the names of what replaces each.
+    """
+    for joint in robot.findall("joint"):
+        names = chains.get(joint.get("name", ""))
+        if names is not None:
+            _replace(robot, joint, names)
+
+
+def _replace(robot: Element, joint: Element, names: ChainNames) -> None:
+    from lxml import etree
+
+    ends = [joint.find(tag).get("link") for tag in ("parent", "child")]
+    links = [ends[0], *names.links, ends[1]]
+    for name in names.links:
+        etree.SubElement(robot, "link", name=name)
+    steps = zip(names.joints, _steps(joint), links[:-1], links[1:], strict=True)
+    for number, (name, (kind, axis), parent, child) in enumerate(steps):
+        step = etree.SubElement(robot, "joint", name=name, type=kind)
+        etree.SubElement(step, "parent", link=parent)
+        etree.SubElement(step, "child", link=child)
+        etree.SubElement(step, "axis", xyz=" ".join(map(repr, axis)))
+        if kind == "prismatic":
+            etree.SubElement(step, "limit", _UNLIMITED)
+        if not number and joint.find("origin") is not None:
+            step.append(joint.find("origin"))
+    robot.remove(joint)
+
+
+def _steps(joint: Element) -> list[tuple[str, Vector3]]:
+    """Type and axis of each joint of a chain."""
+    if joint.get("type") == "floating":
+        return [("prismatic", _X), ("prismatic", _Y), ("prismatic", _Z), *(("continuous", one) for one in (_Z, _Y, _X))]
+    axis = joint.find("axis")
+    given = "1 0 0" if axis is None else axis.get("xyz", "1 0 0")
+    x, y, z = (vector3(column) for column in perpendicular_frame([float(part) for part in given.split()]).T)
+    return [("prismatic", x), ("prismatic", y), ("continuous", z)]

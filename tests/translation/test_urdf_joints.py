@@ -1,0 +1,165 @@
+"""URDFs with joints and links that engines represent differently: floating and planar joints, links without mass."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from stepbot.jobs.incremental import convert
+from stepbot.pipeline import writing
+from stepbot.pipeline.conversion import Conversion, Options
+from stepbot.report.record import Status
+from stepbot.robot.model import Base, Joint, JointKind, Link, Robot
+from stepbot.robot.multi_dof import planar_to_three
+
+pytestmark = pytest.mark.xdist_group("joints of others")
+
+_BODY = """<inertial><origin xyz="{0} 0.02 -0.01"/><mass value="1.5"/>
+  <inertia ixx="0.02" ixy="0.001" ixz="-0.002" iyy="0.021" iyz="0.0005" izz="0.024"/></inertial>"""
+
+
+def _link(name: str, x: float = 0.1) -> str:
+    return f'<link name="{name}">{_BODY.format(x)}</link>'
+
+
+def _joint(name: str, kind: str, parent: str, child: str, more: str = "") -> str:
+    return (
+        f'<joint name="{name}" type="{kind}"><parent link="{parent}"/><child link="{child}"/>'
+        f'<origin xyz="0.1 0.2 0.3" rpy="0.3 -0.2 0.7"/>{more}</joint>'
+    )
+
+
+HINGE = '<axis xyz="0 1 0"/><limit lower="-1" upper="2" effort="10" velocity="2"/>'
+STAGE = (
+    '<robot name="stage"><link name="base_footprint"/>'
+    + _link("base_link")
+    + _link("table")
+    + _link("arm")
+    + _link("drone")
+    + '<link name="tool0"/>'
+    + _joint("base", "fixed", "base_footprint", "base_link")
+    + _joint("table", "planar", "base_link", "table", '<axis xyz="2 -1 2"/><limit effort="1" velocity="1"/>')
+    + _joint("hinge", "revolute", "table", "arm", HINGE)
+    + _joint("free", "floating", "base_link", "drone")
+    + _joint("tool", "fixed", "arm", "tool0", '<axis xyz="0 0 0"/>')
+    + "</robot>"
+)
+"""A stage with a planar joint and a free body, and links without mass as ROS has them at both ends."""
+DRONE = (
+    '<robot name="drone"><link name="world"/>'
+    + _link("body")
+    + _link("arm")
+    + _joint("free", "floating", "world", "body")
+    + _joint("hinge", "revolute", "body", "arm", HINGE)
+    + "</robot>"
+)
+
+
+def _converted(folder: Path, text: str, *formats: str) -> Conversion:
+    path = folder / "source.urdf"
+    path.write_text(text, encoding="utf-8")
+    return convert(path, Options(folder / "out", formats=formats))
+
+
+@pytest.fixture(scope="module")
+def stage(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Conversion]:
+    """The stage in all formats that have kinematics."""
+    pytest.importorskip("pxr")
+    folder = tmp_path_factory.mktemp("stage")
+    return folder, _converted(folder, STAGE, "urdf", "sdf", "mjcf", "usd")
+
+
+def test_planar_and_floating_joints_convert_with_proof(stage: tuple[Path, Conversion]) -> None:
+    """Every written file has the joints of the source, which engines read with single joints in their place."""
+    folder, conversion = stage
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert conversion.report is not None
+    checks = [check for check in conversion.report.checks if check.against == "source.urdf (mujoco)"]
+    passed = {(check.file, check.quantity) for check in checks if check.status is Status.PASSED}
+    for file in ("stage.urdf", "stage.sdf", "stage.xml", "stage.usda"):
+        assert {(file, "joints"), (file, "axes"), (file, "mass"), (file, "poses")} <= passed
+    for file in ("stage.urdf", "stage.sdf", "stage.xml"):
+        assert {(file, "mass matrix"), (file, "gravity forces"), (file, "inverse dynamics")} <= passed
+    report = json.loads((folder / "out" / "report.json").read_text(encoding="utf-8"))
+    assert {one["name"]: one["kind"] for one in report["robot"]["joints"]} == {
+        "base": "fixed",
+        "table": "planar",
+        "hinge": "revolute",
+        "free": "floating",
+        "tool": "fixed",
+    }
+
+
+def test_joints_that_engines_do_not_read_are_reported(stage: tuple[Path, Conversion]) -> None:
+    """The warning names them; bounds of the planar joint, which URDF does not define, are declared as lost."""
+    _, conversion = stage
+    (unconfirmed,) = [one for one in conversion.diagnostics if one.code == "SB867"]
+    assert "'table' (planar), 'free' (floating)" in unconfirmed.message
+    lost = [one.message for one in conversion.diagnostics if one.code == "SB860"]
+    assert lost == ["<limit> in <joint>: not converted"]
+
+
+def test_masses_for_openusd_are_a_declared_difference(stage: tuple[Path, Conversion]) -> None:
+    """OpenUSD's stand-in masses change the mass matrix: it is compared with the model, not with the source."""
+    _, conversion = stage
+    assert conversion.report is not None
+    of_usd = [check for check in conversion.report.checks if check.file == "stage.usda"]
+    matrices = {check.against: check for check in of_usd if check.quantity == "mass matrix"}
+    assert matrices["source.urdf (mujoco)"].status is Status.NOT_RUN
+    assert "SB741" in matrices["source.urdf (mujoco)"].why
+    assert Status.PASSED in {check.status for check in matrices.values()}
+
+
+def test_robot_that_floats_in_the_world(tmp_path: Path) -> None:
+    """A floating joint below the link `world` is a floating base."""
+    conversion = _converted(tmp_path, DRONE, "urdf", "sdf", "mjcf")
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert not {"SB867", "SB868"} & {one.code for one in conversion.diagnostics}
+    (lost,) = [one.message for one in conversion.diagnostics if one.code == "SB860"]
+    assert lost.endswith("the robot starts upright")
+    assert conversion.robot is not None
+    assert conversion.robot.base is Base.FLOATING
+    assert [link.name for link in conversion.robot.links] == ["body", "arm"]
+    assert b"<freejoint" in conversion.files["drone.xml"]
+
+
+def test_misread_plane_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Were the normal of the plane misread, the files would differ from the source."""
+    described = writing.rendered
+
+    def misread(robot: Robot, *rest: object) -> writing.Rendered:
+        joints = tuple(replace(one, axis=(0.0, 0.0, 1.0)) if one.kind == "planar" else one for one in robot.joints)
+        return described(replace(robot, joints=joints), *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr("stepbot.pipeline.translating.rendered", misread)
+    conversion = _converted(tmp_path, STAGE, "mjcf")
+    assert "SB806" in {one.code for one in conversion.diagnostics if one.severity == "error"}
+
+
+@pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.6, 0.0, 0.8), (2 / 3, -1 / 3, 2 / 3)])
+def test_plane_is_that_of_mujoco(axis: tuple[float, float, float]) -> None:
+    """MuJoCo's own reading of a planar joint moves in the same plane and turns about the same axis."""
+    text = f'<robot name="r">{_link("a")}{_link("b")}' + _joint(
+        "plane", "planar", "a", "b", f'<axis xyz="{axis[0]!r} {axis[1]!r} {axis[2]!r}"/>'
+    )
+    model = mujoco.MjModel.from_xml_string(f"{text}</robot>")
+    joint = Joint("plane", JointKind.PLANAR, "a", "b", axis=axis)
+    ours = [one.axis for one in planar_to_three(Robot("r", (Link("a"), Link("b")), (joint,))).joints]
+    assert model.jnt_type.tolist() == [2, 2, 3]
+    assert np.cross(model.jnt_axis[0], model.jnt_axis[1]) == pytest.approx(np.cross(ours[0], ours[1]))
+    assert model.jnt_axis[2] == pytest.approx(np.array(ours[2]))
+
+
+def test_vertices_without_faces_are_no_difference(tmp_path: Path) -> None:
+    """MuJoCo's size of a visual is that of its faces, as in the mesh that is written."""
+    corners = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nv 5 5 5\n"
+    (tmp_path / "tip.obj").write_text(f"{corners}f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n", encoding="utf-8")
+    shape = '<visual><geometry><mesh filename="tip.obj"/></geometry></visual>'
+    conversion = _converted(tmp_path, f'<robot name="tip"><link name="tip">{_BODY.format(0)}{shape}</link></robot>', "mjcf")
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert conversion.report is not None
+    passed = {check.quantity for check in conversion.report.checks if check.status is Status.PASSED}
+    assert "meshes" in passed
