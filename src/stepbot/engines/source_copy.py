@@ -6,6 +6,7 @@ from typing import Any
 
 from .resources import resolve
 from .urdf_chains import ChainNames, with_chains
+from .xml_root import xml_root
 
 Element = Any
 """``lxml.etree._Element``."""
@@ -24,7 +25,7 @@ def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[
     """
     from lxml import etree
 
-    top = etree.parse(file, etree.XMLParser(resolve_entities=False, no_network=True)).getroot()
+    top = xml_root(Path(file))
     _locate(top, Path(file), packages)
     with_chains(top, chains)
     Path(copy).write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
