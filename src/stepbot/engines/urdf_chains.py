@@ -1,7 +1,7 @@
 """URDF with chains of single joints in place of planar and floating joints.
 
-Engines differ in what they make of these: PyBullet and yourdfpy fix them, MuJoCo rejects a floating joint within a robot, and
-names the directions of a plane itself. https://wiki.ros.org/urdf/XML/joint
+Engines differ in what they make of these: PyBullet and yourdfpy fix them, MuJoCo rejects a floating joint within a
+robot, and names the directions of a plane itself. https://wiki.ros.org/urdf/XML/joint
 """
 
 from collections.abc import Mapping

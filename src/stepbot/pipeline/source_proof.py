@@ -36,8 +36,8 @@ _CHANGED = {
     "SB745": (Quantity.ACTUATORS,),
     "SB750": (Quantity.JOINTS, Quantity.LIMITS),
 }
-"""Quantities in which files differ from the source by what their format lacks: bounds of actuators, links without mass, far
-stops."""
+"""Quantities in which files differ from the source by what their format lacks: bounds of actuators, masses of
+links that have none, far stops."""
 _COPIED = "stepbot.engines.source_copy:source_copy"
 
 

@@ -25,7 +25,7 @@ from .compiled import Compiled
 from .contacts import excluded_pairs
 from .devices import observed_actuators, observed_frames, observed_sensors
 from .joints import observed_joints
-from .shapes import observed_shapes
+from .shapes import collides, observed_shapes, stray_mesh
 from .warnings import collected_warnings
 
 if TYPE_CHECKING:
@@ -76,7 +76,15 @@ def observe(request: Request) -> Observation:
         if request.simulate:
             finite, reversals = simulate(compiled, request)
             observation, notes = replace(observation, simulation_finite=finite), (*notes, *reversals)
+    notes = (*notes, *_strays(compiled))
     return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=notes)
+
+
+def _strays(compiled: Compiled) -> tuple[str, ...]:
+    """A note on visuals whose size MuJoCo does not report."""
+    meshes = [stray_mesh(compiled, g) for g in range(compiled.model.ngeom) if not collides(compiled, g)]
+    names = ", ".join(f"'{name}'" for name in sorted({name for name in meshes if name is not None}))
+    return (f"size of visuals not compared, of meshes with vertices without faces: {names}",) if names else ()
 
 
 def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:
@@ -207,8 +215,9 @@ def _gravity(compiled: Compiled) -> tuple[float, ...]:
 
 
 def _around(shapes: Sequence[ObservedShape]) -> Bounds | None:
-    boxes = [shape.bounds for shape in shapes if shape.bounds is not None]
-    return join_bounds(boxes) if boxes else None
+    boxes = [shape.bounds for shape in shapes]
+    known = [box for box in boxes if box is not None]
+    return join_bounds(known) if known and len(known) == len(boxes) else None
 
 
 def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynamics:

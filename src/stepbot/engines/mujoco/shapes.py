@@ -28,8 +28,9 @@ def observed_shapes(compiled: "Compiled", body: int, *, touched: bool, mjcf: boo
         if not (collides(compiled, g) if touched else is_visual(compiled, g, mjcf=mjcf)):
             continue
         model = compiled.model
+        X_LG = Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g])
         shape = ObservedShape(
-            bounds=geom_bounds(compiled, g, Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g]))
+            bounds=geom_bounds(compiled, g, X_LG) if touched or stray_mesh(compiled, g) is None else None
         )
         if mjcf:
             rgba = None if touched else color_of(compiled, g)
@@ -62,6 +63,19 @@ def is_visual(compiled: "Compiled", g: int, *, mjcf: bool) -> bool:
     return not collides(compiled, g) or (mjcf and int(compiled.model.geom_group[g]) <= _SHOWN)
 
 
+def stray_mesh(compiled: "Compiled", g: int) -> str | None:
+    """The mesh of a geom if vertices without faces make it larger: its hull has them, but nobody sees them."""
+    engine, model = compiled.engine, compiled.model
+    if engine.mjtGeom(model.geom_type[g]) != engine.mjtGeom.mjGEOM_MESH:
+        return None
+    mesh = int(model.geom_dataid[g])
+    start, first = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
+    vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
+    seen = vertices[model.mesh_face[first : first + model.mesh_facenum[mesh]].ravel()]
+    larger = np.any(vertices.min(axis=0) < seen.min(axis=0)) or np.any(vertices.max(axis=0) > seen.max(axis=0))
+    return compiled.name("MESH", mesh) if larger else None
+
+
 def geom_bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:
     """Bounding box of a geom in a frame L."""
     engine, model = compiled.engine, compiled.model
@@ -71,9 +85,6 @@ def geom_bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:
         mesh = model.geom_dataid[g]
         start = model.mesh_vertadr[mesh]
         vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
-        if not collides(compiled, g):  # what is seen are the faces; the hull that collides has all vertices
-            first = model.mesh_faceadr[mesh]
-            vertices = vertices[np.unique(model.mesh_face[first : first + model.mesh_facenum[mesh]])]
         return mesh_bounds(np.asarray(vertices, dtype=np.float64), X_LG)
     return _primitive_bounds(engine, kind, size, X_LG)
 
