@@ -1,4 +1,4 @@
-"""Stops of drafted joints, where their limits are not known: a lead for who fills in the limits, and no more."""
+"""Stops of drafted joints, where their limits are unknown: hints for whoever fills in the limits."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -22,7 +22,7 @@ class SeamShape(StrEnum):
     """What a face shows by itself."""
 
     ROUND = "round"
-    """It goes round its axis, at least half."""
+    """A face of revolution that covers at least half of a turn."""
     CRADLE = "cradle"
     """A bore that covers less: it has the axis of a shaft inside it."""
     CENTRED = "centred"

@@ -19,7 +19,7 @@ _POSITION = {"hinge": "rad", "slide": "m"}
 
 @dataclass(frozen=True)
 class Actuator:
-    """What the model says about an actuator."""
+    """An actuator of the model."""
 
     index: int
     name: str

@@ -190,7 +190,7 @@ class RobotEnv(gymnasium.Env, ABC):  # type: ignore[misc]
         return np.zeros(0)
 
     def _state_info(self) -> Info:
-        """What a task tells about a state."""
+        """Further values about a state, for ``info``."""
         return {}
 
     @abstractmethod

@@ -23,7 +23,7 @@ from .conversion import Options
 from .stages import produce
 
 _UNNAMED = re.compile(r"body(#\d+)?")
-"""Segments of components whose names say nothing."""
+"""Segments of paths that stepbot made for bodies without names."""
 _SLIDING = {JointKind.PRISMATIC, JointKind.SCREW, JointKind.CYLINDRICAL}
 _TURNING = {JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.SCREW, JointKind.CYLINDRICAL, JointKind.UNIVERSAL}
 

@@ -1,4 +1,4 @@
-"""JSON as text, indented as the json module does it, in a quarter of its time: an assembly may have 10,000 parts."""
+"""JSON as text, indented as the json module does it, in 0.6 of its time: an assembly may have 10,000 parts."""
 
 import json
 from collections.abc import Callable
@@ -27,16 +27,21 @@ def indented(document: Any, default: Callable[[Any], Any] = _not_serializable) -
 
 
 def _text(value: Any, indent: str, default: Callable[[Any], Any]) -> str:
-    if type(value) is str:
+    kind = type(value)
+    if kind is str:
         return _quoted(value)
-    if type(value) is float and isfinite(value):
+    if kind is int or (kind is float and isfinite(value)):
         return repr(value)
+    if value is None:
+        return "null"
+    if kind is bool:
+        return "true" if value else "false"
     inner = f"{indent}  "
     if isinstance(value, dict) and value:
         members = [f"{_quoted(name)}: {_text(member, inner, default)}" for name, member in value.items()]
         return f"{{{inner}{f',{inner}'.join(members)}{indent}}}"
     if isinstance(value, list | tuple) and value:
         return f"[{inner}{f',{inner}'.join([_text(member, inner, default) for member in value])}{indent}]"
-    if value is None or isinstance(value, str | int | float | dict | list | tuple):
+    if isinstance(value, str | int | float | dict | list | tuple):
         return json.dumps(value, ensure_ascii=False, allow_nan=False)
     return _text(default(value), indent, default)

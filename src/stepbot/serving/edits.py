@@ -85,7 +85,7 @@ def _add_closure(sidecar: Sidecar, question: Json) -> list[Change]:
 
 
 def _remove_joint(sidecar: Sidecar, question: Json) -> list[Change]:
-    """``{joint}``: its child link goes, too, and its parts with it, so that they are free again."""
+    """``{joint}``: its child link is removed, too; the parts of that link belong to no link then."""
     document, name = sidecar.document, text(question, "joint")
     if name in document.closures:
         return [Remove(("closures", name), with_draft=True)]
