@@ -171,8 +171,8 @@ CODES = (
         "The origin of a turning joint or closure was found on the line of cylindrical faces, and its frame has z along "
         "that line. `axis` names another direction of this frame.",
         "`axis` is in the joint's frame. The joint turns about a line across the shaft that was found, and every check of "
-        "the files passes, because they say the same.",
+        "the files passes, because all have the same axis.",
         "Write `axis: z` or `axis: -z`. The joint table of `stepbot check --step` has the direction in the STEP's frame; it "
-        "is no value for `axis`. To turn the frame first, use `offset: {rpy: [...]}`.",
+        "is not a value for `axis`. To turn the frame first, use `offset: {rpy: [...]}`.",
     ),
 )
