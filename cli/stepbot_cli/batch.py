@@ -14,6 +14,7 @@ from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from .columns import aligned
 from .command import Command, display_options, ignore_option, json_option
 from .convert import again_format_option, format_names, html_option, no_verify_option, strict_option
+from .counts import counted
 from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import paint, printable
 from .engines import require_option
@@ -229,12 +230,12 @@ def _report(found: Diagnostics, outcomes: "Sequence[Outcome]", as_json: bool, di
 
 
 def _table(outcomes: "Sequence[Outcome]") -> list[str]:
-    from stepbot.jobs.batch import counted
+    from stepbot.jobs.batch import check_counts
 
     color = wants_color(sys.stdout)
     rows = []
     for outcome in outcomes:
-        checks = counted(outcome)
+        checks = check_counts(outcome)
         warnings = sum(one.severity == "warning" for one in outcome.diagnostics)
         passed = ", ".join(f"{count} {name.replace('_', ' ')}" for name, count in checks.items() if count) or "-"
         seconds = f"{outcome.seconds:.1f}" if outcome.seconds else "-"
@@ -251,5 +252,5 @@ def _table(outcomes: "Sequence[Outcome]") -> list[str]:
         paint(head, "1", color),
         *body,
         "",
-        f"{len(outcomes)} robots: " + ", ".join(f"{n} {word}" for word, n in counts),
+        f"{counted(len(outcomes), 'robot')}: " + ", ".join(f"{n} {word}" for word, n in counts),
     ]

@@ -11,7 +11,7 @@ index      what came of it, as a page; imported when it is written
 
 from .executors import ClusterUnreachable, local_executor, on_cluster
 from .runs import Outcome, Status, run_batch
-from .summary import batch_document, counted, suites
+from .summary import batch_document, check_counts, suites
 from .tasks import Task, plan
 
 __all__ = [
@@ -20,7 +20,7 @@ __all__ = [
     "Status",
     "Task",
     "batch_document",
-    "counted",
+    "check_counts",
     "local_executor",
     "on_cluster",
     "plan",

@@ -10,7 +10,7 @@ from stepbot.runtime.output import failed_output
 from stepbot.viewing.report.index import Entry, index_page
 
 from .runs import Outcome, Status
-from .summary import counted
+from .summary import check_counts
 
 INDEX = "index.html"
 
@@ -37,7 +37,7 @@ def _entry(folder: Path, outcome: Outcome) -> Entry:
         (place / REPORT_PAGE).relative_to(folder).as_posix() if is_current and (place / REPORT_PAGE).is_file() else ""
     )
     robot = _robot(place / REPORT) if is_current else {}
-    checks = counted(outcome)
+    checks = check_counts(outcome)
     return Entry(
         outcome.task.name,
         outcome.status.value,

@@ -27,7 +27,7 @@ def checks_of(outcome: Outcome) -> list[Mapping[str, Any]]:
     return checks
 
 
-def counted(outcome: Outcome) -> dict[str, int]:
+def check_counts(outcome: Outcome) -> dict[str, int]:
     """Number of checks that passed, failed, did not run."""
     statuses = Counter(str(check["status"]) for check in checks_of(outcome))
     return {name.replace(" ", "_"): statuses[name] for name in ("passed", "failed", "not run")}
@@ -43,7 +43,7 @@ def batch_document(outcomes: Sequence[Outcome]) -> Json:
                 "sidecar": outcome.task.sidecar.as_posix(),
                 "output": outcome.task.output.as_posix(),
                 "status": outcome.status.value,
-                "checks": counted(outcome),
+                "checks": check_counts(outcome),
                 "seconds": round(outcome.seconds, 3),
                 "diagnostics": outcome.diagnostics,
             }
