@@ -85,7 +85,9 @@ def _parser() -> argparse.ArgumentParser:
     many.add_argument("robots", type=Path, metavar="DIR|LIST")
     many.add_argument("--dask", action="store_true", help="Dask clusters of one, two and four workers too")
     _common(many, _batch)
-    _common(commands.add_parser("scaling", help="time and memory over the size"), _scaling)
+    scaled = commands.add_parser("scaling", help="time and memory over the size")
+    scaled.add_argument("--only", choices=sorted(SCALES), help="more of this alone")
+    _common(scaled, _scaling)
     gated = commands.add_parser("gate", help="fail if the working tree needs 10 %% more processor time than a revision")
     gated.add_argument("--against", metavar="REVISION", help="[default: the last tag]")
     gated.add_argument("--calibrate", type=int, metavar="N", help="instead, N rounds of HEAD against itself")
@@ -194,7 +196,7 @@ def _batch(options: argparse.Namespace, folder: Path) -> None:
 
 def _scaling(options: argparse.Namespace, folder: Path) -> None:
     for kind, sizes in SCALES.items():
-        for assembly in sizes:
+        for assembly in sizes if options.only in (None, kind) else ():
             count = assembly.definitions if kind == "definitions" else assembly.definitions * assembly.occurrences
             sidecar = generate(assembly, folder / "generated", f"{kind}-{count}")
             _compare(options, case_of(sidecar, None, folder), [who.BARE, who.COLD])
