@@ -4,6 +4,9 @@
     nameless   without names
     bare       without names and subassemblies
 
+``to 1e-6`` counts the found joints whose axis is within 1e-6 m and 1e-6 rad of the reference; ``not drawn`` those of
+the others whose reference axis the faces of one link or both do not have, because one or the other is rounded.
+
 The robots are those of the library, and the real assemblies of the corpus that have a hand-written sidecar.
 """
 
@@ -29,7 +32,7 @@ MODES = {"full": Sources(), "nameless": Sources(names=False), "bare": Sources(na
 _COARSE = MeshTolerance(relative=0.05, angle=0.8)
 """Coarse: meshes are not compared here."""
 _NO_ROBOTS = ("as1-oc-214", "dm1_ideas_inch", "eight_cylinders_multi_root", "rotor_pump_ap203", "s1_autocad_foot")
-_HEADS = ("found", "seen", "precision", "wrong (unmarked)", "volume in the right link", "root")
+_HEADS = ("found", "to 1e-6", "not drawn", "seen", "precision", "wrong (unmarked)", "volume in the right link", "root")
 
 
 @dataclass(frozen=True)
@@ -62,7 +65,7 @@ def subjects(corpus: Path | None) -> Iterator[Subject]:
 def measure(corpus: Path | None, only: str = "") -> None:
     """Print a row per robot and mode, then the sums of each group."""
     sums: dict[tuple[str, str], list[Score]] = {}
-    print(f"{'':28}{'':10}" + "".join(f"{head:>{len(head) + 2}}" for head in _HEADS))
+    print(f"{'':28}{'':10}" + "".join(f"{head:>{_width(head)}}" for head in _HEADS))
     for subject in subjects(corpus):
         if only not in subject.name:
             continue
@@ -99,15 +102,22 @@ def _read(step: Path) -> Assembly:
 
 def _row(results: Iterable[Score]) -> str:
     rows = list(results)
-    true, found, seen, drafted = (sum(getattr(r, name) for r in rows) for name in ("true", "found", "seen", "drafted"))
+    counts = "true", "found", "exact", "undrawn", "seen", "drafted"
+    true, found, exact, undrawn, seen, drafted = (sum(getattr(r, name) for r in rows) for name in counts)
     wrong, unmarked = sum(len(r.wrong) for r in rows), sum(r.unmarked for r in rows)
     volume = sum(r.volume for r in rows) / len(rows)
     cells = (
         f"{found}/{true}",
+        f"{exact}/{found}",
+        f"{undrawn}",
         f"{seen}/{true}",
         f"{found / max(1, drafted):.0%}",
         f"{wrong} ({unmarked})",
         f"{volume:.1%}",
         f"{sum(r.root for r in rows)}/{len(rows)}",
     )
-    return "".join(f"{cell:>{len(head) + 2}}" for cell, head in zip(cells, _HEADS, strict=True))
+    return "".join(f"{cell:>{_width(head)}}" for cell, head in zip(cells, _HEADS, strict=True))
+
+
+def _width(head: str) -> int:
+    return max(len(head), len("000/000")) + 2

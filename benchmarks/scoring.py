@@ -11,10 +11,11 @@ from stepbot.authoring.inference import Inferred
 from stepbot.authoring.loops import Arc
 from stepbot.robot.model import JointKind
 
+from .axis_accuracy import AxisAccuracy
 from .truth import TrueJoint, Truth, unit_distance
 
 DISTANCE, ANGLE = 2e-5, 1e-3
-"""[m] and [rad] up to which an axis is correct."""
+"""[m] and [rad] up to which an axis is that of a true joint: coaxial faces of a STEP agree to within these."""
 _SAME = {JointKind.CONTINUOUS: JointKind.REVOLUTE}
 
 
@@ -27,6 +28,10 @@ class Score:
     """Without placeholders, which are fixed joints to unconnected links."""
     found: int = 0
     """With the right axis, type and links."""
+    exact: int = 0
+    """Found ones whose axis is within 1e-6 m and 1e-6 rad of the true one."""
+    undrawn: int = 0
+    """Found ones, not exact, whose true axis the faces of one link or both do not have within these tolerances."""
     seen: int = 0
     """With the right axis, drafted or offered."""
     wrong: list[str] = field(default_factory=list)
@@ -45,11 +50,16 @@ def score(inferred: Inferred, truth: Truth) -> Score:
     arcs = [arc for arc in inferred.arcs if arc.hinge.type != JointKind.FIXED]
     result.drafted = len(arcs)
     used: set[int] = set()
+    accuracy = AxisAccuracy(inferred, truth)
     for joint in truth.joints:
         best = max((_match(arc, joint, link_of, n) for n, arc in enumerate(arcs) if n not in used), default=(0, 0))
         if best[0] >= 2:
             used.add(-best[1])
         result.found += best[0] == 3
+        if best[0] == 3:
+            is_exact = accuracy.is_exact(arcs[-best[1]], joint)
+            result.exact += is_exact
+            result.undrawn += not is_exact and not accuracy.is_drawn(joint)
         seen = best[0] >= 1 or any(_is_on(hinge.axis, hinge.type, joint) for hinge in inferred.offered)
         result.seen += seen
         if best[0] < 3:

@@ -1,5 +1,6 @@
 """Scores of joint inference count correct and wrong joints."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,15 @@ def test_all_right(four_bar: tuple[Inferred, Truth]) -> None:
     result = score(*four_bar)
     assert (result.true, result.found, result.seen, result.wrong, result.root) == (4, 4, 4, [], True)
     assert result.volume == pytest.approx(1.0)
+    assert (result.exact, result.undrawn) == (4, 0)
+
+
+def test_an_axis_2_micrometres_off_is_found_and_not_exact(four_bar: tuple[Inferred, Truth]) -> None:
+    """A reference beside the axis that the faces of both links have is not drawn; its joint is found, not exactly."""
+    inferred, truth = four_bar
+    moved = [replace(truth.joints[0], point=truth.joints[0].point + 2e-6), *truth.joints[1:]]
+    result = score(inferred, replace(truth, joints=moved))
+    assert (result.found, result.exact, result.undrawn) == (4, 3, 1)
 
 
 def test_a_wrong_type_is_wrong_and_seen(four_bar: tuple[Inferred, Truth]) -> None:

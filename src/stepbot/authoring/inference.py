@@ -1,10 +1,11 @@
 """Infers links, joints and closures from an assembly, to draft a sidecar."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 from stepbot.step.assembly import Assembly
 
+from . import locked, pivots
 from .bearings import bearing_evidence
 from .decision import Decision, adopt, decide
 from .doubts import note_doubts
@@ -45,6 +46,8 @@ class Inferred:
     motors: list[Motor]
     guesses: dict[int, str]
     """Reasons for guessed assignments of parts."""
+    pivots: list[JointKey] = field(default_factory=list)
+    """Joints within links where only one round contact holds two sides together."""
 
 
 def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES, facts: Facts = NO_FACTS) -> Inferred:
@@ -58,16 +61,18 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
     Raises:
         KeyError: A fact is about a path that is not that of a part.
     """
-    found = _infer(survey, facts, ())
-    needed: list[JointKey] = []
+    found = _infer(survey, facts, {})
+    needed = dict.fromkeys(found.pivots, pivots.REVIEW)
+    if needed:
+        found = _infer(survey, facts, needed)
     # Each try infers everything again: the work is bounded by the number of parts.
     left = max(_FEWEST_TRIES, _TRIED_PARTS // max(1, len(survey.parts)))
-    while locked := locked_arcs(found.arcs):
-        for key in missing_joints(found.arcs, found.offered, found.links, locked)[:left]:
+    while stuck := locked_arcs(found.arcs):
+        for key in missing_joints(found.arcs, found.offered, found.links, stuck)[:left]:
             left -= 1
-            tried = _infer(survey, facts, (*needed, key))
-            if len(locked_arcs(tried.arcs)) < len(locked):
-                needed.append(key)
+            tried = _infer(survey, facts, {**needed, key: locked.REVIEW})
+            if len(locked_arcs(tried.arcs)) < len(stuck):
+                needed[key] = locked.REVIEW
                 found = tried
                 break
         else:
@@ -75,7 +80,7 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
     return found
 
 
-def _infer(survey: Survey, facts: Facts, needed: Sequence[JointKey]) -> Inferred:
+def _infer(survey: Survey, facts: Facts, needed: Mapping[JointKey, str]) -> Inferred:
     motors = find_motors(survey)
     evidence = Evidence()
     fact_evidence(survey, facts, evidence)
@@ -90,9 +95,10 @@ def _infer(survey: Survey, facts: Facts, needed: Sequence[JointKey]) -> Inferred
     several_axes(structure, evidence)
     promote(evidence, needed)
     made = decide(survey, motors, evidence)
+    found = pivots.lone_pivots(made, structure)
     tie_by_seams(made)
     adopt(made, structure)
-    return _arranged(made, structure, motors, facts)
+    return replace(_arranged(made, structure, motors, facts), pivots=found)
 
 
 def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: Facts) -> Inferred:

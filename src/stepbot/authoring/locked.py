@@ -4,11 +4,12 @@ A loop of joints that is drawn as a mechanism moves. If its axes do not let it, 
 on a face or a pair of holes for instance, turn on each other: the joint that lets the loop move is needed.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 from .evidence import Evidence, Fate, Hinge, Rank
 from .loops import Arc
 
+REVIEW = "without it a loop of joints could not move"
 _SCORE = 0.6
 _WEAKEST = 0.3
 """Score from which a refused joint may be needed."""
@@ -37,9 +38,9 @@ def missing_joints(
     return list(dict.fromkeys((h.a, h.b, str(h.type)) for h in inside))[:_MOST]
 
 
-def promote(evidence: Evidence, needed: Sequence[JointKey]) -> None:
-    """Let needed joints come before the evidence against them."""
+def promote(evidence: Evidence, needed: Mapping[JointKey, str]) -> None:
+    """Let needed joints come before the evidence against them; each with what to review."""
     for h in evidence.hinges:
-        if (h.a, h.b, str(h.type)) in needed:
-            h.rank, h.score = Rank.NEEDED, max(h.score, _SCORE)
-            h.review = "without it a loop of joints could not move"
+        review = needed.get((h.a, h.b, str(h.type)))
+        if review is not None:
+            h.rank, h.score, h.review = Rank.NEEDED, max(h.score, _SCORE), review

@@ -13,6 +13,8 @@ from .survey import Survey
 
 _SPIGOT = 0.5
 """Length of a shaft in its bore, in radii, below which it is centred but not guided."""
+_PLAY, _EXACT = 1e-5, 1e-6
+"""Difference of radii [m] from which a shaft has play in its bore, and up to which it fills it."""
 
 
 class PairEvidence:
@@ -20,6 +22,7 @@ class PairEvidence:
 
     def __init__(self, survey: Survey, structure: Structure, found: Evidence) -> None:
         self._survey, self._structure, self._found = survey, structure, found
+        self._draws_play = any(_has_play(relation) for _, relation in survey.pairs())
 
     def say(self, motors: list[Motor]) -> None:
         """Go through all pairs."""
@@ -86,6 +89,8 @@ class PairEvidence:
         if not across and r.axis is not None and self._survey.has_screw_at(r.axis):
             score -= 0.25
             self._weld(r, 0.51, "clamped by a screw on its axis")
+        if not across and self._draws_play and max(fit.clearance for fit in r.shafts) < _EXACT:
+            self._weld(r, 0.74, "shaft as thick as its bore, where others have play")
         shoulder = " with a shoulder" if r.freedom.kind == FreedomKind.REVOLUTE else ""
         self._hinge(r, score, JointKind.REVOLUTE, f"{_engaged(r)}{shoulder}")
 
@@ -146,6 +151,14 @@ def several_axes(structure: Structure, found: Evidence) -> None:
             for h in hinges:
                 h.score = min(h.score, 0.45)
                 found.weld(0.74, h.a, h.b, "several axes between two subassemblies")
+
+
+def _has_play(r: Relation) -> bool:
+    """Whether a shaft that is guided all around is drawn thinner than its bore."""
+    if r.via != Via.PIN:
+        return False
+    guided = [fit for fit in r.shafts if fit.full and fit.length >= _SPIGOT * fit.radius]
+    return any(fit.clearance > _PLAY and (fit.radius_a < fit.radius_b) == (fit.shaft == fit.a) for fit in guided)
 
 
 def _engaged(r: Relation) -> str:

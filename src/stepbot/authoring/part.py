@@ -44,16 +44,16 @@ class Part:
         """Whether it is a fastener or a seal."""
         return self.role in SMALL_PARTS
 
-    def is_balanced(self, axis: Axis) -> bool:
-        """Whether its mass is symmetric about an axis, as that of a turned part is."""
-        if not self.volume or axis.distance(self.com) > _OFF_AXIS * self.size:
+    def is_balanced(self, axis: Axis, within: float = 1.0) -> bool:
+        """Whether its mass is symmetric about an axis, as a turned part's is; ``within`` scales the tolerances."""
+        if not self.volume or axis.distance(self.com) > within * _OFF_AXIS * self.size:
             return False
         tilt = float(np.linalg.norm(cross(self.inertia @ axis.d, axis.d)))
-        if tilt > _TILT * float(np.trace(self.inertia)):
+        if tilt > within * _TILT * float(np.trace(self.inertia)):
             return False
         across = perpendicular_frame(axis.d)[:, :2]
         small, large = np.linalg.eigvalsh(across.T @ self.inertia @ across).tolist()
-        return bool(large - small < _UNEVEN * large)
+        return bool(large - small < within * _UNEVEN * large)
 
 
 def joint_box(parts: Iterable[Part]) -> Array:

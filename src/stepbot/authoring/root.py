@@ -13,7 +13,10 @@ _LOOSE = 0.2
 """Share of the assembly's volume below which a cluster without joints is not the root."""
 _NAMED_SHARE = 0.05
 """Share of its cluster's volume from which a part's name counts."""
-_BRANCHES, _MOST_BRANCHES = 3, 6
+_BRANCHES, _TRUNK = 3, 1.6
+"""Number of joints from which a cluster is a trunk, and what that counts: more joints do not count more, since the
+platform of a parallel robot has as many as its base, and a hand as many as a torso.
+"""
 
 
 def find_root(made: Decision, structure: Structure, joints: Sequence[Link], motors: Sequence[Motor]) -> int:
@@ -44,7 +47,7 @@ def _rank(
     bottom = 1.0 - (low - float(survey.box[0][2])) / max(1e-9, survey.extent)
     rank = 1.5 * named + share + 0.5 * bottom
     if branches >= _BRANCHES:
-        rank += 1.0 + 0.2 * min(branches, _MOST_BRANCHES)
+        rank += _TRUNK
     if branches == 1:
         rank += 0.3 + 0.4 * ((holds > 0) - (holds < 0))
     return round(rank, 9)

@@ -86,3 +86,17 @@ def test_pin_in_an_arm_that_lies_on_a_plate_is_marked() -> None:
     found = evidence(group("a", part("pin", PIN)), group("b", part("arm", arm)))
     assert strongest(found) == "revolute"
     assert 0.5 < found.ranked()[0].score < 0.8
+
+
+def test_shaft_as_thick_as_its_bore_is_fixed_where_others_have_play() -> None:
+    """A shaft without play turns in its bore if no pin of the assembly has any, else it is pressed in."""
+    tight = [
+        part("shaft", cylinder(10, 60)),
+        part("lever", box(80, 60, 25).at(0, 0, 30) - cylinder(10, 25).at(0, 0, 17.5)),
+    ]
+    loose = [part("pin", PIN, x=500), part("arm", BORED, x=500)]
+    assert strongest(evidence(*tight)) == "revolute"
+    found = evidence(*tight, *loose)
+    best = {frozenset((e.a, e.b)): e for e in reversed(found.ranked())}
+    assert best[frozenset((1, 2))] in found.welds
+    assert best[frozenset((3, 4))] in found.hinges

@@ -1,6 +1,6 @@
 """The root link."""
 
-from tests.assembled import Node, inferred, links, part
+from tests.assembled import BARE, Node, inferred, links, part
 from tests.solids import box, cylinder
 
 BORED = box(120, 40, 20).at(40, 0, 15) - cylinder(10.02, 20).at(0, 0, 5)
@@ -25,3 +25,22 @@ def test_named_base_is_the_root() -> None:
 def test_larger_and_lower_link_is_the_root() -> None:
     """Without names the larger one, if it is not far above, is the root."""
     assert hinge("a", "b") == {"a/block"}
+
+
+def test_heavy_trunk_is_the_root_before_a_hub_with_more_joints() -> None:
+    """A plate of three joints is the root, not the hub below it, which has six and half of its volume."""
+    bore = cylinder(5.05, 10).at(0, 0, -5)
+    lever = box(40, 15, 10).at(15, 0, 0) - bore
+    at_plate, at_hub = (
+        [(-120.0, 0.0), (120.0, 0.0)],
+        [(-50.0, y) for y in (-40.0, 40.0)] + [(50.0, y) for y in (-40.0, 0.0, 40.0)],
+    )
+    plate, hub = box(300, 200, 20).at(0, 0, 10), box(150, 110, 40) - cylinder(5.05, 40).at(0, 0, -20)
+    for x, y in [*at_plate, (0.0, 0.0)]:
+        plate += cylinder(5, 13).at(x, y, -13)
+    for x, y in at_hub:
+        hub += cylinder(5, 13).at(x, y, -33)
+    levers = [part(f"lever {x} {y}", lever, x=x, y=y, z=z) for z, at in ((-7, at_plate), (-49, at_hub)) for x, y in at]
+    found = inferred(part("plate", plate), part("hub", hub, z=-22), *levers, sources=BARE)
+    assert len(links(found)) == 9
+    assert links(found)[found.root] == {"plate"}

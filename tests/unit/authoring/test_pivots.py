@@ -1,0 +1,55 @@
+"""Joints at lone round contacts between two lopsided groups of parts."""
+
+import numpy as np
+
+from tests.assembled import BARE, Node, group, inferred, joints, part
+from tests.solids import Solid, box, cylinder
+
+SEAL = cylinder(20, 3)
+"""On z = 0."""
+
+
+def shell(towards: float) -> Solid:
+    """An arm of 40 mm by 40 mm that reaches along x, its middle at z = 0, with the axis of the seal in one end."""
+    return box(200, 40, 40).at(80 * towards, 0, 0)
+
+
+def stacked(upper: Solid, *more: Node) -> list[Node]:
+    """An arm below the seal, something above it, and more."""
+    return [part("lower", shell(1), z=-20), part("seal", SEAL), part("upper", upper, z=23), *more]
+
+
+def test_two_arms_that_meet_at_a_seal_turn_on_each_other() -> None:
+    """Two arms with a disc between them have a joint about its axis, marked for review."""
+    found = inferred(*stacked(shell(-1)), sources=BARE)
+    assert joints(found) == [("revolute", "lower", "upper")]
+    (arc,) = found.arcs
+    assert np.allclose(np.abs(arc.hinge.axis.d), (0, 0, 1))
+    assert np.allclose(arc.hinge.axis.point[:2], 0, atol=1e-9)
+    assert arc.hinge.review == "nothing but one round contact holds its two sides together"
+
+
+def test_a_symmetric_lid_is_no_link() -> None:
+    """What is symmetric about the axis of its round contact could turn without any effect: it is a lid or a foot."""
+    assert joints(inferred(*stacked(cylinder(30, 60).at(0, 0, -20)), sources=BARE)) == []
+
+
+def test_a_plate_beside_the_seal_holds_both_sides() -> None:
+    """Arms that a third part touches, off the axis, do not turn."""
+    plate = part("plate", box(40, 10, 83), y=25, z=1.5)
+    assert joints(inferred(*stacked(shell(-1), plate), sources=BARE)) == []
+
+
+def test_a_screw_beside_the_axis_holds_both_sides() -> None:
+    """Arms that one screw fits in, off the axis, do not turn."""
+    hole = cylinder(2, 40).at(17, 17, -20)
+    screw = cylinder(1.98, 83).at(17, 17, -40) + cylinder(4, 4).at(17, 17, 43)
+    arms = [part("lower", shell(1) - hole, z=-20), part("seal", SEAL), part("upper", shell(-1) - hole, z=23)]
+    assert len(joints(inferred(*arms))) == 1
+    assert joints(inferred(*arms, part("M4x80 screw", screw))) == []
+
+
+def test_parts_of_one_subassembly_do_not_turn() -> None:
+    """The tree holds two arms together."""
+    other = part("other", box(10, 10, 10), x=500)
+    assert joints(inferred(group("arm", *stacked(shell(-1))), other)) == []
