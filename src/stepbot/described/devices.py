@@ -44,6 +44,9 @@ def _own_limit(one: ObservedActuator, name: str, gear: float, joint: Limit, foun
     limit = Limit()
     if one.kind == ActuatorKind.POSITION:
         limit = Limit(low, high, effort=effort)
+        if low < joint.lower or high > joint.upper:
+            text = f"actuator '{name}': inputs beyond the limits of joint '{one.joint}' are not converted"
+            found.append(Finding(DEVICE, f"{text}: {max(low, joint.lower):g} to {min(high, joint.upper):g} taken"))
     elif one.kind == ActuatorKind.VELOCITY:
         limit = Limit(velocity=_symmetric(low, high, f"actuator '{name}': speed", found), effort=effort)
     elif motor:

@@ -7,11 +7,14 @@ from typing import TypeVar
 
 from stepbot.engines.observation import Observation, ObservedActuator, ObservedSensor
 from stepbot.formats.lowering import UNLIMITED
+from stepbot.robot.model import ActuatorKind
 
 from .deviation import Deviations
 
 Device = TypeVar("Device", ObservedActuator, ObservedSensor)
 
+_ROUNDING = 1e-6
+"""Relative error of a bound that was divided by the gear and multiplied again, in single precision."""
 _UNITS = {"rate": "Hz", "fov": "rad", "columns": "pixels", "rows": "pixels", "nearest": "m", "farthest": "m"}
 
 
@@ -78,13 +81,20 @@ def _compare_actuator(deviations: Deviations, a: ObservedActuator, b: ObservedAc
             if bounds is not None and any(map(isfinite, bounds)):
                 deviations.untold.append(f"{name} range")
             continue
-        for side, wanted, given in zip(("lowest", "highest"), _both_or_none(bounds), _both_or_none(found), strict=True):
+        ranges = _both_or_none(bounds, _at_joint(a, name)), _both_or_none(found, _at_joint(b, name))
+        for side, wanted, given in zip(("lowest", "highest"), *ranges, strict=True):
             deviations.near(given, wanted, f"{side} {name} of {who}", "SI", abs(wanted) if isfinite(wanted) else 0.0)
 
 
-def _both_or_none(bounds: tuple[float, float]) -> tuple[float, float]:
-    """A range; one that is unbounded on one side, or has a number that means unlimited, counts as unlimited."""
-    return bounds if all(abs(bound) < UNLIMITED for bound in bounds) else (-inf, inf)
+def _at_joint(drive: ObservedActuator, what: str) -> float:
+    """Factor from the actuator to its joint, of inputs or forces."""
+    gear = abs(drive.gear or 1.0)
+    return gear if what == "force" or drive.kind == ActuatorKind.MOTOR else 1.0 / gear
+
+
+def _both_or_none(bounds: tuple[float, float], at_joint: float) -> tuple[float, float]:
+    """A range; one that is unbounded on one side, or has a number that means unlimited at the joint, is unlimited."""
+    return bounds if all(abs(bound) * at_joint < UNLIMITED * (1.0 - _ROUNDING) for bound in bounds) else (-inf, inf)
 
 
 def _compare_sensor(deviations: Deviations, a: ObservedSensor, b: ObservedSensor) -> None:

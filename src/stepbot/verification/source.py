@@ -15,6 +15,7 @@ from stepbot.report.record import Check
 from stepbot.runtime.limits import DEFAULT_TIMEOUT
 
 from .checks import Subject, check_of, report_failure
+from .effective_ranges import with_effective_ranges
 from .files import ENGINE_WARNING, compared_with_first, observed, ranked
 from .merged_observation import Gathered, gather
 from .renamed import Renaming
@@ -76,12 +77,13 @@ def verify_against_source(
         found.add(NOT_CONFIRMED, f"not confirmed by an engine: {by}", span, notes=reasons)
     if not first:
         return ()
-    ours, checks = _without_groups(gather(first)), list[Check]()
+    ours, checks = _comparable(gather(first)), list[Check]()
     for path, written in files.items():
         seen = ranked([outcome for outcome in outcomes if outcome.key == path.as_posix()])
         if not seen:
             continue
-        theirs = gather(seen)
+        gathered = gather(seen)
+        theirs = replace(gathered, observation=with_effective_ranges(gathered.observation))
         for compared in compared_with_first(ours, theirs, asked):
             if compared.quantity in _OWN:
                 continue
@@ -95,12 +97,15 @@ def verify_against_source(
     return tuple(checks)
 
 
-def _without_groups(gathered: Gathered) -> Gathered:
-    """The source without groups of shapes, which the written files assign by a convention of their own."""
+def _comparable(gathered: Gathered) -> Gathered:
+    """The source without what the written files have by conventions of their own.
+
+    These are groups of shapes, and ranges of actuators beyond the limits of their joints.
+    """
     seen = gathered.observation
 
     def plain(shapes: tuple[ObservedShape, ...] | None) -> tuple[ObservedShape, ...] | None:
         return shapes and tuple(replace(shape, group=None) for shape in shapes)
 
     links = tuple(replace(link, visuals=plain(link.visuals), collisions=plain(link.collisions)) for link in seen.links)
-    return replace(gathered, observation=replace(seen, links=links))
+    return replace(gathered, observation=with_effective_ranges(replace(seen, links=links)))

@@ -35,8 +35,10 @@ CODES: tuple[Code, ...] = (
         "warning",
         "actuator or sensor of the source not converted",
         "An actuator or sensor of the converted file is of a type that stepbot's model does not have, or moves something else than "
-        "one joint; or the range of its force, speed or control is not symmetric.",
-        "The written files lack it, or have the narrower side of the range in both directions, the other if that is 0.",
+        "one joint; or the range of its force, speed or control is not symmetric; or a position actuator takes inputs beyond the "
+        "limits of its joint.",
+        "The written files lack it, or have the narrower side of the range in both directions, the other if that is 0. Inputs end "
+        "at the limits of the joint: a target beyond them would press the joint harder against its stop.",
         "Add it to the written files by hand, or express it by a position, velocity or motor actuator of a joint.",
     ),
     Code(
