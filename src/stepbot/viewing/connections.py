@@ -35,7 +35,7 @@ def evidence_of_rows(
 
     Args:
         rows: The joint table.
-        reviews: What the sidecar's REVIEW comments say about drafted joints; for others, the doubt of the joint table.
+        reviews: The REVIEW comments of drafted joints; where one has none, the doubt of the joint table counts.
         stops: The stops that the sidecar's comments give for drafted joints.
     """
     return {

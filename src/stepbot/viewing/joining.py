@@ -64,7 +64,7 @@ class Wanted:
     direction_only: bool = False
     """Whether parallel lines are equivalent, as for a prismatic joint."""
     all_explicit: bool = False
-    """Whether selectors are given for the line, too, that needs none: they state that it was chosen."""
+    """Whether the line that needs no selectors gets some, too: they state that it was chosen."""
 
 
 def shared_lines(assembly: Assembly, a: int, b: int, link: Iterable[int] = ()) -> tuple[SharedLine, ...]:
