@@ -34,9 +34,7 @@ def tree_of(description: Description, found: list[Finding]) -> tuple[list[Joint]
         else:
             found.append(Finding(UNSUPPORTED, f"joint '{joint.name}' between '{joint.parent}' and '{joint.child}'"))
     root = next((name for name in names if name not in above), names[0])
-    found.extend(
-        Finding(UNSUPPORTED, f"joint '{joint.name}' closes a circle of links") for joint in above.pop(root, [])
-    )
+    found.extend(Finding(UNSUPPORTED, f"joint '{joint.name}' closes a cycle of links") for joint in above.pop(root, []))
     return _Tree(description, above, found).grown(root)
 
 

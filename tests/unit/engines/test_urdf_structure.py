@@ -21,8 +21,9 @@ ARM = """<robot name="arm">
 
 
 def test_sound_files_pass() -> None:
-    """Infinite limits are valid, and numbers in extension blocks are not judged."""
+    """Infinite limits are valid, repeated elements that agree too; numbers in extension blocks are not judged."""
     check_structure(etree.fromstring(ARM))
+    check_structure(etree.fromstring(ARM.replace("</joint>", '<axis xyz="0 0 1"/></joint>')))
 
 
 def test_fixed_joints_need_no_axis() -> None:
@@ -45,13 +46,26 @@ def test_fixed_joints_need_no_axis() -> None:
         ('axis xyz="0 0 1"', 'axis xyz="0 0 0"', "line 8: joint 'hinge': the axis is zero"),
         ('axis xyz="0 0 1"', 'axis xyz="0,0,1"', "line 8: 'xyz' of <axis> is '0,0,1', not 3 numbers"),
         ('origin xyz="0 0 1"', 'origin xyz="0 0"', "line 5: 'xyz' of <origin> is '0 0', not 3 numbers"),
+        ('origin xyz="0 0 1"', 'origin xyz="$(arg at)"', "line 5: 'xyz' of <origin> is '$(arg at)', not 3 numbers; "
+         "expand macros first, `xacro robot.urdf.xacro -o robot.urdf`"),
         ('origin xyz="0 0 1"', 'origin xyz="0 0 inf"', "line 5: 'xyz' of <origin> is '0 0 inf', not 3 numbers"),
         ('lower="-inf"', 'lower="nan"', "line 9: 'lower' of <limit> is 'nan', not a number"),
         ('<box size="1 1 1"/>', "<!-- none -->", "line 2: link 'base': <visual> has no geometry"),
+        ('<box size="1 1 1"/>', '<box size="1 1 1"/><sphere radius="1"/>',
+         "line 2: link 'base': <visual> has several geometries"),
+        ("<box", "<cone", "line 2: <cone> is not a geometry of URDF: <box>, <cylinder>, <sphere>, <mesh>"),
+        ('<box size="1 1 1"/>', '<cylinder radius="1"/>', "line 2: <cylinder> without attribute 'length'"),
+        ('<child link="tip"/>', '<child link="base"/>', "line 4: joint 'hinge': parent and child are both 'base'"),
+        ("</joint>", '</joint><joint name="weld" type="fixed"><parent link="base"/><child link="tip"/></joint>',
+         "line 10: link 'tip' is the child of two joints, 'hinge' and 'weld'"),
+        ('<link name="tip"/>', '<link name="tip"><inertial><mass value="1"/></inertial></link>',
+         "line 3: link 'tip': <inertial> has a mass and no <inertia>"),
+        ("</joint>", "<mimic/></joint>", "line 10: <mimic> without attribute 'joint'"),
+        ("</joint>", '<limit upper="2"/></joint>', "line 10: duplicate <limit> in <joint>, with another content"),
     ],
 )  # fmt: skip
 def test_faults_have_their_line(old: str, new: str, message: str) -> None:
-    """Missing and duplicate names, joints without ends, axes without direction, text in place of numbers."""
+    """Missing and duplicate names, joints without ends, axes without direction, missing sizes, repeated elements."""
     assert old in ARM
     with pytest.raises(EngineRefused) as caught:
         check_structure(etree.fromstring(ARM.replace(old, new, 1)))

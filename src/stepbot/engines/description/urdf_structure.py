@@ -27,8 +27,11 @@ _NUMBERS = {
     "color": {"rgba": 4},
 }
 """For each element its attributes with numbers, and how many."""
+_EXPAND = "expand macros first, `xacro robot.urdf.xacro -o robot.urdf`"
 _UNBOUNDED = ("limit", "dynamics")
 """Elements whose numbers may be infinite."""
+_SHAPES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "mesh": ("filename",)}
+"""Geometries and their attributes, without which they have no size."""
 _WITHOUT_AXIS = ("fixed", "floating")
 """Types of joints whose axis has no meaning: the SolidWorks exporter writes 0 0 0 for fixed joints."""
 
@@ -43,31 +46,84 @@ def check_structure(robot: Element) -> None:
     macro = next((one for one in robot.iter("{*}*") if "xacro" in str(one.tag).partition("}")[0]), None)
     if macro is not None:
         name = str(macro.tag).rpartition("}")[2]
-        raise _refused(macro, f"<xacro:{name}>: expand macros first, `xacro robot.urdf.xacro -o robot.urdf`")
-    links = _names(robot.findall("link"))
-    joints = robot.findall("joint")
+        raise _refused(macro, f"<xacro:{name}>: {_EXPAND}")
+    links, joints = robot.findall("link"), robot.findall("joint")
+    names = _names(links)
     _names(joints)
+    _check_ends(joints, names)
     for joint in joints:
-        _need(joint, "type")
+        _check_joint(joint)
+    for link in links:
+        _check_link(link)
+    for top in (*links, *joints, *robot.findall("material")):
+        for element in top.iter("*"):
+            for name, count in _NUMBERS.get(str(element.tag), {}).items():
+                _numbers(element, name, count)
+
+
+def _check_ends(joints: list[Element], links: set[str]) -> None:
+    """Check that each joint has two links, and each link at most one joint above it."""
+    above: dict[str, str] = {}
+    for joint in joints:
+        _once(joint, "parent", "child")
         for tag in ("parent", "child"):
             end = joint.find(tag)
             if end is None or end.get("link") not in links:
                 lacks = f"no <{tag}>" if end is None else f"{tag} link '{end.get('link', '')}' does not exist"
                 raise _refused(joint, f"joint '{joint.get('name')}': {lacks}")
-        axis = joint.find("axis")
-        needs_axis = joint.get("type") not in _WITHOUT_AXIS
-        if needs_axis and axis is not None and not any(_numbers(axis, "xyz", 3, (1.0, 0.0, 0.0))):
-            raise _refused(axis, f"joint '{joint.get('name')}': the axis is zero")
-    for link in robot.findall("link"):
-        for shape in (*link.findall("visual"), *link.findall("collision")):
-            geometry = shape.find("geometry")
-            if geometry is None or next(geometry.iterchildren("*"), None) is None:
-                raise _refused(shape, f"link '{link.get('name')}': <{shape.tag}> has no geometry")
-    for element in (
-        one for tag in ("link", "joint", "material") for top in robot.findall(tag) for one in top.iter("*")
-    ):
-        for name, count in _NUMBERS.get(str(element.tag), {}).items():
-            _numbers(element, name, count)
+        parent, child = joint.find("parent").get("link"), joint.find("child").get("link")
+        if parent == child:
+            raise _refused(joint, f"joint '{joint.get('name')}': parent and child are both '{child}'")
+        if child in above:
+            raise _refused(
+                joint, f"link '{child}' is the child of two joints, '{above[child]}' and '{joint.get('name')}'"
+            )
+        above[child] = joint.get("name")
+
+
+def _check_joint(joint: Element) -> None:
+    kind = _need(joint, "type")
+    _once(joint, "origin", "axis", "limit", "dynamics", "mimic")
+    mimic, axis = joint.find("mimic"), joint.find("axis")
+    if mimic is not None:
+        _need(mimic, "joint")
+    needs_axis = kind not in _WITHOUT_AXIS and axis is not None
+    if needs_axis and not any(_numbers(axis, "xyz", 3, (1.0, 0.0, 0.0))):
+        raise _refused(axis, f"joint '{joint.get('name')}': the axis is zero")
+
+
+def _check_link(link: Element) -> None:
+    _once(link, "inertial")
+    inertial = link.find("inertial")
+    if inertial is not None:
+        _once(inertial, "origin", "mass", "inertia")
+        mass = inertial.find("mass")
+        if mass is not None and any(_numbers(mass, "value", 1)) and inertial.find("inertia") is None:
+            raise _refused(inertial, f"link '{link.get('name')}': <inertial> has a mass and no <inertia>")
+    for shape in (*link.findall("visual"), *link.findall("collision")):
+        _once(shape, "origin", "geometry")
+        _check_geometry(shape, f"link '{link.get('name')}': <{shape.tag}>")
+
+
+def _check_geometry(shape: Element, subject: str) -> None:
+    children = list(shape.iterfind("geometry/*"))
+    known = [child for child in children if child.tag in _SHAPES]
+    if children and not known:
+        names = ", ".join(f"<{tag}>" for tag in _SHAPES)
+        raise _refused(children[0], f"<{children[0].tag}> is not a geometry of URDF: {names}")
+    if len(known) != 1:
+        raise _refused(shape, f"{subject} has {'several geometries' if known else 'no geometry'}")
+    for attribute in _SHAPES[known[0].tag]:
+        _need(known[0], attribute)
+
+
+def _once(element: Element, *tags: str) -> None:
+    """Check that elements of which readers use one do not contradict each other."""
+    for tag in tags:
+        first, *others = element.findall(tag) or [None]
+        for other in others:
+            if len(other) or dict(other.attrib) != dict(first.attrib):
+                raise _refused(other, f"duplicate <{tag}> in <{element.tag}>, with another content")
 
 
 def _names(elements: list[Element]) -> set[str]:
@@ -98,7 +154,8 @@ def _numbers(element: Element, name: str, count: int, default: tuple[float, ...]
     bounded = element.tag not in _UNBOUNDED
     if len(values) != count or any(map(isnan, values)) or (bounded and not all(map(isfinite, values))):
         expected = "a number" if count == 1 else f"{count} numbers"
-        raise _refused(element, f"'{name}' of <{element.tag}> is '{text}', not {expected}")
+        hint = f"; {_EXPAND}" if "$" in text else ""
+        raise _refused(element, f"'{name}' of <{element.tag}> is '{text}', not {expected}{hint}")
     return values
 
 
