@@ -14,7 +14,7 @@ from .draft import CHOSEN
 from .evidence import Evidence, Fate, Hinge, Rank, Weld
 from .motors import Motor
 from .names import Role
-from .part import box_gap
+from .part import box_gap, boxes_gap
 from .relations import Relation
 from .structure import Structure
 from .survey import Survey
@@ -162,13 +162,22 @@ def _offer_twins(made: Decision, adopted: Mapping[int, tuple[Sequence[int], int]
 
 
 def nearest(survey: Survey, members: Sequence[int], others: Collection[int] = ()) -> int | None:
-    """The larger part nearest to the given ones, except ``others``; a tie goes to the same subassembly."""
+    """The larger part nearest to the given ones by its faces, except ``others``; a tie goes to the same subassembly.
+
+    Bounding boxes alone would put a body that stands in an arm's bend or under a chassis into the largest part around.
+    """
     box, inside = survey.box_of(members), {*members, *others}
     home = survey.scene.component(members[0]).parent
     ranked = []
     for i, part in survey.parts.items():
-        if i in inside or i in survey.small or not part.size:
-            continue
-        elsewhere = not (survey.sources.tree and survey.scene.component(i).parent == home)
-        ranked.append((round(box_gap(box, part.box), 3), elsewhere, -part.volume, i))
-    return min(ranked)[-1] if ranked else None
+        if i not in inside and i not in survey.small and part.size:
+            elsewhere = not (survey.sources.tree and survey.scene.component(i).parent == home)
+            ranked.append((box_gap(box, part.box), elsewhere, -part.volume, i))
+    faces = np.concatenate([survey.scene.face_boxes(i) for i in members if survey.parts[i].size] or [box[None]])
+    best: tuple[float, bool, float, int] | None = None
+    for gap, elsewhere, volume, i in sorted(ranked):
+        if best is not None and round(gap, 3) > best[0]:
+            break
+        mine = round(boxes_gap(faces, survey.scene.face_boxes(i)), 3), elsewhere, volume, i
+        best = mine if best is None else min(best, mine)
+    return best[-1] if best is not None else None

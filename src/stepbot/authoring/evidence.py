@@ -66,6 +66,8 @@ class Hinge:
     """Whether it is the output of a motor."""
     by_role: bool = False
     """Whether it is confirmed by a part with that purpose, such as a bearing."""
+    of_roller: bool = False
+    """Whether one side is a roller of an omnidirectional wheel."""
     review: str = ""
     """What to review, whatever the score."""
     rank: Rank = Rank.FOUND
@@ -78,6 +80,8 @@ class Evidence:
 
     welds: list[Weld] = field(default_factory=list)
     hinges: list[Hinge] = field(default_factory=list)
+    wheels: dict[int, Axis] = field(default_factory=dict)
+    """Axes of the hubs of omnidirectional wheels, by part."""
 
     def weld(self, score: float, a: int, b: int, why: str, *, holds_motor: bool = False) -> None:
         """Add evidence that two parts are welded."""

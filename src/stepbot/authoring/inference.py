@@ -20,6 +20,7 @@ from .mechanism import Mechanism
 from .motor_evidence import motor_evidence
 from .motors import Motor, find_motors
 from .pair_evidence import PairEvidence, several_axes
+from .rollers import roller_evidence
 from .root import find_root
 from .seams import tie_by_seams
 from .sliding import choose_slides
@@ -92,6 +93,7 @@ def _infer(survey: Survey, facts: Facts, needed: Mapping[JointKey, str]) -> Infe
     cross_evidence(survey, structure, evidence)
     bearing_evidence(survey, evidence)
     guide_evidence(survey, evidence)
+    roller_evidence(survey, evidence)
     several_axes(structure, evidence)
     promote(evidence, needed)
     made = decide(survey, motors, evidence)

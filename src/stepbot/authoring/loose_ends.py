@@ -63,7 +63,7 @@ class LooseEnds:
             j.a, j.b = self._clusters.find(j.a), self._clusters.find(j.b)
 
     def _connect(self, groups: dict[int, list[int]], root: int) -> None:
-        """Placeholders between unconnected pieces of the mechanism."""
+        """Placeholders between unconnected pieces of the mechanism; omnidirectional wheels turn."""
         tied = Clusters(groups)
         for j in self._mechanism.joints:
             tied.join(j.a, j.b)
@@ -75,8 +75,14 @@ class LooseEnds:
             other = self._nearest_cluster([i for q in piece for i in groups[q]], root)
             if other not in jointed or tied.find(other) == tied.find(r):
                 other = root
-            mine = min(piece, key=lambda q: (self._gap(groups[q], groups[other]), q))
-            self._mechanism.joints.append(self._placeholder(groups, other, mine))
+            hub = next((i for q in piece for i in groups[q] if i in self._made.evidence.wheels), None)
+            if hub is not None:
+                mine = self._clusters.find(hub)
+                wheel = Guess(JointKind.REVOLUTE, self._made.evidence.wheels[hub], "a wheel with rollers around it")
+                self._mechanism.joints.append(self._guess(groups, mine, other, wheel, _BY_SHAPE, "by shape"))
+            else:
+                mine = min(piece, key=lambda q: (self._gap(groups[q], groups[other]), q))
+                self._mechanism.joints.append(self._placeholder(groups, other, mine))
             tied.join(mine, other)
 
     def _placeholder(self, groups: dict[int, list[int]], a: int, b: int) -> Link:

@@ -69,6 +69,12 @@ def box_gap(one: Array, two: Array) -> float:
     return float(np.linalg.norm(np.maximum(0.0, np.maximum(one[0] - two[1], two[0] - one[1]))))
 
 
+def boxes_gap(some: Array, others: Array) -> float:
+    """Least distance [m] between one of n boxes and one of m, (n, 2, 3) and (m, 2, 3); 0 if two overlap."""
+    apart = np.maximum(some[:, None, 0] - others[None, :, 1], others[None, :, 0] - some[:, None, 1])
+    return float(np.sqrt((np.maximum(apart, 0.0) ** 2).sum(axis=2).min()))
+
+
 def largest(parts: Sequence[Part]) -> Part:
     """The part with the largest volume; the first of equal ones."""
     return max(parts, key=lambda part: (part.volume, -part.index))

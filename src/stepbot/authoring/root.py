@@ -21,7 +21,7 @@ platform of a parallel robot has as many as its base, and a hand as many as a to
 
 def find_root(made: Decision, structure: Structure, joints: Sequence[Link], motors: Sequence[Motor]) -> int:
     """The representative of the root cluster."""
-    degree = Counter(root for j in joints for root in (j.a, j.b))
+    degree = Counter(root for j in joints if not j.hinge.of_roller for root in (j.a, j.b))
     cases = {i for motor in motors for i in motor.parts}
     holds: Counter[int] = Counter()
     for j in joints:

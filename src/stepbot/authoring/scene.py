@@ -62,6 +62,10 @@ class Scene:
                 found[part] = np.array([low, high])
         return found
 
+    def face_boxes(self, part: int) -> Array:
+        """Bounding boxes (n, 2, 3) [m] of the faces of a part in the assembly."""
+        return np.array([(f.low, f.high) for f in self._placed(part)]).reshape(-1, 2, 3)
+
     def outline(self, placed: PlacedFace) -> list[Array]:
         """The outlines of a plane in the assembly."""
         X = self.component(placed.part).X_WC

@@ -3,7 +3,7 @@
 import numpy as np
 
 from stepbot.authoring.axis import Axis
-from stepbot.authoring.decision import decide
+from stepbot.authoring.decision import decide, nearest
 from stepbot.authoring.evidence import Evidence, Fate, Hinge, Rank
 from stepbot.authoring.survey import ALL_SOURCES, Survey
 from stepbot.robot.model import JointKind
@@ -61,3 +61,14 @@ def test_screw_does_not_join_two_parts() -> None:
     found = inferred(part("lower", plates[0]), part("upper", plates[1]), screw)
     assert {"upper", "M8x80 screw"} in links(found)
     assert {"lower"} in links(found)
+
+
+def test_nearest_part_is_the_one_with_the_nearest_faces() -> None:
+    """A body in the open corner of a bracket, 60 mm from its faces, is nearest to the post 2 mm beside it."""
+    bracket = box(200, 200, 10).at(0, 0, 5) + box(10, 200, 190).at(-95, 0, 105)
+    nodes = [
+        part("bracket", bracket),
+        part("post", box(20, 20, 150), 50, z=85),
+        part("body", box(10, 10, 10), 28, z=85),
+    ]
+    assert nearest(Survey(assembled(*nodes), ALL_SOURCES), [3]) == 2
