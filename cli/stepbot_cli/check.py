@@ -12,7 +12,7 @@ from stepbot.diagnostics import Diagnostics
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
 from .counts import counted
-from .descriptions import description_options
+from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import printable
 from .joint_table import show_joint_table
 from .progress import progress_bar
@@ -80,18 +80,19 @@ def command(
     """
     from stepbot.jobs.discovery import find_sidecars
     from stepbot.jobs.incremental import check
-    from stepbot.pipeline.source_names import is_description
 
     options = replace(options, step=None if step in (None, _NAMED) else Path(str(step)), ignore=ignore)
     found = Diagnostics()
     checked: dict[Path, Checked] = {}
     sidecars = tuple(find_sidecars(sidecars or (Path(),), found))
     open_step = fix or step is not None
+    if open_step:
+        reject_descriptions("--step" if step is not None else "--fix", sidecars)
     fixes: list[Fixed] = []
     with progress_bar([str(path) for path in sidecars] if open_step else ()) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))
-            if fix and not is_description(sidecar):
+            if fix:
                 fixes += _fixed(sidecar, options, found)
             checked[sidecar] = check(sidecar, options, found, open_step=open_step)
     if strict:

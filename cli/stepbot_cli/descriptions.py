@@ -38,8 +38,12 @@ def description_options(command: Callable[..., int]) -> Callable[..., int]:
     return _base_option(_package_path_option(with_options))
 
 
-def reject_descriptions(option: str, paths: Iterable[Path]) -> None:
-    """Reject an option that applies to sidecars alone.
+def reject_descriptions(what: str, paths: Iterable[Path]) -> None:
+    """Reject an option or a command that applies to sidecars alone.
+
+    Args:
+        what: The option or command, for the message.
+        paths: What it was given for.
 
     Raises:
         click.UsageError: One of the files is a URDF, SDFormat or MJCF.
@@ -47,4 +51,6 @@ def reject_descriptions(option: str, paths: Iterable[Path]) -> None:
     from stepbot.pipeline.source_names import is_description
 
     for path in filter(is_description, paths):
-        raise click.UsageError(f"{option} needs a sidecar: {printable(path.name)} is a robot description")
+        name = printable(path.name)
+        remedy = f"`stepbot init CAD.step --from {name}` drafts a sidecar of a STEP file from it"
+        raise click.UsageError(f"{what} needs a sidecar: {name} is a robot description; {remedy}")

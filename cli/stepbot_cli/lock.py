@@ -11,6 +11,7 @@ from stepbot.diagnostics import Diagnostics
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
 from .counts import counted
+from .descriptions import reject_descriptions
 from .diagnostic_text import printable
 from .progress import progress_bar
 from .reading import reading_options
@@ -56,6 +57,7 @@ def command(
     found = Diagnostics()
     written: dict[Path, Snapshot] = {}
     paths = find_sidecars(sidecars or (Path(),), found)
+    reject_descriptions("lock", paths)
     with progress_bar([str(path) for path in paths]) as progress:
         for sidecar in paths:
             progress(str(sidecar))

@@ -50,6 +50,9 @@ def test_formats_that_are_written_alone(name: str, text: str, format_: str, cart
     [
         ("convert", "cart.urdf", "--step", "cart.step"),
         ("batch", "cart.urdf", "-o", "out", "--scheduler", "tcp://127.0.0.1:1"),
+        ("check", "cart.urdf", "--step", "cart.step"),
+        ("check", "cart.urdf", "--step", "--strict"),
+        ("check", "cart.urdf", "--fix", "--strict"),
     ],
 )
 def test_options_of_sidecars_alone_are_usage_errors(command: tuple[str, ...], cart: Path, stepbot: Stepbot) -> None:
@@ -58,3 +61,11 @@ def test_options_of_sidecars_alone_are_usage_errors(command: tuple[str, ...], ca
     assert run.code == 2
     assert f"{command[-2]} needs a sidecar: cart.urdf is a robot description" in run.err
     assert not (cart / "out").exists()
+
+
+def test_lock_of_a_description_is_a_usage_error(cart: Path, stepbot: Stepbot) -> None:
+    """A lock file records the components of a STEP file; the error says so, and no lock is written."""
+    run = stepbot("lock", "cart.urdf")
+    assert run.code == 2
+    assert "lock needs a sidecar: cart.urdf is a robot description" in run.err
+    assert [path.name for path in cart.iterdir()] == ["cart.urdf"]
