@@ -405,7 +405,7 @@ def test_engine_that_dies(desk: Desk) -> None:
         pytest.param(signal.SIGINT, False, id="Ctrl-C while it loads", marks=pytest.mark.long),
         pytest.param(signal.SIGINT, True, id="Ctrl-C while it works"),
         pytest.param(signal.SIGTERM, True, id="SIGTERM", marks=pytest.mark.long),
-        pytest.param(signal.SIGKILL, True, id="SIGKILL"),
+        pytest.param(signal.SIGKILL, True, id="SIGKILL", marks=pytest.mark.long),  # tests/hostile/kills.py
     ],
 )
 def test_interrupted(desk: Desk, sent: signal.Signals, busy: bool) -> None:

@@ -37,6 +37,7 @@ def test_same_robot_comes_back(robot: str, suffix: str, tmp_path: Path) -> None:
     assert all(joint.confidence.is_sure for joint in result.draft.joints)
 
 
+@pytest.mark.long
 def test_closures_come_back(tmp_path: Path) -> None:
     """The closures of a gripper in MJCF are at their original pins."""
     result = redrafted(sidecar_of("robotiq_2f85"), step_of("robotiq_2f85"), tmp_path, "xml")

@@ -24,7 +24,6 @@ pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="engines crash h
 
 SLICE = ("two_link_arm",)
 OF_EACH = 12
-OF_EACH_CHANGED = 8
 OF_EACH_LONG = 4
 """Removals per file; all of them, some 14,000, take hours: `make mutation`."""
 
@@ -126,13 +125,16 @@ def test_changes_are_beyond_the_tolerance() -> None:
 @pytest.mark.slow
 @pytest.mark.pybullet
 @pytest.mark.mujoco
-@pytest.mark.parametrize("name", ["equipped", pytest.param("two_link_arm", marks=pytest.mark.long)])
-def test_changed_numbers_are_noticed(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("name", "of_each"),
+    [("equipped", 4), *(pytest.param(name, 8, marks=pytest.mark.long) for name in ("equipped", "two_link_arm"))],
+)
+def test_changed_numbers_are_noticed(name: str, of_each: int, tmp_path: Path) -> None:
     """`verify` and the conversion detect at least 97 % of changed numbers, with a reason for the rest."""
     for engine in ("yourdfpy", "mujoco", "pybullet"):
         skip_without(engine)
-    found = list(trials({name: ROBOTS[name]}, tmp_path, OF_EACH_CHANGED))
-    assert len(found) == len(FORMATS) * OF_EACH_CHANGED
+    found = list(trials({name: ROBOTS[name]}, tmp_path, of_each))
+    assert len(found) == len(FORMATS) * of_each
     _assert_noticed(found)
 
 

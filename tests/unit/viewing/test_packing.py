@@ -43,7 +43,7 @@ def test_indices_of_many_vertices() -> None:
     points = np.column_stack([np.arange(count), np.arange(count) % 7, np.arange(count) % 5]) * 1e-3
     faces = np.column_stack([np.arange(count - 2), np.arange(1, count - 1), np.arange(2, count)])
     vertices, found = unpacked(packed(TriMesh.of(points, faces)))
-    assert vertices[found] == pytest.approx(points[faces], abs=1e-3)
+    np.testing.assert_allclose(vertices[found], points[faces], rtol=0.0, atol=1e-3)
 
 
 def test_repeated_vertices_become_one() -> None:
