@@ -23,6 +23,10 @@ from .twins import guesses
 _TINY = 2e-3
 """Share of the assembly's volume below which an unconnected cluster does not become a link."""
 _OFFERED = 0.3
+_OWN_BODIES = 0.5
+"""Share of a motor's volume up to which what is welded to it is its own bodies, such as its plug, and no support."""
+_BESIDE = 1e-3
+"""Distance [m] up to which a body is beside the output of a motor."""
 _OUT = 1e-3
 """Distance [m] from which a body reaches out of another one's bounding box."""
 
@@ -54,6 +58,7 @@ def decide(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> Decis
     for one in evidence.ranked():
         take(made, one)
     _homeless_motors(made, motors)
+    _bare_outputs(made)
     for i in sorted(survey.small - stated):
         made.clusters.add(i)
     surfaces = _join_surfaces(made)
@@ -83,23 +88,63 @@ def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:
     carried = {x for w in made.evidence.welds if w.fate == Fate.TAKEN and w.holds_motor for x in (w.a, w.b)}
     for motor in motors:
         case = motor.case
-        if case in carried or case in survey.small or set(clusters.members(case)) - set(motor.parts):
+        own = clusters.members(case) if case not in survey.small else []
+        others = set(own) - set(motor.parts)
+        # What touches an unnamed motor may be a body of it.
+        least = 0.0 if motor.is_named else _OWN_BODIES * survey.parts[case].volume
+        if not own or (motor.is_named and case in carried) or survey.total_volume(others) > least:
             continue
-        box, best = survey.parts[case].box, None
-        for i, part in survey.parts.items():
-            if (
-                i not in clusters
-                or clusters.find(i) == clusters.find(case)
-                or clusters.are_apart(i, case)
-                or not part.size
-            ):
+        if any({h.a, h.b}.intersection(own) and not (h.drives and h.a == case) for h in made.hinges):
+            continue
+        best = _nearest_apart(made, own, 0.5 * survey.parts[case].size)
+        if best is not None and clusters.join(case, best):
+            made.guess(own, "unsupported motor: assigned to the nearest part")
+
+
+def _bare_outputs(made: Decision) -> None:
+    """Assign the nearest larger body that nothing connects to the motor to an output that carries nothing.
+
+    An arm may be drawn around its horn, so that the two overlap and no faces are in contact.
+    """
+    survey, clusters = made.survey, made.clusters
+    tied = Clusters(clusters.groups())
+    for h in made.hinges:
+        tied.join(clusters.find(h.a), clusters.find(h.b))
+    for h in made.hinges:
+        own = clusters.members(h.b)
+        volume = survey.total_volume(own)
+        if not h.drives or volume > survey.parts[h.a].volume:
+            continue
+        box, faces = survey.box_of(own), np.concatenate([survey.scene.face_boxes(i) for i in own])
+        best: tuple[float, float, int] | None = None
+        for root, members in clusters.groups().items():
+            if tied.find(root) == tied.find(clusters.find(h.b)) or survey.total_volume(members) <= volume:
                 continue
-            gap = box_gap(box, part.box)
-            if gap < 0.5 * survey.parts[case].size:
-                rank = round(gap, 5), -part.volume, i
-                best = rank if best is None else min(best, rank)
-        if best is not None and clusters.join(case, best[-1]):
-            made.guess(motor.parts, "unsupported motor: assigned to the nearest part")
+            near = [i for i in members if survey.parts[i].size and box_gap(box, survey.parts[i].box) < _BESIDE]
+            gap = min((boxes_gap(faces, survey.scene.face_boxes(i)) for i in near), default=_BESIDE)
+            if gap < _BESIDE:
+                mine = round(gap, 4), -survey.total_volume(members), root
+                best = mine if best is None else min(best, mine)
+        if best is not None:
+            members = clusters.members(best[-1])
+            roots = tied.find(clusters.find(h.b)), tied.find(best[-1])
+            if clusters.join(h.b, best[-1]):
+                tied.join(*roots)
+                made.guess(members, "not connected: assigned to the output of a motor beside it")
+
+
+def _nearest_apart(made: Decision, own: Sequence[int], reach: float) -> int | None:
+    """The part with the nearest faces within reach [m] of a cluster that no joint keeps apart from it."""
+    survey, clusters = made.survey, made.clusters
+    box, faces = survey.box_of(own), np.concatenate([survey.scene.face_boxes(i) for i in own])
+    ranked = []
+    for i, part in survey.parts.items():
+        if i not in clusters or not part.size or clusters.find(i) == clusters.find(own[0]):
+            continue
+        if not clusters.are_apart(i, own[0]) and box_gap(box, part.box) < reach:
+            ranked.append((round(boxes_gap(faces, survey.scene.face_boxes(i)), 5), -part.volume, i))
+    gap, _, best = min(ranked, default=(reach, 0.0, -1))
+    return best if gap < reach else None
 
 
 def _join_surfaces(made: Decision) -> set[int]:

@@ -7,7 +7,7 @@ from stepbot.authoring.decision import decide, nearest
 from stepbot.authoring.evidence import Evidence, Fate, Hinge, Rank
 from stepbot.authoring.survey import ALL_SOURCES, Survey
 from stepbot.robot.model import JointKind
-from tests.assembled import assembled, inferred, links, part
+from tests.assembled import BARE, Node, assembled, group, inferred, links, part
 from tests.solids import box, cylinder
 
 BLOCK = box(40, 40, 10)
@@ -72,3 +72,33 @@ def test_nearest_part_is_the_one_with_the_nearest_faces() -> None:
         part("body", box(10, 10, 10), 28, z=85),
     ]
     assert nearest(Survey(assembled(*nodes), ALL_SOURCES), [3]) == 2
+
+
+def test_arm_drawn_around_a_horn_moves_with_it() -> None:
+    """An arm that overlaps the horn of a motor, and whose faces touch nothing, is on the output, marked as a guess."""
+    servo = group("servo", part("case", box(40, 20, 40), z=20), part("horn", cylinder(8, 4), z=40))
+    nodes = [part("base", box(200, 200, 10), z=-5), servo, part("arm", box(120, 18, 10), 50, z=47)]
+    found = inferred(*nodes)
+    assert links(found) == [{"base", "servo/case"}, {"servo/horn", "arm"}]
+    assert [str(arc.hinge.type) for arc in found.arcs] == ["revolute"]
+    assert "output of a motor beside it" in found.guesses[5]
+
+
+def motors_of_bodies() -> list[Node]:
+    """Two motors without names, each a block with a plug and an output plate, 1 mm above a base."""
+    block, plug, plate = box(40, 20, 40), box(10, 20, 10), cylinder(8, 4) + box(60, 18, 6).at(20, 0, 7)
+    nodes = [part("base", box(400, 200, 20), z=-11)]
+    for x in (-100.0, 100.0):
+        nodes += [
+            part(f"block {x}", block, x, z=20),
+            part(f"plug {x}", plug, x - 25, z=20),
+            part(f"plate {x}", plate, x, z=40),
+        ]
+    return nodes
+
+
+def test_unnamed_motor_with_its_plug_is_held_by_the_nearest_part() -> None:
+    """A plug on an unnamed motor is no support: the motor is on the base, 1 mm below it."""
+    found = inferred(*motors_of_bodies(), sources=BARE)
+    assert {"base", "block -100.0", "plug -100.0", "block 100.0", "plug 100.0"} in links(found)
+    assert len(links(found)) == 3
