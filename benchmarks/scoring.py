@@ -105,17 +105,25 @@ def _is_on(axis: Axis, kind: JointKind, joint: TrueJoint) -> bool:
 
 
 def _assigned(inferred: Inferred, truth: Truth) -> dict[int, str]:
-    """The true link of each inferred one: the largest common volume first, each true one once."""
+    """The true link of each inferred one: the largest common volume first, each true one once.
+
+    Inferred links with a fixed joint between them are one, as true ones are: a placeholder moves nothing.
+    """
+    one = list(range(len(inferred.links)))
+    for arc in inferred.arcs:
+        if arc.hinge.type == JointKind.FIXED:
+            gone, kept = one[arc.child], one[arc.parent]
+            one = [kept if n == gone else n for n in one]
     common: dict[tuple[int, str], float] = defaultdict(float)
     for n, members in enumerate(inferred.links):
         for i in members:
             if i in truth.link_of:
-                common[n, truth.link_of[i]] += inferred.survey.parts[i].volume + 1e-15
+                common[one[n], truth.link_of[i]] += inferred.survey.parts[i].volume + 1e-15
     found: dict[int, str] = {}
     for n, link in sorted(common, key=lambda key: (-common[key], key)):
         if n not in found and link not in found.values():
             found[n] = link
-    return found
+    return {n: found[group] for n, group in enumerate(one) if group in found}
 
 
 def _placed(inferred: Inferred, truth: Truth, link_of: dict[int, str]) -> float:

@@ -25,6 +25,8 @@ _SAME_AXIS = 5e-5
 
 _AROUND = 1.6
 """Ratio of the sizes of a subassembly and of a part in it, up to which it is a motor and this its case."""
+_JOURNAL = 0.1
+"""Radius of a journal, as a share of the size of a part, from which it is a bearing block and no motor with a screw."""
 _AS_WIDE = 0.95
 """Ratio of radii from which two axes of a part are used alike."""
 
@@ -146,6 +148,9 @@ def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
             (other, r) for other, r in survey.around(i) if survey.parts[other].definition != survey.parts[i].definition
         ]
         on = [r for _, r in others if r.via in (Via.RING, Via.FACE, Via.PIN) and r.axis is not None]
+        least = _JOURNAL * survey.parts[i].size
+        if any(fit.shaft != i and fit.radius > least for r in on for fit in r.journals):
+            return False  # a shaft runs in it: a bearing block
         off = any(r.turns is None and (r.is_rigid or r.patches) for _, r in others)
         held += off and bool(on)
         for r in on:

@@ -7,14 +7,12 @@ from .evidence import Evidence, Hinge
 from .freedom import FreedomKind
 from .motors import Motor
 from .names import Role
-from .relations import Relation, Via
+from .relations import SPIGOT, Relation, Via
 from .structure import Structure, is_guide
 from .survey import Survey
 
-_SPIGOT = 0.5
-"""Length of a shaft in its bore, in radii, below which it is centred but not guided."""
-_PLAY, _EXACT = 1e-5, 1e-6
-"""Difference of radii [m] from which a shaft has play in its bore, and up to which it fills it."""
+_EXACT = 1e-6
+"""Difference of radii [m] up to which a shaft fills its bore."""
 
 
 class PairEvidence:
@@ -22,7 +20,7 @@ class PairEvidence:
 
     def __init__(self, survey: Survey, structure: Structure, found: Evidence) -> None:
         self._survey, self._structure, self._found = survey, structure, found
-        self._draws_play = any(_has_play(relation) for _, relation in survey.pairs())
+        self._draws_play = any(relation.journals for _, relation in survey.pairs())
 
     def say(self, motors: list[Motor]) -> None:
         """Go through all pairs."""
@@ -73,7 +71,7 @@ class PairEvidence:
         across = self._across(r)
         score = 0.82 if across else 0.3 if self._structure.are_together(r.a, r.b) else 0.7
         roles = self._roles(r)
-        if r.length < _SPIGOT * r.radius and Role.WHEEL not in roles:
+        if r.length < SPIGOT * r.radius and Role.WHEEL not in roles:
             score -= 0.25
             self._weld(r, 0.5, "centred by a spigot")
         if not any(fit.full for fit in r.shafts):
@@ -151,14 +149,6 @@ def several_axes(structure: Structure, found: Evidence) -> None:
             for h in hinges:
                 h.score = min(h.score, 0.45)
                 found.weld(0.74, h.a, h.b, "several axes between two subassemblies")
-
-
-def _has_play(r: Relation) -> bool:
-    """Whether a shaft that is guided all around is drawn thinner than its bore."""
-    if r.via != Via.PIN:
-        return False
-    guided = [fit for fit in r.shafts if fit.full and fit.length >= _SPIGOT * fit.radius]
-    return any(fit.clearance > _PLAY and (fit.radius_a < fit.radius_b) == (fit.shaft == fit.a) for fit in guided)
 
 
 def _engaged(r: Relation) -> str:

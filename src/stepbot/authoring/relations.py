@@ -17,6 +17,10 @@ from .concentric import concentric_axis
 from .contacts import Contacts, Fit, FitKind, Pair, Patch, Socket
 from .freedom import Freedom, FreedomKind, freedom
 
+SPIGOT = 0.5
+"""Length of a shaft in its bore, in radii, below which it is centred but not guided."""
+_PLAY = 1e-5
+"""Difference of radii [m] from which a shaft has play in its bore."""
 _LEAST_SIZE = 5e-3
 """Minimum extent [m] of contacts, used to compare lengths with angles."""
 _TURNED_RADIUS, _BORED_RADIUS, _MOST_LINES = 1e-3, 2.5e-3, 24
@@ -83,6 +87,13 @@ class Relation:
     def shafts(self) -> list[Fit]:
         """Shafts in bores."""
         return [fit for fit in self.fits if fit.kind == FitKind.SHAFT]
+
+    @property
+    def journals(self) -> list[Fit]:
+        """Shafts on the axis that are guided all around, and drawn thinner than their bores."""
+        guided = [fit for fit in self.shafts if fit.full and fit.length >= SPIGOT * fit.radius]
+        loose = [fit for fit in guided if fit.clearance > _PLAY]
+        return [fit for fit in loose if self.via == Via.PIN and (fit.radius_a < fit.radius_b) == (fit.shaft == fit.a)]
 
     @property
     def turns(self) -> Axis | None:

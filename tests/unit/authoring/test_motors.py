@@ -78,3 +78,14 @@ def test_named_motors_need_no_use() -> None:
     nodes = two_servos(names=("SG90 servo", "b"))
     assert [motor.name for motor in motors(nodes)] == ["SG90 servo"]
     assert motors([part("motor mount", PLATE), part("bracket", ARM, z=4.5)]) == []
+
+
+def test_blocks_in_which_shafts_run_with_play_are_bearing_blocks() -> None:
+    """Two equal blocks on a base, each with the shaft of an arm in its bore, are no motors; without play they are."""
+    for radius, count in ((7.95, 0), (8.0, 2)):
+        block = box(40, 20, 40) - cylinder(8, 40).at(0, 0, -20)
+        crank = cylinder(radius, 45) + box(100, 16, 8).at(0, 0, 49)
+        nodes = [part("base", box(400, 80, 10), z=-25)]
+        for x in (-100.0, 100.0):
+            nodes += [part(f"block {x}", block, x), part(f"arm {x}", crank, x, z=-22.0)]
+        assert len(motors(nodes, BARE)) == count
