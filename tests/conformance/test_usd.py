@@ -166,6 +166,9 @@ def test_the_scene_has_the_robot_gravity_and_a_floor(build: Callable[[], Robot],
     assert [link.mass for link in seen.links] == [link.mass for link in alone.links]
     assert [len(link.visuals) for link in seen.links] == [len(link.visuals) for link in alone.links]
     assert stage.GetPrimAtPath("/World/floor").HasAPI(UsdPhysics.CollisionAPI)
+    models = [prim.GetPath().pathString for prim in stage.Traverse(Usd.PrimIsModel)]
+    assert models[0] == "/World"
+    assert len(models) == 2  # the world and the robot, a component in it
 
 
 def test_singles_read_back_as_singles() -> None:

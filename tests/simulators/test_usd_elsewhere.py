@@ -110,6 +110,8 @@ def test_asset_validator_has_two_remarks(
     file = usd_in(files[robot])
     rules = {issue[0]: issue for issue in said(validators, ASSET, str(file))}
     assert set(rules) <= {"UsdAsciiPerformanceChecker", "ZeroAreaFaceChecker"}
+    scene = file.with_suffix(".scene.usda")
+    assert {issue[0] for issue in said(validators, ASSET, str(scene))} <= set(rules)
     crate = tmp_path / f"{file.stem}.usdc"
     Sdf.Layer.FindOrOpen(str(file)).Export(str(crate))
     for rule, _, message, at in said(validators, ASSET, str(crate)):

@@ -13,7 +13,7 @@ _SUN, _SKY = 2000.0, 300.0
 
 def scene(robot: Robot, main: str) -> bytes:
     """The scene for a robot in the file ``main``, in the same folder."""
-    world = Prim("Xform", "World")
+    world = Prim("Xform", "World", metadata=['kind = "assembly"'])  # the robot is a component, a model of its own
     physics = world.add(Prim("PhysicsScene", "physics"))
     physics.set("vector3f physics:gravityDirection", "(0, 0, -1)")
     physics.set("float physics:gravityMagnitude", single(-GRAVITY[2]))
