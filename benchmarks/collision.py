@@ -18,10 +18,11 @@ from typing import Any
 import numpy as np
 
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.solids.collision_scores import PlacedShape, Unscored, collision_scores
-from stepbot.geometry.solids.collision_sets import FittedShape, PlacedSolid, Wanted, collision_sets
+from stepbot.geometry.solids.collision_scores import Unscored, collision_scores
+from stepbot.geometry.solids.collision_sets import Wanted, collision_sets
 from stepbot.geometry.solids.convex_pieces import Bore
 from stepbot.geometry.solids.manifolds import convex_hull
+from stepbot.geometry.solids.unions import PlacedShape, PlacedSolid
 from stepbot.geometry.spatial import IDENTITY
 from stepbot.step.assembly import Body
 
@@ -105,7 +106,7 @@ def _measured(decompose: Callable[[Body], list[TriMesh]], body: Body, answers: A
     pieces = decompose(body)
     seconds = time.process_time() - start
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-    shapes = tuple(PlacedShape(shape.geometry, shape.X_AG) for shape in (FittedShape(m, IDENTITY) for m in pieces))
+    shapes = tuple(PlacedShape(piece, IDENTITY) for piece in pieces)
     (score,) = collision_scores([Unscored((PlacedSolid(body.mesh, IDENTITY),), 0.0, shapes)])
     answers.put((float(len(pieces)), score.iou or 0.0, seconds, peak))
 

@@ -150,7 +150,7 @@ def build_robot(
     double_counting = DoubleCounting(binder, claims, weighed, cache=cache, process=process)
     rows = joint_table(frames, joints, closures)
     report_up_axis(binder, claims, root, rows)
-    scored = ScoredCollisions(binder, claims, robot, X_WL, bodies, cache, process)
+    scored = ScoredCollisions(binder, claims, robot, X_WL, bodies, fitted, cache, process)
     return Built(robot, double_counting, bodies, rows, scored, simplified)
 
 

@@ -11,9 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepbot.geometry.mesh_worker import report_death
-from stepbot.geometry.solids.collision_sets import CollisionSet, PlacedSolid, Wanted, collision_sets
+from stepbot.geometry.solids.collision_sets import CollisionSet, Wanted, collision_sets
 from stepbot.geometry.solids.convex_pieces import Bore
 from stepbot.geometry.solids.primitive_fits import Shaft
+from stepbot.geometry.solids.unions import PlacedSolid
 from stepbot.geometry.spatial import IDENTITY, tidy
 from stepbot.geometry.sums import exact_sum
 from stepbot.report.record import MeasuredBody
@@ -82,6 +83,10 @@ class FittedCollisions:
     def of(self, joined: Joined) -> CollisionSet:
         """The shapes of components, in the frame of the first."""
         return self._sets[joined]
+
+    def get(self, joined: Joined) -> CollisionSet | None:
+        """The same; None for components that were not joined."""
+        return self._sets.get(joined)
 
 
 def closed_parts(assembly: Assembly, indices: Sequence[int]) -> tuple[int, ...]:

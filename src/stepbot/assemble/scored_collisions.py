@@ -4,8 +4,8 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 
 from stepbot.geometry.mesh_worker import report_death
-from stepbot.geometry.solids.collision_scores import CollisionScore, PlacedShape, Unscored, collision_scores
-from stepbot.geometry.solids.collision_sets import PlacedSolid
+from stepbot.geometry.solids.collision_scores import NO_SCORE, CollisionScore, Unscored, collision_scores
+from stepbot.geometry.solids.unions import PlacedShape, PlacedSolid
 from stepbot.geometry.spatial import Pose, tidy
 from stepbot.report.record import LinkCollision, MeasuredBody
 from stepbot.robot.model import Geometry, Link, MeshRef, Robot
@@ -17,7 +17,7 @@ from stepbot.sidecar.document import Document
 from .binder import Binder
 from .claims import Claims
 from .collision_rules import is_merged, link_rule
-from .fitted_collisions import closed_parts, missing_volume
+from .fitted_collisions import FittedCollisions, closed_parts, joined_parts, missing_volume
 
 
 class ScoredCollisions:
@@ -30,6 +30,7 @@ class ScoredCollisions:
         robot: Robot,
         X_WL: Mapping[str, Pose],
         bodies: Sequence[MeasuredBody],
+        fitted: FittedCollisions,
         cache: Cache | None,
         process: Worker | None,
     ) -> None:
@@ -41,28 +42,42 @@ class ScoredCollisions:
             robot: The robot.
             X_WL: Frame of each link as drawn.
             bodies: Each body of the assembly, measured.
+            fitted: The sets of shapes that were fitted, with their scores.
             cache: Cache of scores; None to disable it.
             process: Worker of :mod:`stepbot.geometry.mesh_worker`, idle when the scores are requested; None to compute
                 in this process.
         """
         self._binder, self._claims, self._robot, self._bodies = binder, claims, robot, bodies
-        self._X_WL = X_WL
+        self._X_WL, self._fitted = X_WL, fitted
         self._cache, self._process = cache, process
 
     def result(self, timeout: float = DEFAULT_TIMEOUT) -> tuple[LinkCollision, ...]:
         """The shapes of every link that has any, with scores where stepbot has chosen them; without scores after SB902.
 
-        Scores take longer than all the rest of the build: about a second for a link.
+        A set that is all that a link has was scored when it was fitted; other shapes take about half a second for a
+        link.
         """
         links = [link for link in self._robot.links if link.collisions]
-        unscored = {link.name: self._unscored(link) for link in links if self._is_chosen(link)}
+        known = {link.name: score for link in links if (score := self._known(link)) is not None}
+        unscored = {
+            link.name: self._unscored(link) for link in links if self._is_chosen(link) and link.name not in known
+        }
         scores = ResultsByContent(self._cache, "collision score", unscored, (Unscored, CollisionScore))
         self._compute(scores, timeout)
-        return tuple(self._record(link, scores.get(link.name) or CollisionScore()) for link in links)
+        return tuple(self._record(link, known.get(link.name) or scores.get(link.name) or NO_SCORE) for link in links)
 
     def _is_chosen(self, link: Link) -> bool:
         rule = link_rule(link.name, self._binder.document)
         return rule is not None and (rule.is_decomposed or rule.max_vertices is not None)
+
+    def _known(self, link: Link) -> CollisionScore | None:
+        """The score of a link whose shapes are one set around all of its closed solids; None for others."""
+        rule = link_rule(link.name, self._binder.document)
+        if rule is None or not rule.is_decomposed:
+            return None
+        joined = joined_parts(self._binder.assembly, self._claims.parts_of(link.name), rule)
+        made = None if joined is None else self._fitted.get(joined)
+        return made.score if made is not None and len(made.shapes) == len(link.collisions) else None
 
     def _compute(self, scores: ResultsByContent[str, Unscored, CollisionScore], timeout: float) -> None:
         """Compute the missing scores, unless the worker dies (SB902)."""

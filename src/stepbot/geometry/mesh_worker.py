@@ -1,9 +1,11 @@
 """Mesh computations in a separate process: trimesh measures, manifold3d intersects.
 
 The converting process needs neither, and continues meanwhile. manifold3d uses all cores through threads that a forked
-process does not inherit: a fork after its first use would wait for them forever. This process does not fork.
+process does not inherit: a fork after its first use would wait for them forever. This process forks only as long as it
+has no threads: collision shapes, which are requested before overlaps, are fitted on all cores.
 """
 
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -42,7 +44,11 @@ def compute(task: str, question: Any) -> Any:
     See :func:`.measured_all`, :func:`.collision_sets`, :func:`.overlaps_of`, :func:`.collision_scores` and
     :func:`.all_simplified`.
     """
-    return _TASKS[task](question)
+    try:
+        return _TASKS[task](question)
+    except WorkerDied as death:  # a process that this one has started: end like it
+        sys.stderr.write(f"{death.reason}\n")
+        sys.exit(1)
 
 
 def report_death(death: WorkerDied, work: str, span: Span, found: Diagnostics) -> None:

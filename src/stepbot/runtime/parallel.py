@@ -20,8 +20,10 @@ from typing import BinaryIO, Generic, TypeVar
 
 from .attempts import Attempt
 from .cores import core_count
-from .processes import can_fork, end_with_parent
+from .processes import can_fork, end_with_parent, thread_count
+from .worker import WorkerDied
 
+S = TypeVar("S")
 T = TypeVar("T")
 
 _NUMBER = struct.Struct("<i")
@@ -132,6 +134,33 @@ def run(
         if len(results) == done:
             raise OSError("forked processes end at start")
     return {number: _expected(results[number]) for number in order}
+
+
+def results_of(function: Callable[[S], T], inputs: Sequence[S], weights: Sequence[float]) -> list[T]:
+    """A function's result for each input, in forked processes where this one has no threads and inputs are several.
+
+    Args:
+        function: Its results must be picklable, and depend on nothing but the input.
+        inputs: The inputs.
+        weights: Of each input: the larger, the longer it takes.
+
+    Raises:
+        WorkerDied: A process ended without a result.
+        MemoryError: A process had too little memory.
+    """
+    order = sorted(range(len(inputs)), key=lambda number: -weights[number])
+    # Processes with threads cannot fork safely: their children would wait for threads that they do not have.
+    processes = None if thread_count() == 1 else 1
+    results = run(lambda number: function(inputs[number]), order, processes=processes, failures=(MemoryError,))
+    found = []
+    for number in range(len(inputs)):
+        result = results[number]
+        if isinstance(result, Died):
+            raise WorkerDied(result.reason, ())
+        if isinstance(result, Raised):
+            raise MemoryError(result.text)
+        found.append(result)
+    return found
 
 
 def _give_back_freed_memory() -> None:

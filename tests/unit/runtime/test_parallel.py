@@ -3,12 +3,16 @@
 import itertools
 import os
 import signal
+import subprocess
+import sys
+import threading
 import time
 from pathlib import Path
 
 import pytest
 
-from stepbot.runtime.parallel import Died, Raised, run
+from stepbot.runtime.cores import core_count
+from stepbot.runtime.parallel import Died, Raised, results_of, run
 from stepbot.runtime.processes import can_fork
 
 FORKS = pytest.mark.skipif(not can_fork(), reason="no fork on this system")
@@ -119,3 +123,27 @@ def is_running(pid: int) -> bool:
         return ") Z" not in Path(f"/proc/{pid}/stat").read_text()
     except OSError:
         return False
+
+
+@FORKS
+def test_results_of_several() -> None:
+    """Results are in the order of the inputs; a process that dies ends the computation with its signal."""
+    assert results_of(square, (3, 1, 2), (1.0, 3.0, 2.0)) == [square(3), square(1), square(2)]
+    code = "import os, signal\nfrom stepbot.runtime.parallel import results_of\n"
+    code += "results_of(lambda n: os.kill(os.getpid(), signal.SIGSEGV), (0, 1), (1.0, 1.0))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == (1 if core_count() > 1 else -signal.SIGSEGV)
+    assert core_count() == 1 or done.stderr.rstrip().endswith("WorkerDied: SIGSEGV")
+
+
+@FORKS
+def test_a_process_with_threads_is_not_forked() -> None:
+    """With another thread, results are computed in this process."""
+    done = threading.Event()
+    thread = threading.Thread(target=done.wait)
+    thread.start()
+    try:
+        assert results_of(lambda _: os.getpid(), (0, 1), (1.0, 1.0)) == [os.getpid()] * 2
+    finally:
+        done.set()
+        thread.join()

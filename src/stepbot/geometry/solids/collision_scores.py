@@ -5,7 +5,8 @@ only shape, the volume between mesh and exact solid counts too, so that a cylind
 the solids count as filled.
 
 The overshoot is the largest distance of a point of the shapes from the solids. A distance changes by no more than the
-point moves, so a triangle can be left out, or has to be divided, by the distance of its centre and its radius.
+point moves, so a triangle can be left out, or has to be divided, by the distance of its centre and its radius. The
+search measures from a simplified surface; the distance of the point that it finds is measured from the exact one.
 """
 
 from collections.abc import Sequence
@@ -14,14 +15,14 @@ from math import pi, sin, sqrt
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..mesh import TriMesh
 from ..primitives import Box, Capsule, Cylinder, Primitive, Sphere
-from ..spatial import IDENTITY, Array, Pose
+from ..spatial import IDENTITY, Array, cross
 from ..surface_distances import SurfaceDistances
-from .collision_sets import PlacedSolid
-from .manifolds import joined_solid, mesh_arrays
-from .unions import union
+from .manifolds import faces_not_of, joined_solid, mesh_arrays
+from .unions import SIMPLIFIED, PlacedShape, PlacedSolid, Union, union
 
 MAX_FACES = 1_000_000
 """Maximum number of faces of a link that is scored."""
@@ -29,17 +30,13 @@ _SIDES = 256
 """Number of sides of a prism in place of a cylinder."""
 _ACCURACY = 4e-3
 """Accuracy of the overshoot, as a share of the diagonal of the solids."""
-_MOST_POINTS = 4_000
-"""Maximum number of distances for one overshoot."""
+_AT_ONCE = 100
+"""Number of triangles that are divided at once: first the large ones that may be far, not films between faces."""
+_UNKNOWN = 1e9
+"""Upper bound of distances [m] that are not measured."""
+_MOST_POINTS = 2_000
+"""Maximum number of corners, and of further points, whose distances are measured for one overshoot."""
 _DECIMALS = 6
-
-
-@dataclass(frozen=True, eq=False)
-class PlacedShape:
-    """A shape in the frame A of the solids; of an open mesh, its convex hull counts."""
-
-    geometry: Primitive | TriMesh
-    X_AG: Pose
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,27 +59,31 @@ class CollisionScore:
     """[m], to the nearest micrometre."""
 
 
+NO_SCORE = CollisionScore()
+
+
 def collision_scores(unscored: Sequence[Unscored]) -> tuple[CollisionScore, ...]:
     """The score of each."""
-    return tuple(map(_score, unscored))
+    return tuple(map(collision_score, unscored))
 
 
-def _score(one: Unscored) -> CollisionScore:
+def collision_score(one: Unscored) -> CollisionScore:
+    """The score of the shapes of a link."""
     import manifold3d
 
     meshes = [solid.mesh for solid in one.solids]
     meshes += [shape.geometry for shape in one.shapes if isinstance(shape.geometry, TriMesh)]
     if not one.shapes or sum(len(mesh.faces) for mesh in meshes) > MAX_FACES:
-        return CollisionScore()
-    solid, _ = union([(placed.mesh, placed.X_AC) for placed in one.solids])
-    if solid is None:
-        return CollisionScore()
+        return NO_SCORE
+    solid = union(one.solids)
+    if solid.manifold is None:
+        return NO_SCORE
     parts = [_manifold(shape.geometry).transform(shape.X_AG.matrix[:3]) for shape in one.shapes]
     shapes = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
-    outside = shapes - solid
+    outside = shapes - solid.manifold
     is_exact = len(one.shapes) == 1 and not isinstance(one.shapes[0].geometry, TriMesh)
     both = shapes.volume() - outside.volume() + (one.missing if is_exact else 0.0)
-    iou = both / (solid.volume() + outside.volume())
+    iou = both / (solid.volume + outside.volume())
     return CollisionScore(round(min(float(iou), 1.0), _DECIMALS), round(_overshoot(solid, outside), _DECIMALS))
 
 
@@ -111,31 +112,86 @@ def _half(length: float) -> tuple[float, float]:
     return -0.5 * length, 0.5 * length
 
 
-def _overshoot(solid: Any, outside: Any) -> float:
+def _overshoot(solid: Union, outside: Any) -> float:
     """The largest distance [m] of a point of what is outside the solid from it."""
-    points, faces = mesh_arrays(solid)
-    accuracy = _ACCURACY * float(np.linalg.norm(np.ptp(points, axis=0)))
-    outside = outside.simplify(0.25 * accuracy)
-    if outside.is_empty():
+    corners, sides, touching = faces_not_of(outside, solid.manifold)
+    if not len(sides):
         return 0.0
-    distances = SurfaceDistances(points, faces)
-    corners, sides = mesh_arrays(outside)
-    # Most often it is a corner, which centres of ever smaller triangles approach slowly.
-    triangles, count = corners[sides], min(len(corners), _MOST_POINTS)
-    farthest = float(distances.of(corners[:count]).max())
-    while len(triangles) and count < _MOST_POINTS:
-        centers = triangles.mean(axis=1)
-        reach = np.linalg.norm(triangles - centers[:, None], axis=2).max(axis=1)
-        away = distances.of(centers)
-        count += len(centers)
-        farthest = max(farthest, float(away.max()))
-        triangles = _quartered(triangles[away + reach > farthest + accuracy])
-    return farthest
+    surface = SurfaceDistances(*mesh_arrays(solid.simplified))
+    accuracy = (_ACCURACY - 2.0 * SIMPLIFIED) * solid.diagonal
+    return _distance(solid, *_farthest(surface, corners, sides, touching, accuracy))
 
 
-def _quartered(triangles: Array) -> Array:
-    """Four triangles (4 n, 3, 3) in place of each (n, 3, 3)."""
+def _farthest(
+    surface: SurfaceDistances, corners: Array, sides: Any, touching: NDArray[np.bool_], accuracy: float
+) -> tuple[Array, float]:
+    """The point (3,) of triangles that is farthest from a solid, up to ``accuracy`` [m], and its distance [m].
+
+    Args:
+        surface: Of the solid.
+        corners: Points (n, 3) [m].
+        sides: Triangles (m, 3), indices of corners.
+        touching: Which corners (n,) are on the solid.
+        accuracy: [m].
+    """
+    away = np.where(touching, 0.0, _UNKNOWN)
+    measured = np.flatnonzero(~touching)[:_MOST_POINTS]
+    away[measured] = surface.of(corners[measured])
+    best = int(np.where(away < _UNKNOWN, away, -1.0).argmax())
+    farthest, most = corners[best], float(away[best])
+    triangles, away, count = corners[sides], away[sides], 0
+    bounds = _most_away(triangles, away)
+    while (is_far := bounds > most + accuracy).any() and count < _MOST_POINTS:
+        triangles, away, bounds = triangles[is_far], away[is_far], bounds[is_far]
+        order = np.argsort(-bounds * _areas(triangles), kind="stable")
+        first, rest = order[:_AT_ONCE], order[_AT_ONCE:]
+        turned, of_turned = _turned(triangles[first], away[first])
+        halves, of_halves = np.concatenate([turned, turned]), np.concatenate([of_turned, of_turned])
+        middles = 0.5 * (turned[:, 0] + turned[:, 1])
+        found = surface.of(middles)
+        count += len(middles)
+        if found.max() > most:
+            farthest, most = middles[int(found.argmax())], float(found.max())
+        halves[: len(first), 1], halves[len(first) :, 0] = middles, middles
+        of_halves[: len(first), 1], of_halves[len(first) :, 0] = found, found
+        triangles, away = np.concatenate([triangles[rest], halves]), np.concatenate([away[rest], of_halves])
+        bounds = np.concatenate([bounds[rest], _most_away(halves, of_halves)])
+    return farthest, most
+
+
+def _turned(triangles: Array, away: Array) -> tuple[Array, Array]:
+    """Triangles (m, 3, 3) whose longest side is from the first to the second corner, and distances (m, 3) of these."""
+    turns = (_side_lengths(triangles).argmax(axis=1)[:, None] + np.arange(3)) % 3
+    return np.take_along_axis(triangles, turns[:, :, None], axis=1), np.take_along_axis(away, turns, axis=1)
+
+
+def _most_away(triangles: Array, away: Array) -> Array:
+    """Upper bounds (m,) of the distances of points of triangles (m, 3, 3) by the distances (m, 3) of corners.
+
+    A point is within the longest side / sqrt(3) of a corner, and within the longer of the two sides at a corner of that
+    one.
+    """
+    lengths = _side_lengths(triangles)
+    of_nearest = away.max(axis=1) + lengths.max(axis=1) / sqrt(3.0)
+    of_each = away + np.maximum(lengths, np.roll(lengths, 1, axis=1))
+    return np.asarray(np.minimum(of_nearest, of_each.min(axis=1)))
+
+
+def _areas(triangles: Array) -> Array:
+    """Areas (m,) [m^2] of triangles (m, 3, 3)."""
     a, b, c = (triangles[:, corner] for corner in range(3))
-    ab, bc, ca = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
-    parts = [np.stack(part, axis=1) for part in ((a, ab, ca), (b, bc, ab), (c, ca, bc), (ab, bc, ca))]
-    return np.concatenate(parts)
+    return np.asarray(0.5 * np.linalg.norm(cross(b - a, c - a), axis=1))
+
+
+def _side_lengths(triangles: Array) -> Array:
+    """Lengths (m, 3) of the sides from each corner to the next."""
+    return np.asarray(np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2))
+
+
+def _distance(solid: Union, point: Array, about: float) -> float:
+    """The distance [m] of a point (3,) from a solid, by that from the simplified one."""
+    points, faces = solid.arrays
+    low, high = points[faces].min(axis=1), points[faces].max(axis=1)
+    apart = np.maximum(np.maximum(low - point, point - high), 0.0)
+    near = faces[np.linalg.norm(apart, axis=1) <= about + 2.0 * SIMPLIFIED * solid.diagonal]
+    return float(SurfaceDistances(points, near).of(point[None])[0])

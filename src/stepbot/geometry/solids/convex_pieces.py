@@ -17,13 +17,15 @@ from typing import Any
 import numpy as np
 
 from ..distinct_rows import distinct_rows
-from ..spatial import Array
+from ..spatial import Array, cross
 from ..sums import exact_sum
 from .cut_surfaces import ON, CutSurface, Plane, crossings
 from .manifolds import hull_points, hull_volume, mesh_arrays
+from .unions import SIMPLIFIED, Union
 
-_COARSE = (1e-3, 2e-3, 4e-3)
-"""Tolerances of the simplified mesh, as shares of the diagonal: the first that leaves :data:`_FEW` triangles."""
+_COARSER = (2e-3, 4e-3)
+"""Tolerances of the coarse mesh after the first, as shares of the diagonal: the first that leaves :data:`_FEW`
+triangles."""
 _FEW = 1500
 _PLANES = 30
 """Number of planes of faces to try."""
@@ -128,25 +130,23 @@ class _Piece:
         return self.hull - self.volume
 
 
-def convex_pieces(solid: Any, bores: Sequence[Bore], filled: float, max_pieces: int) -> list[Array]:
+def convex_pieces(solid: Union, bores: Sequence[Bore], filled: float, max_pieces: int) -> list[Array]:
     """Points (n, 3) [m] of each convex piece; their hulls together enclose the solid.
 
     Args:
-        solid: A manifold without voids.
+        solid: The solid.
         bores: Axes of its bores.
         filled: Share of the total volume of its pieces' hulls that the solid has to fill.
         max_pieces: Maximum number of pieces.
     """
-    points, faces = mesh_arrays(solid)
-    diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
-    pieces = [_Piece(CutSurface.of(points, faces), _Solid(_simplified(solid, diagonal)))]
-    planes = _candidates(points, faces, bores, diagonal)
+    pieces = [_Piece(CutSurface.of(*solid.arrays), _Solid(_simplified(solid)))]
+    planes = _candidates(*solid.arrays, bores, solid.diagonal)
     blind = 0
     while len(pieces) < max_pieces:
         total = exact_sum(piece.hull for piece in pieces)
         if exact_sum(piece.volume for piece in pieces) >= filled * total:
             break
-        _try_cuts(pieces, planes, _THINNEST * diagonal, _LEAST_GAIN * total)
+        _try_cuts(pieces, planes, _THINNEST * solid.diagonal, _LEAST_GAIN * total)
         best = max(range(len(pieces)), key=lambda i: _rank(pieces[i].cut, total))
         cut = pieces[best].cut
         if cut is None or cut.gain < _LEAST_GAIN * total:
@@ -172,11 +172,11 @@ def _try_cuts(pieces: Sequence[_Piece], planes: tuple[Array, Array], thinnest: f
             least = max(least, piece.cut.gain)
 
 
-def _simplified(solid: Any, diagonal: float) -> Any:
+def _simplified(solid: Union) -> Any:
     """A mesh with fewer triangles, on which cuts are compared."""
-    coarse = solid
-    for tolerance in _COARSE:
-        made = coarse.simplify(tolerance * diagonal)
+    coarse = solid.manifold
+    for tolerance in (SIMPLIFIED, *_COARSER):
+        made = solid.simplified if tolerance == SIMPLIFIED else coarse.simplify(tolerance * solid.diagonal)
         if made.is_empty() or made.volume() <= 0.0:
             break
         coarse = made
@@ -250,11 +250,7 @@ def _cost(points: Sequence[Array], hulls: Sequence[float], i: int, j: int) -> fl
 
 def _candidates(points: Array, faces: Any, bores: Sequence[Bore], diagonal: float) -> tuple[Array, Array]:
     """Normals (n, 3) and offsets (n,) [m] of the planes to try, the larger faces first."""
-    a, b, c = (points[faces[:, corner]] for corner in range(3))
-    normals = np.cross(b - a, c - a)
-    areas = np.linalg.norm(normals, axis=1)
-    normals, areas, a = normals[areas > 0.0], areas[areas > 0.0], a[areas > 0.0]
-    normals = normals / areas[:, None]
+    normals, areas, a = face_normals(points, faces)
     of_faces = _distinct(normals, np.einsum("ij,ij->i", normals, a), areas, diagonal)
     axes = main_axes(normals, areas)
     found = [of_faces]
@@ -269,6 +265,15 @@ def _candidates(points: Array, faces: Any, bores: Sequence[Bore], diagonal: floa
         offsets = np.linspace(heights.min(), heights.max(), _ACROSS + 2)[1:-1]
         found.append((np.tile(axis, (_ACROSS, 1)), offsets))
     return np.vstack([planes for planes, _ in found]), np.concatenate([offsets for _, offsets in found])
+
+
+def face_normals(points: Array, faces: Any) -> tuple[Array, Array, Array]:
+    """Unit normals (m, 3), twice the areas (m,) [m^2], and first corners (m, 3) [m] of the faces that have an area."""
+    a, b, c = (points[faces[:, corner]] for corner in range(3))
+    normals = cross(b - a, c - a)
+    areas = np.linalg.norm(normals, axis=1)
+    has_area = areas > 0.0
+    return normals[has_area] / areas[has_area, None], areas[has_area], a[has_area]
 
 
 def _distinct(normals: Array, offsets: Array, areas: Array, diagonal: float) -> tuple[Array, Array]:

@@ -203,6 +203,26 @@ def mesh_arrays(solid: Any) -> tuple[Array, NDArray[np.int64]]:
     return _in_order(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64))
 
 
+def faces_not_of(made: Any, solid: Any) -> tuple[Array, NDArray[np.int64], NDArray[np.bool_]]:
+    """The part of the surface of a manifold that a solid, from which it was made by Booleans, has not contributed.
+
+    Returns:
+        Vertices (n, 3) [m] and faces (m, 3), sorted, and which vertices (n,) are on the other part too.
+    """
+    mesh = made.to_mesh64()
+    theirs = np.isin(np.asarray(mesh.run_original_id), np.asarray(solid.to_mesh64().run_original_id))
+    bounds = np.asarray(mesh.run_index, dtype=np.int64) // 3
+    of_solid = np.repeat(theirs, bounds[1:] - bounds[:-1])
+    vertices, faces = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)
+    touching = np.zeros(len(vertices), dtype=bool)
+    touching[faces[of_solid]] = True
+    used = np.unique(faces[~of_solid])
+    renumbered = np.zeros(len(vertices), dtype=np.int64)
+    renumbered[used] = np.arange(len(used))
+    order = np.lexsort(vertices[used].T[::-1])
+    return *_in_order(vertices[used], renumbered[faces[~of_solid]]), touching[used][order]
+
+
 def hull_points(points: Array) -> Array:
     """Those of points (n, 3) that are vertices of their convex hull, sorted."""
     import manifold3d

@@ -1,53 +1,104 @@
 """The union of solids: the fit of a link's shapes and their scores need the same one, so it is kept in between."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from hashlib import sha256
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ..mesh import TriMesh
-from ..spatial import Pose
-from .manifolds import joined_solid
+from ..primitives import Primitive
+from ..spatial import Array, Pose
+from .manifolds import joined_solid, mesh_arrays
 
-_Union = tuple[Any | None, tuple[int, ...]]
-"""As :func:`.joined_solid` returns it."""
-
+SIMPLIFIED = 1e-3
+"""Tolerance of :attr:`Union.simplified`, as a share of the diagonal."""
 _MOST_FACES = 500_000
-"""Maximum number of faces of all unions that are kept, at about 230 bytes each (manifold3d 3.5)."""
+"""Maximum number of faces of all unions that are kept, at about 300 bytes each (manifold3d 3.5)."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedSolid:
+    """A closed mesh, given in C, in the common frame A."""
+
+    mesh: TriMesh
+    X_AC: Pose
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedShape:
+    """A shape in the frame A of the solids; of an open mesh, its convex hull counts."""
+
+    geometry: Primitive | TriMesh
+    X_AG: Pose
+
+
+class Union:
+    """Solids as one, without voids; other forms of it are made when they are first needed."""
+
+    def __init__(self, manifold: Any, left_out: tuple[int, ...]) -> None:
+        self.manifold = manifold
+        """None without any volume."""
+        self.left_out = left_out
+        """Indices of the solids whose meshes bound no volume."""
+
+    @cached_property
+    def arrays(self) -> tuple[Array, NDArray[np.int64]]:
+        """Vertices (n, 3) [m] and faces (m, 3), sorted."""
+        return mesh_arrays(self.manifold)
+
+    @cached_property
+    def diagonal(self) -> float:
+        """Diagonal [m] of the bounding box."""
+        return float(np.linalg.norm(np.ptp(self.arrays[0], axis=0)))
+
+    @cached_property
+    def volume(self) -> float:
+        """[m^3]."""
+        return float(self.manifold.volume())
+
+    @cached_property
+    def simplified(self) -> Any:
+        """A manifold with fewer faces, whose surface is displaced by at most :data:`SIMPLIFIED`."""
+        return self.manifold.simplify(SIMPLIFIED * self.diagonal)
 
 
 class _Unions:
     """Unions by content, as long as there is room."""
 
     def __init__(self) -> None:
-        self._kept: dict[bytes, _Union] = {}
+        self._kept: dict[bytes, Union] = {}
         self._faces = 0
 
-    def of(self, parts: Sequence[tuple[TriMesh, Pose]]) -> _Union:
-        key = _content(parts)
+    def of(self, solids: Sequence[PlacedSolid]) -> Union:
+        key = _content(solids)
         if key in self._kept:
             return self._kept[key]
-        solid, left_out = joined_solid(parts)
-        faces = 0 if solid is None else int(solid.num_tri())
+        made = Union(*joined_solid([(one.mesh, one.X_AC) for one in solids]))
+        faces = 0 if made.manifold is None else int(made.manifold.num_tri())
         if self._faces + faces <= _MOST_FACES:
-            self._kept[key] = solid, left_out
+            self._kept[key] = made
             self._faces += faces
-        return solid, left_out
+        return made
 
 
 _UNIONS = _Unions()
 """Those of this process."""
 
 
-def union(parts: Sequence[tuple[TriMesh, Pose]]) -> _Union:
-    """:func:`.joined_solid`, computed once for equal parts."""
-    return _UNIONS.of(parts)
+def union(solids: Sequence[PlacedSolid]) -> Union:
+    """The union of solids, computed once for equal ones."""
+    return _UNIONS.of(solids)
 
 
-def _content(parts: Sequence[tuple[TriMesh, Pose]]) -> bytes:
+def _content(solids: Sequence[PlacedSolid]) -> bytes:
     """A hash of meshes and poses."""
     content = sha256()
-    for mesh, X_AC in parts:
-        for array in (mesh.vertices, mesh.faces, X_AC.matrix):
+    for one in solids:
+        for array in (one.mesh.vertices, one.mesh.faces, one.X_AC.matrix):
             content.update(repr(array.shape).encode())
             content.update(array.tobytes())
     return content.digest()

@@ -8,9 +8,9 @@ import pytest
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.primitives import Box, Capsule, Cylinder, Sphere
-from stepbot.geometry.solids.collision_scores import CollisionScore, PlacedShape, Unscored, collision_scores
-from stepbot.geometry.solids.collision_sets import PlacedSolid
+from stepbot.geometry.solids.collision_scores import CollisionScore, Unscored, collision_scores
 from stepbot.geometry.solids.manifolds import convex_hull
+from stepbot.geometry.solids.unions import PlacedShape, PlacedSolid
 from stepbot.geometry.spatial import IDENTITY, Pose
 from tests.unit.assemble.workshop import BOX_FACES, CORNERS, rod_mesh
 
@@ -86,3 +86,15 @@ def test_mesh_that_is_not_convex() -> None:
     score = _score((PlacedSolid(mesh, IDENTITY),), PlacedShape(mesh, IDENTITY))
     assert score.iou == pytest.approx(1.0, abs=1e-6)
     assert score.overshoot == pytest.approx(0.0, abs=1e-6)
+
+
+def test_overshoot_in_the_middle_of_a_face() -> None:
+    """The lid of a pocket is as far away as the pocket is deep, though the solid has thousands of corners elsewhere."""
+    cube = manifold3d.Manifold.cube((0.1, 0.1, 0.1), True)
+    pocket = manifold3d.Manifold.cube((0.04, 0.04, 0.02), True).translate((0, 0, 0.05))
+    bore = manifold3d.Manifold.cylinder(0.2, 0.001, 0.001, 2500, True).rotate((90, 0, 0))
+    carved = (cube - pocket - bore).to_mesh64()
+    mesh = TriMesh.of(np.asarray(carved.vert_properties)[:, :3], np.asarray(carved.tri_verts))
+    score = _score((PlacedSolid(mesh, _AWAY),), PlacedShape(Box((0.1, 0.1, 0.1)), _AWAY))
+    assert score.overshoot == pytest.approx(0.01, abs=0.004 * 0.1 * 3**0.5)
+    assert score.iou == pytest.approx(1 - (0.04**2 * 0.01 + pi * 0.001**2 * 0.1) / 1e-3, rel=1e-6)

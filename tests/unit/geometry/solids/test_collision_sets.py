@@ -12,9 +12,11 @@ import pytest
 from stepbot.geometry.mesh import TriMesh, joined
 from stepbot.geometry.primitives import Box, Capsule, Cylinder, Sphere
 from stepbot.geometry.solids.bounded_hulls import bounded_hull
-from stepbot.geometry.solids.collision_sets import CollisionSet, PlacedSolid, Wanted, collision_sets
+from stepbot.geometry.solids.collision_scores import Unscored, collision_scores
+from stepbot.geometry.solids.collision_sets import CollisionSet, Wanted, collision_sets
 from stepbot.geometry.solids.manifolds import convex_hull
 from stepbot.geometry.solids.primitive_fits import Shaft
+from stepbot.geometry.solids.unions import PlacedSolid
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
 from tests.conftest import ROOT
 from tests.unit.assemble.workshop import BOX_FACES, CORNERS, rod_mesh
@@ -163,6 +165,18 @@ def test_open_meshes_are_left_out() -> None:
     made = _of(PlacedSolid(open_box, IDENTITY), _box(0.1, 0.1, 0.1))
     assert made.left_out == (0,)
     assert len(made.shapes) == 1
+
+
+def test_sets_are_scored() -> None:
+    """A set has the score that its shapes have on their own, and sets made together are those made alone."""
+    solids = (_l_bracket(), (_box(0.1, 0.1, 0.1),))
+    wanted = [Wanted(of, 0.0, (), (), True, 0.95, 16, 64) for of in solids]
+    made = collision_sets(wanted)
+    assert [one.score for one in made] == [one.score for alone in wanted for one in collision_sets([alone])]
+    assert tuple(one.score for one in made) == collision_scores(
+        [Unscored(of, 0.0, one.shapes) for of, one in zip(solids, made, strict=True)]
+    )
+    assert made[0].score.iou == pytest.approx(1.0, abs=1e-5)
 
 
 def _hull(made: CollisionSet, index: int) -> TriMesh:
