@@ -21,9 +21,10 @@ def actuators_of(description: Description, joints: Mapping[str, Joint], found: l
     taken: set[str] = set()
     for one in description.observation.actuators or ():
         joint = joints.get(one.joint)
-        if joint is None or joint.kind is JointKind.FIXED or one.kind not in set(ActuatorKind):
+        if joint is None or joint.kind is JointKind.FIXED or one.kind not in set(ActuatorKind) or one.gear == 0.0:
             on = f" on '{one.joint}'" if one.joint else ""
-            text = f"actuator '{one.name}' of type '{one.kind}'{on}: not converted"
+            why = " with a gear of 0" if one.gear == 0.0 else ""
+            text = f"actuator '{one.name}' of type '{one.kind}'{on}{why}: not converted"
             found.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
             continue
         name = free_name(one.name or f"{one.joint}_{one.kind}", "_2", taken)

@@ -220,7 +220,7 @@ def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> No
             report(
                 "SB509",
                 f"link '{link.name}': {fault}",
-                help=("repair its solids in CAD: they are open or self-intersecting; or give it an `inertial`",),
+                help=("correct its `inertial`; solids without one are open or self-intersecting: repair them in CAD",),
             )
 
 

@@ -145,3 +145,23 @@ def test_a_tilted_mount_is_a_loss_and_followers_start_with_their_leader(tmp_path
     assert tilted.text.endswith("turned by (3.14159, 0, 0) rad; gravity acts in another direction of the robot")
     assert tilted.differs == (Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS)
     assert described.robot.joint_by_name["follow"].drawn_position == 0.3
+
+
+def test_a_gear_of_zero_moves_nothing(tmp_path: Path) -> None:
+    """An actuator with a reduction of 0 in `<ros2_control>` is left out and reported."""
+    path = tmp_path / "geared.urdf"
+    path.write_text(
+        """<robot name="geared"><link name="base"/><link name="arm"/>
+        <joint name="hinge" type="continuous"><parent link="base"/><child link="arm"/></joint>
+        <ros2_control name="drives" type="system"><hardware><plugin>any</plugin></hardware>
+        <joint name="hinge"><command_interface name="effort"><param name="min">-1</param></command_interface></joint>
+        <transmission name="gear"><plugin>transmission_interface/SimpleTransmission</plugin>
+        <actuator name="motor" role="actuator1"/>
+        <joint name="hinge" role="joint1"><mechanical_reduction>0</mechanical_reduction></joint></transmission>
+        </ros2_control></robot>""",
+        encoding="utf-8",
+    )
+    made = robot_of_description(describe(str(path), "urdf"), "geared", path.name)
+    assert not made.robot.actuators
+    lost = "actuator 'motor' of type 'motor' on 'hinge' with a gear of 0: not converted"
+    assert ("SB863", lost) in [(one.code, one.text) for one in made.findings]

@@ -5,7 +5,7 @@ http://sdformat.org/tutorials?tut=pose_frame_semantics
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -39,13 +39,16 @@ def number_at(element: Element | None, path: str, default: float) -> float:
     """The number in a child element, or the default if it is missing.
 
     Raises:
-        EngineRefused: There are several.
+        EngineRefused: It is something else.
     """
-    text = None if element is None else element.findtext(path)
-    values = numbers(text) if text is not None else [default]
-    if len(values) != 1:
-        raise EngineRefused(f"<{path}> has {len(values)} numbers, 1 expected")
-    return values[0]
+    found: Any = None if element is None else element.find(path)  # the stubs lack `sourceline`
+    if found is None:
+        return default
+    try:
+        return float(found.text or "")
+    except ValueError as error:
+        text = (found.text or "").strip()
+        raise EngineRefused(f"line {found.sourceline}: <{found.tag}> is '{text}', not a number") from error
 
 
 def bool_at(element: Element | None, path: str, default: bool) -> bool:

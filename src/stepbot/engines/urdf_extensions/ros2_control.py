@@ -5,7 +5,7 @@ https://control.ros.org/rolling/doc, http://wiki.ros.org/urdf/XML/Transmission
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import inf
+from math import inf, isnan
 from typing import TYPE_CHECKING
 
 from stepbot.robot.model import ActuatorKind
@@ -145,6 +145,8 @@ def _commanded(name: str, joint: str, kind: ActuatorKind, command: Element, gear
     """An actuator whose input is a command interface; bounds are converted from the joint to the actuator."""
     values = {one.get("name", ""): _one(one) for one in command.findall("param")}
     low, high = values.get("min", -inf), values.get("max", inf)
+    if gear == 0.0:  # no position or effort of the joint has one of the actuator
+        return ObservedActuator(name, joint, kind.value, gear=gear)
     scale = 1.0 / gear if kind is ActuatorKind.MOTOR else gear
     low, high = sorted((low * scale, high * scale))
     seen = ObservedActuator(name, joint, kind.value, gear=gear, control=(low, high))
@@ -156,8 +158,8 @@ def _commanded(name: str, joint: str, kind: ActuatorKind, command: Element, gear
 
 def _one(parameter: Element) -> float:
     found = numbers(parameter.text)
-    if len(found) != 1:
-        raise EngineRefused(f"parameter '{parameter.get('name')}' has {len(found)} numbers, 1 expected")
+    if len(found) != 1 or isnan(found[0]):
+        raise EngineRefused(f"parameter '{parameter.get('name')}' is '{parameter.text}', not a number")
     return found[0]
 
 
