@@ -3,6 +3,7 @@
 import importlib.util
 import re
 import runpy
+import shutil
 import subprocess
 import sys
 import types
@@ -10,6 +11,7 @@ from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
+import numpy as np
 import pytest
 
 from stepbot.jobs.library import library_robot
@@ -72,6 +74,63 @@ def test_snippet_runs(heading: str, module: str, printed: str, folder: Path) -> 
     assert run.returncode == 0, run.stderr
     stated = "\n".join(line for line in run.stdout.splitlines() if not line.startswith("pybullet build time"))
     assert re.search(printed, stated), run.stdout
+
+
+CAMERA = """
+import numpy as np
+from pydrake.geometry import (ClippingRange, ColorRenderCamera, DepthRange, DepthRenderCamera, MakeRenderEngineVtk,
+    RenderCameraCore, RenderEngineVtkParams)
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.sensors import CameraInfo, RgbdSensor
+
+builder = DiagramBuilder()
+plant, graph = AddMultibodyPlantSceneGraph(builder, 0.0)
+graph.AddRenderer("vtk", MakeRenderEngineVtk(RenderEngineVtkParams()))
+Parser(plant).AddModels("arm/arm.sdf")
+plant.Finalize()
+core = RenderCameraCore("vtk", CameraInfo(64, 48, 0.8), ClippingRange(0.01, 10.0), RigidTransform())
+cameras = ColorRenderCamera(core, False), DepthRenderCamera(core, DepthRange(0.1, 9.0))
+sensor = builder.AddSystem(
+    RgbdSensor(graph.world_frame_id(), RigidTransform(RollPitchYaw(-np.pi / 2, 0, 0), [0, -1.0, 0.1]), *cameras))
+builder.Connect(graph.get_query_output_port(), sensor.query_object_input_port())
+diagram = builder.Build()
+context = sensor.GetMyContextFromRoot(diagram.CreateDefaultContext())
+print(np.isfinite(sensor.depth_image_32F_output_port().Eval(context).data).sum())
+"""
+
+
+def test_normals_for_cameras_of_drake(folder: Path, tmp_path: Path) -> None:
+    """Every face of every mesh gets its geometric normal, and Drake's camera sees the robot."""
+    meshes = tmp_path / "arm" / "meshes"
+    shutil.copytree(folder / "arm", tmp_path / "arm")
+    before = {path.name: _triangles(path)[0] for path in meshes.glob("*.obj")}
+    run = [sys.executable, "-c", block("Drake's cameras", "python")]
+    assert subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=100).stderr == ""
+    assert before
+    for name, corners in before.items():
+        after, normals = _triangles(meshes / name)
+        assert after == pytest.approx(corners, abs=1e-7)
+        geometric = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        geometric /= np.linalg.norm(geometric, axis=1, keepdims=True)
+        assert normals == pytest.approx(np.repeat(geometric[:, None], 3, axis=1), abs=1e-4)
+    if importlib.util.find_spec("pydrake") is None:
+        pytest.skip("pydrake is not installed: its camera saw nothing")
+    command = [sys.executable, "-c", CAMERA]
+    seen = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True, timeout=100)
+    assert int(seen.stdout.split()[-1]) > 10
+
+
+def _triangles(path: Path) -> tuple[Any, Any]:
+    """Corners (n, 3, 3) of the faces of an OBJ file, and their normals (n, 3, 3), or nothing."""
+    lines = [line.split() for line in path.read_text(encoding="utf-8").splitlines()]
+    vertices, normals = (np.array([line[1:4] for line in lines if line[:1] == [tag]], float) for tag in ("v", "vn"))
+    faces = [[corner.split("/") for corner in line[1:]] for line in lines if line[:1] == ["f"]]
+    of = np.array([[int(corner[0]) - 1 for corner in face] for face in faces])
+    named = [[int(corner[2]) - 1 for corner in face] for face in faces] if len(normals) else []
+    return vertices[of], normals[np.array(named)] if named else normals
 
 
 def test_world_for_gazebo_includes_the_model(folder: Path) -> None:
