@@ -38,7 +38,8 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
         except RemoteError as error:
             if error.kind not in ("EngineRefused", "EngineCannotRead"):
                 raise
-            found.add("SB823", error.text, span)
+            first, *more = error.text.splitlines() or [""]
+            found.add("SB823", first, span, notes=more)
             return None
         except WorkerDied as death:
             message = f"the process that reads the description died: {death.reason}"

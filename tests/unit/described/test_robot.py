@@ -112,6 +112,15 @@ def test_a_file_without_links_is_reported(tmp_path: Path) -> None:
     assert shown.scene is None
 
 
+def test_further_lines_of_a_reader_are_notes(tmp_path: Path) -> None:
+    """MuJoCo gives the place of a fault in a second line."""
+    path = tmp_path / "wrong.xml"
+    path.write_text("<mujoco><worldbody><body><inertial mass='1'/></body></worldbody></mujoco>", encoding="utf-8")
+    (fault,) = show(path, Options(output=Path())).diagnostics
+    assert fault.message == "XML Error: required attribute missing: 'pos'"
+    assert fault.notes == ("Element 'inertial', line 1",)
+
+
 def test_shapes_without_volume_are_declared(tmp_path: Path) -> None:
     """Boxes of size 0 or less, which engines reject, are left out, and listed."""
     path = tmp_path / "flat.urdf"
