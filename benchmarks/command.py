@@ -40,7 +40,7 @@ from .collision import compare_pieces, compare_steps, shapes_of
 from .comparison import compare
 from .contenders import ROOT, Case, Contender
 from .environments import environment_speeds
-from .inference import corpus_folder, measure
+from .inference import corpus_folder, measure, page_with_table
 from .report import write_report
 from .results import keep, table
 from .timing import CommandFailed, timed
@@ -95,6 +95,7 @@ def _parser() -> argparse.ArgumentParser:
     commands.add_parser("report", help="update the tables in docs/performance.md").set_defaults(run=_report)
     drafted = commands.add_parser("inference", help="how many joints are found, how many drafted ones are right")
     drafted.add_argument("--only", default="", metavar="TEXT", help="robots whose name contains this")
+    drafted.add_argument("--write", action="store_true", help="update the table in docs/authoring.md")
     drafted.set_defaults(run=_inference)
     pieces = commands.add_parser("collision", help="convex pieces of solids, by stepbot and by CoACD")
     pieces.add_argument("step", type=Path)
@@ -203,7 +204,10 @@ def _scaling(options: argparse.Namespace, folder: Path) -> None:
 
 
 def _inference(options: argparse.Namespace, _: Path) -> None:
-    measure(corpus_folder(), options.only)
+    sums = measure(corpus_folder(), options.only)
+    if options.write:
+        page = ROOT / "docs" / "authoring.md"
+        page.write_text(page_with_table(page.read_text(encoding="utf-8"), sums), encoding="utf-8", newline="\n")
 
 
 def _gate(options: argparse.Namespace, folder: Path) -> int:

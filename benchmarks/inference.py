@@ -11,8 +11,9 @@ The robots are those of the library, and the real assemblies of the corpus that 
 """
 
 import os
+import re
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -32,6 +33,24 @@ MODES = {"full": Sources(), "nameless": Sources(names=False), "bare": Sources(na
 _COARSE = MeshTolerance(relative=0.05, angle=0.8)
 """Coarse: meshes are not compared here."""
 _NO_ROBOTS = ("as1-oc-214", "dm1_ideas_inch", "eight_cylinders_multi_root", "rotor_pump_ap203", "s1_autocad_foot")
+_TABLE = re.compile(r"(<!-- inference -->\n).*?(<!-- end -->)", re.DOTALL)
+_COLUMNS = {
+    ("library", "full"): "library, as it is",
+    ("library", "nameless"): "without names",
+    ("library", "bare"): "without names and tree",
+    ("real", "full"): "real, as they are",
+    ("real", "nameless"): "without names",
+    ("real", "bare"): "without names and tree",
+}
+_CELLS: dict[str, Callable[["Total"], str]] = {
+    "found": lambda of: f"{of.found} of {of.true}",
+    "axis to 1e-6 m and rad": lambda of: f"{of.exact} of {of.found}",
+    "axis not drawn to 1e-6": lambda of: f"{of.undrawn}",
+    "seen": lambda of: f"{of.seen} of {of.true}",
+    "right among those drafted": lambda of: f"{of.found / max(1, of.drafted):.0%}",
+    "wrong without a mark": lambda of: f"{of.unmarked}",
+    "volume in the right link": lambda of: f"{of.volume:.1%}",
+}
 _HEADS = ("found", "to 1e-6", "not drawn", "seen", "precision", "wrong (unmarked)", "volume in the right link", "root")
 
 
@@ -62,8 +81,8 @@ def subjects(corpus: Path | None) -> Iterator[Subject]:
         yield Subject(name, "no robot", corpus / f"{name}.step")
 
 
-def measure(corpus: Path | None, only: str = "") -> None:
-    """Print a row per robot and mode, then the sums of each group."""
+def measure(corpus: Path | None, only: str = "") -> dict[tuple[str, str], list[Score]]:
+    """Print a row per robot and mode, then the sums of each group; returns the scores of each group and mode."""
     sums: dict[tuple[str, str], list[Score]] = {}
     print(f"{'':28}{'':10}" + "".join(f"{head:>{_width(head)}}" for head in _HEADS))
     for subject in subjects(corpus):
@@ -84,6 +103,19 @@ def measure(corpus: Path | None, only: str = "") -> None:
             print(f"{subject.name:28}{mode:10}{_row([result])}  {seconds:.1f} s", flush=True)
     for (group, mode), results in sums.items():
         print(f"{group:28}{mode:10}{_row(results)}")
+    return sums
+
+
+def page_with_table(text: str, sums: Mapping[tuple[str, str], Sequence[Score]]) -> str:
+    """The page with the table between its markers."""
+    columns = [results for group, mode in _COLUMNS if (results := sums.get((group, mode)))]
+    if len(columns) < len(_COLUMNS):
+        raise SystemExit("the table needs the library and the corpus of real assemblies: see STEPBOT_CORPUS")
+    rows = [["", *(_COLUMNS[key] for key in _COLUMNS)], ["---"] * (len(columns) + 1)]
+    for head, cell in _CELLS.items():
+        rows.append([head, *(cell(Total(results)) for results in columns)])
+    lines = "".join(f"| {' | '.join(row)} |\n".replace("|  |", "| |") for row in rows)
+    return _TABLE.sub(lambda match: match[1] + lines + match[2], text)
 
 
 def corpus_folder() -> Path | None:
@@ -100,21 +132,29 @@ def _read(step: Path) -> Assembly:
     return assembly
 
 
-def _row(results: Iterable[Score]) -> str:
-    rows = list(results)
-    counts = "true", "found", "exact", "undrawn", "seen", "drafted"
-    true, found, exact, undrawn, seen, drafted = (sum(getattr(r, name) for r in rows) for name in counts)
-    wrong, unmarked = sum(len(r.wrong) for r in rows), sum(r.unmarked for r in rows)
-    volume = sum(r.volume for r in rows) / len(rows)
+class Total:
+    """Sums of the scores of several robots."""
+
+    def __init__(self, results: Sequence[Score]) -> None:
+        self.robots = len(results)
+        self.true, self.found = sum(r.true for r in results), sum(r.found for r in results)
+        self.exact, self.undrawn = sum(r.exact for r in results), sum(r.undrawn for r in results)
+        self.seen, self.drafted = sum(r.seen for r in results), sum(r.drafted for r in results)
+        self.wrong, self.unmarked = sum(len(r.wrong) for r in results), sum(r.unmarked for r in results)
+        self.volume, self.roots = sum(r.volume for r in results) / len(results), sum(r.root for r in results)
+
+
+def _row(results: Sequence[Score]) -> str:
+    of = Total(results)
     cells = (
-        f"{found}/{true}",
-        f"{exact}/{found}",
-        f"{undrawn}",
-        f"{seen}/{true}",
-        f"{found / max(1, drafted):.0%}",
-        f"{wrong} ({unmarked})",
-        f"{volume:.1%}",
-        f"{sum(r.root for r in rows)}/{len(rows)}",
+        f"{of.found}/{of.true}",
+        f"{of.exact}/{of.found}",
+        f"{of.undrawn}",
+        f"{of.seen}/{of.true}",
+        f"{of.found / max(1, of.drafted):.0%}",
+        f"{of.wrong} ({of.unmarked})",
+        f"{of.volume:.1%}",
+        f"{of.roots}/{of.robots}",
     )
     return "".join(f"{cell:>{_width(head)}}" for cell, head in zip(cells, _HEADS, strict=True))
 
