@@ -47,9 +47,9 @@ _CELLS: dict[str, Callable[["Total"], str]] = {
     "axis to 1e-6 m and rad": lambda of: f"{of.exact} of {of.found}",
     "axis not drawn to 1e-6": lambda of: f"{of.undrawn}",
     "seen": lambda of: f"{of.seen} of {of.true}",
-    "right among those drafted": lambda of: f"{of.found / max(1, of.drafted):.0%}",
+    "right among those drafted": lambda of: f"{of.found / max(1, of.drafted):.0%}".replace("%", " %"),
     "wrong without a mark": lambda of: f"{of.unmarked}",
-    "volume in the right link": lambda of: f"{of.volume:.1%}",
+    "volume in the right link": lambda of: f"{of.volume:.1%}".replace("%", " %"),
 }
 _HEADS = ("found", "to 1e-6", "not drawn", "seen", "precision", "wrong (unmarked)", "volume in the right link", "root")
 
