@@ -8,12 +8,14 @@ import mujoco
 import numpy as np
 import pytest
 
+from stepbot.diagnostics import Diagnostics
 from stepbot.jobs.incremental import convert
 from stepbot.pipeline import writing
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.report.record import Status
 from stepbot.robot.model import Base, Joint, JointKind, Link, Robot
 from stepbot.robot.multi_dof import planar_to_three
+from stepbot.verification import verify_files
 
 pytestmark = pytest.mark.xdist_group("joints of others")
 
@@ -164,3 +166,16 @@ def test_vertices_without_faces_are_no_difference(tmp_path: Path) -> None:
     assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
     assert conversion.report is not None
     assert not conversion.report.failed
+
+
+def test_engines_that_do_not_move_a_joint_are_not_compared(tmp_path: Path) -> None:
+    """`verify` of a planar joint, which PyBullet and yourdfpy leave at 0, finds no difference, and says so."""
+    table = _joint("table", "planar", "base", "table", '<axis xyz="0 1 0"/>')
+    path = tmp_path / "table.urdf"
+    path.write_text(f'<robot name="r">{_link("base")}{_link("table")}{table}</robot>', encoding="utf-8")
+    found = Diagnostics()
+    report = verify_files([path], found)
+    assert found.exit_code == 0, list(map(str, found))
+    reasons = {check.engine: check.why for check in report.checks if check.quantity in ("load", "poses")}
+    assert reasons["pybullet"] == "PyBullet does not move these joints: 'table' (planar)"
+    assert reasons["yourdfpy"] == "yourdfpy does not move these joints: 'table' (planar)"

@@ -36,6 +36,7 @@ from ..observation import (
     Request,
 )
 from ..sdformat_reader.tree import round_shapes, tree_copy
+from ..xml_root import xml_root
 from . import ENGINE
 from .body import Body, body_of, pose
 
@@ -142,6 +143,11 @@ def _observe_urdf(engine: Any, request: Request) -> Observation:
     from .motion import close_in_simulation, simulate
 
     path = Path(request.file)
+    joints = xml_root(path).iter("joint") if path.is_file() else ()  # PyBullet rejects what is not there
+    unmoved = [joint for joint in joints if joint.get("type") in ("planar", "floating")]
+    if unmoved:
+        names = ", ".join(f"'{joint.get('name')}' ({joint.get('type')})" for joint in unmoved)
+        raise EngineCannotRead(f"PyBullet does not move these joints: {names}")
     with _loaded(engine, path, "urdf", fixed=True) as body:
         observation = replace(_tree(body, request), not_run=_NOT_RUN["urdf"])
         if len(body.coordinates) == sum(info[2] != engine.JOINT_FIXED for info in body.joints):

@@ -62,6 +62,9 @@ def observe(request: Request) -> Observation:
     if chained:
         not_run[Quantity.POSES] = f"yourdfpy does not follow a mimic of a mimic: {', '.join(chained)}"
         warnings = [text for text in warnings if "supposed to mimic" not in text]
+    unmoved = [f"'{joint.name}' ({joint.kind})" for joint in joints if joint.kind in ("planar", "floating")]
+    if unmoved:
+        not_run[Quantity.POSES] = f"yourdfpy does not move these joints: {', '.join(unmoved)}"
     return Observation(
         engine=ENGINE.name,
         version=importlib.metadata.version("yourdfpy"),
