@@ -163,8 +163,12 @@ def joined_solid(parts: Sequence[tuple[TriMesh, Pose]]) -> tuple[Any | None, tup
     import manifold3d
 
     solids, left_out = [], []
+    made: dict[int, Any] = {}  # by the mesh, which several parts may have
     for i, (mesh, X_AC) in enumerate(parts):
-        closed = manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices.copy(), mesh.faces.astype(np.uint64)))
+        if id(mesh) not in made:
+            arrays = manifold3d.Mesh64(mesh.vertices.copy(), mesh.faces.astype(np.uint64))
+            made[id(mesh)] = manifold3d.Manifold(arrays)
+        closed = made[id(mesh)]
         if closed.status() == manifold3d.Error.NoError and closed.volume() > 0.0:
             solids.append(closed if X_AC.is_identity else closed.transform(X_AC.matrix[:3]))
         else:
