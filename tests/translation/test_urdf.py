@@ -148,7 +148,13 @@ def test_base_of_a_urdf_is_a_stated_guess(tmp_path: Path) -> None:
 @pytest.mark.pybullet
 @pytest.mark.parametrize(
     ("name", "links"),
-    [("r2d2.urdf", 16), ("kuka_iiwa/model.urdf", 8), ("racecar/racecar.urdf", 13), ("franka_panda/panda.urdf", 13)],
+    [
+        ("r2d2.urdf", 16),
+        ("kuka_iiwa/model.urdf", 8),
+        ("racecar/racecar.urdf", 13),
+        ("franka_panda/panda.urdf", 13),
+        ("a1/a1.urdf", 22),
+    ],
 )
 def test_urdfs_of_others_convert_with_proof(name: str, links: int, tmp_path: Path) -> None:
     """Robots of pybullet_data convert to MJCF, SDFormat, OpenUSD, and engines find no difference from their URDFs."""

@@ -179,3 +179,15 @@ def test_engines_that_do_not_move_a_joint_are_not_compared(tmp_path: Path) -> No
     reasons = {check.engine: check.why for check in report.checks if check.quantity in ("load", "poses")}
     assert reasons["pybullet"] == "PyBullet does not move these joints: 'table' (planar)"
     assert reasons["yourdfpy"] == "yourdfpy does not move these joints: 'table' (planar)"
+
+
+def test_declared_losses_of_a_format_are_no_differences(tmp_path: Path) -> None:
+    """Sensors and mixed mimics that OpenUSD and Webots lack, and limits without a motor, are not compared."""
+    slide = HINGE.replace("0 1 0", "0 0 1") + '<mimic joint="hinge" multiplier="0.1"/>'
+    view = "<horizontal_fov>1</horizontal_fov><image><width>64</width><height>48</height></image>"
+    eye = f'<gazebo reference="arm"><sensor name="eye" type="camera"><camera>{view}</camera></sensor></gazebo>'
+    joints = _joint("hinge", "revolute", "base", "arm", HINGE) + _joint("slide", "prismatic", "base", "pin", slide)
+    links = "".join(map(_link, ("base", "arm", "pin")))
+    conversion = _converted(tmp_path, f'<robot name="r">{links}{joints}{eye}</robot>', "usd", "webots")
+    assert {"SB742", "SB743", "SB751"} <= {one.code for one in conversion.diagnostics}
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))

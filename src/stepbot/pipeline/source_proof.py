@@ -33,11 +33,14 @@ from .writing import Rendered
 _CHANGED = {
     "SB729": (Quantity.ACTUATORS,),
     "SB741": (Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS),
+    "SB742": (Quantity.MIMIC,),
+    "SB743": (Quantity.SENSORS,),
     "SB745": (Quantity.ACTUATORS,),
     "SB750": (Quantity.JOINTS, Quantity.LIMITS),
+    "SB751": (Quantity.LIMITS,),
 }
 """Quantities in which files differ from the source by what their format lacks: bounds of actuators, masses of
-links that have none, far stops."""
+links that have none, mimics between angles and distances, sensors, far stops, limits without a motor."""
 _COPIED = "stepbot.engines.source_copy:source_copy"
 
 
