@@ -181,7 +181,7 @@ class _Seams:
         for s, t in product(spans[one], spans[two]):
             gap, radius = s.gap(t), min(s.face.radius, t.face.radius)
             mine = round(gap, 5) > _SEAM, -radius, gap
-            if s.shows_axis_with(t) and (best is None or mine < rank):
+            if (best is None or mine < rank) and s.shows_axis_with(t):
                 at = line.point + line.d * (0.5 * (max(s.low, t.low) + min(s.high, t.high)))
                 best, rank = _Seam(radius, gap, s.face.part, t.face.part, Axis(at, line.direction)), mine
         if best is None or (best.gap > _SEAM and (best.gap > 2.0 * best.radius or not self._touch(one, two))):
