@@ -3,7 +3,7 @@
     build the wheel
     each Python    install; convert robots; run the tests marked `portable` against the installed package
     --oldest       the oldest Python once more, with the oldest dependencies that pyproject.toml allows
-    all            the same bytes from each: URDF, SDFormat, MJCF, meshes, reports
+    all            the same bytes from each, with BLAS for other processors: URDF, SDFormat, MJCF, meshes, reports
 
 Prints which Pythons were found and which were not; the exit code is 1 after any failure.
 """
@@ -17,7 +17,7 @@ import subprocess
 import sys
 import time
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,6 +34,8 @@ ROBOTS = ("stepbot_four_bar", "stepbot_delta", "stepbot_diff_drive", "stepbot_qu
 """Closed loops, hulls of thousands of vertices, fitted shapes, a hundred meshes."""
 PROVEN = "stepbot_four_bar"
 """This robot is verified too: the engines load it."""
+KERNELS = ("", "Prescott", "Nehalem", "Sandybridge", "Haswell")
+"""OpenBLAS's kernels, one for each environment, the processor's own first: they must not change what is written."""
 _LOWEST = re.compile(r"([\w.-]+)\s*>=\s*([\w.]+)")
 
 
@@ -79,11 +81,11 @@ def main() -> int:
     with ThreadPoolExecutor(2) as pool:  # one downloads while the other unpacks
         installed = [pool.submit(_install, one, wheel) for one in environments]
     _say(f"installed into {len(environments)} environments", start)
-    for one, installation in zip(environments, installed, strict=True):
+    for one, installation, kernel in zip(environments, installed, KERNELS, strict=False):
         start = time.monotonic()
         try:
             installation.result()
-            _convert(one)
+            _convert(one, kernel)
             if not options.no_tests:
                 _test(one)
         except Failed as failure:
@@ -145,15 +147,16 @@ def _install(one: Environment, wheel: Path) -> None:
     _run("install", *install, str(wheel), *one.pins, *_test_requirements(), cwd=one.folder)
 
 
-def _convert(one: Environment) -> None:
-    """Convert like a user, outside the checkout."""
+def _convert(one: Environment, kernel: str) -> None:
+    """Convert like a user, outside the checkout, with one kind of OpenBLAS's kernels."""
     one.converted.mkdir()
+    changes = {"OPENBLAS_CORETYPE": kernel}
     for robot in ROBOTS:
         (sidecar,) = (ROOT / "robot_library" / robot).glob("*.robot.yaml")
         command = [str(one.programs / "stepbot"), "convert", "--no-cache", str(sidecar)]
-        _run(f"convert {robot}", *command, "--no-verify", "-o", robot, cwd=one.converted)
+        _run(f"convert {robot}", *command, "--no-verify", "-o", robot, cwd=one.converted, changes=changes)
         if robot == PROVEN:
-            _run(f"prove {robot}", *command, "-o", str(one.folder / "proven"), cwd=one.converted)
+            _run(f"prove {robot}", *command, "-o", str(one.folder / "proven"), cwd=one.converted, changes=changes)
 
 
 def _test(one: Environment) -> None:
@@ -206,8 +209,11 @@ def _digests(folder: Path) -> dict[str, str]:
     return {path.relative_to(folder).as_posix(): hashlib.sha256(path.read_bytes()).hexdigest() for path in files}
 
 
-def _run(what: str, *command: str, cwd: Path) -> None:
-    run = subprocess.run(command, cwd=cwd, env=_clean(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+def _run(what: str, *command: str, cwd: Path, changes: Mapping[str, str] | None = None) -> None:
+    environment = _clean() | dict(changes or {})
+    run = subprocess.run(
+        command, cwd=cwd, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False
+    )
     if run.returncode:
         print(run.stdout.decode("utf-8", "replace"), flush=True)
         raise Failed(f"{what}: exit code {run.returncode}")

@@ -1,11 +1,13 @@
 """Output bytes do not depend on hash seed, locale, folder, number of cores or previous output."""
 
 import os
+import platform
 import shutil
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from stepbot.runtime.processes import NO_FORK
@@ -27,10 +29,28 @@ def assert_same_bytes(one: Path, other: Path) -> None:
     assert [name for name in expected if found[name] != expected[name]] == []
 
 
-def test_other_seed_core_folder_and_paths(
+def old_processor() -> dict[str, str]:
+    """Environment in which OpenBLAS and numpy use the instructions of the oldest supported processors (x86-64)."""
+    found = np.show_config("dicts")["SIMD Extensions"].get("found", [])
+    return {"OPENBLAS_CORETYPE": "Prescott", "NPY_DISABLE_CPU_FEATURES": " ".join(found)}
+
+
+def test_the_processor_changes_rounding() -> None:
+    """The environment of an old processor has an effect: sums of products by BLAS have other last digits."""
+    if platform.machine() not in ("x86_64", "AMD64"):
+        pytest.skip("OpenBLAS has such kernels for x86-64 alone")
+    script = "import numpy as np; a = np.random.default_rng(1).random((50, 3)); print(np.dot(a, a.T).tobytes().hex())"
+    printed = [
+        subprocess.run([sys.executable, "-c", script], env=environment(changes), capture_output=True, check=True).stdout
+        for changes in (old_processor(), {"OPENBLAS_CORETYPE": "Haswell"})
+    ]
+    assert printed[0] != printed[1]
+
+
+def test_other_seed_core_processor_folder_and_paths(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
-    """One core, ASCII, another hash seed, time zone, home and folder do not change the bytes."""
+    """One core of an old processor, ASCII, another hash seed, time zone, home and folder do not change the bytes."""
     first = first_run(tmp_path_factory, robot_library, "stepbot_arm2")
     sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
     one_core = "import os, runpy, sys\n" + (
@@ -44,6 +64,7 @@ def test_other_seed_core_folder_and_paths(
         "PYTHONIOENCODING": "ascii",
         "COLUMNS": "60",
         "PYTHONDONTWRITEBYTECODE": "1",
+        **old_processor(),
         "HOME": str(tmp_path / "some where"),
     }
     elsewhere = tmp_path / "some where"
@@ -107,6 +128,18 @@ def test_without_fork(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, 
     run = stepbot_process("convert", sidecar, "-o", "out", cwd=tmp_path, changes={NO_FORK: "1"})
     assert run.code == 0, run.err
     assert_same_bytes(first.folder, tmp_path / "out")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("robot", ["stepbot_stewart", "stepbot_upper_body", "robotiq_2f85", "universal_robots_ur5e"])
+def test_old_processor(tmp_path: Path, robot_library: Path, robot: str) -> None:
+    """Loops, hulls, and pieces of convex decomposition have the same bytes on an old processor."""
+    (sidecar,) = (robot_library / robot).glob("*.robot.yaml")
+    formats = [word for name in ("urdf", "sdf", "mjcf", "usd", "webots") for word in ("-f", name)]
+    command = ("convert", sidecar, "--no-verify", *formats, "-o")
+    assert stepbot_process(*command, "here", cwd=tmp_path).code == 0
+    assert stepbot_process(*command, "there", cwd=tmp_path, changes=old_processor()).code == 0
+    assert_same_bytes(tmp_path / "here", tmp_path / "there")
 
 
 @pytest.mark.long  # `make wheels` compares robots with such hulls between Pythons

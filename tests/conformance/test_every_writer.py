@@ -109,7 +109,7 @@ def test_every_mesh_is_written_and_referred_to(name: str, format_: str) -> None:
     top = etree.fromstring(files[main])
     attributes = {element.get(key) for element in top.iter("mesh") for key in ("filename", "file")}
     referred = attributes | {element.text for element in top.iter("uri")}
-    assert referred - {None} == set(meshes) == {file.path for file in MeshFiles(robot).all()}
+    assert referred - {None} == set(meshes) == {file.path for file in MeshFiles(robot).all}
 
 
 def test_meshes_read_back_by_trimesh() -> None:

@@ -58,7 +58,7 @@ def test_files_have_the_colour_of_their_visual(wanted: MeshFormat, tmp_path: Pat
     files = MeshFiles(robot)
     assert files.of(shown[0]) == files.of(shown[2]) != files.of(shown[1])
     assert files.of(touched).path == f"meshes/{first.geometry.name}.obj"  # type: ignore[union-attr]
-    assert len(files.all()) == len({file.path for file in files.all()}) == 3
+    assert len(files.all) == len({file.path for file in files.all}) == 3
     for visual in shown:
         path = tmp_path / Path(files.of(visual).path).name
         path.write_bytes(files.of(visual).content())

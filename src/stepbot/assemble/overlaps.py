@@ -12,7 +12,7 @@ import numpy as np
 from stepbot.geometry.solids.box_pairs import box_pairs, moved_boxes
 from stepbot.geometry.solids.manifolds import TOUCHING
 from stepbot.geometry.solids.overlapping import Candidate, Group, Overlaps, Search, overlaps_of
-from stepbot.geometry.spatial import Pose
+from stepbot.geometry.spatial import Pose, matrix_product, rotated
 from stepbot.robot.model import ComponentMass
 from stepbot.runtime.cache import Cache, Digest, TypedCache, environment
 from stepbot.runtime.limits import DEFAULT_TIMEOUT
@@ -157,8 +157,8 @@ def _collect(
     smaller = np.minimum(volume[a], volume[b])
     shared = (np.minimum(high[a], high[b]) - np.maximum(low[a], low[b])).prod(axis=1)
     most = twice * np.minimum(shared, smaller)
-    R_AB = R[a].transpose(0, 2, 1) @ R[b]
-    p_AB = np.einsum("kji,kj->ki", R[a], p[b] - p[a])
+    R_AB = matrix_product(R[a].transpose(0, 2, 1), R[b])
+    p_AB = rotated(R[a].transpose(0, 2, 1), p[b] - p[a])
     # Adding zero turns -0.0 into 0.0.
     keys = np.column_stack([bodies[a], bodies[b], R_AB.reshape(-1, 9).round(_DECIMALS), p_AB.round(_DECIMALS)]) + 0.0
     for k, key in enumerate(map(bytes, keys)):

@@ -12,7 +12,7 @@ from math import pi
 import numpy as np
 
 from .primitives import Box, Capsule, Cylinder, Sphere
-from .spatial import Array, Pose, perpendicular_frame
+from .spatial import Array, Pose, dot, matrix_product, perpendicular_frame, rotated
 
 THINNEST = 1e-6
 """Minimum size [m] of a shape."""
@@ -39,10 +39,10 @@ def cylinder_around(points: Array, directions: Iterable[Array]) -> tuple[Cylinde
     """The smallest cylinder around points (n, 3) [m] along one of the directions, and its pose."""
     found = []
     for R in map(perpendicular_frame, directions):
-        across, along = points @ R[:, :2], points @ R[:, 2]
+        across, along = matrix_product(points, R[:, :2]), dot(points, R[:, 2])
         center, radius = smallest_ball(across)
         length = float(along.max() - along.min())
-        middle = R @ np.array([*center, 0.5 * (along.max() + along.min())])
+        middle = rotated(R, np.array([*center, 0.5 * (along.max() + along.min())]))
         if radius >= THINNEST and length >= THINNEST:
             found.append((pi * radius**2 * length, Cylinder(radius, length), Pose.of(R, middle)))
     return min(found, key=lambda fit: fit[0])[1:] if found else None
@@ -52,13 +52,13 @@ def capsule_around(points: Array, directions: Iterable[Array]) -> tuple[Capsule,
     """The smallest capsule around points (n, 3) [m] along one of the directions, and its pose."""
     found = []
     for R in map(perpendicular_frame, directions):
-        across, along = points @ R[:, :2], points @ R[:, 2]
+        across, along = matrix_product(points, R[:, :2]), dot(points, R[:, 2])
         center, radius = smallest_ball(across)
         # Away from the axis the half sphere is lower than at its pole, so the cylinder has to be longer.
         dome = np.sqrt(np.maximum(radius**2 - ((across - center) ** 2).sum(axis=1), 0.0))
         low, high = float((along + dome).min()), float((along - dome).max())
         length = max(high - low, 0.0)
-        middle = R @ np.array([*center, 0.5 * (low + high)])
+        middle = rotated(R, np.array([*center, 0.5 * (low + high)]))
         if radius >= THINNEST:
             volume = pi * radius**2 * (length + 4.0 / 3.0 * radius)
             found.append((volume, Capsule(radius, length), Pose.of(R, middle)))

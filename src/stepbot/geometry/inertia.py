@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .poses import Poses
-from .spatial import ZERO3, ZERO33, Array, Matrix3, Pose, Vector3, matrix3, turn_inertia, vector3
+from .spatial import ZERO3, ZERO33, Array, Matrix3, Pose, Vector3, dot, matrix3, matrix_product, turn_inertia, vector3
 from .sums import exact_sum
 
 RESIDUE = 1e-8
@@ -83,7 +83,7 @@ class Bodies:
 
     def moved(self, X_AB: Poses) -> "Bodies":
         """The same bodies, each given in its B, expressed in A."""
-        turned = X_AB.R @ self.inertia @ X_AB.R.transpose(0, 2, 1)
+        turned = matrix_product(matrix_product(X_AB.R, self.inertia), X_AB.R.transpose(0, 2, 1))
         return Bodies(self.mass, X_AB.apply(self.com), 0.5 * (turned + turned.transpose(0, 2, 1)))
 
     def combined(self) -> MassProperties:
@@ -100,7 +100,7 @@ class Bodies:
             return MassProperties()
         com = (m[:, None] * p).sum(axis=0) / mass
         d = p - com
-        squares = d[:, None, :] @ d[:, :, None] * np.eye(3) - d[:, :, None] * d[:, None, :]
+        squares = dot(d, d)[:, None, None] * np.eye(3) - d[:, :, None] * d[:, None, :]
         return MassProperties.of(mass, com.tolist(), (I + m[:, None, None] * squares).sum(axis=0))
 
 

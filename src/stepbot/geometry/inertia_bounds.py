@@ -18,7 +18,7 @@ from math import pi
 import numpy as np
 
 from .inertia import MassProperties
-from .spatial import Array, Vector3, vector3
+from .spatial import Array, Vector3, dot, matrix_product, vector3
 
 DENSEST = 22_590.0
 """Density [kg/m^3] of osmium, the densest element."""
@@ -44,7 +44,7 @@ class SpreadExcess:
 def outside_by(points: Array, com: Vector3) -> float:
     """Distance [m] of a point from the convex hull of points (n, 3): a lower bound, by 13 directions."""
     low, high = _extents(points, _DIRECTIONS)
-    at = _DIRECTIONS @ np.array(com)
+    at = dot(_DIRECTIONS, np.array(com))
     return max(0.0, float(np.maximum(low - at, at - high).max()))
 
 
@@ -86,13 +86,13 @@ def _second_moment(properties: MassProperties) -> Array:
 def _variance_bounds(points: Array, com: Vector3, directions: Array) -> Array:
     """Largest variance [m^2] along each direction (k, 3); of a centre outside, the square of the farthest distance."""
     low, high = _extents(points, directions)
-    at = directions @ np.array(com)
+    at = dot(directions, np.array(com))
     inside = (low <= at) & (at <= high)
     return np.asarray(np.where(inside, (high - at) * (at - low), np.maximum(high - at, at - low) ** 2))
 
 
 def _extents(points: Array, directions: Array) -> tuple[Array, Array]:
-    along = points @ directions.T
+    along = matrix_product(points, directions.T)
     return along.min(axis=0), along.max(axis=0)
 
 

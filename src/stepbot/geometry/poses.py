@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from .distinct_rows import distinct_rows
-from .spatial import Array, Pose, tidy_arrays
+from .spatial import Array, Pose, matrix_product, rotated, tidy_arrays
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class Poses:
 
     def seen_from(self, X_CA: Pose) -> "Poses":
         """X_CB = X_CA @ X_AB of each."""
-        return Poses(X_CA.R @ self.R, (X_CA.R @ self.p[:, :, None])[:, :, 0] + X_CA.p)
+        return Poses(matrix_product(X_CA.R, self.R), X_CA.apply(self.p))
 
     def tidy(self) -> "Poses":
         """What :func:`.tidy` makes of each."""
@@ -41,8 +41,7 @@ class Poses:
 
     def apply(self, points: Array) -> Array:
         """Points (3,) or (n, 3) [m] of each B, expressed in A: shape (n, 3)."""
-        at = np.broadcast_to(points, self.p.shape)
-        return np.asarray((at[:, None, :] @ self.R.transpose(0, 2, 1))[:, 0, :] + self.p)
+        return rotated(self.R, np.broadcast_to(points, self.p.shape)) + self.p
 
     def listed(self) -> list[Pose]:
         """Each as a :class:`.Pose`; equal rotations are one object, in memory and when they are pickled."""
@@ -56,6 +55,6 @@ def bounds_at(points: Array, poses: Poses) -> tuple[Array, Array]:
     low, high = np.empty_like(poses.p), np.empty_like(poses.p)
     first, kinds = distinct_rows(poses.R.reshape(-1, 9))
     for kind, row in enumerate(first.tolist()):
-        turned, at = points @ poses.R[row].T, kinds == kind
+        turned, at = rotated(poses.R[row], points), kinds == kind
         low[at], high[at] = turned.min(axis=0) + poses.p[at], turned.max(axis=0) + poses.p[at]
     return low, high

@@ -110,23 +110,23 @@ class Pose:
         return self.rotation == IDENTITY3 and self.position == ZERO3
 
     def __matmul__(self, other: "Pose") -> "Pose":
-        return Pose.of(self.R @ other.R, self.R @ other.p + self.p)
+        return Pose.of(matrix_product(self.R, other.R), rotated(self.R, other.p) + self.p)
 
     def inverse(self) -> "Pose":
         """X_BA from X_AB."""
-        return Pose.of(self.R.T, -(self.R.T @ self.p))
+        return Pose.of(self.R.T, -rotated(self.R.T, self.p))
 
     def apply(self, points: ArrayLike) -> Array:
         """Points (n, 3) or (3,) in B, expressed in A."""
-        return np.asarray(points, dtype=np.float64) @ self.R.T + self.p
+        return rotated(self.R, np.asarray(points, dtype=np.float64)) + self.p
 
     def turn(self, vectors: ArrayLike) -> Array:
         """Directions (n, 3) or (3,) in B, expressed in A."""
-        return np.asarray(vectors, dtype=np.float64) @ self.R.T
+        return rotated(self.R, np.asarray(vectors, dtype=np.float64))
 
     def distance_to(self, other: "Pose") -> tuple[float, float]:
         """Distance between two poses: position [m] and angle [rad]."""
-        return float(np.linalg.norm(self.p - other.p)), rotation_angle(self.R.T @ other.R)
+        return length(self.p - other.p), rotation_angle(matrix_product(self.R.T, other.R))
 
 
 IDENTITY = Pose()
@@ -184,7 +184,7 @@ def _without_residue(value: float) -> float:
 
 def rotation_from_quaternion(wxyz: Sequence[float]) -> Array:
     """Rotation matrix (3, 3) of a quaternion (w, x, y, z); it need not be normalised."""
-    w, x, y, z = np.asarray(wxyz, dtype=np.float64) / np.linalg.norm(wxyz)
+    w, x, y, z = np.asarray(wxyz, dtype=np.float64) / length(wxyz)
     return np.array(
         [
             [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -208,7 +208,7 @@ def quaternion_from_rotation(R: Array) -> tuple[float, float, float, float]:
         q[1 + i] = 1 + R[i, i] - R[j, j] - R[k, k]
         q[1 + j] = R[j, i] + R[i, j]
         q[1 + k] = R[k, i] + R[i, k]
-    q /= np.linalg.norm(q)
+    q /= length(q)
     w, x, y, z = (q if q[0] >= 0 else -q).tolist()
     return (w, x, y, z)
 
@@ -217,13 +217,13 @@ def rotation_about(axis: ArrayLike, angle: float) -> Array:
     """Rotation (3, 3) by ``angle`` [rad] about a unit ``axis`` (Rodrigues)."""
     a = np.asarray(axis, dtype=np.float64)
     K = cross_matrix(a)
-    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)
+    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * matrix_product(K, K)
 
 
 def rotation_angle(R: Array) -> float:
     """Angle [rad] in [0, pi] of a rotation matrix, accurate near zero and near pi."""
     axis_part = np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
-    return math.atan2(float(np.linalg.norm(axis_part)), float(np.trace(R)) - 1.0)
+    return math.atan2(length(axis_part), float(np.trace(R)) - 1.0)
 
 
 def cross(a: Array, b: Array) -> Array:
@@ -232,12 +232,35 @@ def cross(a: Array, b: Array) -> Array:
 
 
 def dot(a: Array, b: Array) -> Array:
-    """Dot products (n,) of vectors (n, 3); x, y and z are added in this order, the same on all machines."""
-    return np.asarray(a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1] + a[:, 2] * b[:, 2])
+    """Dot products (...) of vectors (..., 3); x, y and z are added in this order, the same on all processors."""
+    return np.asarray(a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2])
+
+
+def matrix_product(A: Array, B: Array) -> Array:
+    """Products (..., n, m) of matrices (..., n, k) and (..., k, m), the same on all processors.
+
+    Those of BLAS differ in their last digit, because it has other instructions for each kind of processor
+    (``docs/decisions/0035-the-same-bytes-on-every-processor.md``).
+    """
+    total = A[..., :, 0, None] * B[..., None, 0, :]
+    for i in range(1, A.shape[-1]):
+        total = total + A[..., :, i, None] * B[..., None, i, :]
+    return np.asarray(total)
+
+
+def rotated(R: Array, vectors: Array) -> Array:
+    """Products (..., 3) of matrices (..., 3, 3) with vectors (..., 3), the same on all processors."""
+    terms = (R[..., :, i] * vectors[..., i, None] for i in range(3))
+    return np.asarray(next(terms) + next(terms) + next(terms))
+
+
+def length(vector: ArrayLike) -> float:
+    """Length of a vector (n,), the same on all processors."""
+    return math.hypot(*np.asarray(vector, dtype=np.float64).tolist())
 
 
 def lengths(vectors: Array) -> Array:
-    """Lengths (n,) of vectors (n, 3), the same on all machines."""
+    """Lengths (...) of vectors (..., 3), the same on all processors."""
     return np.sqrt(dot(vectors, vectors))
 
 
@@ -254,10 +277,10 @@ def unit(v: ArrayLike) -> Array:
         ValueError: The vector is zero or not finite.
     """
     a = np.asarray(v, dtype=np.float64)
-    length = float(np.linalg.norm(a))
-    if not math.isfinite(length) or length == 0.0:
+    size = length(a)
+    if not math.isfinite(size) or size == 0.0:
         raise ValueError(f"no direction in {a.tolist()}")
-    return a / length
+    return a / size
 
 
 def angle_between(a: ArrayLike, b: ArrayLike) -> float:
@@ -266,19 +289,19 @@ def angle_between(a: ArrayLike, b: ArrayLike) -> float:
         u, v = unit(a), unit(b)
     except ValueError:
         return math.nan
-    return math.atan2(float(np.linalg.norm(np.cross(u, v))), float(u @ v))
+    return math.atan2(length(cross(u, v)), float(dot(u, v)))
 
 
 def shift_inertia(I_com: ArrayLike, mass: float, p: ArrayLike) -> Array:
     """Inertia (3, 3) about a point at ``p`` [m] from the centre of mass (Steiner); ``-mass`` for the inverse."""
     d = np.asarray(p, dtype=np.float64)
-    return np.asarray(I_com, dtype=np.float64) + mass * (float(d @ d) * np.eye(3) - np.outer(d, d))
+    return np.asarray(I_com, dtype=np.float64) + mass * (float(dot(d, d)) * np.eye(3) - np.outer(d, d))
 
 
 def turn_inertia(R_AB: ArrayLike, I_B: ArrayLike) -> Array:
     """Inertia (3, 3) given along the axes of B, expressed along the axes of A; exactly symmetric."""
     R = np.asarray(R_AB, dtype=np.float64)
-    turned = R @ np.asarray(I_B, dtype=np.float64) @ R.T
+    turned = matrix_product(matrix_product(R, np.asarray(I_B, dtype=np.float64)), R.T)
     return 0.5 * (turned + turned.T)
 
 
@@ -289,7 +312,7 @@ def perpendicular_frame(z: ArrayLike) -> Array:
     """
     z_axis = unit(z)
     towards = np.array([0.0, 1.0, 0.0]) if abs(z_axis[0]) > 0.9 else np.array([1.0, 0.0, 0.0])
-    x_axis = unit(towards - (towards @ z_axis) * z_axis)
+    x_axis = unit(towards - dot(towards, z_axis) * z_axis)
     return np.column_stack([x_axis, cross(z_axis, x_axis), z_axis])
 
 

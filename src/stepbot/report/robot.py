@@ -4,7 +4,7 @@ from math import isfinite
 from typing import Any
 
 from stepbot.geometry.inertia import MassProperties, combined
-from stepbot.geometry.spatial import Pose
+from stepbot.geometry.spatial import Pose, tidy
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, Robot
@@ -28,7 +28,7 @@ def number(value: float | None) -> float | None:
 def robot_document(report: Report, robot: Robot) -> Json:
     """The robot, its drawn pose, and the constraints that close its loops in PyBullet."""
     poses = link_poses(robot, initial_configuration(robot))
-    total = combined(link.mass_properties.moved(poses[link.name]) for link in robot.links)
+    total = combined(link.mass_properties.moved(tidy(poses[link.name])) for link in robot.links)
     return {
         "name": robot.name,
         "source": robot.source,

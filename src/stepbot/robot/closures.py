@@ -38,6 +38,8 @@ WORST_CONDITION = 1e-3
 
 STEPS_AT_ONCE = 6
 """Steps of Newton's method for many configurations at once: next to a closed one, four are sufficient."""
+_DECIMALS = 12
+"""Decimals [rad], [m] of joint positions in which solutions agree on all processors."""
 CONVERGED = 1e-6
 """Length of a step of Newton's method for many configurations after which a configuration is final."""
 RANDOM_WAYS = 6
@@ -186,6 +188,7 @@ class Loops:
         for name, (distance, angle) in sorted(self.gaps(u).items(), key=lambda gap: gap[1], reverse=True):
             if not (distance <= self.closed_distance and angle <= CLOSED_ANGLE):
                 raise DoesNotClose(name, distance, angle)
+        u[list(free)] = np.round(u[list(free)], _DECIMALS) + 0.0
         return u
 
     def closed_many(self, guess: Array, free: Sequence[int]) -> tuple[Array, Array, Array]:

@@ -11,7 +11,7 @@ from math import pi
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, Pose, cross, cross_matrix, rotation_about
+from stepbot.geometry.spatial import Array, Pose, cross, cross_matrix, matrix_product, rotation_about
 
 from .model import Joint, JointKind, Robot
 from .multi_dof import unfolded
@@ -145,14 +145,16 @@ class Tree:
         motion = np.tile(np.eye(4), (*q.shape, 1, 1))
         angle = (self._turn * q)[..., None, None]
         # Rodrigues; 1 - cos as 2 sin^2 of half the angle keeps its digits at small angles.
-        motion[..., :3, :3] += np.sin(angle) * self._K + 2.0 * np.sin(0.5 * angle) ** 2 * (self._K @ self._K)
+        motion[..., :3, :3] += np.sin(angle) * self._K + 2.0 * np.sin(0.5 * angle) ** 2 * matrix_product(
+            self._K, self._K
+        )
         motion[..., :3, 3] = self._axis * (self._advance * q)[..., None]
         X = np.empty((*q.shape[:-1], len(self.links), 4, 4))
         X[..., 0, :, :] = np.eye(4)
         for i in range(1, len(self.links)):
-            X_WC = X[..., self._parent[i], :, :] @ self._X_PC[i]
+            X_WC = matrix_product(X[..., self._parent[i], :, :], self._X_PC[i])
             column = self._column[i]
-            X[..., i, :, :] = X_WC @ motion[..., column, :, :] if column >= 0 else X_WC
+            X[..., i, :, :] = matrix_product(X_WC, motion[..., column, :, :]) if column >= 0 else X_WC
         return X
 
     def jacobian(self, X: Array, link: int, p_WQ: Array) -> Array:

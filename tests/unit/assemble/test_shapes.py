@@ -41,7 +41,7 @@ def test_occurrences_share_one_mesh(tmp_path: Path) -> None:
     assert [v.geometry for v in robot.root.visuals] == [MeshRef("bolt")] * 2
     np.testing.assert_allclose(robot.root.visuals[1].X_LG.p, (0.05, 0, 0), atol=1e-12)
     np.testing.assert_allclose(robot.root.visuals[1].X_LG.rpy, (0, 0, 1), atol=1e-12)
-    assert [file.path for file in MeshFiles(robot).all()] == ["meshes/bolt.obj", "meshes/bolt_hull.obj"]
+    assert [file.path for file in MeshFiles(robot).all] == ["meshes/bolt.obj", "meshes/bolt_hull.obj"]
 
 
 def test_one_piece_per_colour(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..distinct_rows import distinct_rows
 from ..mesh import GRID_PER_METRE, TriMesh
-from ..spatial import Array
+from ..spatial import Array, dot, matrix_product
 from .manifolds import convex_hull, hull_faces
 
 FEWEST = 8
@@ -38,17 +38,17 @@ def _outline(hull: TriMesh, center: Array, max_vertices: int) -> Array:
     points = hull.vertices - center
     normals, offsets = _planes(points, hull)
     chosen = np.vstack([np.eye(3), -np.eye(3)])
-    distances = (points @ chosen.T).max(axis=0)
+    distances = matrix_product(points, chosen.T).max(axis=0)
     best = _corners(chosen, distances)
     while True:
-        depths = best @ normals.T - offsets
+        depths = matrix_product(best, normals.T) - offsets
         vertex = int(depths.max(axis=1).argmax())
         plane = int(depths[vertex].argmax())
         if depths[vertex, plane] <= _TOUCHING:
             return best
         chosen = np.vstack([chosen, normals[plane]])
         # A thin face is tilted by the rounding of its corners: move its plane out to the outermost vertex.
-        distances = np.append(distances, (points @ normals[plane]).max())
+        distances = np.append(distances, dot(points, normals[plane]).max())
         offsets[plane] = np.inf
         refined = _corners(chosen, distances)
         if len(refined) > max_vertices:

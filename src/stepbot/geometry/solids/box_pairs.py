@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from ..spatial import Array
+from ..spatial import Array, length, rotated
 
 _OTHERS = ((1, 2), (2, 0), (0, 1))
 """For each axis, the two others in cyclic order."""
@@ -71,8 +71,8 @@ def boxes_meet(box_a: tuple[Array, Array], box_b: tuple[Array, Array], R: Array,
         p: Positions p_AB (n, 3) [m].
     """
     (centre_a, half_a), (centre_b, half_b) = ((0.5 * (low + high), 0.5 * (high - low)) for low, high in (box_a, box_b))
-    t = R @ centre_b + p - centre_a
-    reach = _SLACK * (float(half_a @ half_a) ** 0.5 + float(half_b @ half_b) ** 0.5)
+    t = rotated(R, centre_b) + p - centre_a
+    reach = _SLACK * (length(half_a) + length(half_b))
     near = np.flatnonzero(t[:, 0] ** 2 + t[:, 1] ** 2 + t[:, 2] ** 2 <= reach * reach)  # spheres around the boxes
     found = np.zeros(len(R), dtype=bool)
     found[near] = _none_separates(half_a, half_b, R[near], t[near])
@@ -82,7 +82,7 @@ def boxes_meet(box_a: tuple[Array, Array], box_b: tuple[Array, Array], R: Array,
 def _none_separates(half_a: Array, half_b: Array, R: Array, t: Array) -> NDArray[np.bool_]:
     """Whether no axis separates boxes with half edges (3,) [m], the second at R (n, 3, 3), t (n, 3) in the first."""
     size = np.abs(R) + _PARALLEL
-    meet = (np.abs(t) <= half_a + size @ half_b).all(axis=1)
+    meet = (np.abs(t) <= half_a + rotated(size, half_b)).all(axis=1)
     meet &= (np.abs(np.einsum("nij,ni->nj", R, t)) <= half_b + np.einsum("nij,i->nj", size, half_a)).all(axis=1)
     for i, (i1, i2) in enumerate(_OTHERS):
         for j, (j1, j2) in enumerate(_OTHERS):

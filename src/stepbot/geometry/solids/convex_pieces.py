@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from ..distinct_rows import distinct_rows
-from ..spatial import Array, cross
+from ..spatial import Array, cross, dot, matrix_product
 from ..sums import exact_sum
 from .cut_surfaces import ON, CutSurface, Plane, crossings
 from .manifolds import hull_points, hull_volume, mesh_arrays
@@ -205,7 +205,7 @@ def _best_cut(piece: _Piece, normals: Array, offsets: Array, thinnest: float) ->
     best: _Cut | None = None
     if piece.hull <= 0.0 or piece.excess <= _ROUNDING * piece.hull:
         return None
-    heights = normals @ piece.coarse.points.T - offsets[:, None]
+    heights = matrix_product(normals, piece.coarse.points.T) - offsets[:, None]
     crosses = (heights.max(axis=1) > thinnest) & (heights.min(axis=1) < -thinnest)
     for k in np.flatnonzero(crosses).tolist():
         above, below = piece.coarse.sides(heights[k])
@@ -259,9 +259,9 @@ def _candidates(points: Array, faces: Any, bores: Sequence[Bore], diagonal: floa
         across = np.cross(bore.direction, axes)
         lengths = np.linalg.norm(across, axis=1)
         across = across[lengths > 0.5] / lengths[lengths > 0.5, None]
-        found.append((across, across @ bore.point))
+        found.append((across, dot(across, bore.point)))
     for axis in axes:
-        heights = points @ axis
+        heights = dot(points, axis)
         offsets = np.linspace(heights.min(), heights.max(), _ACROSS + 2)[1:-1]
         found.append((np.tile(axis, (_ACROSS, 1)), offsets))
     return np.vstack([planes for planes, _ in found]), np.concatenate([offsets for _, offsets in found])
@@ -300,8 +300,8 @@ def main_axes(normals: Array, areas: Array) -> Array:
     order = np.lexsort((groups, -areas))
     first = towards[order[[int((groups[order] == g).argmax()) for g in np.argsort(-sums, kind="stable")[:50]]]]
     z = first[0]
-    across = first[np.abs(first @ z) < 1.0 / _ANGLES]
+    across = first[np.abs(dot(first, z)) < 1.0 / _ANGLES]
     x = across[0] if len(across) else np.eye(3)[int(np.abs(z).argmin())]
-    x = x - (x @ z) * z
+    x = x - dot(x, z) * z
     x = x / np.linalg.norm(x)
     return np.vstack([x, np.cross(z, x), z])

@@ -12,7 +12,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..spatial import Array, cross, perpendicular_frame
+from ..spatial import Array, cross, dot, matrix_product, perpendicular_frame, rotated
 
 ON = 1e-7
 """Distance [m] up to which a point is on a plane."""
@@ -40,7 +40,7 @@ class Plane:
 
     def heights(self, points: Array) -> Array:
         """Heights (n,) [m] of points (n, 3)."""
-        return np.asarray(points @ self.normal - self.offset)
+        return dot(points, self.normal) - self.offset
 
 
 class Surface:
@@ -52,10 +52,10 @@ class Surface:
 
     def contains(self, point: Array) -> bool:
         """Whether a point (3,) is inside: by the faces that a ray crosses; either, for a point on the surface."""
-        x, y, z = (point @ self._frame).tolist()
+        x, y, z = rotated(self._frame.T, point).tolist()
         (left, low, _), (right, high, top) = self._boxes
         near = np.flatnonzero((left <= x) & (x < right) & (low <= y) & (y < high) & (top > z))
-        a, b, c = ((self.points[self.faces[near, corner]] - point) @ self._frame for corner in range(3))
+        a, b, c = (matrix_product(self.points[self.faces[near, corner]] - point, self._frame) for corner in range(3))
         normals = cross(b - a, c - a)
         # The ray crosses a triangle if it passes all edges on the same side.
         turns = np.stack([u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0] for u, v in ((a, b), (b, c), (c, a))])
@@ -65,12 +65,12 @@ class Surface:
 
     @cached_property
     def _frame(self) -> Array:
-        return perpendicular_frame(_OBLIQUE / np.linalg.norm(_OBLIQUE))
+        return perpendicular_frame(_OBLIQUE)
 
     @cached_property
     def _boxes(self) -> tuple[Array, Array]:
         """Lowest and highest coordinates (3, m) of faces, the third one along the ray."""
-        corners = (self.points @ self._frame).T[:, self.faces.T]
+        corners = matrix_product(self.points, self._frame).T[:, self.faces.T]
         return corners.min(axis=1), corners.max(axis=1)
 
 
@@ -116,7 +116,7 @@ def _clipped(points: Array, faces: Indices, plane: Plane) -> tuple[Array, Indice
     a, b, c = (points[faces[on, corner]] for corner in range(3))
     reached = np.zeros(len(points), dtype=bool)
     reached[faces[above > 0]] = True
-    whole[on] = (cross(b - a, c - a) @ plane.normal < 0.0) & reached[faces[on]].any(axis=1)
+    whole[on] = (dot(cross(b - a, c - a), plane.normal) < 0.0) & reached[faces[on]].any(axis=1)
     # With one corner above, it comes first; with two, the third is below.
     is_one, is_two = (above == 1) & (lowest < 0), (above == 2) & (lowest < 0)
     one = _turned(faces[is_one], of_faces[is_one].argmax(axis=1))
@@ -162,8 +162,8 @@ def _region_corners(planes: Sequence[Plane]) -> Iterator[tuple[Array, Array]]:
     for three in map(list, combinations(range(len(planes)), 3)):
         (u, v, w), at = normals[three], offsets[three]
         directions = np.array([cross(v, w), cross(w, u), cross(u, v)])
-        scale = float(u @ directions[0])
+        scale = float(dot(u, directions[0]))
         if abs(scale) > _PARALLEL:
-            point, within = (((at + depth) @ directions) / scale for depth in (0.0, 2.0 * ON))
-            if (normals @ point - offsets >= -ON).all():
+            point, within = (rotated(directions.T, at + depth) / scale for depth in (0.0, 2.0 * ON))
+            if (dot(normals, point) - offsets >= -ON).all():
                 yield point, within

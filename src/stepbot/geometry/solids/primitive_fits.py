@@ -13,7 +13,7 @@ import numpy as np
 from ..enclosing_shapes import THINNEST, box_around, capsule_around, cylinder_around, sphere_around
 from ..mesh import GRID_PER_METRE
 from ..primitives import Box, Capsule, Cylinder, Primitive, Sphere
-from ..spatial import Array, Pose, perpendicular_frame
+from ..spatial import Array, Pose, matrix_product, perpendicular_frame, rotated
 
 FILLED = 0.9
 """Share of a primitive's volume that a solid has to fill."""
@@ -74,9 +74,9 @@ def primitive_volume(shape: Primitive) -> float:
 def _candidates(points: Array, volume: float, axes: Array, shafts: Sequence[Shaft]) -> Iterator[tuple[Primitive, Pose]]:
     """The simpler primitives first; only those that the solid can fill, by their extent."""
     R = axes.T
-    box = box_around(points @ R)
+    box = box_around(matrix_product(points, R))
     if box is not None:
-        yield box[0], Pose.of(R, R @ box[1].p)
+        yield box[0], Pose.of(R, rotated(R, box[1].p))
     for shaft in shafts:
         yield from _cylinder_on(points, shaft)
     directions = [*axes, *(shaft.direction for shaft in shafts)]
@@ -99,7 +99,7 @@ def _candidates(points: Array, volume: float, axes: Array, shafts: Sequence[Shaf
 
 def _size_along(points: Array, direction: Array) -> tuple[float, float]:
     """A lower bound of the radius across a direction, and the length along it [m]."""
-    local = points @ perpendicular_frame(direction)
+    local = matrix_product(points, perpendicular_frame(direction))
     x, y, z = np.ptp(local, axis=0).tolist()
     return 0.5 * max(x, y), z
 
@@ -107,12 +107,12 @@ def _size_along(points: Array, direction: Array) -> tuple[float, float]:
 def _cylinder_on(points: Array, shaft: Shaft) -> Iterator[tuple[Cylinder, Pose]]:
     """The cylinder around the axis of a face: with its radius if that encloses the points, up to the vertex grid."""
     R = perpendicular_frame(shaft.direction)
-    local = (points - shaft.point) @ R
+    local = matrix_product(points - shaft.point, R)
     farthest = float(np.linalg.norm(local[:, :2], axis=1).max())
     low, high = float(local[:, 2].min()), float(local[:, 2].max())
     if high - low >= THINNEST:
         radius = shaft.radius if farthest <= shaft.radius + _GRID else farthest
-        middle = shaft.point + R @ np.array([0.0, 0.0, 0.5 * (low + high)])
+        middle = shaft.point + rotated(R, np.array([0.0, 0.0, 0.5 * (low + high)]))
         yield Cylinder(radius, _on_grid(high - low)), Pose.of(R, middle)
 
 

@@ -16,7 +16,7 @@ from OCP.StepGeom import StepGeom_CartesianPoint, StepGeom_CartesianTransformati
 from OCP.StepToGeom import StepToGeom
 from OCP.TCollection import TCollection_HAsciiString
 
-from stepbot.geometry.spatial import Array, unit
+from stepbot.geometry.spatial import Array, dot, length, unit
 
 from ..kernel import StepUnreadable
 from .selection import entities
@@ -55,10 +55,10 @@ def _axes(operator: Any) -> Array:
     x = _ratios(operator.Axis1()) if operator.HasAxis1() else np.array([1.0, 0.0, 0.0])
     if not operator.HasAxis1() and abs(z[0]) > 1.0 - _SAME:
         x = np.array([0.0, 1.0, 0.0])
-    x = unit(x - (x @ z) * z)
+    x = unit(x - dot(x, z) * z)
     y = _ratios(operator.Axis2()) if operator.HasAxis2() else np.array([0.0, 1.0, 0.0])
-    y = y - (y @ z) * z - (y @ x) * x
-    return np.column_stack([x, np.cross(z, x) if np.linalg.norm(y) < _SAME else unit(y), z])
+    y = y - dot(y, z) * z - dot(y, x) * x
+    return np.column_stack([x, np.cross(z, x) if length(y) < _SAME else unit(y), z])
 
 
 def _rewrite(operator: Any, R: Array, origin: Array, scale: float) -> None:

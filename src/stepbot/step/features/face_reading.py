@@ -15,7 +15,7 @@ from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
-from stepbot.geometry.spatial import Array, Vector3
+from stepbot.geometry.spatial import Array, Vector3, dot
 
 from ..faces import Face, FaceKind
 from ..kernel import MILLIMETRES_PER_METRE
@@ -84,11 +84,11 @@ def _geometry(face: Any, surface: Any) -> Any:
 def _plane(face: Any, surface: Any, plane: gp_Pln, box: tuple[Vector3, Vector3]) -> Face:
     normal = np.array(_xyz(plane.Axis().Direction()))
     _, outwards = _outwards(face, surface)
-    if outwards @ normal < 0.0:
+    if dot(outwards, normal) < 0.0:
         normal = -normal
     # A point in the middle of the face's box keeps coordinates small.
     middle = 0.5 * (np.array(box[0]) + np.array(box[1]))
-    point = middle - normal * float((middle - np.array(_metres(plane.Location()))) @ normal)
+    point = middle - normal * float(dot(middle - np.array(_metres(plane.Location())), normal))
     return Face(FaceKind.PLANE, _vector(point), _vector(normal), box, rings=_rings(face))
 
 

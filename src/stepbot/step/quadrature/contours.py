@@ -18,7 +18,7 @@ from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, matrix_product
 
 from .curves import Curve, curve_of
 from .splines import Indices
@@ -67,7 +67,7 @@ class _Edge:
         uv, duv = self.curve.at(t)
         if self.frame is not None:
             origin, axes = self.frame
-            uv, duv = (uv - origin) @ axes, duv @ axes
+            uv, duv = matrix_product(uv - origin, axes), matrix_product(duv, axes)
         return Rule(np.full(len(uv), self.face), uv, (-duv[:, 0] if self.is_reversed else duv[:, 0]) * dt)
 
 
@@ -129,7 +129,9 @@ def add_planar(contours: Contours, number: int, face: Any, position: Any) -> Non
             table[0] -= frame[0]
             table[1:] *= circle.Radius()
             ends = [adaptor.FirstParameter(), adaptor.LastParameter()]
-            contours.arcs.append((number, *(table @ axes).reshape(-1), *(reversed(ends) if is_reversed else ends)))
+            contours.arcs.append(
+                (number, *matrix_product(table, axes).reshape(-1), *(reversed(ends) if is_reversed else ends))
+            )
         else:
             curve = curve_of(adaptor, 3)
             contours.others.append(_Edge(number, curve, curve.pieces, is_reversed, (np.array(frame[0]), axes)))

@@ -11,7 +11,7 @@ from typing import Any, Protocol
 import numpy as np
 from OCP.gp import gp_Pnt, gp_Vec
 
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, dot
 
 from .curves import Curve
 from .splines import Indices, SplineSurface, is_rational
@@ -209,7 +209,7 @@ class _RevolvedSection:
         cos, sin = self.cos[rows, None], self.sin[rows, None]
 
         def turned(vectors: Array) -> tuple[Array, Array]:
-            along = (vectors @ axis)[:, None] * axis
+            along = dot(vectors, axis)[:, None] * axis
             across, beside = vectors - along, np.cross(axis, vectors)
             return along + cos * across + sin * beside, cos * beside - sin * across
 

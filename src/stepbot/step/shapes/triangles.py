@@ -19,7 +19,7 @@ from OCP.TopExp import TopExp, TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Compound, TopoDS_Face
 
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, rotated
 
 from .stitching import EdgeUse, FacetedFace
 
@@ -124,7 +124,7 @@ def _triangulation(data: bytes, offset: int) -> tuple[Array, NDArray[np.int32], 
 
 def _moved(nodes: Array, transformation: Any) -> Array:
     matrix = np.array([[transformation.Value(row, column) for column in (1, 2, 3, 4)] for row in (1, 2, 3)])
-    moved: Array = nodes @ matrix[:, :3].T + matrix[:, 3]
+    moved: Array = rotated(matrix[:, :3], nodes) + matrix[:, 3]
     return moved
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.geometry.poses import Poses
-from stepbot.geometry.spatial import Array, Pose
+from stepbot.geometry.spatial import Array, Pose, cross, dot, matrix_product
 from stepbot.robot.model import Rgba
 
 from ..assembly import Component
@@ -132,7 +132,7 @@ def _follow(
         if definition.children:
             if number not in stacks:
                 stacks[number] = np.array([child.matrix for child in definition.children])
-            matrices = node.matrix @ stacks[number]
+            matrices = matrix_product(node.matrix, stacks[number])
             below = [_Node(index, child, X) for child, X in zip(definition.children, matrices, strict=True)]
         if len(definition.bodies) > 1:
             below += [_Node(index, node.child, node.matrix, number) for number in range(len(definition.bodies))]
@@ -223,7 +223,7 @@ def _color(node: _Node, definition: Definition, number: int, above: Component | 
 def _motions(matrices: Array) -> list[_Motion]:
     """Transformations (n, 4, 4) [m], taken apart."""
     A, p = matrices[:, :3, :3], matrices[:, :3, 3]
-    determinant = np.linalg.det(A)
+    determinant = dot(A[:, 0], cross(A[:, 1], A[:, 2]))
     scale = np.array([abs(value) ** (1.0 / 3.0) for value in determinant.tolist()])
     with np.errstate(all="ignore"):  # of transformations that are not rigid
         skew = np.abs(A.transpose(0, 2, 1) @ A / (scale**2)[:, None, None] - np.eye(3)).max(axis=(1, 2))
@@ -231,7 +231,7 @@ def _motions(matrices: Array) -> list[_Motion]:
         scale = np.where(is_rigid & ~(np.abs(scale - 1.0) < _UNSCALED), scale, 1.0)
         R = np.where(is_rigid[:, None, None], A / scale[:, None, None], np.eye(3))
     is_mirrored = is_rigid & (determinant < 0.0)
-    R[is_mirrored] = R[is_mirrored] @ _MIRROR
+    R[is_mirrored] = matrix_product(R[is_mirrored], _MIRROR)
     poses = Poses(R + 0.0, p + 0.0).listed()
     shown = [float(f"{value:.12g}") if value != 1.0 else 1.0 for value in scale.tolist()]
     return [_Motion(*motion) for motion in zip(poses, is_mirrored.tolist(), shown, is_rigid.tolist(), strict=True)]
