@@ -91,8 +91,9 @@ def test_killed_worker_loses_nothing(
     assert [robot["name"] for robot in document["robots"]] == [f"robot{number}" for number in range(COPIES)]
     assert document["summary"] == {"converted": COPIES, "unchanged": 0, "failed": 0}
     sidecar = Path("lib") / "robot0" / "robot0.robot.yaml"
-    assert stepbot("convert", sidecar, "-o", "alone", *fast, cwd=tmp_path).code == 0
-    expected = snapshot(tmp_path / "alone")
+    alone = tmp_path / "alone" / "robot0"  # as deep as in the batch: the list has the path from there to the sidecar
+    assert stepbot("convert", sidecar, "-o", alone, *fast, cwd=tmp_path).code == 0
+    expected = snapshot(alone)
     own = [".stepbot.json", "report.json"]  # the report names the sidecar, and the list has its hash
     for number in range(COPIES):
         found = snapshot(tmp_path / "out" / f"robot{number}")

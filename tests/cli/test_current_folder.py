@@ -27,12 +27,19 @@ def module_names() -> set[str]:
     return {*sys.stdlib_module_names, *packages, "stepbot", "stepbot_cli", "sitecustomize", "usercustomize", "tests"}
 
 
-def loaded_at_start(folder: Path) -> set[str]:
-    """Modules that Python imports for `python -m` before the first line of stepbot."""
+def imported_at_start(folder: Path, python_path: str) -> set[str]:
+    """Modules that Python, and `.pth` files, import or look for before the first line of stepbot."""
     (folder / "names_at_start.py").write_text("import sys; print(*(name.partition('.')[0] for name in sys.modules))")
     command = [sys.executable, "-m", "names_at_start"]
-    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=True)
-    return set(run.stdout.split())
+
+    def run() -> set[str]:
+        changed = {**os.environ, "PYTHONPATH": python_path}
+        done = subprocess.run(command, cwd=folder, env=changed, capture_output=True, text=True, check=True)
+        return set(done.stdout.split())
+
+    loaded, marker = run(), folder / "found"
+    set_traps(folder, marker, loaded)
+    return loaded | run() | set(marker.read_text(encoding="utf-8").split() if marker.exists() else ())
 
 
 def set_traps(folder: Path, marker: Path, spared: Collection[str] = ()) -> None:
@@ -115,11 +122,15 @@ def test_no_import_from_the_current_folder_where_python_begins_with_it(
     tmp_path: Path, robot_library: Path, python_path: str
 ) -> None:
     """stepbot removes the current folder from the path, where `python -m` or PYTHONPATH put it first."""
-    trap = Trap(
-        tmp_path,
-        robot_library,
-        {*loaded_at_start(tmp_path), "stepbot", "stepbot_cli", "sitecustomize", "usercustomize"},
-    )
+    (tmp_path / "start").mkdir()
+    spared = {
+        *imported_at_start(tmp_path / "start", python_path),
+        "stepbot",
+        "stepbot_cli",
+        "sitecustomize",
+        "usercustomize",
+    }
+    trap = Trap(tmp_path, robot_library, spared)
     trap.run((sys.executable, "-m", "stepbot_cli"), "convert", "arm2.robot.yaml", "-o", "out", PYTHONPATH=python_path)
     assert (trap.folder / "out" / "arm2.urdf").is_file()
 

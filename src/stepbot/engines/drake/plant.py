@@ -103,8 +103,10 @@ def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, sh
             plant.WeldFrames(plant.world_frame(), root.body_frame())
         plant.Finalize()
         diagram = builder.Build()
-    except RuntimeError as error:
-        text = str(error).replace(f"{path.parent.as_posix()}/", "").strip()
+    except (RuntimeError, UnicodeDecodeError) as error:
+        # Drake's bindings do not decode a message that has a name in another encoding than UTF-8.
+        raw = error.object.decode("utf-8", "surrogateescape") if isinstance(error, UnicodeDecodeError) else str(error)
+        text = raw.replace(f"{path.parent.as_posix()}/", "").strip()
         if _LOOP in text:
             raise EngineCannotRead("Drake does not support a joint that closes a loop") from error
         if _NO_HULL in text:
