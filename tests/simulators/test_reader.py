@@ -182,7 +182,7 @@ def test_joints_without_kinematics_are_read_and_poses_not_run(tmp_path: Path) ->
     ("model", "message"),
     [
         ('<link name="a"><pose>0 0</pose></link>', "a pose with 2 numbers, 6 expected"),
-        ('<link name="a"><inertial><mass>heavy</mass></inertial></link>', "not a list of numbers"),
+        ('<link name="a"><inertial><mass>heavy</mass></inertial></link>', "<mass> is 'heavy', not a number"),
         (
             '<link name="a"/><link name="b"><pose relative_to="nowhere"/></link>' + joint("j", "a", "b"),
             "no frame 'nowhere'",

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from stepbot.diagnostics import one_line
-from stepbot.geometry.spatial import Array, Pose, perpendicular_frame, tidy, vector3
+from stepbot.geometry.spatial import Array, Pose, perpendicular_frame, vector3
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import Base, Joint, JointKind, Link, LoopClosure, Robot
@@ -187,7 +187,7 @@ class _Solids:
 
     def _joint(self, joint: Joint) -> Node:
         child = self.solid(self.robot.link_by_name[joint.child]).set("name", text(joint.child))
-        child.place(tidy(self.X_RL[joint.parent].inverse() @ self.X_RL[joint.child]))
+        child.place(self.X_RL[joint.parent].inverse() @ self.X_RL[joint.child])
         if joint.kind is JointKind.FIXED:
             return child
         node = _joint_node(joint.kind, joint.X_PC, joint.axis)
