@@ -56,6 +56,7 @@ def test_same_input_same_bytes(name: str, format_: str) -> None:
     assert first == second
 
 
+@pytest.mark.long  # tests/cli/test_determinism.py does it with whole conversions
 def test_bytes_depend_on_nothing_around(tmp_path: Path) -> None:
     """Another hash seed, locale and working directory than those of this process change no byte."""
     root = Path(__file__).resolve().parents[2]

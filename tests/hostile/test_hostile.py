@@ -55,6 +55,7 @@ def test_tree_of_a_sidecar_is_written_as_it_was_read(tmp_path: Path) -> None:
         assert read_tree(copy) == read_tree(source), source
 
 
+@pytest.mark.long
 def test_damage_depends_on_the_name_alone_and_changes_the_sidecar() -> None:
     """The same seed gives the same bytes, and each kind of damage changes most sidecars."""
     base = read_tree(LIBRARY / "stepbot_arm2" / "arm2.robot.yaml")

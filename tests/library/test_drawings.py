@@ -130,6 +130,7 @@ def test_every_unit_holds_the_same_assembly(unit: LengthUnit, tmp_path: Path) ->
         assert_same_body(solid_moments(part.shape).moved(part.X_WC).in_metres(), piece.body)
 
 
+@pytest.mark.long
 def test_another_process_draws_the_same_bytes(tmp_path: Path) -> None:
     """Drawn files do not depend on time, hash seed or addresses of objects."""
     script = "import sys; from pathlib import Path; from tests import parts; parts.write_nested(Path(sys.argv[1]))"

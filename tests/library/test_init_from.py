@@ -58,6 +58,7 @@ def test_description_in_another_frame_is_found(robot: str, tmp_path: Path) -> No
     assert differences(result) == []
 
 
+@pytest.mark.long
 def test_without_meshes_inferred_links_with_the_same_axes_are_taken(tmp_path: Path) -> None:
     """Without meshes all components are in the right links; unconfirmed ones are marked, and masses are given."""
     result = redrafted(sidecar_of("stepbot_desk_arm"), step_of("stepbot_desk_arm"), tmp_path, "urdf", meshes=False)

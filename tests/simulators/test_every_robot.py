@@ -118,8 +118,11 @@ def _lacks(name: str) -> set[str]:
     return lacks
 
 
-LONG = ("cylindrical", "delta", "four_bar_with_zeros", "gear", "left_screw", "stewart", "tree")
-"""Robots that resemble others, and those with the most loops: a third of the time."""
+LONG = (
+    *("cylindrical", "delta", "four_bar_with_zeros", "gear", "left_screw", "one_sided", "planar", "slider_crank"),
+    *("sliding_closure", "stewart", "tree"),
+)
+"""Robots that resemble others, whose joints test_equivalent_joints.py compares, and those with the most loops."""
 
 
 def _marks(name: str) -> list[pytest.MarkDecorator]:
