@@ -20,6 +20,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 
 from pythons import SUPPORTED, found_pythons
@@ -34,8 +35,8 @@ ROBOTS = ("stepbot_four_bar", "stepbot_delta", "stepbot_diff_drive", "stepbot_qu
 """Closed loops, hulls of thousands of vertices, fitted shapes, a hundred meshes."""
 PROVEN = "stepbot_four_bar"
 """This robot is verified too: the engines load it."""
-KERNELS = ("", "Prescott", "Nehalem", "Sandybridge", "Haswell")
-"""OpenBLAS's kernels, one for each environment, the processor's own first: they must not change what is written."""
+KERNELS = ("", "Prescott", "Nehalem", "Sandybridge")
+"""OpenBLAS's kernels, taken in turn, the processor's own first: they must not change what is written."""
 _LOWEST = re.compile(r"([\w.-]+)\s*>=\s*([\w.]+)")
 
 
@@ -81,7 +82,7 @@ def main() -> int:
     with ThreadPoolExecutor(2) as pool:  # one downloads while the other unpacks
         installed = [pool.submit(_install, one, wheel) for one in environments]
     _say(f"installed into {len(environments)} environments", start)
-    for one, installation, kernel in zip(environments, installed, KERNELS, strict=False):
+    for one, installation, kernel in zip(environments, installed, cycle(KERNELS), strict=False):
         start = time.monotonic()
         try:
             installation.result()

@@ -128,21 +128,21 @@ def cascadio(python: str) -> Contender:
     return Contender("cascadio, STEP to GLB", lambda case: [python, "-c", _CASCADIO, case.step.name, "out.glb"])
 
 
-def batch(jobs: int, library: Path) -> Contender:
-    """All robots below a folder, on a number of cores."""
+def batch(jobs: int, robots: Path) -> Contender:
+    """All robots below a folder or on a list, on a number of cores."""
     return Contender(
         f"stepbot batch -j {jobs}",
-        lambda case: [*STEPBOT, "batch", str(library), "-o", "batch", "-j", str(jobs), "--no-cache"],
+        lambda case: [*STEPBOT, "batch", str(robots), "-o", "batch", "-j", str(jobs), "--no-cache"],
         _without_batch,
     )
 
 
-def dask_batch(workers: int, library: Path) -> Contender:
-    """All robots below a folder, on a Dask cluster of this machine."""
+def dask_batch(workers: int, robots: Path) -> Contender:
+    """The same on a Dask cluster of this machine, of so many processes."""
     script = str(ROOT / "benchmarks" / "dask_batch.py")
     return Contender(
         f"stepbot batch, Dask with {workers} workers",
-        lambda case: [sys.executable, script, str(workers), str(library), "batch"],
+        lambda case: [sys.executable, script, str(workers), str(robots), "batch"],
         _without_batch,
     )
 

@@ -14,7 +14,7 @@ from .draft import CHOSEN
 from .evidence import Evidence, Fate, Hinge, Rank, Weld
 from .motors import Motor
 from .names import Role
-from .part import box_gap, boxes_gap
+from .part import box_gap, least_gap
 from .relations import Relation
 from .structure import Structure
 from .survey import Survey
@@ -121,7 +121,7 @@ def _bare_outputs(made: Decision) -> None:
             if tied.find(root) == tied.find(clusters.find(h.b)) or survey.total_volume(members) <= volume:
                 continue
             near = [i for i in members if survey.parts[i].size and box_gap(box, survey.parts[i].box) < _BESIDE]
-            gap = min((boxes_gap(faces, survey.scene.face_boxes(i)) for i in near), default=_BESIDE)
+            gap = min((least_gap(faces, survey.scene.face_boxes(i)) for i in near), default=_BESIDE)
             if gap < _BESIDE:
                 mine = round(gap, 4), -survey.total_volume(members), root
                 best = mine if best is None else min(best, mine)
@@ -142,7 +142,7 @@ def _nearest_apart(made: Decision, own: Sequence[int], reach: float) -> int | No
         if i not in clusters or not part.size or clusters.find(i) == clusters.find(own[0]):
             continue
         if not clusters.are_apart(i, own[0]) and box_gap(box, part.box) < reach:
-            ranked.append((round(boxes_gap(faces, survey.scene.face_boxes(i)), 5), -part.volume, i))
+            ranked.append((round(least_gap(faces, survey.scene.face_boxes(i)), 5), -part.volume, i))
     gap, _, best = min(ranked, default=(reach, 0.0, -1))
     return best if gap < reach else None
 
@@ -223,6 +223,6 @@ def nearest(survey: Survey, members: Sequence[int], others: Collection[int] = ()
     for gap, elsewhere, volume, i in sorted(ranked):
         if best is not None and round(gap, 3) > best[0]:
             break
-        mine = round(boxes_gap(faces, survey.scene.face_boxes(i)), 3), elsewhere, volume, i
+        mine = round(least_gap(faces, survey.scene.face_boxes(i)), 3), elsewhere, volume, i
         best = mine if best is None else min(best, mine)
     return best[-1] if best is not None else None

@@ -10,6 +10,7 @@ from .evidence import Evidence, Fate, Hinge, Rank
 from .loops import Arc
 
 REVIEW = "without it a loop of joints could not move"
+"""What to review of a joint that was added for this."""
 _SCORE = 0.6
 _WEAKEST = 0.3
 """Score from which a refused joint may be needed."""

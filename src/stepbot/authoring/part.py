@@ -69,16 +69,16 @@ def box_gap(one: Array, two: Array) -> float:
     return float(np.linalg.norm(np.maximum(0.0, np.maximum(one[0] - two[1], two[0] - one[1]))))
 
 
-def boxes_gap(some: Array, others: Array) -> float:
+def least_gap(some: Array, others: Array) -> float:
     """Least distance [m] between one of n boxes and one of m, (n, 2, 3) and (m, 2, 3); 0 if two overlap."""
     around = np.array([others[:, 0].min(axis=0), others[:, 1].max(axis=0)])
-    least = _gaps(some, around[None])[:, 0]
+    least = box_gaps(some, around[None])[:, 0]
     # No box is nearer than to the box around all others: those beyond what the first candidate has are left out.
-    most = _gaps(some[[int(least.argmin())]], others).min()
-    return float(_gaps(some[least <= most], others).min())
+    most = box_gaps(some[[int(least.argmin())]], others).min()
+    return float(box_gaps(some[least <= most], others).min())
 
 
-def _gaps(some: Array, others: Array) -> Array:
+def box_gaps(some: Array, others: Array) -> Array:
     """Distances (n, m) [m] of boxes (n, 2, 3) and (m, 2, 3)."""
     apart = np.maximum(some[:, None, 0] - others[None, :, 1], others[None, :, 0] - some[:, None, 1])
     return np.asarray(np.sqrt((np.maximum(apart, 0.0) ** 2).sum(axis=2)))

@@ -12,24 +12,24 @@ from itertools import pairwise
 
 import numpy as np
 
-from stepbot.geometry.spatial import shift_inertia
-from stepbot.geometry.sums import exact_sum
+from stepbot.geometry.inertia import MassProperties, combined
 
 from .axis import Axis
 from .clusters import Clusters
 from .decision import Decision
 from .evidence import Fate, Hinge
 from .locked import JointKey
-from .part import Part, largest
+from .part import Part, joint_box, largest
 from .relations import Relation, Via
 from .structure import Structure
 from .survey import Survey
 
 REVIEW = "nothing but one round contact holds its two sides together"
+"""What to review of such a joint."""
 _PIVOTS = (Via.FACE, Via.BOLT)
+"""Contacts that may be such a joint: others are found without this."""
 _LEAST = 0.01
 """Share of the assembly's volume below which a side of a pivot is a handle, a pin or a cover."""
-
 _CLEARLY = 2.0
 """Multiple of the tolerances of a turned part beyond which a side is lopsided: a lid with a handle is not."""
 
@@ -125,9 +125,9 @@ def _whole(parts: Sequence[Part]) -> Part | None:
     """Several solids as one part."""
     if not parts:
         return None
-    volume = exact_sum(part.volume for part in parts)
-    com = np.sum([part.volume * part.com for part in parts], axis=0) / volume
-    inertia = np.sum([shift_inertia(part.inertia, part.volume, part.com - com) for part in parts], axis=0)
-    boxes = np.array([part.box for part in parts])
-    size = float(np.linalg.norm(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)))
-    return replace(largest(parts), volume=volume, com=com, inertia=inertia, size=size)
+    whole = combined(MassProperties.of(part.volume, part.com.tolist(), part.inertia) for part in parts)  # of density 1
+    low, high = joint_box(parts)
+    size = float(np.linalg.norm(high - low))
+    return replace(
+        largest(parts), volume=whole.mass, com=np.array(whole.com), inertia=np.array(whole.inertia), size=size
+    )

@@ -17,14 +17,17 @@ from stepbot.step.faces import FaceKind
 from .axis import Axis
 from .circles import fitted_circle
 from .evidence import Evidence, Hinge, Rank
+from .part import box_gaps
 from .survey import Survey
 
 _FEWEST = 4
+"""Number of rollers from which a pattern counts."""
 _EVEN = 0.01
 """Tolerance of a pattern: share of its radius, and of the volume of a roller."""
 _ACROSS, _INCLINED = 0.02, 0.3
 """Cosine of the angle to the radius, up to which an axis is normal to it; sine of the least angle to the hub's axis."""
 _CIRCLE = 1e-6
+"""Tolerance of :func:`fitted_circle` for an outline."""
 _BESIDE = 0.5
 """Gap between a roller and its hub, as a share of the roller's size."""
 _LARGEST = 0.05
@@ -62,8 +65,7 @@ def roller_evidence(survey: Survey, found: Evidence) -> None:
 
 def _beside(survey: Survey, rollers: Sequence[_Roller], hub: int) -> list[_Roller]:
     """The rollers close to a hub, by their boxes: several wheels may be on one axis."""
-    boxes, (low, high) = np.array([survey.parts[r.part].box for r in rollers]), survey.parts[hub].box
-    gaps = np.linalg.norm(np.maximum(0.0, np.maximum(boxes[:, 0] - high, low - boxes[:, 1])), axis=1)
+    gaps = box_gaps(np.array([survey.parts[r.part].box for r in rollers]), survey.parts[hub].box[None])[:, 0]
     near = gaps < _BESIDE * np.array([survey.parts[r.part].size for r in rollers])
     return [rollers[k] for k in np.flatnonzero(near).tolist()]
 
@@ -117,4 +119,5 @@ def _patterns(rollers: Sequence[_Roller], hub: Axis) -> Iterator[list[_Roller]]:
 
 
 def _is_even(spokes: Array, radius: float) -> bool:
+    """Whether vectors (n, 3) from the axis to rollers cancel out, as those of an even pattern do."""
     return float(np.linalg.norm(spokes.mean(axis=0))) < _EVEN * radius

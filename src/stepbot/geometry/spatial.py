@@ -21,8 +21,8 @@ Matrix3 = tuple[Vector3, Vector3, Vector3]
 RESIDUE = 1e-12
 """Angle [rad], coordinate [m] or rotation entry below which a number is numeric residue."""
 
-_DECIMALS = 12
-"""Decimals of a coordinate [m] that are the same on every processor."""
+DECIMALS = 12
+"""Decimals of a coordinate [m] or position of a joint [rad], [m] that are the same on every processor."""
 
 ZERO3: Vector3 = (0.0, 0.0, 0.0)
 IDENTITY3: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -144,7 +144,7 @@ def tidy(pose: Pose) -> Pose:
 def tidy_arrays(R: Array, p: Array) -> tuple[Array, Array]:
     """Rotations (..., 3, 3) and positions (..., 3) [m] of :func:`tidy` poses."""
     nearest = np.rint(R)
-    return np.where(np.abs(R - nearest) < RESIDUE, nearest, R) + 0.0, np.round(p, _DECIMALS) + 0.0
+    return np.where(np.abs(R - nearest) < RESIDUE, nearest, R) + 0.0, np.round(p, DECIMALS) + 0.0
 
 
 def rotation_from_rpy(rpy: ArrayLike) -> Array:

@@ -3,6 +3,7 @@
 The written files are compared with the model elsewhere; this finds what was misread on the way into the model.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -100,37 +101,34 @@ def compared_with_source(
 def _given_names(robot: Robot, lowered: Robot) -> Renaming:
     """The model's names of the joints that a format needs other names for."""
     whole = {joint.child: (joint,) for joint in robot.joints}
+    known = whole, steps_by_child(robot), _chains_in(unfolded(robot), robot.joints)
     changed = {}
-    for joint in robot.joints:
-        chain = _chain(lowered, joint)
-        for names in (whole, steps_by_child(robot), _single_steps(robot)):
-            if len(names[joint.child]) == len(chain):
-                changed.update({new.name: old.name for new, old in zip(chain, names[joint.child], strict=True)})
-                break
+    for child, chain in _chains_in(lowered, robot.joints).items():
+        same = next((names[child] for names in known if len(names[child]) == len(chain)), None)
+        if same is not None:
+            changed.update({new.name: old.name for new, old in zip(chain, same, strict=True)})
     return Renaming(joints={new: old for new, old in changed.items() if new != old})
 
 
-def _chain(robot: Robot, joint: Joint) -> tuple[Joint, ...]:
-    """The joints of a robot that represent one between the same two links, from the parent on."""
+def _chains_in(robot: Robot, joints: Iterable[Joint]) -> dict[str, tuple[Joint, ...]]:
+    """For each link below one of the joints, those of a robot between the same two links, from the parent on."""
     above = {one.child: one for one in robot.joints}
-    chain = [above[joint.child]]
-    while chain[0].parent != joint.parent:
-        chain.insert(0, above[chain[0].parent])
-    return tuple(chain)
-
-
-def _single_steps(robot: Robot) -> dict[str, tuple[Joint, ...]]:
-    """For each link below a joint, the chain of single joints that represents this joint."""
-    single = unfolded(robot)
-    return {joint.child: _chain(single, joint) for joint in robot.joints}
+    found = {}
+    for joint in joints:
+        chain = [above[joint.child]]
+        while chain[0].parent != joint.parent:
+            chain.insert(0, above[chain[0].parent])
+        found[joint.child] = tuple(chain)
+    return found
 
 
 def _chains(description: Description, described: Described) -> dict[str, ChainNames]:
     """The joints of a URDF that engines do not read alike, and the names of the single joints that they become."""
     if description.observation.format != "urdf":
         return {}
-    steps, several = _single_steps(described.robot), (JointKind.PLANAR, JointKind.FLOATING)
-    found = {joint.name: steps[joint.child] for joint in described.robot.joints if joint.kind in several}
+    several = [joint for joint in described.robot.joints if joint.kind in (JointKind.PLANAR, JointKind.FLOATING)]
+    steps = _chains_in(unfolded(described.robot), several)
+    found = {joint.name: steps[joint.child] for joint in several}
     old = {new: name for name, new in described.names.joints.items()}
     return {
         old.get(name, name): ChainNames(tuple(one.name for one in chain), tuple(one.child for one in chain[:-1]))

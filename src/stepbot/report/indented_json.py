@@ -20,7 +20,7 @@ def indented(document: Any, default: Callable[[Any], Any] = _not_serializable) -
         default: JSON data in place of any other object.
 
     Raises:
-        TypeError: An object is no JSON data, and ``default`` is not given.
+        TypeError: An object cannot be written as JSON, and ``default`` is not given.
         ValueError: A number is not finite.
     """
     return _text(document, "\n", default)

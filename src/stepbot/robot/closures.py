@@ -13,7 +13,7 @@ from math import atan2
 import numpy as np
 from numpy.typing import NDArray
 
-from stepbot.geometry.spatial import Array, Pose, cross, perpendicular_frame
+from stepbot.geometry.spatial import DECIMALS, Array, Pose, cross, perpendicular_frame
 
 from .kinematics import TURNING, Configuration, Tree, initial_configuration, leader_range, within_limits
 from .model import JointKind, LoopClosure, Robot
@@ -38,8 +38,6 @@ WORST_CONDITION = 1e-3
 
 STEPS_AT_ONCE = 6
 """Steps of Newton's method for many configurations at once: next to a closed one, four are sufficient."""
-_DECIMALS = 12
-"""Decimals [rad], [m] of joint positions in which solutions agree on all processors."""
 CONVERGED = 1e-6
 """Length of a step of Newton's method for many configurations after which a configuration is final."""
 RANDOM_WAYS = 6
@@ -188,7 +186,7 @@ class Loops:
         for name, (distance, angle) in sorted(self.gaps(u).items(), key=lambda gap: gap[1], reverse=True):
             if not (distance <= self.closed_distance and angle <= CLOSED_ANGLE):
                 raise DoesNotClose(name, distance, angle)
-        u[list(free)] = np.round(u[list(free)], _DECIMALS) + 0.0
+        u[list(free)] = np.round(u[list(free)], DECIMALS) + 0.0
         return u
 
     def closed_many(self, guess: Array, free: Sequence[int]) -> tuple[Array, Array, Array]:

@@ -23,6 +23,18 @@ class Compiled(NamedModel):
         """The coordinates of the joints."""
         return Coordinates(self, self.balls)
 
+    @cached_property
+    def stray_meshes(self) -> frozenset[int]:
+        """Meshes that vertices without faces make larger: their hulls have them, but nobody sees them."""
+        return frozenset(mesh for mesh in range(self.model.nmesh) if self._has_strays(mesh))
+
+    def _has_strays(self, mesh: int) -> bool:
+        model = self.model
+        start, first, count = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh], model.mesh_facenum[mesh]
+        vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
+        seen = vertices[model.mesh_face[first : first + count].ravel()]
+        return bool((vertices.min(axis=0) < seen.min(axis=0)).any() or (vertices.max(axis=0) > seen.max(axis=0)).any())
+
     def data(self, q: Mapping[str, float]) -> Any:
         """State at a configuration, at rest, with the kinematics computed."""
         data = self.engine.MjData(self.model)

@@ -64,16 +64,11 @@ def is_visual(compiled: "Compiled", g: int, *, mjcf: bool) -> bool:
 
 
 def stray_mesh(compiled: "Compiled", g: int) -> str | None:
-    """The mesh of a geom if vertices without faces make it larger: its hull has them, but nobody sees them."""
+    """The mesh of a geom if it is one of :attr:`Compiled.stray_meshes`."""
     engine, model = compiled.engine, compiled.model
-    if engine.mjtGeom(model.geom_type[g]) != engine.mjtGeom.mjGEOM_MESH:
-        return None
+    is_mesh = engine.mjtGeom(model.geom_type[g]) == engine.mjtGeom.mjGEOM_MESH
     mesh = int(model.geom_dataid[g])
-    start, first = model.mesh_vertadr[mesh], model.mesh_faceadr[mesh]
-    vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
-    seen = vertices[model.mesh_face[first : first + model.mesh_facenum[mesh]].ravel()]
-    larger = np.any(vertices.min(axis=0) < seen.min(axis=0)) or np.any(vertices.max(axis=0) > seen.max(axis=0))
-    return compiled.name("MESH", mesh) if larger else None
+    return compiled.name("MESH", mesh) if is_mesh and mesh in compiled.stray_meshes else None
 
 
 def geom_bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:

@@ -10,6 +10,7 @@ import numpy as np
 from ..distinct_rows import distinct_rows
 from ..mesh import GRID_PER_METRE, TriMesh
 from ..spatial import Array, dot, matrix_product
+from .face_normals import face_normals
 from .manifolds import convex_hull, hull_faces
 
 FEWEST = 8
@@ -58,12 +59,8 @@ def _outline(hull: TriMesh, center: Array, max_vertices: int) -> Array:
 
 def _planes(points: Array, hull: TriMesh) -> tuple[Array, Array]:
     """Unit normals (m, 3) of faces and their distances (m,) [m] from the origin."""
-    a, b, c = (points[hull.faces[:, corner]] for corner in range(3))
-    normals = np.cross(b - a, c - a)
-    lengths = np.linalg.norm(normals, axis=1)
-    has_area = lengths > 0.0
-    normals = normals[has_area] / lengths[has_area, None]
-    return normals, np.einsum("ij,ij->i", normals, a[has_area])
+    normals, _, a = face_normals(points, hull.faces)
+    return normals, np.einsum("ij,ij->i", normals, a)
 
 
 def _corners(normals: Array, distances: Array) -> Array:

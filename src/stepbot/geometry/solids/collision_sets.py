@@ -13,7 +13,8 @@ from ..spatial import IDENTITY, Array
 from ..sums import exact_sum
 from .bounded_hulls import bounded_hull
 from .collision_scores import NO_SCORE, CollisionScore, Unscored, collision_score
-from .convex_pieces import Bore, convex_pieces, face_normals, main_axes
+from .convex_pieces import Bore, convex_pieces, main_axes
+from .face_normals import face_normals
 from .manifolds import convex_hull, hull_volume, mesh_arrays
 from .primitive_fits import Shaft, fitted_primitive
 from .unions import PlacedShape, PlacedSolid, union

@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 
 from ..distinct_rows import distinct_rows
-from ..spatial import Array, cross, dot, matrix_product
+from ..spatial import Array, dot, matrix_product
 from ..sums import exact_sum
 from .cut_surfaces import ON, CutSurface, Plane, crossings
+from .face_normals import face_normals
 from .manifolds import hull_points, hull_volume, mesh_arrays
 from .unions import SIMPLIFIED, Union
 
@@ -265,15 +266,6 @@ def _candidates(points: Array, faces: Any, bores: Sequence[Bore], diagonal: floa
         offsets = np.linspace(heights.min(), heights.max(), _ACROSS + 2)[1:-1]
         found.append((np.tile(axis, (_ACROSS, 1)), offsets))
     return np.vstack([planes for planes, _ in found]), np.concatenate([offsets for _, offsets in found])
-
-
-def face_normals(points: Array, faces: Any) -> tuple[Array, Array, Array]:
-    """Unit normals (m, 3), twice the areas (m,) [m^2], and first corners (m, 3) [m] of the faces that have an area."""
-    a, b, c = (points[faces[:, corner]] for corner in range(3))
-    normals = cross(b - a, c - a)
-    areas = np.linalg.norm(normals, axis=1)
-    has_area = areas > 0.0
-    return normals[has_area] / areas[has_area, None], areas[has_area], a[has_area]
 
 
 def _distinct(normals: Array, offsets: Array, areas: Array, diagonal: float) -> tuple[Array, Array]:
