@@ -79,6 +79,7 @@ def _parser() -> argparse.ArgumentParser:
         one.add_argument("--step", type=Path, metavar="FILE", help="STEP file, instead of the one that is named")
         if run is _cold:
             one.add_argument("--against", metavar="REVISION", help="an earlier stepbot too")
+            one.add_argument("--only-cold", action="store_true", help="no edits, no verification: for large files")
             one.add_argument("--cascadio", metavar="PYTHON", help="cascadio too, in this interpreter's environment")
         _common(one, run)
     many = commands.add_parser("batch", help="compare one core with two")
@@ -125,7 +126,9 @@ def _generate(options: argparse.Namespace, _: Path) -> None:
 
 
 def _cold(options: argparse.Namespace, folder: Path) -> int:
-    against = [who.BARE, who.COLD, who.VERIFIED, who.EDITED, who.EDITED_VERIFIED, who.PLAIN]
+    against = [who.BARE, who.COLD]
+    if not options.only_cold:
+        against += [who.VERIFIED, who.EDITED, who.EDITED_VERIFIED, who.PLAIN]
     if options.cascadio:
         against.append(who.cascadio(options.cascadio))
     if options.against:

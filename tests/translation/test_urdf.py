@@ -144,6 +144,30 @@ def test_base_of_a_urdf_is_a_stated_guess(tmp_path: Path) -> None:
     assert b"freejoint" in stated.files["cart.xml"]
 
 
+def test_missing_limits_are_reported_and_proven(tmp_path: Path) -> None:
+    """A joint without bounds is unlimited; one missing bound is 0, also to engines that ignore the other one."""
+    moving = """<joint name="{0}" type="{1}">
+  <parent link="{2}"/><child link="{3}"/><axis xyz="0 0 1"/>{4}</joint>"""
+    text = [BARE.format(link) for link in ("post", "wing", "bolt", "key")]
+    text.append(moving.format("hinge", "revolute", "post", "wing", ""))
+    text.append(moving.format("slide", "prismatic", "wing", "bolt", '<limit upper="0.2" effort="9" velocity="1"/>'))
+    text.append(moving.format("turn", "revolute", "wing", "key", '<limit lower="-1" effort="9" velocity="1"/>'))
+    path = tmp_path / "gate.urdf"
+    path.write_text("<robot name='gate'>" + "\n".join(text) + "</robot>", encoding="utf-8")
+    done = convert(path, Options(tmp_path / "out", formats=("mjcf",), base="fixed"))
+    assert done.diagnostics.exit_code == 0, list(map(str, done.diagnostics))
+    missing = [one for one in done.diagnostics if one.code == "SB874"]
+    lines = [number for number, line in enumerate(path.read_text().splitlines(), start=1) if "<joint" in line]
+    assert [one.span.line for one in missing] == lines
+    assert [one.message.rpartition(": ")[2] for one in missing] == ["read as unlimited", "0 taken", "0 taken"]
+    written = mujoco.MjModel.from_xml_string(done.files["gate.xml"].decode())
+    assert written.jnt_limited.tolist() == [0, 1, 1]
+    assert written.joint("slide").range.tolist() == [0.0, 0.2]
+    assert written.joint("turn").range.tolist() == [-1.0, 0.0]
+    against = [one for one in done.report.checks if one.against.startswith("gate.urdf") and one.quantity == "limits"]
+    assert [one.status for one in against] == ["passed"]
+
+
 @pytest.mark.long
 @pytest.mark.pybullet
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ Element = Any
 
 
 def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[str, ChainNames]) -> None:
-    """Write a copy with absolute paths of meshes, and with single joints in place of others.
+    """Write a copy with absolute paths of meshes, single joints in place of others, and both bounds of limits.
 
     Engines do not search folders of packages. A mesh that is not found keeps its name.
 
@@ -28,6 +28,7 @@ def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[
     top = xml_root(Path(file))
     _locate(top, Path(file), packages)
     with_chains(top, chains)
+    _complete_limits(top)
     Path(copy).write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
 
 
@@ -40,3 +41,11 @@ def _locate(top: Element, file: Path, packages: Iterable[Path]) -> None:
             element.set("filename", found.resolve().as_posix())
         elif found is not None:
             element.text = found.resolve().as_posix()
+
+
+def _complete_limits(robot: Element) -> None:
+    """State 0 for one missing bound of a URDF's joint: MuJoCo would ignore the other one, PyBullet takes -1 for it."""
+    for limit in robot.iterfind("joint/limit"):
+        if len({"lower", "upper"} & set(limit.keys())) == 1:
+            limit.set("lower", limit.get("lower", "0"))
+            limit.set("upper", limit.get("upper", "0"))

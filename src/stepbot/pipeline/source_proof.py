@@ -75,7 +75,10 @@ def compared_with_source(
             for name, one in written.lowered.items()
         }
         source, chains = path, _chains(description, described)
-        if chains or (options.package_path and description.observation.format != MJCF.name):  # which has no packages
+        one_sided = any(len(limit.missing) == 1 for limit in description.open_limits)
+        if (
+            chains or one_sided or (options.package_path and description.observation.format != MJCF.name)
+        ):  # which has no packages
             source = Path(folder) / f"source{path.suffix}"
             with Worker(_COPIED, memory_limit=options.memory_limit) as worker:
                 asked = worker.submit(str(openable(path)), str(source), options.package_path, chains)

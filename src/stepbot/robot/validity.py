@@ -6,7 +6,7 @@ valid numbers, names and tree run only if these are valid, so that one fault is 
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from math import isfinite, isnan
+from math import isinf
 
 import numpy as np
 
@@ -50,6 +50,8 @@ CLOSURE_ANGLE = 1e-3
 
 _FARTHEST = 1e6
 """Distance [m] beyond which a position is a mistake: squares of farther ones overflow."""
+_GREATEST = 1e30
+"""Magnitude, in SI units, beyond which a number is a mistake: OpenUSD and several engines store single precision."""
 _UNIT_SLACK = 1e-9
 _TRIANGLE_SLACK = 1e-6
 
@@ -123,11 +125,15 @@ def _check_references(robot: Robot, report: Report) -> bool:
 
 
 def _check_numbers(robot: Robot, report: Report) -> bool:
-    """Everything but limits is finite; rotations are valid and axes have unit length."""
+    """Everything but limits is finite, nothing too large; rotations are valid and axes have unit length."""
     sound = _check_poses(robot, report)
     for who, numbers in _numbers(robot):
-        if not all(map(isfinite, numbers)):
-            report("SB414", f"{who}: a number is not finite")
+        if not all(abs(value) <= _GREATEST for value in numbers):
+            report("SB414", f"{who}: a number is not finite, or larger than {_GREATEST:g}")
+            sound = False
+    for link in robot.links:
+        if not all(abs(value) <= _FARTHEST for value in link.mass_properties.com):
+            report("SB414", f"link '{link.name}': centre of mass is not finite, or farther than {_FARTHEST:g} m")
             sound = False
     axes = [(f"joint '{joint.name}'", joint.axis) for joint in robot.joints if joint.kind is not JointKind.FIXED]
     axes += [(f"joint '{j.name}', axis2", j.axis2) for j in robot.joints if j.kind is JointKind.UNIVERSAL]
@@ -137,8 +143,8 @@ def _check_numbers(robot: Robot, report: Report) -> bool:
             report("SB415", f"{who}: axis has length {float(np.linalg.norm(axis)):g}, expected 1")
             sound = False
     for joint in robot.joints:
-        if any(map(isnan, _bounds(joint.limit))):
-            report("SB414", f"joint '{joint.name}': a limit is not a number")
+        if not all(isinf(bound) or abs(bound) <= _GREATEST for bound in _bounds(joint.limit)):
+            report("SB414", f"joint '{joint.name}': a limit is not a number, or larger than {_GREATEST:g}")
             sound = False
     return sound
 
@@ -365,7 +371,7 @@ def _numbers(robot: Robot) -> Iterator[tuple[str, list[float]]]:
         yield f"sensor '{sensor.name}'", [sensor.rate, sensor.view.fov, sensor.view.nearest]
     for link in robot.links:
         m = link.mass_properties
-        yield f"link '{link.name}'", [m.mass, *m.com, *np.array(m.inertia).reshape(-1).tolist()]
+        yield f"link '{link.name}'", [m.mass, *np.array(m.inertia).reshape(-1).tolist()]
 
 
 def _extent(geometry: Geometry, of_meshes: Mapping[str, _Extent]) -> _Extent | None:

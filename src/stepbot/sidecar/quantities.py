@@ -22,6 +22,10 @@ from .units import Dimension, UnitError, read_quantity
 
 Parser = Callable[[Any], float]
 
+GREATEST = 1e30
+"""Maximum magnitude in SI units: OpenUSD and several engines store single precision."""
+FARTHEST = 1e6
+"""Maximum length [m]."""
 LONGEST_TIMESTEP = 0.1
 """Maximum time step [s]: no engine simulates a robot with a longer one."""
 
@@ -105,9 +109,10 @@ def _quantity(value: Any, *dimensions: Dimension) -> JointValue:
 
 
 def _finite(
-    dimension: Dimension, *, low: float = -math.inf, above: float = -math.inf, high: float = math.inf
+    dimension: Dimension, *, low: float = -math.inf, above: float = -math.inf, high: float | None = None
 ) -> Parser:
-    """Parser of a finite number of at least ``low``, more than ``above`` and at most ``high``."""
+    """Parser of a finite number of at least ``low``, more than ``above`` and a magnitude of at most ``high``."""
+    greatest = high or (FARTHEST if dimension is units.LENGTH else GREATEST)
 
     def parse(value: Any) -> float:
         number = float(_quantity(value, dimension))
@@ -116,9 +121,10 @@ def _finite(
         if number < low or number <= above:
             bound = f"at least {low:g}" if number < low else f"greater than {above:g}"
             raise fault("SB125", f"{number:g} {dimension.unit} is out of range: {dimension.name} must be {bound}")
-        if number > high:
+        if abs(number) > greatest:
             hint = f"a number without a unit is in {dimension.unit}; example with a unit: {dimension.example}"
-            raise fault("SB125", f"{number:g} {dimension.unit} exceeds the maximum of {high:g} {dimension.unit}", hint)
+            bound = f"{greatest:g} {dimension.unit}"
+            raise fault("SB125", f"{number:g} {dimension.unit} exceeds the maximum of {bound}", hint)
         return number
 
     return parse
@@ -136,6 +142,8 @@ def _joint_value(
         number = _quantity(value, *dimensions)
         if finite and not math.isfinite(number):
             raise fault("SB125", f"{number:g} is not finite")
+        if math.isfinite(number) and abs(number) > GREATEST:
+            raise fault("SB125", f"{number:g} exceeds the maximum of {GREATEST:g}")
         if number < low:
             raise fault("SB125", f"{number:g} is out of range: {dimensions[0].name} must be at least {low:g}")
         if above is not None and number <= above:
@@ -173,7 +181,7 @@ def _axis(value: Any) -> Vector3:
             near = did_you_mean(value, _AXES) if len(value) <= 2 else ()
             raise fault("SB123", f"invalid axis '{value}'", *near, "write x, y, z, -x, -y, -z or [x, y, z]")
         return _AXES[value]
-    numbers = [_finite(units.RATIO)(v) for v in _three(value)]
+    numbers = [_finite(units.RATIO, high=math.inf)(v) for v in _three(value)]
     try:
         x, y, z = unit(numbers).tolist()
     except ValueError:
@@ -234,6 +242,8 @@ def _distance(value: Any) -> float:
     number = float(_quantity(value, units.LENGTH))
     if number < 0.0:
         raise fault("SB125", f"{number:g} m is out of range: length must be at least 0")
+    if FARTHEST < number < math.inf:
+        raise fault("SB125", f"{number:g} m exceeds the maximum of {FARTHEST:g} m", "write .inf for no end")
     return number
 
 

@@ -86,6 +86,15 @@ BROKEN: dict[str, tuple[str, Robot]] = {
     "no such joint of a drive": ("SB417", _pair(actuators=(Actuator("m", "k", ActuatorKind.MOTOR),))),
     "infinite mass": ("SB414", _pair(links=(Link("a", SOLID), Link("b", replace(SOLID, mass=inf))))),
     "pose that is not a number": ("SB414", _pair(_hinge(X_PC=Pose(position=(nan, 0, 0))))),
+    "mass that single precision cannot hold": (
+        "SB414",
+        _pair(links=(Link("a", SOLID), Link("b", replace(SOLID, mass=1e39)))),
+    ),
+    "centre of mass among the stars": (
+        "SB414",
+        _pair(links=(Link("a", SOLID), Link("b", replace(SOLID, com=(0.0, 1e12, 0.0))))),
+    ),
+    "effort that single precision cannot hold": ("SB414", _pair(_hinge(limit=Limit(-1, 1, 1, 1e100)))),
     "limit that is not a number": ("SB414", _pair(_hinge(limit=Limit(nan, 1)))),
     "axis of length two": ("SB415", _pair(_hinge(axis=(0, 0, 2)))),
     "rotation that stretches": ("SB415", _pair(_hinge(X_PC=Pose(((2, 0, 0), (0, 1, 0), (0, 0, 0.5)))))),

@@ -109,9 +109,10 @@ CODES = (
     Code(
         "SB414",
         "error",
-        "non-finite number",
-        "A pose, an axis, a mass or a dimension of the robot is infinite or NaN.",
-        "Engines cannot load the file.",
+        "non-finite or excessive number",
+        "A pose, an axis, a mass, a limit or a dimension of the robot is NaN, infinite or beyond 1e30 in SI units, or a position is "
+        "beyond 1e6 m. Only limits may be infinite.",
+        "Engines cannot load the file, or compute with infinite numbers.",
         "Check the numbers in the named section of the sidecar. If they are correct, please report a bug.",
     ),
     Code(

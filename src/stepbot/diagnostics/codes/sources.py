@@ -119,4 +119,13 @@ CODES: tuple[Code, ...] = (
         "With gains of 0 it exerts no force in a simulation.",
         "Set `kp` and `kv` in the written files, or as parameters `kp` and `kv` of the command interface in the source.",
     ),
+    Code(
+        "SB874",
+        "warning",
+        "position limit missing",
+        "A revolute or prismatic joint of the converted URDF has no `<limit>`, or one without `lower` or `upper`. Without both, the "
+        "joint is unlimited in the written files; in place of one, 0 is taken, as the format defines.",
+        "Readers of URDF differ: without both, PyBullet and MuJoCo let the joint move freely, ROS rejects the file or locks the joint.",
+        "State `lower` and `upper`, or give a revolute joint that turns without end the type `continuous`.",
+    ),
 )

@@ -55,6 +55,18 @@ def half_size(shape: Primitive) -> Vector3:
             return radius, radius, radius
 
 
+@dataclass(frozen=True)
+class OpenLimit:
+    """A joint whose file lacks a position limit."""
+
+    joint: str
+    line: int
+    missing: tuple[str, ...]
+    """``lower``, ``upper``, or both."""
+    has_element: bool
+    """Whether there is a ``<limit>`` without them."""
+
+
 @dataclass(frozen=True, eq=False)
 class Description:
     """A description, independent of the engine that read it."""
@@ -82,6 +94,8 @@ class Description:
     """Settings that the file states."""
     assumed: tuple[str, ...] = ()
     """Links whose mass properties the file does not give: the format defines them otherwise."""
+    open_limits: tuple[OpenLimit, ...] = ()
+    """Position limits that are missing, although the format requires them."""
 
     @property
     def seen(self) -> tuple[DescribedShape, ...]:

@@ -17,7 +17,7 @@ from ..observation import Observation, Request
 from ..xml_root import xml_root
 from .description import DescribedShape, Description, Primitive
 from .meshes import MeshFiles
-from .urdf_structure import check_structure
+from .urdf_structure import check_structure, open_limits
 from .urdf_vocabulary import URDF
 
 if TYPE_CHECKING:
@@ -41,7 +41,16 @@ def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:
     X_PC = {_name(joint.find("child"), "link"): _origin(joint) for joint in top.findall("joint")}
     materials = {_name(material): material for material in top.findall("material")}
     shapes = tuple(shape for link in top.findall("link") for shape in _shapes(link, files, materials))
-    return Description(observation, X_PC, shapes, files.unread, URDF.unread(top), files.files, plain_meshes=files.plain)
+    return Description(
+        observation,
+        X_PC,
+        shapes,
+        files.unread,
+        URDF.unread(top),
+        files.files,
+        plain_meshes=files.plain,
+        open_limits=tuple(open_limits(top)),
+    )
 
 
 def _with_extensions(seen: Observation, blocks: Observation) -> Observation:

@@ -3,10 +3,12 @@
 Without these they raise exceptions of many types, which do not state a place in the file.
 """
 
+from collections.abc import Iterator
 from math import isfinite, isnan
 from typing import Any
 
 from ..observation import EngineRefused
+from .description import OpenLimit
 
 Element = Any
 """``lxml.etree._Element``; the stubs lack ``sourceline``."""
@@ -59,6 +61,17 @@ def check_structure(robot: Element) -> None:
         for element in top.iter("*"):
             for name, count in _NUMBERS.get(str(element.tag), {}).items():
                 _numbers(element, name, count)
+
+
+def open_limits(robot: Element) -> Iterator[OpenLimit]:
+    """What revolute and prismatic joints lack, although URDF requires it."""
+    for joint in robot.findall("joint"):
+        limit = joint.find("limit")
+        if joint.get("type") not in ("revolute", "prismatic"):
+            continue
+        missing = [bound for bound in ("lower", "upper") if limit is None or limit.get(bound) is None]
+        if missing:
+            yield OpenLimit(joint.get("name"), joint.sourceline, tuple(missing), has_element=limit is not None)
 
 
 def _check_ends(joints: list[Element], links: set[str]) -> None:
