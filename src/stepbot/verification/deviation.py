@@ -50,10 +50,18 @@ class Deviations:
         """Compare two numbers; equal infinities are equal."""
         self.off(0.0 if a == b else abs(a - b), where, unit, scale)
 
-    def off(self, amount: float, where: str, unit: str, scale: float = 0.0, tolerance: Tolerance | None = None) -> None:
+    def off(
+        self,
+        amount: float,
+        where: str,
+        unit: str,
+        scale: float = 0.0,
+        tolerance: Tolerance | None = None,
+        whole: float = 0.0,
+    ) -> None:
         """Add a deviation that was computed elsewhere."""
         amount = inf if isnan(amount) else float(amount)
-        self.deviations.append(Deviation(amount, (tolerance or self.tolerance).allowed(scale), unit, where))
+        self.deviations.append(Deviation(amount, (tolerance or self.tolerance).allowed(scale, whole), unit, where))
 
     def equal(self, same: bool, where: str) -> None:
         """Add the result of a comparison without a number; ``where`` describes a failure."""

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from stepbot.engines.observation import Observation, ObservedClosure
-from stepbot.geometry.spatial import Array, angle_between, vector3
+from stepbot.geometry.spatial import ZERO3, Array, angle_between, vector3
 from stepbot.geometry.sums import exact_sum
 from stepbot.robot.dynamics import GRAVITY
 
@@ -41,7 +41,8 @@ def compare_mass_matrix(deviations: Deviations, reference: Observation, observed
         row, column = np.unravel_index(int(off.argmax()), off.shape)
         names = f"'{reference.coordinates[row]}', '{reference.coordinates[column]}'"
         scale = float(np.abs(ours.mass_matrix).max())
-        deviations.off(float(off.max()), f"mass matrix of {names} at configuration {number}", "SI", scale)
+        where = f"mass matrix of {names} at configuration {number}"
+        deviations.off(float(off.max()), where, "SI", scale, whole=_inertia_about_root(reference, number))
 
 
 def compare_gravity(deviations: Deviations, reference: Observation, observed: Observation) -> None:
@@ -82,6 +83,19 @@ def _order(deviations: Deviations, reference: Observation, observed: Observation
     if missing or extra or not reference.coordinates:
         return None
     return [observed.coordinates.index(name) for name in reference.coordinates]
+
+
+def _inertia_about_root(observation: Observation, number: int) -> float:
+    """Sum of mass times squared distance from the root [kg m2] at a configuration, counted from 1."""
+    if number > len(observation.poses):
+        return 0.0
+    poses = observation.poses[number - 1]
+    moved = (
+        (link.mass or 0.0, poses[link.name].apply(link.com or ZERO3))
+        for link in observation.links
+        if link.name in poses
+    )
+    return exact_sum(mass * float(np.square(com).sum()) for mass, com in moved)
 
 
 def _weight_times_reach(observation: Observation) -> float:

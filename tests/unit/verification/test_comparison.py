@@ -348,6 +348,27 @@ def test_planar_mechanisms_feel_no_gravity() -> None:
     assert failed(loop, pushed(1e-6)) == {Quantity.GRAVITY}
 
 
+@pytest.mark.parametrize(("far", "passes"), [(0.3, True), (0.3, False), (3.0, True)])
+def test_single_precision_loses_digits_of_a_wheel_far_from_the_root(far: float, passes: bool) -> None:
+    """A moment about an axis, computed by way of the root in single precision, passes; forty times its error fails."""
+    wheel, mass, offset = 3e-4, np.float32(0.34), np.float32(0.02)
+    true = wheel + float(mass) * float(offset) ** 2
+    hinge = np.float32(far)
+    about_root = np.float32(wheel) + mass * (hinge + offset) ** 2
+    first = mass * (hinge + offset)
+    back = about_root - np.float32(2.0) * hinge * first + mass * hinge**2
+    assert isinstance(back, np.float32)
+    error = abs(float(back) - true) * (1.0 if passes else 40.0)
+    assert error > 0.0
+    whole = float(mass) * (far + float(offset)) ** 2
+    newton = Deviations(tolerance(("newton",), Quantity.MASS_MATRIX))
+    newton.off(error, "mass matrix", "SI", true, whole=whole)
+    assert (not newton.failures) is passes
+    exact = Deviations(tolerance(("mujoco",), Quantity.MASS_MATRIX))
+    exact.off(error, "mass matrix", "SI", true, whole=whole)
+    assert exact.failures
+
+
 def test_an_engine_has_its_own_tolerance() -> None:
     """PyBullet's inertia has a tolerance of 3e-6; between two engines the looser tolerance applies."""
     off = tuple(map(tuple, (INERTIA * (1 + 2e-6)).tolist()))
