@@ -11,7 +11,7 @@ import numpy as np
 
 from .clusters import Clusters
 from .draft import CHOSEN
-from .evidence import Evidence, Fate, Hinge, Rank, Weld
+from .evidence import BY_SHAPE, Evidence, Fate, Hinge, Rank, Weld
 from .motors import Motor
 from .names import Role
 from .part import box_gap, least_gap
@@ -201,9 +201,8 @@ def _offer_twins(made: Decision, adopted: Mapping[int, tuple[Sequence[int], int]
         part = host[root]
         if part is not None and bool(np.any(box[0] < around[0] - _OUT) or np.any(box[1] > around[1] + _OUT)):
             a, b = free[root][0], part
-            made.evidence.hinge(
-                Hinge(_OFFERED, a, b, guess.kind, guess.axis, guess.why, review="by shape", fate=Fate.OFFERED)
-            )
+            offered = Hinge(_OFFERED, a, b, guess.kind, guess.axis, guess.why, review=BY_SHAPE, fate=Fate.OFFERED)
+            made.evidence.hinge(offered)
 
 
 def nearest(survey: Survey, members: Sequence[int], others: Collection[int] = ()) -> int | None:

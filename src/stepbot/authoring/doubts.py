@@ -23,10 +23,10 @@ def note_doubts(arcs: Sequence[Arc], structure: Structure, *, has_drives: bool) 
         if h.review or h.drives or h.by_role or h.rank == Rank.STATED or h.type == JointKind.FIXED:
             continue
         if not structure.are_across(h.a, h.b):
-            h.review = "inferred from its shape only"
+            h.review = "inferred from shapes alone: parts that are fixed to each other can look the same"
         elif arc.could_slide and (motion is None or motion.slides):
-            h.review = "could also be prismatic"
+            h.review = "nothing blocks it along its axis: could also be prismatic"
         elif k in locked:
-            h.review = "the loop that it is in cannot move"
+            h.review = "its loop of joints cannot move as drafted"
         elif not has_drives and not any(arc.is_closure for arc in arcs):
             h.review = "no motor found: the assembly may not be a mechanism"

@@ -13,6 +13,11 @@ from .axis import Axis
 from .draft import CHOSEN
 from .relations import Relation
 
+BY_SHAPE = "guessed from its shape; no contact shows this joint"
+BY_NAME = "guessed from its name; no contact shows this joint"
+"""What to review of a joint that nothing in the drawing shows."""
+ONLY_CONNECTION = "weak evidence, used because nothing else connects these links"
+
 
 class Fate(StrEnum):
     """The result of a piece of evidence."""

@@ -26,7 +26,7 @@ _CROSS_SHARE = 0.02
 
 
 def guide_evidence(survey: Survey, found: Evidence) -> None:
-    """A part with bores on two parallel rods, not held along them, slides on them."""
+    """A part with bores on two parallel rods of one body, not held along them, slides on them."""
     for i in survey.parts:
         if i in survey.small:
             continue
@@ -36,6 +36,8 @@ def guide_evidence(survey: Survey, found: Evidence) -> None:
             assert axis is not None
             assert s.axis is not None
             if not axis.is_along(s.axis.d) or axis.distance(s.axis.point) < _APART or _is_blocked(survey, i, axis):
+                continue
+            if not _have_one_holder(survey, i, one, two):
                 continue
             for rod in (one, two):
                 for holder, q in survey.around(rod):
@@ -53,6 +55,12 @@ def _is_rod(survey: Survey, other: int, r: Relation) -> bool:
     along = float((box[1] - box[0]) @ np.abs(r.axis.d))
     is_long = along > _LONGER * fit.length > _LONGER * _LONG_BORE * r.radius
     return fit.shaft == other and is_long and r.freedom.kind == FreedomKind.CYLINDRICAL
+
+
+def _have_one_holder(survey: Survey, part: int, one: int, two: int) -> bool:
+    """Whether another part touches both rods; the pins of a linkage are each in another link."""
+    holders = [{other for other, _ in survey.around(rod)} for rod in (one, two)]
+    return bool(holders[0] & holders[1] - {part})
 
 
 def _is_blocked(survey: Survey, part: int, axis: Axis) -> bool:

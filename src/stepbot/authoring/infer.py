@@ -1,5 +1,6 @@
 """Drafts a robot from a plain assembly: the content of ``stepbot init``."""
 
+from collections import defaultdict
 from collections.abc import Sequence
 
 from stepbot.geometry.spatial import Vector3, vector3
@@ -19,6 +20,8 @@ from .survey import ALL_SOURCES, Sources, Survey
 _OFFERED = 0.3
 """Score from which an undrafted axis is offered as a comment."""
 _KNOWN_LINK, _GUESSED_LINK = 0.9, 0.6
+_NAMED = 3
+"""Number of guessed parts of a link that are listed for each reason."""
 
 
 def infer(assembly: Assembly, robot: str, sources: Sources = ALL_SOURCES) -> Draft:
@@ -68,13 +71,21 @@ class _Drafting:
 
     def _link(self, n: int) -> DraftLink:
         members = self._found.links[n]
-        guesses = list(dict.fromkeys(self._found.guesses[i] for i in members if i in self._found.guesses))
+        guesses = self._guesses(members)
         score = _GUESSED_LINK if guesses else _KNOWN_LINK
         is_root = n == self._found.root
         return DraftLink(
-            *(self._names[n], self._claims.paths(n), Confidence(score, tuple(guesses))),
+            *(self._names[n], self._claims.paths(n), Confidence(score, guesses)),
             *(is_root, tuple(members)),
         )
+
+    def _guesses(self, members: Sequence[int]) -> tuple[str, ...]:
+        """Why parts of a link were assigned to it, each reason with its parts."""
+        about: dict[str, list[str]] = defaultdict(list)
+        for i in members:
+            if i in self._found.guesses:
+                about[self._found.guesses[i]].append(f"'{self._assembly.components[i].path}'")
+        return tuple(f"{why}: {_first_of(paths)}" for why, paths in about.items())
 
     def _joint(self, arc: Arc) -> DraftJoint:
         origin, axis = self._origins.of(arc.hinge, self._child_part(arc))
@@ -154,6 +165,11 @@ class _Drafting:
                 name = f"{base}_{count}"
             names.append(name)
         return names
+
+
+def _first_of(paths: Sequence[str]) -> str:
+    shown = ", ".join(paths[:_NAMED])
+    return f"{shown} and {len(paths) - _NAMED} more" if len(paths) > _NAMED else shown
 
 
 def _distinct(hinges: Sequence[Hinge], known: Sequence[Hinge]) -> list[Hinge]:

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field, replace
 
 from stepbot.step.assembly import Assembly
 
-from . import locked, pivots
+from . import locked
 from .bearings import bearing_evidence
 from .decision import Decision, adopt, decide
 from .doubts import note_doubts
 from .draft import CHOSEN
-from .evidence import Evidence, Hinge
+from .evidence import ONLY_CONNECTION, Evidence, Hinge
 from .facts import NO_FACTS, Facts, fact_evidence
 from .guides import cross_evidence, guide_evidence
 from .locked import JointKey, missing_joints, promote
@@ -20,6 +20,7 @@ from .mechanism import Mechanism
 from .motor_evidence import motor_evidence
 from .motors import Motor, find_motors
 from .pair_evidence import PairEvidence, several_axes
+from .pivots import lone_pivots
 from .rollers import roller_evidence
 from .root import find_root
 from .seams import tie_by_seams
@@ -47,8 +48,8 @@ class Inferred:
     motors: list[Motor]
     guesses: dict[int, str]
     """Reasons for guessed assignments of parts."""
-    pivots: list[JointKey] = field(default_factory=list)
-    """Joints within links where only one round contact holds two sides together."""
+    pivots: Mapping[JointKey, str] = field(default_factory=dict)
+    """Joints within links where only one round contact holds two sides together, and what to review of each."""
 
 
 def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES, facts: Facts = NO_FACTS) -> Inferred:
@@ -63,7 +64,7 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
         KeyError: A fact is about a path that is not that of a part.
     """
     found = _infer(survey, facts, {})
-    needed = dict.fromkeys(found.pivots, pivots.REVIEW)
+    needed = dict(found.pivots)
     if needed:
         found = _infer(survey, facts, needed)
     # Each try infers everything again: the work is bounded by the number of parts.
@@ -97,10 +98,10 @@ def _infer(survey: Survey, facts: Facts, needed: Mapping[JointKey, str]) -> Infe
     several_axes(structure, evidence)
     promote(evidence, needed)
     made = decide(survey, motors, evidence)
-    found = pivots.lone_pivots(made, structure)
+    pivots = lone_pivots(made, structure)
     tie_by_seams(made)
     adopt(made, structure)
-    return replace(_arranged(made, structure, motors, facts), pivots=found)
+    return replace(_arranged(made, structure, motors, facts), pivots=pivots)
 
 
 def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: Facts) -> Inferred:
@@ -121,6 +122,6 @@ def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: 
     offered = [h for h in mechanism.offered if id(h) not in used]
     for arc in arcs:
         if arc.hinge.score < CHOSEN:
-            arc.hinge.review = arc.hinge.review or "no other connection between them"
+            arc.hinge.review = arc.hinge.review or ONLY_CONNECTION
     links = list(groups.values())
     return Inferred(made.survey, links, number[made.clusters.find(root)], arcs, offered, motors, made.guesses)

@@ -9,7 +9,7 @@ from stepbot.robot.model import JointKind
 from .axis import Axis
 from .clusters import Clusters
 from .decision import Decision, nearest
-from .evidence import Fate, Hinge
+from .evidence import BY_NAME, BY_SHAPE, Fate, Hinge
 from .fingers import centroid, direction_between
 from .mechanism import Link, Mechanism
 from .names import Role
@@ -23,7 +23,7 @@ _TRIMMINGS = ("pad", "tip", "cover", "nail")
 """Words for parts on a finger that are not fingers."""
 _GROUP = 0.01
 """The same for a subassembly."""
-_BY_NAME, _BY_SHAPE = 0.55, 0.5
+_SCORE_BY_NAME, _SCORE_BY_SHAPE = 0.55, 0.5
 
 
 class LooseEnds:
@@ -46,7 +46,7 @@ class LooseEnds:
             other = near[r]
             guess = self._by_name(groups, r, other, standing + named)
             if guess is None and r in shaped and other != r:
-                guess = self._guess(groups, r, other, shaped[r], _BY_SHAPE, "by shape")
+                guess = self._guess(groups, r, other, shaped[r], _SCORE_BY_SHAPE, BY_SHAPE)
             if guess is None and r in standing:
                 guess = self._placeholder(groups, other, r)
             if guess is not None:
@@ -79,7 +79,7 @@ class LooseEnds:
             if hub is not None:
                 mine = self._clusters.find(hub)
                 wheel = Guess(JointKind.REVOLUTE, self._made.evidence.wheels[hub], "a wheel with rollers around it")
-                self._mechanism.joints.append(self._guess(groups, mine, other, wheel, _BY_SHAPE, "by shape"))
+                self._mechanism.joints.append(self._guess(groups, mine, other, wheel, _SCORE_BY_SHAPE, BY_SHAPE))
             else:
                 mine = min(piece, key=lambda q: (self._gap(groups[q], groups[other]), q))
                 self._mechanism.joints.append(self._placeholder(groups, other, mine))
@@ -127,7 +127,7 @@ class LooseEnds:
                 for axis in self._survey.turned.get(i, [])[:3]:
                     if self._survey.parts[i].is_balanced(axis):
                         wheel = Guess(JointKind.REVOLUTE, axis, "wheel by name; about its own axis")
-                        return self._guess(groups, r, other, wheel, _BY_NAME, "by name")
+                        return self._guess(groups, r, other, wheel, _SCORE_BY_NAME, BY_NAME)
         paths = [self._survey.assembly.components[self._structure.link_of.get(i, i)].path.lower() for i in members]
         if Role.JAW not in roles or any(word in path for path in paths for word in _TRIMMINGS):
             return None
@@ -137,7 +137,7 @@ class LooseEnds:
                 along = direction_between(self._survey, members, groups[s])
                 if along is not None:
                     finger = Guess(JointKind.PRISMATIC, Axis(middle, along), "one of two equal fingers by name")
-                    return self._guess(groups, r, other, finger, _BY_NAME, "by name")
+                    return self._guess(groups, r, other, finger, _SCORE_BY_NAME, BY_NAME)
         return None
 
     def _guess(self, groups: dict[int, list[int]], r: int, other: int, guess: Guess, score: float, review: str) -> Link:

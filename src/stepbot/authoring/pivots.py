@@ -3,6 +3,9 @@
 Where all that connects two groups of parts is contacts about one axis, nothing but friction or glue keeps them from
 turning on each other. If the mass of neither is symmetric about the axis, as that of a lid, a foot or a knob is, such a
 contact is probably a joint: the seam between two shells of an arm, with or without a seal in it.
+
+The stand of a robot is often symmetric about the first axis, as a lid is. Where the whole assembly stands on such a
+body alone, and what it carries has another joint, one of the round contacts between both is probably a joint, too.
 """
 
 from collections import defaultdict
@@ -16,20 +19,27 @@ from stepbot.geometry.inertia import MassProperties, combined
 
 from .axis import Axis
 from .clusters import Clusters
+from .contacts import Pair
 from .decision import Decision
-from .evidence import Fate, Hinge
+from .evidence import Fate
 from .locked import JointKey
 from .part import Part, joint_box, largest
-from .relations import Relation, Via
+from .relations import Relation, Via, reach
+from .stands import Feet
 from .structure import Structure
 from .survey import Survey
 
-REVIEW = "nothing but one round contact holds its two sides together"
+_REVIEW = "nothing but one round contact holds its two sides together"
 """What to review of such a joint."""
+_REVIEW_STAND = "only round contacts connect the stand: it may turn at another one of them, or not at all"
 _PIVOTS = (Via.FACE, Via.BOLT)
 """Contacts that may be such a joint: others are found without this."""
 _LEAST = 0.01
 """Share of the assembly's volume below which a side of a pivot is a handle, a pin or a cover."""
+_STAND = 0.05
+"""Share of the assembly's volume from which what is symmetric about its joint may be a stand, not a cap or a pin."""
+_WIDER = 1.2
+"""Ratio of the radii of a stand's foot and of the contact above it: what overhangs needs a wide foot, unlike a cap."""
 _CLEARLY = 2.0
 """Multiple of the tolerances of a turned part beyond which a side is lopsided: a lid with a handle is not."""
 
@@ -42,17 +52,20 @@ class _Pivot:
     relations: list[Relation]
 
 
-def lone_pivots(made: Decision, structure: Structure) -> list[JointKey]:
-    """The joints at lone round contacts within clusters."""
-    hinges = {(h.a, h.b): h for h in made.evidence.hinges if h.relation is not None and h.fate != Fate.TAKEN}
-    ties = _ties(made)
-    found = []
+def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
+    """The joints at lone round contacts within clusters, and what to review of each."""
+    survey, ties, feet = made.survey, _ties(made), Feet(made.survey)
+    jointed = {made.clusters.find(i) for h in made.hinges for i in (h.a, h.b)}
+    found: dict[Pair, str] = {}
     for root, members in made.clusters.groups().items():
-        for pivot in _pivots(made.survey, structure, members):
-            hinge = _joint(made.survey, pivot, members, ties[root], hinges)
-            if hinge is not None:
-                found.append((hinge.a, hinge.b, str(hinge.type)))
-    return found
+        pivots = [_Sides(survey, pivot, members, ties[root]) for pivot in _pivots(survey, structure, members)]
+        between = [pair for sides in pivots if (pair := sides.between_lopsided()) is not None]
+        found |= dict.fromkeys(between, _REVIEW)
+        if between or root in jointed:
+            below = [pair for sides in pivots if (pair := sides.above_stand(feet)) is not None]
+            found |= dict.fromkeys(below, _REVIEW_STAND)
+    hinges = {(h.a, h.b): h for h in made.evidence.hinges if h.relation is not None and h.fate != Fate.TAKEN}
+    return {(*pair, str(hinges[pair].type)): review for pair, review in found.items() if pair in hinges}
 
 
 def _ties(made: Decision) -> dict[int, list[tuple[int, int]]]:
@@ -86,33 +99,50 @@ def _pivots(survey: Survey, structure: Structure, members: Sequence[int]) -> Ite
     return (pivot for pivot in found if not survey.has_screw_at(pivot.axis))
 
 
-def _joint(
-    survey: Survey,
-    pivot: _Pivot,
-    members: Sequence[int],
-    ties: Sequence[tuple[int, int]],
-    hinges: dict[tuple[int, int], Hinge],
-) -> Hinge | None:
-    """The joint between the two lopsided sides of a pivot, if there are two."""
-    about = {(r.a, r.b) for r in pivot.relations}
-    sides = Clusters(members)
-    for a, b in ties:
-        if (a, b) not in about:
-            sides.join(a, b)
-    lopsided = [root for root, parts in sides.groups().items() if _is_lopsided(survey, parts, pivot.axis)]
-    if len(lopsided) != 2:
+class _Sides:
+    """The groups of parts that nothing but the contacts of a pivot connects."""
+
+    def __init__(self, survey: Survey, pivot: _Pivot, members: Sequence[int], ties: Sequence[tuple[int, int]]) -> None:
+        self._survey, self._pivot, self._members = survey, pivot, members
+        about = {(r.a, r.b) for r in pivot.relations}
+        self._groups = Clusters(members)
+        for a, b in ties:
+            if (a, b) not in about:
+                self._groups.join(a, b)
+        groups = self._groups.groups().items()
+        self._lopsided = [root for root, parts in groups if _is_lopsided(survey, parts, pivot.axis)]
+
+    def between_lopsided(self) -> Pair | None:
+        """The joint between two lopsided sides, if there are two."""
+        return self._weakest(*self._lopsided)[0] if len(self._lopsided) == 2 else None
+
+    def above_stand(self, feet: Feet) -> Pair | None:
+        """The joint between the only lopsided side and the stand that it is on, if there is one."""
+        if len(self._lopsided) != 1:
+            return None
+        (above,) = self._lopsided
+        for foot, width in feet.below(self._groups, self._pivot.axis):
+            pair, stand = self._weakest(above, foot)
+            if pair is None or self._survey.total_volume(stand) < _STAND * self._survey.volume:
+                continue
+            if width > _WIDER * reach(self._pivot.axis, [self._survey.relations[pair]]):
+                return pair
         return None
-    # What lies between them, such as a seal, goes with one of them: the joint is where least is in contact.
-    one, two = lopsided
-    path = [r for r in pivot.relations if sides.find(r.a) != sides.find(r.b)]
-    chain = Clusters(members)
-    for r in sorted(path, key=lambda r: (-round(r.area, 9), r.a, r.b)):
-        a, b = sides.find(r.a), sides.find(r.b)
-        ends = {chain.find(a), chain.find(b)}
-        if ends == {chain.find(one), chain.find(two)}:
-            return hinges.get((r.a, r.b))
-        chain.join(a, b)
-    return None
+
+    def _weakest(self, one: int, two: int) -> tuple[Pair | None, list[int]]:
+        """Of the contacts between two sides the one with the least area, and the parts on the second's side of it.
+
+        What lies between them, such as a seal, goes with one of them.
+        """
+        chain = Clusters(self._members)
+        for group in self._groups.groups().values():
+            for i in group:
+                chain.join(group[0], i)
+        for r in sorted(self._pivot.relations, key=lambda r: (-round(r.area, 9), r.a, r.b)):
+            if {chain.find(r.a), chain.find(r.b)} == {chain.find(one), chain.find(two)} and one != two:
+                return (r.a, r.b), chain.members(two)
+            chain.join(r.a, r.b)
+        return None, []
 
 
 def _is_lopsided(survey: Survey, members: Sequence[int], axis: Axis) -> bool:

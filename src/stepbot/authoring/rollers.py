@@ -16,7 +16,7 @@ from stepbot.step.faces import FaceKind
 
 from .axis import Axis
 from .circles import fitted_circle
-from .evidence import Evidence, Hinge, Rank
+from .evidence import BY_SHAPE, Evidence, Hinge, Rank
 from .part import box_gaps
 from .survey import Survey
 
@@ -58,7 +58,7 @@ def roller_evidence(survey: Survey, found: Evidence) -> None:
                 why = f"one of {len(rollers)} equal rollers around '{survey.parts[hub].path}'"
                 for roller in rollers:
                     a, b = sorted((hub, roller.part))
-                    hinge = Hinge(0.6, a, b, JointKind.REVOLUTE, roller.axis, why, of_roller=True, review="by shape")
+                    hinge = Hinge(0.6, a, b, JointKind.REVOLUTE, roller.axis, why, of_roller=True, review=BY_SHAPE)
                     hinge.rank = Rank.NEEDED
                     found.hinge(hinge)
 

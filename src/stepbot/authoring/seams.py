@@ -17,7 +17,7 @@ from stepbot.step.features.coaxial import Rays, coaxial, signed
 from .axis import Axis
 from .clusters import Clusters
 from .decision import Decision
-from .evidence import Fate, Hinge
+from .evidence import ONLY_CONNECTION, Fate, Hinge
 from .fits import LINE_ANGLE, LINE_DISTANCE
 from .freedom import Freedom, FreedomKind
 from .relations import Relation, Via
@@ -90,7 +90,7 @@ def tie_by_seams(made: Decision) -> None:
     if _is_one(tied, big):
         return
     for h in made.evidence.weaker_hinges(_WEAKEST):
-        _tie(made, tied, h, "no other connection between them")
+        _tie(made, tied, h, ONLY_CONNECTION)
     if _is_one(tied, big):
         return
     for h in _Seams(made, big).hinges():

@@ -37,6 +37,22 @@ def test_block_on_one_rod_does_not_only_slide() -> None:
     assert "prismatic" not in [kind for kind, *_ in joints(inferred(*carriage(1), sources=BARE))]
 
 
+def test_lever_on_the_pins_of_two_others_does_not_slide() -> None:
+    """A thick lever on two pins, each in a lever of its own, turns on both: no part holds the pins like rods."""
+    lever = box(60, 14, 10)
+    for x in (-20.0, 20.0):
+        lever = lever - turned(cylinder(3.05, 14), x, 7, 0, ALONG_Y)
+    nodes = [part("lever", lever)]
+    for name, x in (("left", -20.0), ("right", 20.0)):
+        nodes.append(part(f"{name} pin", turned(cylinder(3, 24), x, 12, 0, ALONG_Y)))
+        for n, y in enumerate((-9.7, 9.7)):
+            cheek = box(10, 4.4, 60).at(x, y, -25) - turned(cylinder(3, 4.4), x, y + 2.2, 0, ALONG_Y)
+            nodes.append(part(f"{name} cheek {n}", cheek))
+    found = inferred(*nodes, sources=BARE)
+    assert {kind for kind, *_ in joints(found)} == {"revolute"}
+    assert {"left pin", "left cheek 0", "left cheek 1"} in links(found)
+
+
 def test_cross_is_a_universal_joint() -> None:
     """A small block with two pins at a right angle, each in a fork, is the cross between them."""
     cross = turned(cylinder(3, 80), -40, 0, 0, ALONG_X) + turned(cylinder(3, 80), 0, 40, 0, ALONG_Y)

@@ -7,8 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.scoring import score
+from benchmarks.truth import read_truth
 from stepbot.authoring.draft import Draft, OriginForm
 from stepbot.authoring.infer import infer
+from stepbot.authoring.inference import infer_mechanism
 from stepbot.authoring.survey import Sources
 from stepbot.diagnostics import Diagnostics
 from stepbot.robot.model import JointKind
@@ -102,6 +105,25 @@ def test_motors_by_their_use() -> None:
     draft = infer(assembly("stepbot_hexapod"), "hexapod", Sources(names=False, tree=False))
     assert [j.type for j in draft.joints] == [JointKind.REVOLUTE] * 18
     assert all(j.is_reviewed for j in draft.joints)
+
+
+@pytest.mark.parametrize(
+    ("folder", "found", "volume"),
+    [
+        ("stepbot_scara", 2, 0.98),
+        pytest.param("universal_robots_ur5e", 5, 0.97, marks=pytest.mark.long),
+        pytest.param("stepbot_upper_body", 19, 0.97, marks=pytest.mark.long),
+        pytest.param("robotiq_2f85", 6, 0.94, marks=pytest.mark.long),
+    ],
+)
+def test_stands_and_linkages_without_names_and_tree(folder: str, found: int, volume: float) -> None:
+    """Joints with the reference's axes, types and sides, and the share of the volume in the right links."""
+    (sidecar,) = (LIBRARY / folder).glob("*.robot.yaml")
+    drawn = assembly(folder)
+    result = score(infer_mechanism(drawn, Sources(names=False, tree=False)), read_truth(sidecar, drawn))
+    assert result.found >= found
+    assert result.volume > volume
+    assert result.unmarked == 0
 
 
 def test_fingers_slide_towards_each_other() -> None:

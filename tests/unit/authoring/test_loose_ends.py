@@ -1,7 +1,8 @@
 """Parts without a connection: placeholders, wheels and fingers by name, small parts."""
 
+from stepbot.authoring.infer import infer
 from stepbot.robot.model import JointKind
-from tests.assembled import group, inferred, joints, links, part
+from tests.assembled import assembled, group, inferred, joints, links, part
 from tests.solids import box, cylinder
 
 CHASSIS = box(400, 200, 80)
@@ -26,7 +27,7 @@ def test_wheel_by_name_turns_about_its_own_axis() -> None:
     """A single part named a wheel turns, although nothing holds it."""
     found = inferred(part("chassis", CHASSIS), part("wheel", cylinder(50, 30), z=60))
     assert joints(found) == [("revolute", "chassis", "wheel")]
-    assert found.arcs[0].hinge.review == "by name"
+    assert found.arcs[0].hinge.review == "guessed from its name; no contact shows this joint"
 
 
 def test_two_fingers_by_name_slide_towards_each_other() -> None:
@@ -35,3 +36,11 @@ def test_two_fingers_by_name_slide_towards_each_other() -> None:
     sides = [group(f"finger {x}", part("blade", finger, x=x, z=82)) for x in (-25.0, 25.0)]
     found = inferred(group("palm", part("block", box(100, 100, 100))), *sides)
     assert [kind for kind, *_ in joints(found)] == ["prismatic", "prismatic"]
+
+
+def test_guessed_parts_are_named() -> None:
+    """The draft lists the parts that a link has by a guess, at most three for each reason."""
+    tiny = [part(f"tiny {n}", box(5, 5, 5), x=20 * n, z=450) for n in range(5)]
+    draft = infer(assembled(part("one", CHASSIS), part("two", CHASSIS, z=500), *tiny), "robot")
+    evidence = [fact for link in draft.links for fact in link.confidence.evidence]
+    assert evidence == ["not connected: assigned to the nearest part: 'tiny 0', 'tiny 1', 'tiny 2' and 2 more"]

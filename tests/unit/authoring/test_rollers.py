@@ -31,7 +31,7 @@ def test_rollers_of_mecanum_and_omni_wheels_turn_about_their_own_axes(inclinatio
     expected = [("revolute", "base", "hub"), *(("revolute", "hub", f"roller {n}") for n in range(COUNT))]
     assert joints(found) == expected
     for arc in found.arcs:
-        assert arc.hinge.review == "by shape"
+        assert arc.hinge.review == "guessed from its shape; no contact shows this joint"
         if arc.hinge.of_roller:
             assert abs(arc.hinge.axis.d[2]) == pytest.approx(np.cos(inclination), abs=1e-9)
         else:
