@@ -3,7 +3,6 @@
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -99,8 +98,7 @@ def command(
         found.extend(error.diagnostics)
     if found.has_errors:
         return _report(found, [], as_json, display)
-    options = replace(
-        options,
+    options = options._replace(
         output=output,
         formats=format_names(formats),
         verify=not no_verify,

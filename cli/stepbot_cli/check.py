@@ -1,7 +1,6 @@
 """``stepbot check``: check sidecars, optionally against their STEP files."""
 
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +13,7 @@ from .command import Command, display_options, ignore_option, json_option
 from .counts import counted
 from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import printable
-from .joint_table import show_joint_table
+from .joint_table import show_joint_rows
 from .progress import progress_bar
 from .reading import reading_options
 from .terminal import Display, show_diagnostics, write_json, write_result
@@ -32,11 +31,11 @@ class CheckCommand(Command):
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Supply the value of ``--step`` before click looks for one."""
-        from stepbot.robot.step_names import is_step_name
-
         joined: list[str] = []
         for argument in args:
             if joined and joined[-1] == "--step":
+                from stepbot.robot.step_names import is_step_name
+
                 is_step = is_step_name(argument)
                 joined[-1:] = [f"--step={argument}"] if is_step else [f"--step={_NAMED}", argument]
             else:
@@ -81,7 +80,7 @@ def command(
     from stepbot.jobs.discovery import find_sidecars
     from stepbot.jobs.incremental import check
 
-    options = replace(options, step=None if step in (None, _NAMED) else Path(str(step)), ignore=ignore)
+    options = options._replace(step=None if step in (None, _NAMED) else Path(str(step)), ignore=ignore)
     found = Diagnostics()
     checked: dict[Path, Checked] = {}
     sidecars = tuple(find_sidecars(sidecars or (Path(),), found))
@@ -136,7 +135,7 @@ def _show(checked: "Mapping[Path, Checked]", found: Diagnostics, display: Displa
         name = printable(sidecar.as_posix())
         if robot.joint_table and len(checked) > 1:
             write_result(f"\n{name}")
-        show_joint_table(robot.joint_table, verbose=display.verbose)
+        show_joint_rows(robot.joint_table, verbose=display.verbose)
         if robot.links and not (wrong and (len(checked) == 1 or name in wrong)):
             several = f"{name}: " if len(checked) > 1 else ""
             write_result(f"{several}ok: {counted(robot.links, 'link')}, {counted(robot.joints, 'joint')}")

@@ -1,7 +1,6 @@
 """``stepbot collisions``: which links of a robot can overlap."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -72,7 +71,7 @@ def command(
     from stepbot.runtime.file import write_file
 
     found = Diagnostics()
-    options = replace(options, ignore=ignore)
+    options = options._replace(ignore=ignore)
     with progress_bar(("read", "self-collision")) as progress:
         progress("read")
         robot = search(target, samples, options, found, progress)

@@ -3,8 +3,7 @@
 import json
 import sys
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,16 +11,13 @@ import click
 
 from stepbot.diagnostics import did_you_mean
 from stepbot.formats import FORMATS, default_formats, format_named
-from stepbot.formats.sdformat.model_name import model_name
-from stepbot.formats.urdf.package import package_named, package_of
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option, names_option
 from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import printable
-from .drive_table import driven_json, driven_lines
 from .engines import require_option
-from .joint_table import show_joint_table
+from .joint_table import show_joint_rows, show_joint_table
 from .junit import junit_option, write_junit
 from .progress import CONVERSION, progress_bar
 from .proof import show_proof
@@ -33,7 +29,8 @@ if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
     from stepbot.pipeline.conversion import Conversion, Options
     from stepbot.report.junit import Suite
-    from stepbot.report.results import LinkCollision
+    from stepbot.report.results import Results
+    from stepbot.report.summary import Summary
 
 format_option = names_option(
     "-f",
@@ -56,8 +53,12 @@ drive_option = click.option(
 
 def _package(context: click.Context, option: click.Parameter, given: str | None) -> str:  # noqa: ARG001
     """The name of a ROS package."""
+    if not given:
+        return ""
+    from stepbot.formats.urdf.package import package_named
+
     try:
-        return package_named(given) if given else ""
+        return package_named(given)
     except ValueError as error:
         raise click.BadParameter(str(error)) from None
 
@@ -146,8 +147,7 @@ def command(
         reject_descriptions("--step", [sidecar])
     package = package_name(package, ros2, formats)
     output = output or default_output(sidecar)
-    options = replace(
-        options,
+    options = options._replace(
         output=output,
         formats=format_names(formats),
         step=step,
@@ -169,6 +169,10 @@ def package_name(package: str, ros2: str, formats: tuple[str, ...]) -> str:
     Raises:
         click.UsageError: Both are given, or there is no URDF.
     """
+    if not (package or ros2):
+        return ""
+    from stepbot.formats.urdf.package import package_of
+
     try:
         return package_of(package, ros2, format_names(formats), prefix="--")
     except ValueError as error:
@@ -181,6 +185,8 @@ def model_of(output: Path, formats: tuple[str, ...]) -> str:
     Raises:
         click.UsageError: It cannot be in a URI, or there is no SDFormat.
     """
+    from stepbot.formats.sdformat.model_name import model_name
+
     try:
         return model_name(output, format_names(formats))
     except ValueError as error:
@@ -209,13 +215,13 @@ def run_conversion(
         write_junit(junit, [_suite(sidecar, conversion)])
     if as_json:
         document = _document(conversion, options.output)
-        write_json({**document, "drive": None if driven is None else driven_json(driven)} if drive else document)
+        write_json({**document, "drive": _driven_json(driven)} if drive else document)
     else:
         show_diagnostics(conversion.diagnostics, display)
         if not (display.quiet or display.concise):
             _show(conversion, options.output, display)
             if driven is not None:
-                write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
+                _show_driven(driven, display)
     return conversion.diagnostics.exit_code
 
 
@@ -226,38 +232,64 @@ def _driven(conversion: "Conversion", options: "Options", progress: Callable[[st
     return drive(options.output, options, DriveOptions(), conversion.diagnostics, progress)
 
 
+def _driven_json(driven: "Driven | None") -> dict[str, object] | None:
+    from .drive_table import driven_json
+
+    return None if driven is None else driven_json(driven)
+
+
+def _show_driven(driven: "Driven", display: Display) -> None:
+    from .drive_table import driven_lines
+
+    write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
+
+
 def _show(conversion: "Conversion", output: Path, display: Display) -> None:
     """Print the written files and the verification results."""
     if conversion.files:
-        words = _files_words(conversion.files, written_to(conversion, output))
-        write_result("\n".join(filled(words, screen_width(sys.stdout))))
-    if conversion.report is None:
-        return
-    show_joint_table(conversion.report.joint_table, verbose=display.verbose)
-    _show_collisions(conversion.report.collision_shapes, verbose=display.verbose)
-    if conversion.report.checks:
-        (show_table if display.verbose else show_proof)(conversion.report)
+        _show_filled(_files_words(conversion.files, written_to(conversion, output)))
+    if display.verbose:
+        if conversion.report is not None:
+            _show_in_full(conversion.report)
+    elif conversion.summary is not None:
+        _show_summary(conversion.summary)
 
 
-def _show_collisions(shapes: Sequence["LinkCollision"], *, verbose: bool) -> None:
-    """Print how well collision shapes match the solids, in one line; with ``verbose``, also for each link."""
-    if not shapes:
-        return
+def _show_summary(summary: "Summary") -> None:
+    """Print the results."""
+    if summary.joint_table is not None:
+        show_joint_table(summary.joint_table)
+    if summary.collisions:
+        _show_filled(summary.collisions)
+    if summary.proof is not None:
+        show_proof(summary.proof)
+
+
+def _show_in_full(report: "Results") -> None:
+    """Print the results, the evidence for each joint, the collision shapes of each link, and each engine."""
     from stepbot.report.collision_words import collision_summary
 
-    lines = [collision_summary(shapes)]
-    if verbose:
-        lines += [f"  {one.link}: {collision_summary([one]).partition(': ')[2]}" for one in shapes]
+    show_joint_rows(report.joint_table, verbose=True)
+    if shapes := report.collision_shapes:
+        links = (f"  {one.link}: {collision_summary([one]).partition(': ')[2]}" for one in shapes)
+        _show_filled(collision_summary(shapes), *links)
+    if report.checks:
+        show_table(report)
+
+
+def _show_filled(*paragraphs: str) -> None:
+    """Print paragraphs as wide as the terminal."""
     width = screen_width(sys.stdout)
-    write_result("\n".join(line for words in lines for line in filled(printable(words), width)))
+    write_result("\n".join(line for text in paragraphs for line in filled(printable(text), width)))
 
 
-def _files_words(files: Mapping[str, bytes], folder: Path) -> str:
+def _files_words(files: Iterable[str], folder: Path) -> str:
     """``24 files in arm: arm.urdf, ..., 20 in meshes/``."""
-    top = [name for name in files if "/" not in name]
-    below = Counter(name.partition("/")[0] for name in files if "/" in name)
+    names = list(files)
+    top = [name for name in names if "/" not in name]
+    below = Counter(name.partition("/")[0] for name in names if "/" in name)
     words = ", ".join([*top, *(f"{count} in {name}/" for name, count in below.items())])
-    return printable(f"{len(files)} files in {folder}: {words}")
+    return f"{len(names)} files in {folder}: {words}"
 
 
 def default_output(sidecar: Path) -> Path:

@@ -1,7 +1,6 @@
 """Options for a URDF, SDFormat or MJCF in place of a sidecar."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import replace
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -33,7 +32,7 @@ def description_options(command: Callable[..., int]) -> Callable[..., int]:
 
     @wraps(command)
     def with_options(*, options: "Options", base: str | None, package_path: tuple[Path, ...], **others: Any) -> int:
-        return command(options=replace(options, base=base or "", package_path=package_path), **others)
+        return command(options=options._replace(base=base or "", package_path=package_path), **others)
 
     return _base_option(_package_path_option(with_options))
 

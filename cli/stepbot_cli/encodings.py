@@ -2,12 +2,14 @@
 
 import click
 
-from stepbot.sidecar.codepages import UnknownCodePage, code_page
-
 
 def _code_page(name: str) -> str:
+    if not name:
+        return ""
+    from stepbot.sidecar.codepages import UnknownCodePage, code_page
+
     try:
-        return code_page(name) if name else ""
+        return code_page(name)
     except UnknownCodePage as failure:
         raise click.BadParameter("; ".join((str(failure), *failure.hints))) from None
 

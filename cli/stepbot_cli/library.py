@@ -2,7 +2,6 @@
 
 import sys
 import textwrap
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -110,8 +109,8 @@ def export(
         if formats or no_verify:
             raise click.UsageError("--source cannot be combined with --format or --no-verify")
         return _export_source(robot, output or Path(robot.short_name), as_json=as_json, display=display)
-    options = replace(
-        options, output=output or Path(robot.short_name), formats=format_names(formats), verify=not no_verify
+    options = options._replace(
+        output=output or Path(robot.short_name), formats=format_names(formats), verify=not no_verify
     )
     return run_conversion(robot.sidecar, options, as_json=as_json, display=display)
 

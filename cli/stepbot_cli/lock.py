@@ -1,6 +1,5 @@
 """``stepbot lock``: write the lock files of sidecars."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -53,7 +52,7 @@ def command(
     from stepbot.revisions.lock_path import lock_path
     from stepbot.runtime.file import write_file
 
-    options = replace(options, step=step, ignore=ignore)
+    options = options._replace(step=step, ignore=ignore)
     found = Diagnostics()
     written: dict[Path, Snapshot] = {}
     paths = find_sidecars(sidecars or (Path(),), found)

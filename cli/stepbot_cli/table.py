@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .columns import wrapped_rows
-from .counts import counted
 from .diagnostic_text import FRAME_WIDTH, paint, printable
 from .terminal import screen_width, wants_color, write_result
 
@@ -21,26 +20,18 @@ STATUS_COLORS = {"passed": "32", "failed": "1;31", "not run": "33"}
 
 def show_table(report: "Results") -> None:
     """Print the compared quantities, the worst deviation and the result for each file and engine, then the reasons."""
+    from stepbot.engines import optional_engines
+    from stepbot.report.summarizing import absent_engines, is_absent
+
     color = wants_color(sys.stdout)
     width = screen_width(sys.stdout)
-    absent = absent_engines(report)
-    shown = [row for row in report.rows() if not _is_absent(row)]
+    optional = optional_engines()
+    absent = absent_engines(report, optional)
+    shown = [row for row in report.rows() if not is_absent(row, optional)]
     lines = [*_table(shown, width, color), *_remarks(report, shown, width or FRAME_WIDTH)]
     if absent:
         lines.insert(-1, f"not installed: {', '.join(absent)}")
     write_result("\n".join(lines))
-
-
-def absent_engines(report: "Results") -> tuple[str, ...]:
-    """Optional engines that are not installed here."""
-    return tuple(dict.fromkeys(row.engine for row in report.rows() if _is_absent(row)))
-
-
-def _is_absent(row: "Row") -> bool:
-    """Whether an optional engine is missing from the result of a file because it is not installed."""
-    from stepbot.engines import optional_engines
-
-    return not row.compared and row.engine in optional_engines() and row.why.endswith("is not installed")
 
 
 def _table(rows: Sequence["Row"], width: int | None, color: bool) -> list[str]:
@@ -97,13 +88,15 @@ def _deviation(check: "Check | None") -> str:
 
 def _remarks(report: "Results", rows: Sequence["Row"], width: int) -> list[str]:
     """Legend of the quantities, failed or omitted checks with reasons, and the count of all checks."""
+    from stepbot.report.summarizing import independent_joints
+
     quantities = list(dict.fromkeys(check.quantity for check in report.checks))
     lines = ["", *filled(f"quantities: {', '.join(quantities)}", width)]
     for row in rows:
         if row.why and row.compared:
             lines += filled(f"{printable(row.file) or 'robot'} in {row.engine}: {printable(row.why)}", width)
-    if driven := driven_words(report):
-        lines += ["", *filled(driven, width)]
+    if driven := independent_joints(report):
+        lines += ["", *filled(printable(driven), width)]
     statuses = [check.status.value for check in report.checks]
     counts = ", ".join(f"{statuses.count(status)} {status}" for status in STATUS_COLORS)
     lines.append("")
@@ -111,14 +104,6 @@ def _remarks(report: "Results", rows: Sequence["Row"], width: int) -> list[str]:
         own = f"{len(report.read_back)} passed by stepbot's parsers only, because no engine reports these quantities"
         lines += filled(own, width)
     return [*lines, *filled(f"{len(statuses)} checks: {counts}", width)]
-
-
-def driven_words(report: "Results") -> str:
-    """The degrees of freedom of a robot with loops, and its independent joints; empty for one without."""
-    if not report.driven or report.degrees_of_freedom is None:
-        return ""
-    driven = ", ".join(printable(name) for name in report.driven)
-    return f"{counted(report.degrees_of_freedom, 'degree')} of freedom, driven by {driven}"
 
 
 def filled(text: str, width: int | None) -> list[str]:

@@ -7,11 +7,9 @@ import json
 import os
 import sys
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
-from typing import Any, TextIO
+from typing import Any, NamedTuple, TextIO
 
 from stepbot.diagnostics import Diagnostic, Diagnostics
-from stepbot.report.indented_json import indented
 
 from . import diagnostic_text
 
@@ -54,6 +52,8 @@ def write_error(text: str) -> None:
 
 def write_json(document: Mapping[str, Any]) -> None:
     """Print one JSON document; diagnostics in it are written out."""
+    from stepbot.report.indented_json import indented
+
     # Some characters valid in JSON control a terminal: U+009B starts an escape sequence, U+202E reverses text.
     write_result("\n".join(map(_printable, indented(document, _plain).split("\n"))))
 
@@ -62,8 +62,7 @@ def _printable(line: str) -> str:
     return line if line.isprintable() else "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in line)
 
 
-@dataclass(frozen=True)
-class Display:
+class Display(NamedTuple):
     """The verbosity of a command."""
 
     concise: bool = False
@@ -74,7 +73,10 @@ class Display:
     """Errors and warnings only."""
 
 
-def show_diagnostics(found: Iterable[Diagnostic], display: Display = Display(), *, as_result: bool = False) -> None:
+_DEFAULT = Display()
+
+
+def show_diagnostics(found: Iterable[Diagnostic], display: Display = _DEFAULT, *, as_result: bool = False) -> None:
     """Print diagnostics, and the number of each severity.
 
     Args:

@@ -1,6 +1,5 @@
 """``stepbot uptodate``: check that committed files are up to date."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -73,8 +72,7 @@ def command(
     from stepbot.jobs.discovery import find_sidecars, robot_name
     from stepbot.jobs.uptodate import check_up_to_date, output_folders
 
-    options = replace(
-        options,
+    options = options._replace(
         formats=format_names(formats),
         package=package_name(package, ros2, formats),
         ros2=bool(ros2),
@@ -88,7 +86,7 @@ def command(
         for path in paths:
             folders = filled.get(path.resolve()) or [_folder(output or "{name}", robot_name(path), path)]
             for folder in folders:
-                asked = replace(options, output=folder, gazebo=model_of(folder, formats) if gazebo else "")
+                asked = options._replace(output=folder, gazebo=model_of(folder, formats) if gazebo else "")
                 check_up_to_date(path, asked, found, exclude=exclude, progress=progress)
     say_trouble(options.cache, found)
     if as_json:

@@ -8,7 +8,7 @@ from stepbot.diagnostics import Diagnostics, Ignore, Span
 
 from .command import Command, display_options, ignore_option, json_option
 from .engines import limit_options, require_option
-from .joint_table import show_joint_table
+from .joint_table import show_joint_rows
 from .junit import junit_option, write_junit
 from .progress import progress_bar
 from .proof import show_proof
@@ -43,8 +43,10 @@ def command(
 
     The files may come from any source. Several files must describe the same robot, and are compared with the first.
     """
+    from stepbot.engines import optional_engines
     from stepbot.report.document import report_document
     from stepbot.report.junit import Suite
+    from stepbot.report.summarizing import proof_of
     from stepbot.verification import verify_files
 
     found = Diagnostics()
@@ -62,6 +64,9 @@ def command(
     else:
         show_diagnostics(found, display)
         if report.checks and not (display.quiet or display.concise):
-            show_joint_table(report.joint_table, verbose=display.verbose)
-            (show_table if display.verbose else show_proof)(report)
+            show_joint_rows(report.joint_table, verbose=display.verbose)
+            if display.verbose:
+                show_table(report)
+            else:
+                show_proof(proof_of(report, optional_engines()))
     return found.exit_code

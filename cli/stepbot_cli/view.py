@@ -69,7 +69,7 @@ def command(
     if found.has_errors:
         return _say(found, "", as_json, display)
     try:
-        session = Session(target, replace(options, verify=not no_verify), port=port, edits=edit)
+        session = Session(target, options._replace(verify=not no_verify), port=port, edits=edit)
     except OSError as error:
         found.add("SB019", f"port {port}: {error.strerror}", Span("stepbot"))
         return _say(found, "", as_json, display)
@@ -137,7 +137,7 @@ def _check_writable(sidecar: Path, found: Diagnostics) -> None:
         check_writable(sidecar.parent)
     except StepbotError as error:
         found.extend(
-            replace(one, help=("copy the files to a folder that you can write to",)) for one in error.diagnostics
+            one._replace(help=("copy the files to a folder that you can write to",)) for one in error.diagnostics
         )
 
 

@@ -2,7 +2,6 @@
 
 import webbrowser
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING
@@ -115,7 +114,7 @@ def _sessions(
         return []
     folders = [output or Path()] if len(tasks) == 1 else [task.output for task in tasks]
     return [
-        Session(task.sidecar, replace(options, output=folder), writes=output is not None)
+        Session(task.sidecar, options._replace(output=folder), writes=output is not None)
         for task, folder in zip(tasks, folders, strict=True)
     ]
 

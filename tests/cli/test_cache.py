@@ -81,13 +81,21 @@ def edit(path: Path, old: str, new: str) -> None:
 
 
 def test_same_bytes_with_and_without(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
-    """The output is identical without a cache, with an empty one, a full one, and one with the geometry alone."""
+    """Files and text are identical without a cache, with an empty one, a full one, and one with the geometry alone."""
+
+    def printed(folder: str, *options: str) -> str:
+        run = stepbot("convert", four_bar.name, "-o", folder, *FAST, *options)
+        assert run.code == 0
+        return (run.out + run.err).replace(folder, "FOLDER")
+
     shutil.rmtree(cache)
-    assert stepbot("convert", four_bar.name, "-o", "without", "--no-cache", *FAST).code == 0
+    briefly = printed("without", "--no-cache")
+    assert "in FOLDER" in briefly
     assert not cache.exists()
-    assert stepbot("convert", four_bar.name, "-o", "filling", *FAST).code == 0
+    verbosely = printed("filling", "-v")
     assert asked == [*READ, *READ]
-    assert stepbot("convert", four_bar.name, "-o", "whole", *FAST).code == 0
+    assert printed("whole") == briefly
+    assert printed("whole", "-v") == verbosely != briefly
     edit(four_bar, "version: 1", "version: 1 # edited")
     assert stepbot("convert", four_bar.name, "-o", "geometry", *FAST).code == 0
     assert asked == [*READ, *READ], "to edit the sidecar reads no STEP"
@@ -100,10 +108,14 @@ def test_same_bytes_with_and_without(four_bar: Path, cache: Path, stepbot: Stepb
 @pytest.mark.slow
 def test_engines_are_asked_once(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
     """Engines run only for changed files; observations of the others come from the cache."""
-    assert stepbot("convert", four_bar.name, "-o", "one").code == 0
+    verified = stepbot("convert", four_bar.name, "-o", "one")
+    assert verified.code == 0
     assert any(function.startswith(ENGINES) for function in asked)
     first = list(asked)
-    assert stepbot("convert", four_bar.name, "-o", "two").code == 0
+    again = stepbot("convert", four_bar.name, "-o", "two")
+    assert again.code == 0
+    assert " checks: " in again.out
+    assert again.out == verified.out.replace(" in one:", " in two:")
     assert asked == first
     assert snapshot(Path("one")) == snapshot(Path("two"))
     edit(four_bar, "version: 1", "version: 1 # a word")

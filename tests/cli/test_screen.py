@@ -6,6 +6,7 @@ import pytest
 
 from stepbot.diagnostics import Diagnostic, Span
 from stepbot.report.record import Check, Report, Status
+from stepbot.report.summarizing import proof_of
 from stepbot_cli import diagnostic_text
 from stepbot_cli.columns import cells
 from stepbot_cli.proof import proof_lines
@@ -22,11 +23,14 @@ FAILED = Check("a.sdf", "sdf", "pybullet", "mass", Status.FAILED, 0.5, 1e-9, "kg
 NEVER = Check("a.xml", "mjcf", "drake", "mass", Status.NOT_RUN, why="drake is not installed")
 
 
+def lines_of(report: Report, width: int | None, *, color: bool = False) -> list[str]:
+    """The verification results on a screen; Drake need not be installed."""
+    return proof_lines(proof_of(report, ["drake"]), width, color=color)
+
+
 def test_one_line_per_file() -> None:
     """A line has the engines that compared the file, the worst deviation and the result; one failure fails the file."""
-    lines = proof_lines(
-        Report(checks=(LOADED, MASS, MESHES, NOT_TOLD, OWN, FAILED, NEVER), own_parsers=("reader",)), None
-    )
+    lines = lines_of(Report(checks=(LOADED, MASS, MESHES, NOT_TOLD, OWN, FAILED, NEVER), own_parsers=("reader",)), None)
     assert [line.split(maxsplit=3) for line in lines[:4]] == [
         ["format", "file", "result", "engines           worst deviation"],
         ["urdf", "a.urdf", "passed", "mujoco, pybullet  meshes: 3.4e-06 of 2e-05 m"],
@@ -41,18 +45,18 @@ def test_one_line_per_file() -> None:
 def test_proof_fits_the_screen(width: int) -> None:
     """No line is wider than the screen."""
     checks = [Check("机器人.urdf", "urdf", f"engine {n}", "mass", Status.PASSED, 1e-9, 1e-3, "kg") for n in range(9)]
-    assert max(map(cells, proof_lines(Report(checks=tuple(checks)), width))) <= width
+    assert max(map(cells, lines_of(Report(checks=tuple(checks)), width))) <= width
 
 
 def test_colour_is_the_results() -> None:
     """Colours do not change the text, even if a file is named like a result."""
     report = Report(checks=(Check("passed", "urdf", "mujoco", "mass", Status.PASSED), FAILED))
-    coloured = proof_lines(report, 80, color=True)
+    coloured = lines_of(report, 80, color=True)
     assert "passed  \x1b[32mpassed\x1b[0m" in coloured[1]
     plain = "\n".join(coloured)
     for code in ("1;31", "32", "1", "0"):
         plain = plain.replace(f"\x1b[{code}m", "")
-    assert plain.splitlines() == proof_lines(report, 80)
+    assert plain.splitlines() == lines_of(report, 80)
 
 
 def finding(severity: str, code: str, number: int) -> Diagnostic:

@@ -121,7 +121,7 @@ def test_check_reads_the_source(tmp_path: Path, found: ReadDiagnostics) -> None:
 def test_nothing_is_written_over_the_source(tmp_path: Path) -> None:
     """A conversion into the folder of its source is refused where a file would be replaced."""
     path = write_arm(tmp_path)
-    conversion = convert(path, replace(options_of(tmp_path, "urdf", verify=False), output=path.parent))
+    conversion = convert(path, options_of(tmp_path, "urdf", verify=False)._replace(output=path.parent))
     assert [one.code for one in conversion.diagnostics if one.severity == "error"] == ["SB869"]
     assert path.read_text(encoding="utf-8") == ARM
 

@@ -18,7 +18,8 @@ from stepbot.geometry.solids.unions import PlacedSolid
 from stepbot.geometry.spatial import IDENTITY, tidy
 from stepbot.geometry.sums import exact_sum
 from stepbot.report.record import MeasuredBody
-from stepbot.runtime.cache import Cache, ResultsByContent
+from stepbot.runtime.cache import Cache
+from stepbot.runtime.cache.by_content import ResultsByContent
 from stepbot.runtime.limits import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import Worker, WorkerDied
 from stepbot.sidecar.document import CollisionShape

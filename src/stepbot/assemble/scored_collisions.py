@@ -9,7 +9,8 @@ from stepbot.geometry.solids.unions import PlacedShape, PlacedSolid
 from stepbot.geometry.spatial import Pose, tidy
 from stepbot.report.record import LinkCollision, MeasuredBody
 from stepbot.robot.model import Geometry, Link, MeshRef, Robot
-from stepbot.runtime.cache import Cache, ResultsByContent
+from stepbot.runtime.cache import Cache
+from stepbot.runtime.cache.by_content import ResultsByContent
 from stepbot.runtime.limits import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import Worker, WorkerDied
 from stepbot.sidecar.document import Document

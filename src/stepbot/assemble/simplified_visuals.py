@@ -15,7 +15,8 @@ from stepbot.report.record import SimplifiedVisuals
 from stepbot.robot.mesh_names import UniqueNames
 from stepbot.robot.model import Link, MeshAsset, MeshRef, Robot, Visual
 from stepbot.robot.shared_meshes import share_meshes
-from stepbot.runtime.cache import Cache, ResultsByContent
+from stepbot.runtime.cache import Cache
+from stepbot.runtime.cache.by_content import ResultsByContent
 from stepbot.runtime.worker import Worker, WorkerDied
 
 from .binder import Binder

@@ -7,8 +7,7 @@ stage with errors; any other exception is a bug and keeps its traceback. All cod
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from .codes import CODES, Severity
 
@@ -17,8 +16,7 @@ _LONGEST_COMPARED = 200
 ExitCode = Literal[0, 1, 2]
 
 
-@dataclass(frozen=True, order=True)
-class Span:
+class Span(NamedTuple):
     """A place in a file. Lines and columns count from 1; line 0 means the whole file, column 0 the whole line."""
 
     file: str
@@ -31,8 +29,7 @@ class Span:
         return ":".join(map(str, filter(None, (self.file, self.line, self.column))))
 
 
-@dataclass(frozen=True)
-class Diagnostic:
+class Diagnostic(NamedTuple):
     """An error, a warning or a note."""
 
     code: str
@@ -54,8 +51,7 @@ class Diagnostic:
         return f"{self.span}: {self.severity}[{self.code}]: {self.message}"
 
 
-@dataclass(frozen=True)
-class Ignore:
+class Ignore(NamedTuple):
     """A rule that suppresses diagnostics of one code, everywhere or for one subject. Errors are never suppressed."""
 
     code: str
@@ -164,7 +160,7 @@ class Diagnostics:
 
     def make_strict(self) -> None:
         """Turn every warning into an error (``--strict``)."""
-        self._found = {replace(d, severity="error") if d.severity == "warning" else d: None for d in self._found}
+        self._found = {d._replace(severity="error") if d.severity == "warning" else d: None for d in self._found}
 
     def raise_if_errors(self) -> None:
         """Raise if any diagnostic is an error.

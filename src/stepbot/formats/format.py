@@ -1,9 +1,8 @@
 """The declaration of a format, readable without importing its writer."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING, Protocol, cast
+from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 
 if TYPE_CHECKING:
     from stepbot.robot.model import Robot
@@ -31,8 +30,7 @@ class Writer(Protocol):
         """The file with :attr:`Format.scene`, if there is one: a lowered robot with floor, light and camera."""
 
 
-@dataclass(frozen=True, eq=False)
-class Format:
+class Format(NamedTuple):
     """The declaration of a format. Its writer is imported on first use."""
 
     package: str

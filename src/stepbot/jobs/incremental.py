@@ -8,15 +8,28 @@ or an engine are never cached, because they may be temporary.
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, StepbotError
-from stepbot.pipeline.conversion import Checked, Conversion, Options, write
+from stepbot.pipeline.conversion import Checked, Conversion, Kept, Options, write
 from stepbot.pipeline.source_names import is_description
+from stepbot.report.summary import Summary
 from stepbot.revisions.lock_path import lock_path
-from stepbot.runtime.cache import Cache, Digest, TypedCache, environment, file_digest, keep_own_code, own_code
+from stepbot.runtime.cache import (
+    Cache,
+    Digest,
+    TypedCache,
+    codec_of,
+    environment,
+    file_digest,
+    keep_own_code,
+    own_code,
+)
 from stepbot.step.exchange.input_files import input_digest
+
+if TYPE_CHECKING:
+    from stepbot.robot.joint_table import JointRow
 
 _NO_MATTER = ("output", "timeout", "memory_limit", "cache", "step")
 """Options that do not affect results; the STEP is in the key by its content."""
@@ -24,24 +37,27 @@ _NEVER_KEPT = "SB817"
 """Self-collision could not be checked: not an error, but the next run may succeed."""
 
 
-@dataclass(frozen=True)
-class Record:
+class Record(NamedTuple):
     """The result of a conversion without errors."""
 
     files: Mapping[str, bytes]
     diagnostics: tuple[Diagnostic, ...]
     ignored: tuple[Diagnostic, ...]
     report: bytes
-    """A :class:`stepbot.report.results.Results`, encoded, decoded on demand."""
+    """A :class:`stepbot.report.results.Results`, encoded: most commands need its summary alone."""
+    summary: Summary
 
 
-@dataclass(frozen=True)
-class _Findings:
+class _Findings(NamedTuple):
     """The result of a check."""
 
     diagnostics: tuple[Diagnostic, ...]
     ignored: tuple[Diagnostic, ...]
-    checked: Checked
+    named: str
+    links: int
+    joints: int
+    joint_table: bytes
+    """An encoded tuple of :class:`stepbot.robot.joint_table.JointRow`; empty without joints."""
 
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
@@ -120,7 +136,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     if kept is not None:
         found.extend(kept.diagnostics)
         found.add_ignored(kept.ignored)
-        return kept.checked
+        return Checked(kept.named, kept.links, kept.joints, _decoded_rows(kept.joint_table))
     from stepbot.pipeline import stages as pipeline
 
     before, local = _content(sidecar, cache), Diagnostics()
@@ -135,33 +151,47 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     if not (open_step and local.has_errors):
         after = _check_key(sidecar, options, open_step)
         if after and key in ("", after):
-            TypedCache(cache, _Findings).put(after, _Findings(tuple(local), local.ignored, checked))
+            named, links, joints, rows = checked
+            kept = _Findings(tuple(local), local.ignored, named, links, joints, _encoded_rows(rows))
+            TypedCache(cache, _Findings).put(after, kept)
     return checked
 
 
-def _conversion_of(record: Record) -> Conversion:
-    from stepbot.report.results import Results
-    from stepbot.runtime.cache import codec_of
+def _encoded_rows(rows: "tuple[JointRow, ...]") -> bytes:
+    from stepbot.robot.joint_table import JointRow
 
+    return codec_of(tuple[JointRow, ...]).encode(rows) if rows else b""
+
+
+def _decoded_rows(encoded: bytes) -> "tuple[JointRow, ...]":
+    if not encoded:
+        return ()
+    from stepbot.robot.joint_table import JointRow
+
+    return codec_of(tuple[JointRow, ...]).decode(encoded)
+
+
+def _conversion_of(record: Record) -> Conversion:
     found = Diagnostics()
     found.extend(record.diagnostics)
     found.add_ignored(record.ignored)
-    return Conversion(found, None, record.files, codec_of(Results).decode(record.report))
+    return Conversion(found, None, record.files, Kept(record.report, record.summary))
 
 
 def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options) -> None:
     if conversion.named:
         TypedCache(options.cache, str).put(_name_key(content), conversion.named)
-    report, found = conversion.report, conversion.diagnostics
-    if not conversion.geometry or report is None or found.has_errors or any(one.code == _NEVER_KEPT for one in found):
+    report, summary, found = conversion.report, conversion.summary, conversion.diagnostics
+    if not conversion.geometry or report is None or summary is None:
+        return
+    if found.has_errors or any(one.code == _NEVER_KEPT for one in found):
         return
     from stepbot.report.results import Results
-    from stepbot.runtime.cache import codec_of
 
     encoded = codec_of(Results).encode(report)
     step = options.step or sidecar.parent / conversion.named
     key = conversion_key(sidecar, content, step, conversion.geometry, options)
-    TypedCache(options.cache, Record).put(key, Record(conversion.files, tuple(found), found.ignored, encoded))
+    TypedCache(options.cache, Record).put(key, Record(conversion.files, tuple(found), found.ignored, encoded, summary))
 
 
 def _content(sidecar: Path, cache: Cache | None) -> str:
@@ -180,7 +210,7 @@ def _name_key(content: str) -> str:
 
 
 def _asked(options: Options) -> list[str]:
-    names = [field.name for field in fields(options) if field.name not in _NO_MATTER]
+    names = [name for name in options._fields if name not in _NO_MATTER]
     return [f"{name}={getattr(options, name)!r}" for name in names]
 
 

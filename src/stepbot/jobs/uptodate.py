@@ -10,7 +10,6 @@ import json
 import os
 import shlex
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -88,10 +87,10 @@ def _expected(
 ) -> tuple[Mapping[str, bytes], Iterable[Diagnostic]]:
     """The files of a conversion; none if it would end in errors, which are then reported."""
     for verify in (True, False):  # whichever has been done before
-        record = recorded(sidecar, replace(options, verify=verify))
+        record = recorded(sidecar, options._replace(verify=verify))
         if record is not None:
             return record.files, record.diagnostics
-    conversion = produce(sidecar, replace(options, verify=False), progress)
+    conversion = produce(sidecar, options._replace(verify=False), progress)
     return ({} if conversion.diagnostics.has_errors else conversion.files), conversion.diagnostics
 
 

@@ -1,18 +1,19 @@
 """Options and results of a conversion; imports no heavy modules."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING
+from types import MappingProxyType
+from typing import TYPE_CHECKING, NamedTuple
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.formats import default_formats
-from stepbot.robot.joint_table import JointRow
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.limits import DEFAULT_TIMEOUT
 
 if TYPE_CHECKING:
     from stepbot.report.results import Results
+    from stepbot.report.summary import Summary
+    from stepbot.robot.joint_table import JointRow
     from stepbot.robot.model import Robot
 
 REPORT = "report.json"
@@ -21,13 +22,12 @@ REPORT_PAGE = "report.html"
 """Name of the report for people among the files."""
 
 
-@dataclass(frozen=True)
-class Options:
+class Options(NamedTuple):
     """How to convert one sidecar."""
 
     output: Path
     """Output folder; created if missing."""
-    formats: tuple[str, ...] = field(default_factory=default_formats)
+    formats: tuple[str, ...] = default_formats()
     step: Path | None = None
     """STEP file to read instead of the one named in the sidecar."""
     encoding: str = ""
@@ -59,8 +59,7 @@ class Options:
     """Name of the Gazebo model that the SDFormat names in the paths of its meshes; empty for relative paths."""
 
 
-@dataclass(frozen=True)
-class Checked:
+class Checked(NamedTuple):
     """Result of a check, in addition to its diagnostics."""
 
     named: str = ""
@@ -68,24 +67,55 @@ class Checked:
     links: int = 0
     joints: int = 0
     """Number of tree joints, and of joints that close loops."""
-    joint_table: tuple[JointRow, ...] = ()
+    joint_table: "tuple[JointRow, ...]" = ()
     """Position of each joint; empty if no STEP was read or there is no robot because of errors."""
 
 
-@dataclass(frozen=True)
-class Conversion:
+class Kept(NamedTuple):
+    """The results of an earlier conversion of the same input."""
+
+    report: bytes
+    """A :class:`stepbot.report.results.Results`, encoded."""
+    summary: "Summary"
+    """The same in texts."""
+
+
+class Conversion(NamedTuple):
     """Result of converting one sidecar."""
 
     diagnostics: Diagnostics
     robot: "Robot | None" = None
     """None after errors, or if the result came from a cache."""
-    files: Mapping[str, bytes] = field(default_factory=dict)
+    files: Mapping[str, bytes] = MappingProxyType({})
     """Content of the files to write, by path relative to the output folder."""
-    report: "Results | None" = None
+    results: "Results | Kept | None" = None
+    """See :attr:`report` and :attr:`summary`."""
     named: str = ""
     """Path of the STEP as written in the sidecar; empty if it could not be read."""
     geometry: str = ""
     """Hash of the STEP that was read; empty if the file changed meanwhile."""
+
+    @property
+    def report(self) -> "Results | None":
+        """The verification results, and what else is known about the files; None without files."""
+        if not isinstance(self.results, Kept):
+            return self.results
+        from stepbot.report.results import Results
+        from stepbot.runtime.cache import codec_of
+
+        return codec_of(Results).decode(self.results.report)
+
+    @property
+    def summary(self) -> "Summary | None":
+        """What commands print about the results; None without files."""
+        if self.results is None:
+            return None
+        if isinstance(self.results, Kept):
+            return self.results.summary
+        from stepbot.engines import optional_engines
+        from stepbot.report.summarizing import summary_of
+
+        return summary_of(self.results, optional_engines())
 
 
 def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:

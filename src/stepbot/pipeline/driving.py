@@ -3,7 +3,7 @@
 import json
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -88,7 +88,7 @@ def _convert(
     from .stages import produce
 
     formats = tuple(name for name in FORMATS if name in ENGINES.values())
-    conversion = produce(sidecar, replace(options, formats=formats, verify=False), progress)
+    conversion = produce(sidecar, options._replace(formats=formats, verify=False), progress)
     found.extend(one for one in conversion.diagnostics if one.severity == "error")
     if conversion.diagnostics.has_errors:
         return False

@@ -187,7 +187,7 @@ def _renamed(geometry: Geometry, names: Mapping[str, str]) -> Geometry:
     """The same geometry with other paths in its diagnostics."""
 
     def moved(diagnostics: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
-        return tuple(replace(d, span=replace(d.span, file=names.get(d.span.file, d.span.file))) for d in diagnostics)
+        return tuple(d._replace(span=d.span._replace(file=names.get(d.span.file, d.span.file))) for d in diagnostics)
 
     assembly = replace(geometry.assembly, diagnostics=moved(geometry.assembly.diagnostics))
     return Geometry(assembly, geometry.measures, moved(geometry.diagnostics))

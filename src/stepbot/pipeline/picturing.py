@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -39,7 +39,7 @@ class BuiltRobot:
 
 def robot_of(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> BuiltRobot:
     """The robot that a sidecar describes, without writing or verifying files."""
-    conversion = produce(sidecar, replace(options, formats=(), verify=False), progress)
+    conversion = produce(sidecar, options._replace(formats=(), verify=False), progress)
     return BuiltRobot(conversion.diagnostics, conversion.robot)
 
 

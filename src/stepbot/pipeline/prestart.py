@@ -7,15 +7,17 @@ sidecar is only searched for the name of its STEP: a wrong guess costs an unused
 
 import re
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from stepbot.engines.prestart import started_engine_server
 from stepbot.runtime.cache import Cache, Digest, environment
-from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
 from stepbot.step import KERNEL
 from stepbot.step.exchange.input_files import input_digest
 
 from .conversion import Options
+
+if TYPE_CHECKING:
+    from stepbot.runtime.fork_server import ForkServer
 
 _STEP = re.compile(r"""^step:[ \t]*(?:"([^"\n]+)"|'([^'\n]+)'|([^\s"'#][^\n#]*))""", re.MULTILINE)
 _LARGEST_SIDECAR = 1 << 20
@@ -31,9 +33,13 @@ def started_kernel(sidecar: Path, options: Options) -> Worker | None:
     return Worker(KERNEL, memory_limit=options.memory_limit)
 
 
-def started_server(options: Options) -> ForkServer | None:
+def started_server(options: Options) -> "ForkServer | None":
     """A process that will start the engines; None if there will be none, or if forking is not possible."""
-    return started_engine_server() if options.verify else None
+    if not options.verify:
+        return None
+    from stepbot.engines.prestart import started_engine_server
+
+    return started_engine_server()
 
 
 def was_read(cache: Cache, content: str) -> bool:

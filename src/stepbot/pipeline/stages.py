@@ -153,7 +153,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
             with closing(Loading(source, what_to_read(loaded, options), options, found)) as loading:
                 built = build(loaded, loading.assembly(found), loading, options, found)
                 if built is not None:
-                    checked = replace(checked, joint_table=built.joint_table)
+                    checked = checked._replace(joint_table=built.joint_table)
                     built.double_counting.report(options.timeout)
         if not found.has_errors:
             report_unused(found, _JUDGED_BY_BUILD if open_step else _JUDGED_BY_TEXT)

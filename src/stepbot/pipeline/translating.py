@@ -125,7 +125,7 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
         missing = " and ".join(f"'{bound}'" for bound in limit.missing)
         lacks = f"no {missing} in <limit>" if limit.has_element else "no <limit>"
         taken = "read as unlimited" if len(limit.missing) == 2 else "0 taken"
-        found.add("SB874", f"joint '{limit.joint}': {lacks}: {taken}", replace(span, line=limit.line))
+        found.add("SB874", f"joint '{limit.joint}': {lacks}: {taken}", span._replace(line=limit.line))
     if not (described.is_base_known or base or found.has_errors):
         _report_base(described.robot, span, found)
     check_robot(described.robot, found, span, massless_between=True)

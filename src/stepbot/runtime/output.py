@@ -14,9 +14,10 @@ import errno
 import hashlib
 import os
 import time
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path, PurePosixPath
-from typing import NamedTuple, NoReturn
+from stat import S_ISREG
+from typing import Any, NamedTuple, NoReturn
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
@@ -26,10 +27,13 @@ from .output_list import (
     STAGING,
     Manifest,
     is_below,
+    list_document,
     manifest_bytes,
+    manifest_in,
     manifest_of,
+    read_list,
     read_manifest,
-    sidecars_of,
+    sidecars_in,
     stale_files,
     top_files,
 )
@@ -76,8 +80,7 @@ def write_atomically(
     Raises:
         StepbotError: A path leads out of ``folder``, or a file cannot be written (SB004); nothing was changed.
     """
-    for path in files:
-        _check_path(path, folder)
+    _check_paths(files, folder)
     made: list[Path] = []
     try:
         _make_folders(folder, made)
@@ -151,6 +154,8 @@ def _from_folder(sidecar: Path | None, folder: Path) -> str:
 class _Lists(NamedTuple):
     """The list of an output folder before and after a run."""
 
+    document: Any
+    """The list before, as parsed."""
     before: Manifest
     own: Manifest
     """The part that is about the files of this run."""
@@ -159,10 +164,11 @@ class _Lists(NamedTuple):
 
 
 def _listed_after(files: Mapping[str, bytes], folder: Path, sidecar: str) -> _Lists:
-    before, own = read_manifest(folder), manifest_of(files)
+    document = read_list(folder)
+    before, own = manifest_in(document), manifest_of(files)
     after = {**before, **own}
-    sidecars = {name: source for name, source in sidecars_of(folder).items() if name in after}
-    return _Lists(before, own, after, sidecars | dict.fromkeys(own, sidecar))
+    sidecars = {name: source for name, source in sidecars_in(document).items() if name in after}
+    return _Lists(document, before, own, after, sidecars | dict.fromkeys(own, sidecar))
 
 
 def _is_current(files: Mapping[str, bytes], folder: Path, lists: _Lists) -> bool:
@@ -171,7 +177,8 @@ def _is_current(files: Mapping[str, bytes], folder: Path, lists: _Lists) -> bool
         _holds(folder / path, content) for path, content in files.items()
     ):
         return False
-    return _holds(folder / MANIFEST, manifest_bytes(lists.after, lists.sidecars))
+    is_same = list_document(lists.after, lists.sidecars) == lists.document
+    return is_same and not (folder / MANIFEST).is_symlink()
 
 
 def _write(files: Mapping[str, bytes], folder: Path, lists: _Lists, made: list[Path]) -> None:
@@ -189,7 +196,7 @@ def _write(files: Mapping[str, bytes], folder: Path, lists: _Lists, made: list[P
 
 
 def _replace(files: Mapping[str, bytes], folder: Path, staging: Path, lists: _Lists, made: list[Path]) -> None:
-    before, own, after, sidecars = lists
+    _, before, own, after, sidecars = lists
     stale = stale_files(before, after)
     # While files are moved, the manifest lists old and new, so that a killed run leaves no unlisted file.
     during = {**after, **{name: {**before.get(name, {}), **needs} for name, needs in own.items()}}
@@ -243,7 +250,8 @@ def _keep(target: Path, backup: Path) -> bool:
 def _holds(target: Path, content: bytes) -> bool:
     """Whether ``target`` is a regular file with this content."""
     try:
-        return not target.is_symlink() and target.stat().st_size == len(content) and target.read_bytes() == content
+        status = target.lstat()
+        return S_ISREG(status.st_mode) and status.st_size == len(content) and target.read_bytes() == content
     except OSError:
         return False
 
@@ -291,12 +299,13 @@ def _remove_abandoned(folder: Path, staging: Path | None = None) -> None:
             continue
 
 
-def _check_path(path: str, folder: Path) -> None:
-    if not is_below(path):
-        _refuse(folder, f"invalid file name '{path}'", "choose another name in the sidecar")
-    parent = path.rpartition("/")[0]
-    if parent and (link := _link_in(parent, folder)) is not None:
-        _refuse(folder, f"'{link}' is a symbolic link out of the output folder", f"remove '{link}'")
+def _check_paths(paths: Collection[str], folder: Path) -> None:
+    for path in paths:
+        if not is_below(path):
+            _refuse(folder, f"invalid file name '{path}'", "choose another name in the sidecar")
+    for parent in filter(None, dict.fromkeys(path.rpartition("/")[0] for path in paths)):
+        if (link := _link_in(parent, folder)) is not None:
+            _refuse(folder, f"'{link}' is a symbolic link out of the output folder", f"remove '{link}'")
 
 
 def _link_in(path: str, folder: Path) -> str | None:

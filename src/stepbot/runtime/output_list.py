@@ -26,10 +26,14 @@ Manifest = dict[str, dict[str, str]]
 
 def sidecars_of(folder: Path) -> dict[str, str]:
     """For each file at the top of an output folder, the relative path of its sidecar, if the list has it."""
+    return sidecars_in(read_list(folder))
+
+
+def sidecars_in(document: Any) -> dict[str, str]:
+    """:func:`sidecars_of` a parsed list."""
     try:
-        sidecars = _listed(folder)["sidecars"]
-        return {str(name): str(sidecar) for name, sidecar in sidecars.items()}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return {str(name): str(sidecar) for name, sidecar in document["sidecars"].items()}
+    except (KeyError, TypeError, AttributeError):
         return {}
 
 
@@ -55,10 +59,15 @@ def _pages(files: Iterable[str]) -> dict[str, str]:
     return {path.removesuffix(".html") + ".json": path for path in files if path.endswith(".html")}
 
 
-def manifest_bytes(manifest: Manifest, sidecars: Mapping[str, str]) -> bytes:
-    """The list as a file: its entries, and the sidecars of the files at the top."""
+def list_document(manifest: Manifest, sidecars: Mapping[str, str]) -> dict[str, Any]:
+    """The list as JSON data: its entries, and the sidecars of the files at the top."""
     known = {name: sidecar for name, sidecar in sidecars.items() if sidecar}
-    document = {"version": 1, "files": manifest, **({"sidecars": known} if known else {})}
+    return {"version": 1, "files": manifest, **({"sidecars": known} if known else {})}
+
+
+def manifest_bytes(manifest: Manifest, sidecars: Mapping[str, str]) -> bytes:
+    """:func:`list_document` as a file."""
+    document = list_document(manifest, sidecars)
     return (json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n").encode(
         "utf-8", "backslashreplace"
     )
@@ -66,19 +75,30 @@ def manifest_bytes(manifest: Manifest, sidecars: Mapping[str, str]) -> bytes:
 
 def read_manifest(folder: Path) -> Manifest:
     """The list of earlier runs; empty if it is missing or unreadable: then nothing is removed."""
+    return manifest_in(read_list(folder))
+
+
+def manifest_in(document: Any) -> Manifest:
+    """The entries of a parsed list; empty if it is not one."""
     try:
-        files = _listed(folder)["files"]
-        return {
-            str(name): {str(path): str(digest) for path, digest in needs.items() if is_below(str(path))}
-            for name, needs in files.items()
+        entries = {
+            str(name): {str(path): str(digest) for path, digest in needs.items()}
+            for name, needs in document["files"].items()
         }
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (KeyError, TypeError, AttributeError):
         return {}
+    outside = {path for path in {path for needs in entries.values() for path in needs} if not is_below(path)}
+    if not outside:
+        return entries
+    return {name: {path: needs[path] for path in needs if path not in outside} for name, needs in entries.items()}
 
 
-def _listed(folder: Path) -> Any:
-    """The content of an output folder's list; empty if it is not a regular file: a pipe or device might block."""
-    return json.loads((folder / MANIFEST).read_bytes()) if (folder / MANIFEST).is_file() else {}
+def read_list(folder: Path) -> Any:
+    """The parsed list of an output folder; empty if it is unreadable, or a pipe or device, which might block."""
+    try:
+        return json.loads((folder / MANIFEST).read_bytes()) if (folder / MANIFEST).is_file() else {}
+    except (OSError, ValueError, RecursionError):
+        return {}
 
 
 def stale_files(before: Manifest, after: Manifest) -> dict[str, str]:

@@ -36,6 +36,18 @@ def test_unknown_code_is_refused(found: Diagnostics) -> None:
         found.add("SB000", "?", Span("a"))
 
 
+@pytest.mark.parametrize("code", ["", "SB", "SB000", "SB309", "SB999", "x"])
+def test_unknown_codes_are_missing(code: str) -> None:
+    """No code is found outside of the ranges, or in their gaps."""
+    assert code not in CODES
+
+
+def test_each_code_is_found_in_its_range() -> None:
+    """A code looked up on its own is the one of the whole table, in its order."""
+    assert [CODES[name] for name in CODES] == list(CODES.values())
+    assert [code.id for code in CODES.values()] == list(CODES)
+
+
 def test_finding_is_kept_once(found: Diagnostics) -> None:
     """A diagnostic added twice is reported once, in its first position."""
     first = found.add(WARNING, "w", Span("a"))

@@ -5,9 +5,11 @@ SB5xx mass and inertia, SB6xx meshes, SB7xx format limitations, SB8xx verificati
 A code is never renumbered or reused.
 """
 
+from bisect import bisect
 from collections.abc import Iterator, Mapping
-from functools import cached_property
-from typing import TYPE_CHECKING
+from functools import cache, cached_property
+from importlib import import_module
+from typing import TYPE_CHECKING, cast
 
 from .severity import Severity
 
@@ -15,11 +17,34 @@ if TYPE_CHECKING:
     from .code import Code
 
 
+_RANGES = {
+    "SB0": "environment",
+    "SB1": "sidecar",
+    "SB2": "assembly",
+    "SB3": "binding",
+    "SB31": "revisions",
+    "SB4": "kinematics",
+    "SB45": "mechanism",
+    "SB5": "mass",
+    "SB6": "meshes",
+    "SB62": "self_collision",
+    "SB64": "packages",
+    "SB7": "formats",
+    "SB8": "simulators",
+    "SB86": "sources",
+    "SB9": "internal",
+}
+"""The module of each range, by the start of its first code, in order; a range ends where the next one starts."""
+
+
 class _Codes(Mapping[str, "Code"]):
-    """All codes. Their texts, about 100 kB, are imported when one is looked up: a run without findings needs none."""
+    """All codes. Their texts take about 100 kB: looking up a code imports those of its range."""
 
     def __getitem__(self, code: str) -> "Code":
-        return self._codes[code]
+        index = bisect(self._starts, code)
+        if not index:
+            raise KeyError(code)
+        return _codes_of(_RANGES[self._starts[index - 1]])[code]
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._codes)
@@ -27,47 +52,18 @@ class _Codes(Mapping[str, "Code"]):
     def __len__(self) -> int:
         return len(self._codes)
 
+    _starts = tuple(_RANGES)
+
     @cached_property
     def _codes(self) -> "dict[str, Code]":
-        from . import (
-            assembly,
-            binding,
-            environment,
-            formats,
-            internal,
-            kinematics,
-            mass,
-            mechanism,
-            meshes,
-            packages,
-            revisions,
-            self_collision,
-            sidecar,
-            simulators,
-            sources,
-        )
+        return {name: code for module in _RANGES.values() for name, code in _codes_of(module).items()}
 
-        return {
-            code.id: code
-            for module in (
-                environment,
-                sidecar,
-                assembly,
-                binding,
-                revisions,
-                kinematics,
-                mechanism,
-                mass,
-                meshes,
-                self_collision,
-                packages,
-                formats,
-                simulators,
-                sources,
-                internal,
-            )
-            for code in module.CODES
-        }
+
+@cache
+def _codes_of(module: str) -> "Mapping[str, Code]":
+    """The codes of one module."""
+    codes = cast("tuple[Code, ...]", import_module(f"{__name__}.{module}").CODES)
+    return {code.id: code for code in codes}
 
 
 CODES: Mapping[str, "Code"] = _Codes()

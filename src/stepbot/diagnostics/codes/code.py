@@ -1,12 +1,11 @@
 """One diagnostic code with its explanation."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from .severity import Severity
 
 
-@dataclass(frozen=True)
-class Code:
+class Code(NamedTuple):
     """One kind of diagnostic, with the text that ``stepbot explain`` prints."""
 
     id: str

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 
@@ -88,7 +88,7 @@ def run_batch(
 
 
 def _submitted(executor: Executor, task: Task, options: Options, as_bytes: bool) -> Future[Work]:
-    own = replace(options, output=task.output)
+    own = options._replace(output=task.output)
     parcel = _parcel(task, own) if as_bytes else None
     if isinstance(parcel, Work):
         ready: Future[Work] = Future()
@@ -116,7 +116,7 @@ def _parcel(task: Task, options: Options) -> Parcel | Work:
     geometry = combined_digest({name: bytes_digest(content) for name, content in files.items()})
     assert geometry is not None  # the first file was read
     key = conversion_key(task.sidecar, bytes_digest(text), step, geometry, options)
-    return Parcel(task.sidecar.as_posix(), text, str(step), files, replace(options, output=Path()), key)
+    return Parcel(task.sidecar.as_posix(), text, str(step), files, options._replace(output=Path()), key)
 
 
 def _result(future: "Future[Work]", task: Task) -> Work:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -81,7 +81,7 @@ def carry_out_parcel(parcel: Parcel) -> Work:
         sidecar = _put(Path(folder) / "sidecar", parcel.sidecar, parcel.text)
         step = _put_all(Path(folder) / "step", parcel.files)
         # Whole conversions are cached by path, geometry and observations by content only: the latter are reused.
-        options = replace(parcel.options, step=step, cache=Cache(default_folder()) if parcel.options.cache else None)
+        options = parcel.options._replace(step=step, cache=Cache(default_folder()) if parcel.options.cache else None)
         conversion = pipeline.produce(sidecar, options)
         owner = Path(parcel.step).parent
         known = {sidecar.as_posix(): parcel.sidecar}
@@ -108,6 +108,6 @@ def _put_all(folder: Path, files: Mapping[str, bytes]) -> Path:
 
 def _renamed(conversion: Conversion, known: Mapping[str, str]) -> tuple[Diagnostic, ...]:
     return tuple(
-        replace(one, span=replace(one.span, file=known.get(one.span.file, one.span.file)))
+        one._replace(span=one.span._replace(file=known.get(one.span.file, one.span.file)))
         for one in conversion.diagnostics
     )

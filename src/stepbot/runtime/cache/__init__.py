@@ -6,12 +6,11 @@ digest   hashes of files and of the parts of a key
 sources, keys  what all keys contain: stepbot's own code, versions of packages and programs
 codec    data classes and arrays as bytes and back, led by their annotations
 typed    values of one type: a cache and a codec together
-by_content  results of many computations, one for equal inputs
+by_content  results of many computations, one for equal inputs; not imported here, as a lookup does not need it
 
 Every entry can be computed again, and a damaged entry is treated as missing.
 """
 
-from .by_content import ResultsByContent
 from .codec import Undecodable, codec_of
 from .digest import Digest, bytes_digest, content_digest, file_digest
 from .folder import default_folder
@@ -24,7 +23,6 @@ __all__ = [
     "DEFAULT_LIMIT",
     "Cache",
     "Digest",
-    "ResultsByContent",
     "TypedCache",
     "Undecodable",
     "Usage",

@@ -1,4 +1,4 @@
-r"""Encodes data classes and arrays as bytes, and decodes them by their annotations alone.
+r"""Encodes data classes, named tuples and arrays as bytes, and decodes them by their annotations alone.
 
     length of the text [8 bytes] | text: JSON | bytes of all arrays, one after the other
 
@@ -9,7 +9,6 @@ raises :class:`Undecodable`. Numbers come back as the same doubles, infinities a
 import json
 import types
 from collections.abc import Callable, Hashable, Mapping
-from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache
 from typing import Any, Generic, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
@@ -117,8 +116,8 @@ def _pair(kind: Any) -> tuple[Encoder, Decoder]:
         return _mapping(*arguments)
     if origin in (Union, types.UnionType):
         return _union(arguments)
-    if isinstance(kind, type) and is_dataclass(kind):
-        return _data_class(kind)
+    if _is_record(kind):
+        return _record(kind)
     if getattr(origin or kind, "__module__", "") == "numpy" and (origin or kind).__name__ == "ndarray":
         return _encode_array, _decode_array
     raise TypeError(f"no codec for {kind}")
@@ -194,7 +193,7 @@ def _mapping(key: Any, value: Any) -> tuple[Encoder, Decoder]:
 
 
 def _union(arguments: tuple[Any, ...]) -> tuple[Encoder, Decoder]:
-    """A value or None, or one of several data classes, distinguished by their names."""
+    """A value or None, or one of several data classes or named tuples, distinguished by their names."""
     others = [one for one in arguments if one is not type(None)]
     if len(others) == 1:
         encode_one, decode_one = _pair(others[0])
@@ -202,7 +201,7 @@ def _union(arguments: tuple[Any, ...]) -> tuple[Encoder, Decoder]:
             lambda value, blobs: None if value is None else [encode_one(value, blobs)],
             lambda plain, blobs: None if plain is None else decode_one(_list(plain)[0], blobs),
         )
-    if not all(isinstance(one, type) and is_dataclass(one) for one in others):
+    if not all(map(_is_record, others)):
         raise TypeError(f"no codec for a union of {arguments}")
     pairs = {one.__name__: _pair(one) for one in others}
     return (
@@ -213,9 +212,15 @@ def _union(arguments: tuple[Any, ...]) -> tuple[Encoder, Decoder]:
     )
 
 
-def _data_class(kind: type) -> tuple[Encoder, Decoder]:
-    hints = get_type_hints(kind)
-    names = [field.name for field in fields(kind) if field.init]
+def _is_record(kind: Any) -> bool:
+    """Whether a type is a data class or a named tuple."""
+    return isinstance(kind, type) and (
+        hasattr(kind, "__dataclass_fields__") or (issubclass(kind, tuple) and hasattr(kind, "_fields"))
+    )
+
+
+def _record(kind: Any) -> tuple[Encoder, Decoder]:
+    names: tuple[str, ...] = kind.__match_args__  # those that the constructor takes, in order
     pairs: list[tuple[Encoder, Decoder]] = []
 
     def encode(value: Any, blobs: _Blobs) -> Plain:
@@ -227,7 +232,8 @@ def _data_class(kind: type) -> tuple[Encoder, Decoder]:
         return kind(*[pair[1](one, blobs) for pair, one in zip(pairs, _list(plain), strict=True)])
 
     def prepare() -> None:
-        if not pairs:  # lazily: a class may contain itself
+        if not pairs:  # lazily: a class may contain itself, and most data have no value of some
+            hints = get_type_hints(kind)
             pairs.extend(_pair(hints[name]) for name in names)
 
     return encode, decode

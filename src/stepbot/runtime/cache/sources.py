@@ -8,7 +8,6 @@ import os
 import platform
 import sys
 import time
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -41,7 +40,7 @@ def code_digest(package: Path, kept: Cache | None) -> str:
         package: The folder.
         kept: Keeps the hash for files of the same sizes and times; None to read the files.
     """
-    stamps = dict(sorted(_stamps(str(package), "")))
+    stamps = dict(sorted(_stamps(str(package))))
     key = Digest("stamps").add(str(package), repr(stamps)).key
     known = kept.get(key) if kept is not None else None
     if known is not None:
@@ -55,12 +54,17 @@ def code_digest(package: Path, kept: Cache | None) -> str:
     return digest.key
 
 
-def _stamps(folder: str, prefix: str) -> Iterator[tuple[str, tuple[int, int, int]]]:
+def _stamps(package: str) -> list[tuple[str, tuple[int, int, int]]]:
     """Relative name, size [bytes] and times [ns] of each source file."""
-    with os.scandir(folder) as entries:
-        for entry in entries:
-            if entry.name.endswith(_SUFFIXES):
-                status = entry.stat()
-                yield prefix + entry.name, (status.st_size, status.st_mtime_ns, status.st_ctime_ns)
-            elif "." not in entry.name and entry.name != "__pycache__" and entry.is_dir():
-                yield from _stamps(entry.path, f"{prefix}{entry.name}/")
+    found, folders = [], [""]
+    while folders:
+        prefix = folders.pop()
+        with os.scandir(f"{package}/{prefix}") as entries:
+            for entry in entries:
+                name = entry.name
+                if name.endswith(_SUFFIXES):
+                    status = entry.stat()
+                    found.append((prefix + name, (status.st_size, status.st_mtime_ns, status.st_ctime_ns)))
+                elif "." not in name and name != "__pycache__" and entry.is_dir():
+                    folders.append(f"{prefix}{name}/")
+    return found

@@ -19,7 +19,7 @@ DEFAULT_LIMIT = 2 * 2**30
 """Maximum size [bytes] of all entries."""
 
 _FORMAT = "entries-1"
-_HEAD = b"stepbot cache entry 1\n"
+_HEAD = b"stepbot cache entry 2\n"
 _DIGEST_SIZE = 32
 _NEW = ".new-"
 _ABANDONED_AFTER = 3600.0
@@ -63,12 +63,11 @@ class Cache:
         """The entry under a key; None if it is missing or damaged."""
         path = self._path(key)
         try:
-            data = path.read_bytes()
+            with path.open("rb") as file:
+                head, hashed, content = file.read(len(_HEAD)), file.read(_DIGEST_SIZE), file.read()
         except OSError:
             return None
-        start = len(_HEAD) + _DIGEST_SIZE
-        content = data[start:]
-        if data[: len(_HEAD)] != _HEAD or data[len(_HEAD) : start] != _digest(key, content):
+        if head != _HEAD or hashed != _digest(key, content):
             return None
         try:
             os.utime(path)
@@ -163,6 +162,6 @@ def _removed(path: Path) -> bool:
 
 
 def _digest(key: str, content: bytes) -> bytes:
-    hashed = hashlib.blake2b(key.encode(), digest_size=_DIGEST_SIZE)
+    hashed = hashlib.sha256(key.encode())
     hashed.update(content)
     return hashed.digest()

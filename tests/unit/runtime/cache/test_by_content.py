@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.runtime.cache import Cache, ResultsByContent
+from stepbot.runtime.cache import Cache
+from stepbot.runtime.cache.by_content import ResultsByContent
 
 
 def results(cache: Cache | None, **wanted: tuple[int, ...]) -> ResultsByContent[str, tuple[int, ...], float]:

@@ -4,7 +4,7 @@ import random
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, is_dataclass
 from math import copysign, inf, isnan, nan
-from typing import Any, Literal, TypeVar, get_origin, get_type_hints
+from typing import Any, Literal, NamedTuple, TypeVar, get_origin, get_type_hints
 
 import numpy as np
 import pytest
@@ -14,6 +14,7 @@ from typing_extensions import TypeAliasType
 from stepbot.assemble.overlaps import FoundOverlaps
 from stepbot.diagnostics import Diagnostic, Span
 from stepbot.engines.observation import Observation, Quantity, Request
+from stepbot.jobs.incremental import Record
 from stepbot.pipeline.loading import Geometry
 from stepbot.report.record import Report
 from stepbot.robot.model import Base, Box, Robot, Sphere
@@ -21,6 +22,13 @@ from stepbot.robot.model import Geometry as Shape
 from stepbot.runtime.cache import Undecodable, codec_of
 from stepbot.step.assembly import Assembly, ReadOptions
 from tests.robots import four_bar
+
+
+class Pair(NamedTuple):
+    """A tuple whose fields have names."""
+
+    name: str
+    span: Span | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +47,7 @@ class Everything:
     nested: tuple[tuple[Span, ...], ...]
     mapping: Mapping[Quantity, tuple[int, ...]]
     perhaps: Span | None
+    record: Pair
     shape: Shape
     points: NDArray[np.float64]
     faces: NDArray[np.int32]
@@ -59,6 +68,7 @@ def example() -> Everything:
         ((), (Span("a", 1),)),
         {Quantity.MASS: (1, 2), Quantity.COM: ()},
         None,
+        Pair("x", Span("a", 1, 2)),
         Sphere(0.5),
         np.array([[1.0, -0.0, nan]]),
         np.empty((0, 3), np.int32),
@@ -107,7 +117,7 @@ def test_arrays_come_back_read_only() -> None:
 
 
 @pytest.mark.parametrize(
-    "kind", [Assembly, Diagnostic, FoundOverlaps, Geometry, Observation, ReadOptions, Report, Request, Robot]
+    "kind", [Assembly, Diagnostic, FoundOverlaps, Geometry, Observation, ReadOptions, Record, Report, Request, Robot]
 )
 def test_all_that_is_kept_has_a_codec(kind: type) -> None:
     """Every field of cached data has an annotation that the codec supports, recursively."""
@@ -115,7 +125,8 @@ def test_all_that_is_kept_has_a_codec(kind: type) -> None:
 
     def walk(one: Any) -> None:
         codec_of(one)
-        if one in seen or not is_dataclass(one):
+        is_tuple = isinstance(one, type) and issubclass(one, tuple) and hasattr(one, "_fields")
+        if one in seen or not (is_dataclass(one) or is_tuple):
             for argument in getattr(one, "__args__", ()):
                 if (
                     argument is not Ellipsis
@@ -126,8 +137,8 @@ def test_all_that_is_kept_has_a_codec(kind: type) -> None:
             return
         seen.add(one)
         hints = get_type_hints(one)
-        for field in fields(one):
-            walk(hints[field.name])
+        for name in one._fields if is_tuple else [field.name for field in fields(one)]:
+            walk(hints[name])
 
     walk(kind)
     assert kind in seen
