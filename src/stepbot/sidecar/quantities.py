@@ -18,6 +18,7 @@ from stepbot.robot.model import Rgba
 
 from . import units
 from .codepages import UnknownCodePage, code_page
+from .quantity_schemas import CHANNELS, HEX_COLOR, NUMBERS3, quantity_schema, vector_schema
 from .units import Dimension, UnitError, read_quantity
 
 Parser = Callable[[Any], float]
@@ -247,96 +248,68 @@ def _distance(value: Any) -> float:
     return number
 
 
-def _json(*dimensions: Dimension, **bounds: float) -> WithJsonSchema:
-    """JSON Schema of a quantity: a number in SI, or a string with the unit."""
-    examples = [d.example for d in dimensions]
-    return WithJsonSchema(
-        {
-            "anyOf": [{"type": "number", **bounds}, {"type": "string", "pattern": units.QUANTITY_PATTERN}],
-            "description": _written_as(*dimensions),
-            "examples": examples,
-        }
-    )
-
-
-def _written_as(*dimensions: Dimension) -> str:
-    examples = ", ".join(dict.fromkeys(f"`{d.example}`" for d in dimensions))
-    return f"{units.described(*dimensions)}: a number without a unit is SI; with a unit: {examples}."
-
-
-def _json_vector(dimension: Dimension) -> WithJsonSchema:
-    item = {"anyOf": [{"type": "number"}, {"type": "string", "pattern": units.QUANTITY_PATTERN}]}
-    description = f"`[x, y, z]`, each a {dimension.name} [{dimension.unit}] or with a unit: `{dimension.example}`."
-    return WithJsonSchema(
-        {
-            "type": "array",
-            "items": item,
-            "minItems": 3,
-            "maxItems": 3,
-            "description": description,
-            "examples": [[0, 0, dimension.example]],
-        }
-    )
-
-
-_NUMBERS3 = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
-_CHANNELS = {"type": "array", "items": {"type": "number", "minimum": 0, "maximum": 1}, "minItems": 3, "maxItems": 4}
-_HEX_COLOR = {"type": "string", "pattern": "^#([0-9a-fA-F]{3,4}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})$"}
-
 Number = Annotated[
     float,
     BeforeValidator(_finite(units.RATIO)),
     WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "pattern": units.QUANTITY_PATTERN}]}),
 ]
-Length = Annotated[float, BeforeValidator(_finite(units.LENGTH, above=0.0)), _json(units.LENGTH, exclusiveMinimum=0)]
+Length = Annotated[
+    float, BeforeValidator(_finite(units.LENGTH, above=0.0)), quantity_schema(units.LENGTH, exclusiveMinimum=0)
+]
 Angle = Annotated[
     float,
     BeforeValidator(_finite(units.ANGLE, above=0.0, high=math.pi)),
-    _json(units.ANGLE, exclusiveMinimum=0, maximum=math.pi),
+    quantity_schema(units.ANGLE, exclusiveMinimum=0, maximum=math.pi),
 ]
 FieldOfView = Annotated[
     float,
     BeforeValidator(_finite(units.ANGLE, low=0.0, high=math.tau)),
-    _json(units.ANGLE, minimum=0, maximum=math.tau),
+    quantity_schema(units.ANGLE, minimum=0, maximum=math.tau),
 ]
-Frequency = Annotated[float, BeforeValidator(_finite(units.FREQUENCY, low=0.0)), _json(units.FREQUENCY, minimum=0)]
+Frequency = Annotated[
+    float, BeforeValidator(_finite(units.FREQUENCY, low=0.0)), quantity_schema(units.FREQUENCY, minimum=0)
+]
 Bandwidth = Annotated[
-    float, BeforeValidator(_finite(units.FREQUENCY, above=0.0)), _json(units.FREQUENCY, exclusiveMinimum=0)
+    float, BeforeValidator(_finite(units.FREQUENCY, above=0.0)), quantity_schema(units.FREQUENCY, exclusiveMinimum=0)
 ]
 DampingRatio = Annotated[
-    float, BeforeValidator(_finite(units.RATIO, above=0.0)), _json(units.RATIO, exclusiveMinimum=0)
+    float, BeforeValidator(_finite(units.RATIO, above=0.0)), quantity_schema(units.RATIO, exclusiveMinimum=0)
 ]
 Timestep = Annotated[
     float,
     BeforeValidator(_finite(units.TIME, above=0.0, high=LONGEST_TIMESTEP)),
-    _json(units.TIME, exclusiveMinimum=0, maximum=LONGEST_TIMESTEP),
+    quantity_schema(units.TIME, exclusiveMinimum=0, maximum=LONGEST_TIMESTEP),
 ]
 StepShare = Annotated[
     float,
     BeforeValidator(_finite(units.RATIO, above=0.0, high=1.0)),
-    _json(units.RATIO, exclusiveMinimum=0, maximum=1),
+    quantity_schema(units.RATIO, exclusiveMinimum=0, maximum=1),
 ]
-_Distance = Annotated[float, BeforeValidator(_distance), _json(units.LENGTH, minimum=0)]
+_Distance = Annotated[float, BeforeValidator(_distance), quantity_schema(units.LENGTH, minimum=0)]
 DistanceRange = Annotated[tuple[_Distance, _Distance], BeforeValidator(two)]
-Mass = Annotated[float, BeforeValidator(_finite(units.MASS, above=0.0)), _json(units.MASS, exclusiveMinimum=0)]
-Density = Annotated[float, BeforeValidator(_finite(units.DENSITY, above=0.0)), _json(units.DENSITY, exclusiveMinimum=0)]
-Inertia = Annotated[float, BeforeValidator(_finite(units.INERTIA)), _json(units.INERTIA)]
-Pitch = Annotated[float, BeforeValidator(_finite(units.PITCH)), _json(units.PITCH)]
+Mass = Annotated[
+    float, BeforeValidator(_finite(units.MASS, above=0.0)), quantity_schema(units.MASS, exclusiveMinimum=0)
+]
+Density = Annotated[
+    float, BeforeValidator(_finite(units.DENSITY, above=0.0)), quantity_schema(units.DENSITY, exclusiveMinimum=0)
+]
+Inertia = Annotated[float, BeforeValidator(_finite(units.INERTIA)), quantity_schema(units.INERTIA)]
+Pitch = Annotated[float, BeforeValidator(_finite(units.PITCH)), quantity_schema(units.PITCH)]
 
 _Coordinate = Annotated[float, BeforeValidator(_finite(units.LENGTH))]
 _Extent = Annotated[float, BeforeValidator(_finite(units.LENGTH, above=0.0))]
 _Turn = Annotated[float, BeforeValidator(_finite(units.ANGLE))]
 LengthVector = Annotated[
-    tuple[_Coordinate, _Coordinate, _Coordinate], BeforeValidator(_three), _json_vector(units.LENGTH)
+    tuple[_Coordinate, _Coordinate, _Coordinate], BeforeValidator(_three), vector_schema(units.LENGTH)
 ]
-SizeVector = Annotated[tuple[_Extent, _Extent, _Extent], BeforeValidator(_three), _json_vector(units.LENGTH)]
-RotationVector = Annotated[tuple[_Turn, _Turn, _Turn], BeforeValidator(_three), _json_vector(units.ANGLE)]
+SizeVector = Annotated[tuple[_Extent, _Extent, _Extent], BeforeValidator(_three), vector_schema(units.LENGTH)]
+RotationVector = Annotated[tuple[_Turn, _Turn, _Turn], BeforeValidator(_three), vector_schema(units.ANGLE)]
 AxisVector = Annotated[
     Vector3,
     BeforeValidator(_axis),
     WithJsonSchema(
         {
-            "anyOf": [{"enum": list(_AXES)}, _NUMBERS3],
+            "anyOf": [{"enum": list(_AXES)}, NUMBERS3],
             "description": "`x`, `y`, `z`, `-x`, `-y`, `-z`, or `[x, y, z]` of non-zero length.",
         }
     ),
@@ -346,7 +319,7 @@ Color = Annotated[
     BeforeValidator(_color),
     WithJsonSchema(
         {
-            "anyOf": [_HEX_COLOR, _CHANNELS],
+            "anyOf": [HEX_COLOR, CHANNELS],
             "description": 'Colour: `"#rrggbb"` or `"#rrggbbaa"` in quotes, or `[red, green, blue, opacity]`, 0 to 1.',
             "examples": ["#e0e0e0"],
         }
@@ -369,38 +342,40 @@ RelativeOrLength = Annotated[
     ),
 ]
 JointPosition = Annotated[
-    JointValue, PlainValidator(_joint_value(units.ANGLE, units.LENGTH)), _json(units.ANGLE, units.LENGTH)
+    JointValue, PlainValidator(_joint_value(units.ANGLE, units.LENGTH)), quantity_schema(units.ANGLE, units.LENGTH)
 ]
 JointBound = Annotated[
-    JointValue, PlainValidator(_joint_value(units.ANGLE, units.LENGTH, finite=False)), _json(units.ANGLE, units.LENGTH)
+    JointValue,
+    PlainValidator(_joint_value(units.ANGLE, units.LENGTH, finite=False)),
+    quantity_schema(units.ANGLE, units.LENGTH),
 ]
 JointSpeed = Annotated[
     JointValue,
     PlainValidator(_joint_value(units.ANGULAR_SPEED, units.SPEED, finite=False, above=0.0)),
-    _json(units.ANGULAR_SPEED, units.SPEED, exclusiveMinimum=0),
+    quantity_schema(units.ANGULAR_SPEED, units.SPEED, exclusiveMinimum=0),
 ]
 JointEffort = Annotated[
     JointValue,
     PlainValidator(_joint_value(units.TORQUE, units.FORCE, finite=False, above=0.0)),
-    _json(units.TORQUE, units.FORCE, exclusiveMinimum=0),
+    quantity_schema(units.TORQUE, units.FORCE, exclusiveMinimum=0),
 ]
 JointFriction = Annotated[
     JointValue,
     PlainValidator(_joint_value(units.TORQUE, units.FORCE, low=0.0)),
-    _json(units.TORQUE, units.FORCE, minimum=0),
+    quantity_schema(units.TORQUE, units.FORCE, minimum=0),
 ]
 JointDamping = Annotated[
     JointValue,
     PlainValidator(_joint_value(units.ANGULAR_DAMPING, units.LINEAR_DAMPING, low=0.0)),
-    _json(units.ANGULAR_DAMPING, units.LINEAR_DAMPING, minimum=0),
+    quantity_schema(units.ANGULAR_DAMPING, units.LINEAR_DAMPING, minimum=0),
 ]
 JointStiffness = Annotated[
     JointValue,
     PlainValidator(_joint_value(units.ANGULAR_STIFFNESS, units.LINEAR_STIFFNESS, low=0.0)),
-    _json(units.ANGULAR_STIFFNESS, units.LINEAR_STIFFNESS, minimum=0),
+    quantity_schema(units.ANGULAR_STIFFNESS, units.LINEAR_STIFFNESS, minimum=0),
 ]
 JointInertia = Annotated[
     JointValue,
     PlainValidator(_joint_value(units.INERTIA, units.MASS, low=0.0)),
-    _json(units.INERTIA, units.MASS, minimum=0),
+    quantity_schema(units.INERTIA, units.MASS, minimum=0),
 ]
