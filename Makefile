@@ -5,8 +5,8 @@ BIN := $(VENV)/bin
 # Python 3.11 first: the newest that PyBullet has wheels for.
 PYTHON := $(shell for p in python3.11 python3 python3.12 python3.13 python3.14; do \
 	"$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && { echo "$$p"; break; }; done)
-# One process per core pays off from a minute of tests; tests of a group share results within one process.
-JOBS := auto --dist loadgroup
+# Three processes for two cores: many tests wait for commands that they start. Tests of a group share results within one process.
+JOBS := $(shell n=$$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2); echo $$((n + (n + 1) / 2))) --dist loadgroup
 # Tests and commands start hundreds of processes; without bytecode each of them compiles stepbot anew.
 export PYTHONDONTWRITEBYTECODE :=
 DEMO := robot_library/stepbot_four_bar/four_bar.robot.yaml
