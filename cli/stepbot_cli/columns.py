@@ -72,4 +72,6 @@ def padded(text: str, width: int) -> str:
 
 def cells(text: str) -> int:
     """Width of ``text`` on the screen: wide characters take two columns, combining ones none."""
+    if text.isascii():
+        return len(text)
     return sum(0 if unicodedata.combining(c) else 2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text)

@@ -122,6 +122,8 @@ def summary(
 
 def printable(text: str) -> str:
     """``text`` without control characters: names from a file must not control the terminal."""
+    if text.isprintable():
+        return text
     return "".join(c if c.isprintable() or c in "\n " else repr(c)[1:-1] for c in text.replace("\t", " "))
 
 

@@ -1,7 +1,6 @@
 """The text and JSON form of a diagnostic."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -30,7 +29,7 @@ def diagnostic(span: Span, **texts: tuple[str, ...]) -> Diagnostic:
 
 def warning(span: Span) -> Diagnostic:
     """A warning without help, which ends with its code frame."""
-    return replace(diagnostic(span), severity="warning")
+    return diagnostic(span)._replace(severity="warning")
 
 
 @pytest.mark.usefixtures("sidecar")

@@ -139,7 +139,7 @@ def test_base_of_a_urdf_is_a_stated_guess(tmp_path: Path) -> None:
     guessed = convert(path, bare)
     assert [one.code for one in guessed.diagnostics] == ["SB868"]
     assert b"freejoint" not in guessed.files["cart.xml"]
-    stated = convert(path, replace(bare, base="floating"))
+    stated = convert(path, bare._replace(base="floating"))
     assert not list(stated.diagnostics)
     assert b"freejoint" in stated.files["cart.xml"]
 

@@ -41,6 +41,8 @@ class Record(NamedTuple):
     """The result of a conversion without errors."""
 
     files: Mapping[str, bytes]
+    hashes: Mapping[str, str]
+    """SHA-256 of each file."""
     diagnostics: tuple[Diagnostic, ...]
     ignored: tuple[Diagnostic, ...]
     report: bytes
@@ -175,7 +177,7 @@ def _conversion_of(record: Record) -> Conversion:
     found = Diagnostics()
     found.extend(record.diagnostics)
     found.add_ignored(record.ignored)
-    return Conversion(found, None, record.files, Kept(record.report, record.summary))
+    return Conversion(found, None, record.files, Kept(record.report, record.summary), hashes=record.hashes)
 
 
 def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options) -> None:
@@ -187,11 +189,14 @@ def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options)
     if found.has_errors or any(one.code == _NEVER_KEPT for one in found):
         return
     from stepbot.report.results import Results
+    from stepbot.runtime.output_list import content_hashes
 
     encoded = codec_of(Results).encode(report)
     step = options.step or sidecar.parent / conversion.named
     key = conversion_key(sidecar, content, step, conversion.geometry, options)
-    TypedCache(options.cache, Record).put(key, Record(conversion.files, tuple(found), found.ignored, encoded, summary))
+    hashes = content_hashes(conversion.files)
+    record = Record(conversion.files, hashes, tuple(found), found.ignored, encoded, summary)
+    TypedCache(options.cache, Record).put(key, record)
 
 
 def _content(sidecar: Path, cache: Cache | None) -> str:

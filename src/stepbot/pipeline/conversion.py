@@ -94,6 +94,8 @@ class Conversion(NamedTuple):
     """Path of the STEP as written in the sidecar; empty if it could not be read."""
     geometry: str = ""
     """Hash of the STEP that was read; empty if the file changed meanwhile."""
+    hashes: Mapping[str, str] | None = None
+    """SHA-256 of each of the files, if it is known."""
 
     @property
     def report(self) -> "Results | None":
@@ -131,7 +133,7 @@ def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
     if not found.has_errors:
         _report_replaced(conversion.files, output, found)
     try:
-        write_atomically(conversion.files, failed if found.has_errors else output, sidecar, found)
+        write_atomically(conversion.files, failed if found.has_errors else output, sidecar, found, conversion.hashes)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Conversion(found)

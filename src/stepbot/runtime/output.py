@@ -26,6 +26,7 @@ from .output_list import (
     MANIFEST,
     STAGING,
     Manifest,
+    content_hashes,
     is_below,
     list_document,
     manifest_bytes,
@@ -63,7 +64,11 @@ def check_writable(folder: Path) -> None:
 
 
 def write_atomically(
-    files: Mapping[str, bytes], folder: Path, sidecar: Path | None = None, found: Diagnostics | None = None
+    files: Mapping[str, bytes],
+    folder: Path,
+    sidecar: Path | None = None,
+    found: Diagnostics | None = None,
+    hashes: Mapping[str, str] | None = None,
 ) -> None:
     """Write all files, or none.
 
@@ -76,6 +81,7 @@ def write_atomically(
         sidecar: The sidecar of the files. The list names it if it and ``folder`` are below the current folder; no path
             outside of a project is written.
         found: Receives the note SB011 if the file system has no locks.
+        hashes: SHA-256 of each file; None to compute them.
 
     Raises:
         StepbotError: A path leads out of ``folder``, or a file cannot be written (SB004); nothing was changed.
@@ -88,7 +94,7 @@ def write_atomically(
             if not is_alone and found is not None:
                 message = "file system without locks: concurrent conversions into this folder are not detected"
                 found.add("SB011", message, Span(str(folder)), help=["run one conversion at a time"])
-            lists = _listed_after(files, folder, _from_folder(sidecar, folder))
+            lists = _listed_after(hashes or content_hashes(files), folder, _from_folder(sidecar, folder))
             if _is_current(files, folder, lists):
                 stamp(folder)
                 _remove_abandoned(folder)
@@ -163,9 +169,9 @@ class _Lists(NamedTuple):
     sidecars: Mapping[str, str]
 
 
-def _listed_after(files: Mapping[str, bytes], folder: Path, sidecar: str) -> _Lists:
+def _listed_after(hashes: Mapping[str, str], folder: Path, sidecar: str) -> _Lists:
     document = read_list(folder)
-    before, own = manifest_in(document), manifest_of(files)
+    before, own = manifest_in(document), manifest_of(hashes)
     after = {**before, **own}
     sidecars = {name: source for name, source in sidecars_in(document).items() if name in after}
     return _Lists(document, before, own, after, sidecars | dict.fromkeys(own, sidecar))

@@ -37,14 +37,18 @@ def sidecars_in(document: Any) -> dict[str, str]:
         return {}
 
 
-def manifest_of(files: Mapping[str, bytes]) -> Manifest:
-    """The entries of the files of a run, by path relative to the folder."""
-    digests = {path: hashlib.sha256(content).hexdigest() for path, content in files.items()}
+def content_hashes(files: Mapping[str, bytes]) -> dict[str, str]:
+    """SHA-256 of each file."""
+    return {path: hashlib.sha256(content).hexdigest() for path, content in files.items()}
+
+
+def manifest_of(digests: Mapping[str, str]) -> Manifest:
+    """The entries of the files of a run, by path relative to the folder, from the SHA-256 of each."""
     meshes = {path: digest for path, digest in digests.items() if "/" in path}
-    pages = _pages(files)
+    pages = _pages(digests)
     return {
         path: {path: digests[path], **meshes, **({pages[path]: digests[pages[path]]} if path in pages else {})}
-        for path in top_files(files)
+        for path in top_files(digests)
     }
 
 
