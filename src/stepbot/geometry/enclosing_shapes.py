@@ -12,7 +12,7 @@ from math import pi
 import numpy as np
 
 from .primitives import Box, Capsule, Cylinder, Sphere
-from .spatial import Array, Pose, dot, matrix_product, perpendicular_frame, rotated
+from .spatial import Array, Pose, cross, dot, matrix_product, perpendicular_frame, rotated
 
 THINNEST = 1e-6
 """Minimum size [m] of a shape."""
@@ -107,12 +107,12 @@ def _equally_far(support: Array) -> Array | None:
         offset = 0.5 * edges[0]
     else:
         u, v = edges[:2]
-        n = np.cross(u, v)
+        n = cross(u, v)
         w, half = (edges[2], halves[2]) if len(edges) == 3 else (n, 0.0)
         volume = float((n * w).sum())
         if volume == 0.0:
             return None
         # The point whose dot products with u, v and w are half their squared lengths, by Cramer's rule.
-        offset = (halves[0] * np.cross(v, w) + halves[1] * np.cross(w, u) + half * n) / volume
+        offset = (halves[0] * cross(v, w) + halves[1] * cross(w, u) + half * n) / volume
     center: Array = support[0] + offset[: support.shape[1]]
     return center if np.isfinite(center).all() else None

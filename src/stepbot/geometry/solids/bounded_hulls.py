@@ -9,7 +9,7 @@ import numpy as np
 
 from ..distinct_rows import distinct_rows
 from ..mesh import GRID_PER_METRE, TriMesh
-from ..spatial import Array, dot, matrix_product
+from ..spatial import Array, cross, dot, matrix_product
 from .face_normals import face_normals
 from .manifolds import convex_hull, hull_faces
 
@@ -71,7 +71,7 @@ def _corners(normals: Array, distances: Array) -> Array:
     dual = np.ascontiguousarray(normals / distances[:, None])
     corners = dual[hull_faces(dual)]
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    across = np.cross(b - a, c - a)
+    across = cross(b - a, c - a)
     scale = np.einsum("ij,ij->i", across, a)
     found = across[scale > 0.0] / scale[scale > 0.0, None]
     # A face of the dual with more than three corners was triangulated: all its triangles give the same vertex.

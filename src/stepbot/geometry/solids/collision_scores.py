@@ -1,12 +1,14 @@
 """How well collision shapes match the solids of a link: intersection over union, and overshoot.
 
-The intersection over union is by volume. Curved primitives are prisms of the same volume; where one primitive is the
-only shape, the volume between mesh and exact solid counts too, so that a cylinder on a cylinder is 1. Closed voids of
-the solids count as filled.
+The intersection over union is by volume. Of shapes that enclose the solids, it is the volume of the solids divided by
+that of the shapes; others are intersected with the solids. Curved primitives are prisms of the same volume; where one
+primitive is the only shape, the volume between mesh and exact solid counts too, so that a cylinder on a cylinder is 1.
+Closed voids of the solids count as filled.
 
 The overshoot is the largest distance of a point of the shapes from the solids. A distance changes by no more than the
 point moves, so a triangle can be left out, or has to be divided, by the distance of its centre and its radius. The
-search measures from a simplified surface; the distance of the point that it finds is measured from the exact one.
+search is outside a simplified solid and measures from it; the distance of the point that it finds is measured from the
+exact one.
 """
 
 from collections.abc import Sequence
@@ -18,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh import TriMesh
+from ..mesh_distance import squared_distances
 from ..primitives import Box, Capsule, Cylinder, Primitive, Sphere
 from ..spatial import IDENTITY, Array, cross
 from ..surface_distances import SurfaceDistances
@@ -67,8 +70,13 @@ def collision_scores(unscored: Sequence[Unscored]) -> tuple[CollisionScore, ...]
     return tuple(map(collision_score, unscored))
 
 
-def collision_score(one: Unscored) -> CollisionScore:
-    """The score of the shapes of a link."""
+def collision_score(one: Unscored, encloses: bool = False) -> CollisionScore:
+    """The score of the shapes of a link.
+
+    Args:
+        one: The link.
+        encloses: Whether the shapes are known to enclose the solids.
+    """
     import manifold3d
 
     meshes = [solid.mesh for solid in one.solids]
@@ -80,11 +88,12 @@ def collision_score(one: Unscored) -> CollisionScore:
         return NO_SCORE
     parts = [_manifold(shape.geometry).transform(shape.X_AG.matrix[:3]) for shape in one.shapes]
     shapes = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
-    outside = shapes - solid.manifold
+    volume = float(shapes.volume())
+    outside = volume - solid.volume if encloses else float((shapes - solid.manifold).volume())
     is_exact = len(one.shapes) == 1 and not isinstance(one.shapes[0].geometry, TriMesh)
-    both = shapes.volume() - outside.volume() + (one.missing if is_exact else 0.0)
-    iou = both / (solid.volume + outside.volume())
-    return CollisionScore(round(min(float(iou), 1.0), _DECIMALS), round(_overshoot(solid, outside), _DECIMALS))
+    both = volume - outside + (one.missing if is_exact else 0.0)
+    iou = both / (solid.volume + outside)
+    return CollisionScore(round(min(iou, 1.0), _DECIMALS), round(_overshoot(solid, shapes), _DECIMALS))
 
 
 def _manifold(geometry: Primitive | TriMesh) -> Any:
@@ -112,9 +121,9 @@ def _half(length: float) -> tuple[float, float]:
     return -0.5 * length, 0.5 * length
 
 
-def _overshoot(solid: Union, outside: Any) -> float:
-    """The largest distance [m] of a point of what is outside the solid from it."""
-    corners, sides, touching = faces_not_of(outside, solid.manifold)
+def _overshoot(solid: Union, shapes: Any) -> float:
+    """The largest distance [m] of a point of the shapes from a solid."""
+    corners, sides, touching = faces_not_of(shapes - solid.simplified, solid.simplified)
     if not len(sides):
         return 0.0
     surface = SurfaceDistances(*mesh_arrays(solid.simplified))
@@ -194,4 +203,4 @@ def _distance(solid: Union, point: Array, about: float) -> float:
     low, high = points[faces].min(axis=1), points[faces].max(axis=1)
     apart = np.maximum(np.maximum(low - point, point - high), 0.0)
     near = faces[np.linalg.norm(apart, axis=1) <= about + 2.0 * SIMPLIFIED * solid.diagonal]
-    return float(SurfaceDistances(points, near).of(point[None])[0])
+    return sqrt(float(squared_distances(np.broadcast_to(point, (len(near), 3)), points[near]).min()))

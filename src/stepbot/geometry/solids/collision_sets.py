@@ -4,6 +4,7 @@ The solids are joined to one, so screws in their holes, parts inside a housing a
 their own, and voids that nothing can enter are filled. The shapes together enclose all of it.
 """
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -15,9 +16,9 @@ from .bounded_hulls import bounded_hull
 from .collision_scores import NO_SCORE, CollisionScore, Unscored, collision_score
 from .convex_pieces import Bore, convex_pieces, main_axes
 from .face_normals import face_normals
-from .manifolds import convex_hull, hull_volume, mesh_arrays
-from .primitive_fits import Shaft, fitted_primitive
-from .unions import PlacedShape, PlacedSolid, union
+from .manifolds import convex_hull, hull_volume, mesh_arrays, use_one_thread
+from .primitive_fits import PrimitiveFits, Shaft
+from .unions import PlacedShape, PlacedSolid, Union, union
 
 MAX_HULLS, MAX_VERTICES = 16, 64
 """Default budgets; PhysX and MJX take at most 64 vertices a hull."""
@@ -62,36 +63,47 @@ def collision_sets(all_wanted: Sequence[Wanted]) -> tuple[CollisionSet, ...]:
         WorkerDied: A process ended without a result.
     """
     weights = [sum(len(one.mesh.faces) for one in wanted.solids) for wanted in all_wanted]
-    return tuple(results_of(_scored_set, all_wanted, weights))
+    here = os.getpid()
+
+    def made(wanted: Wanted) -> CollisionSet:
+        if os.getpid() != here:  # others like this one use the other cores
+            use_one_thread()
+        return _scored_set(wanted)
+
+    return tuple(results_of(made, all_wanted, weights))
 
 
 def _scored_set(wanted: Wanted) -> CollisionSet:
-    made = _collision_set(wanted)
-    return replace(made, score=collision_score(Unscored(wanted.solids, wanted.missing, made.shapes)))
-
-
-def _collision_set(wanted: Wanted) -> CollisionSet:
     solid = union(wanted.solids)
     if solid.manifold is None:
         return CollisionSet((), left_out=solid.left_out)
-    axes = main_axes(*face_normals(*solid.arrays)[:2])
+    made, encloses = _collision_set(wanted, solid)
+    unscored = Unscored(wanted.solids, wanted.missing, made.shapes)
+    return replace(made, score=collision_score(unscored, encloses))
+
+
+def _collision_set(wanted: Wanted, solid: Union) -> tuple[CollisionSet, bool]:
+    """The shapes, and whether they enclose the whole solid: not if a piece is too flat for a hull."""
+    fits = PrimitiveFits(main_axes(*face_normals(*solid.arrays)[:2]), wanted.shafts)
     if wanted.primitives:
         corners = mesh_arrays(solid.manifold.hull())[0]
-        fit = fitted_primitive(corners, solid.volume + wanted.missing, axes, wanted.shafts)
+        fit = fits.best(corners, solid.volume + wanted.missing, FEW)
         if fit is not None:
-            return CollisionSet((PlacedShape(fit.shape, fit.X_AG),), 1.0, solid.left_out)
+            return CollisionSet((PlacedShape(fit.shape, fit.X_AG),), 1.0, solid.left_out), True
     pieces = convex_pieces(solid, wanted.bores, wanted.filled, wanted.max_hulls)
-    shapes = tuple(shape for piece in pieces for shape in _piece(piece, wanted, axes))
-    return CollisionSet(shapes, round(solid.volume / exact_sum(map(hull_volume, pieces)), 6), solid.left_out)
+    shapes = [_piece(piece, wanted, fits) for piece in pieces]
+    found = tuple(shape for shape in shapes if shape is not None)
+    filled = round(solid.volume / exact_sum(map(hull_volume, pieces)), 6)
+    return CollisionSet(found, filled, solid.left_out), len(found) == len(pieces)
 
 
-def _piece(points: Array, wanted: Wanted, axes: Array) -> list[PlacedShape]:
-    """The shape of a convex piece; none if it is too flat for a hull."""
+def _piece(points: Array, wanted: Wanted, fits: PrimitiveFits) -> PlacedShape | None:
+    """The shape of a convex piece; None if it is too flat for a hull."""
     hull = convex_hull(points)
     if hull is None:
-        return []
+        return None
     if wanted.primitives:
-        fit = fitted_primitive(hull.vertices, hull_volume(hull.vertices), axes, wanted.shafts)
-        if fit is not None and fit.filled >= CLOSE:
-            return [PlacedShape(fit.shape, fit.X_AG)]
-    return [PlacedShape(bounded_hull(hull, wanted.max_vertices), IDENTITY)]
+        fit = fits.best(hull.vertices, hull_volume(hull.vertices), CLOSE)
+        if fit is not None:
+            return PlacedShape(fit.shape, fit.X_AG)
+    return PlacedShape(bounded_hull(hull, wanted.max_vertices), IDENTITY)

@@ -15,14 +15,17 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..distinct_rows import distinct_rows
 from ..spatial import Array, dot, matrix_product
 from ..sums import exact_sum
 from .cut_surfaces import ON, CutSurface, Plane, crossings
 from .face_normals import face_normals
-from .manifolds import hull_points, hull_volume, mesh_arrays
+from .manifolds import hull_faces, hull_points, hull_volume, mesh_arrays
 from .unions import SIMPLIFIED, Union
+
+Mask = NDArray[np.bool_]
 
 _COARSER = (2e-3, 4e-3)
 """Tolerances of the coarse mesh after the first, as shares of the diagonal: the first that leaves :data:`_FEW`
@@ -89,20 +92,41 @@ class _Solid:
         self.edges = renumbered[edges[:, counts[edges].all(axis=0)]]
         """Indices (2, m) of points."""
 
-    def above(self, plane: Plane) -> "_Solid":
-        """The part of this solid that the plane's normal points to."""
+    def split(self, plane: Plane) -> "tuple[_Solid, _Solid]":
+        """The parts of this solid above and below a plane."""
         x, y, z = plane.normal.tolist()
-        return _Solid(self.manifold.trim_by_plane((x, y, z), plane.offset), (*self.planes, plane))
+        above, below = self.manifold.split_by_plane((x, y, z), plane.offset)
+        return _Solid(above, (*self.planes, plane)), _Solid(below, (*self.planes, plane.reverse))
 
-    def sides(self, heights: Array) -> tuple[Array, Array]:
-        """The points on either side of a plane, with those where edges cross it, by the heights (n,) [m] of all."""
+    def sections(self, heights: Array) -> "list[_Section]":
+        """Where planes cut this solid, by the heights (k, n) [m] of its points above each."""
         above, below = heights > ON, heights < -ON
         first, second = self.edges
-        crosses = np.flatnonzero((above[first] & below[second]) | (below[first] & above[second]))
-        on_plane = crossings(self.points, heights, first[crosses], second[crosses])
+        planes, crosses = np.nonzero((above[:, first] & below[:, second]) | (below[:, first] & above[:, second]))
+        a, b = first[crosses], second[crosses]
+        points = crossings(self.points[a], self.points[b], heights[planes, a], heights[planes, b])
+        ends = np.searchsorted(planes, np.arange(len(heights) + 1))
         on = ~(above | below)
-        above, below = _reaching(above, on, self.edges), _reaching(below, on, self.edges)
-        return np.concatenate([self.points[above], on_plane]), np.concatenate([self.points[below], on_plane])
+        return [
+            _Section(
+                points[ends[k] : ends[k + 1]],
+                on[k],
+                (_reaching(above[k], on[k], self.edges), _reaching(below[k], on[k], self.edges)),
+            )
+            for k in range(len(heights))
+        ]
+
+
+@dataclass(frozen=True, eq=False)
+class _Section:
+    """Where a plane cuts a solid."""
+
+    points: Array
+    """Points (m, 3) [m] where edges cross the plane."""
+    on: Mask
+    """Points (n,) of the solid that are on the plane."""
+    sides: tuple[Mask, Mask]
+    """Points (n,) of the solid that belong to the part above and to the part below."""
 
 
 def _reaching(beyond: Any, on: Any, edges: Any) -> Any:
@@ -122,8 +146,8 @@ class _Piece:
     def __init__(self, exact: CutSurface, coarse: _Solid) -> None:
         self.exact, self.coarse = exact, coarse
         self.volume, self.hull = float(coarse.manifold.volume()), hull_volume(coarse.points)
+        self.search: _Search | None = None
         self.cut: _Cut | None = None
-        self.is_tried = False
 
     @property
     def excess(self) -> float:
@@ -163,12 +187,13 @@ def convex_pieces(solid: Union, bores: Sequence[Bore], filled: float, max_pieces
 
 
 def _try_cuts(pieces: Sequence[_Piece], planes: tuple[Array, Array], thinnest: float, least: float) -> None:
-    """Find the best cuts of pieces, except where their excess is less than a gain that is known, or than the least."""
+    """Find the best cuts of pieces, except where they gain less than a cut that is known, or than the least."""
     for piece in sorted(pieces, key=lambda piece: -piece.excess):
         if piece.excess + _ROUNDING * piece.hull < least:
             break
-        if not piece.is_tried:
-            piece.cut, piece.is_tried = _best_cut(piece, *planes, thinnest), True
+        if piece.search is None:
+            piece.search = _Search(piece, *planes, thinnest)
+        piece.cut = piece.search.best(least)
         if piece.cut is not None:
             least = max(least, piece.cut.gain)
 
@@ -197,23 +222,50 @@ def _digits(value: float, total: float) -> float:
 
 def _halves(piece: _Piece, plane: Plane) -> list[_Piece]:
     """The parts of a piece on both sides of a plane, those with a volume."""
-    halves = [_Piece(piece.exact.above(side), piece.coarse.above(side)) for side in (plane, plane.reverse)]
+    halves = [_Piece(*half) for half in zip(piece.exact.split(plane), piece.coarse.split(plane), strict=True)]
     return [half for half in halves if half.hull > 0.0 and half.volume > _SLIVER * piece.hull] or [piece]
 
 
-def _best_cut(piece: _Piece, normals: Array, offsets: Array, thinnest: float) -> _Cut | None:
-    """The cut that reduces the volume of the hulls most; the first of equal ones."""
-    best: _Cut | None = None
-    if piece.hull <= 0.0 or piece.excess <= _ROUNDING * piece.hull:
-        return None
-    heights = matrix_product(normals, piece.coarse.points.T) - offsets[:, None]
-    crosses = (heights.max(axis=1) > thinnest) & (heights.min(axis=1) < -thinnest)
-    for k in np.flatnonzero(crosses).tolist():
-        above, below = piece.coarse.sides(heights[k])
-        gain = piece.hull - hull_volume(above) - hull_volume(below)
-        if best is None or _digits(gain - best.gain, piece.hull) > 0.0:
-            best = _Cut(gain, Plane(normals[k], float(offsets[k])))
-    return best
+class _Search:
+    """Searches the cut that reduces the volume of a piece's hull most.
+
+    The corners of the hull, and the points on a plane, give an upper bound of a gain. Planes are tried in the order of
+    their bounds, as long as these exceed what is known.
+    """
+
+    def __init__(self, piece: _Piece, normals: Array, offsets: Array, thinnest: float) -> None:
+        self._points, self._hull = piece.coarse.points, piece.hull
+        self._gains: dict[int, float] = {}
+        self._bounds: list[float] = []
+        if piece.hull <= 0.0 or piece.excess <= _ROUNDING * piece.hull:
+            return
+        heights = matrix_product(normals, self._points.T) - offsets[:, None]
+        crosses = (heights.max(axis=1) > thinnest) & (heights.min(axis=1) < -thinnest)
+        self._normals, self._offsets = normals[crosses], offsets[crosses]
+        self._sections = piece.coarse.sections(heights[crosses])
+        corners = np.zeros(len(self._points), dtype=bool)
+        corners[hull_faces(self._points)] = True
+        self._bounds = [self._gain(section, corners | section.on) for section in self._sections]
+
+    def best(self, least: float) -> _Cut | None:
+        """The first of the cuts that gain most; any other one, or None, if all gain less than ``least`` [m^3]."""
+        most = max([least, *self._gains.values()])
+        for k in sorted(set(range(len(self._bounds))) - set(self._gains), key=lambda k: -self._bounds[k]):
+            if self._bounds[k] < most - _ROUNDING * self._hull:
+                break
+            self._gains[k] = self._gain(self._sections[k])
+            most = max(most, self._gains[k])
+        best: _Cut | None = None
+        for k, gain in sorted(self._gains.items()):
+            if best is None or _digits(gain - best.gain, self._hull) > 0.0:
+                best = _Cut(gain, Plane(self._normals[k], float(self._offsets[k])))
+        return best
+
+    def _gain(self, section: _Section, some: Mask | None = None) -> float:
+        """Reduction of the hull's volume [m^3] by a cut; of only some points (n,), an upper bound of it."""
+        sides = section.sides if some is None else [side & some for side in section.sides]
+        halves = (np.concatenate([self._points[side], section.points]) for side in sides)
+        return self._hull - exact_sum(map(hull_volume, halves))
 
 
 def _middle_cut(piece: _Piece) -> _Cut:

@@ -22,6 +22,7 @@ _OBLIQUE = np.array([0.5366, 0.3301, 0.7766])
 """Direction of rays, which few faces and edges are parallel to."""
 
 Indices = NDArray[np.int64]
+Signs = NDArray[np.int8]
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,9 +95,18 @@ class CutSurface:
         """A closed surface that is not cut yet."""
         return CutSurface(Surface(points, faces), points, faces)
 
-    def above(self, plane: Plane) -> "CutSurface":
-        """The part above a plane."""
-        points, faces = _clipped(self.points, self.faces, plane)
+    def split(self, plane: Plane) -> "tuple[CutSurface, CutSurface]":
+        """The parts above and below a plane."""
+        heights = plane.heights(self.points)
+        sides = (heights > ON).astype(np.int8) - (heights < -ON).astype(np.int8)
+        of_faces = np.stack([sides[self.faces[:, corner]] for corner in range(3)])
+        return (
+            self._above(plane, heights, sides, of_faces),
+            self._above(plane.reverse, -heights, -sides, -of_faces),
+        )
+
+    def _above(self, plane: Plane, heights: Array, sides: Signs, of_faces: Signs) -> "CutSurface":
+        points, faces = _clipped(self.points, self.faces, plane.normal, heights, sides, of_faces)
         return CutSurface(self.whole, points, faces, (*self.planes, plane))
 
     def corners(self) -> Array:
@@ -105,22 +115,31 @@ class CutSurface:
         return np.vstack([self.points, *inside])
 
 
-def _clipped(points: Array, faces: Indices, plane: Plane) -> tuple[Array, Indices]:
-    """Points and faces of the part of a surface above a plane."""
-    heights = plane.heights(points)
-    sides = (heights > ON).astype(np.int8) - (heights < -ON).astype(np.int8)
-    of_faces = sides[faces]
-    above, lowest = (of_faces > 0).sum(axis=1), of_faces.min(axis=1)
+def _clipped(
+    points: Array, faces: Indices, normal: Array, heights: Array, sides: Signs, of_faces: Signs
+) -> tuple[Array, Indices]:
+    """Points and faces of the part of a surface above a plane.
+
+    Args:
+        points: Shape (n, 3) [m].
+        faces: Shape (m, 3).
+        normal: Of the plane.
+        heights: Of the points (n,) above the plane [m].
+        sides: 1 for points (n,) above the plane, 0 on it, -1 below.
+        of_faces: Sides (3, m) of the corners of the faces.
+    """
+    above, lowest = (of_faces > 0).sum(axis=0, dtype=np.int8), of_faces.min(axis=0)
     whole = (above > 0) & (lowest >= 0)
     on = np.flatnonzero((above == 0) & (lowest == 0))
-    a, b, c = (points[faces[on, corner]] for corner in range(3))
-    reached = np.zeros(len(points), dtype=bool)
-    reached[faces[above > 0]] = True
-    whole[on] = (dot(cross(b - a, c - a), plane.normal) < 0.0) & reached[faces[on]].any(axis=1)
+    if len(on):
+        a, b, c = (points[faces[on, corner]] for corner in range(3))
+        reached = np.zeros(len(points), dtype=bool)
+        reached[faces[above > 0]] = True
+        whole[on] = (dot(cross(b - a, c - a), normal) < 0.0) & reached[faces[on]].any(axis=1)
     # With one corner above, it comes first; with two, the third is below.
-    is_one, is_two = (above == 1) & (lowest < 0), (above == 2) & (lowest < 0)
-    one = _turned(faces[is_one], of_faces[is_one].argmax(axis=1))
-    two = _turned(faces[is_two], of_faces[is_two].argmin(axis=1) + 1)
+    is_one, is_two = np.flatnonzero((above == 1) & (lowest < 0)), np.flatnonzero((above == 2) & (lowest < 0))
+    one = _turned(faces[is_one], of_faces[:, is_one].argmax(axis=0))
+    two = _turned(faces[is_two], of_faces[:, is_two].argmin(axis=0) + 1)
     starts = np.concatenate([one[:, 0], one[:, 0], two[:, 1], two[:, 0]])
     ends = np.concatenate([one[:, 1], one[:, 2], two[:, 2], two[:, 2]])
     crosses = sides[ends] < 0
@@ -137,16 +156,16 @@ def _clipped(points: Array, faces: Indices, plane: Plane) -> tuple[Array, Indice
         ]
     )
     a, b = np.divmod(edges, len(points))
-    everything = np.concatenate([points, crossings(points, heights, a, b)])
+    everything = np.concatenate([points, crossings(points[a], points[b], heights[a], heights[b])])
     used = np.zeros(len(everything), dtype=bool)
     used[left] = True
     return everything[used], (np.cumsum(used) - 1)[left]
 
 
-def crossings(points: Array, heights: Array, a: Indices, b: Indices) -> Array:
-    """Where edges from points a to b cross the plane that the points' heights (n,) are above."""
-    share = heights[a] / (heights[a] - heights[b])
-    return np.asarray(points[a] + share[:, None] * (points[b] - points[a]))
+def crossings(a: Array, b: Array, a_heights: Array, b_heights: Array) -> Array:
+    """Where edges from points a (n, 3) to b cross a plane, by the heights (n,) [m] of their ends above it."""
+    share = a_heights / (a_heights - b_heights)
+    return np.asarray(a + share[:, None] * (b - a))
 
 
 def _turned(faces: Indices, first: Indices) -> Indices:

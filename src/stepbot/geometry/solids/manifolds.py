@@ -4,9 +4,10 @@ https://github.com/elalish/manifold: its Booleans always terminate, and closed m
 coincident faces.
 """
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from math import radians
 from typing import Any
 
@@ -15,8 +16,9 @@ from numpy.typing import NDArray
 
 from ..mesh import TriMesh
 from ..predicates import encloses
-from ..spatial import Array, Pose
+from ..spatial import Array, Pose, cross, lengths
 from .box_pairs import moved_boxes
+from .cut_surfaces import Surface
 from .slivers import without_slivers
 
 TOUCHING = 1e-6
@@ -32,6 +34,21 @@ degrees."""
 def prepare() -> None:
     """Import the library."""
     import manifold3d  # noqa: F401
+
+
+@cache
+def use_one_thread() -> None:
+    """Keep the library from starting threads in this process, if it has not yet; results are the same.
+
+    oneTBB, which it uses, counts the cores at its first use. Threads take a tenth to a fifth more processor time.
+    """
+    import manifold3d
+
+    if hasattr(os, "sched_setaffinity"):
+        cores = os.sched_getaffinity(0)
+        os.sched_setaffinity(0, {min(cores)})
+        manifold3d.Manifold.cube((1.0, 1.0, 1.0))
+        os.sched_setaffinity(0, cores)
 
 
 class Solid:
@@ -173,13 +190,35 @@ def joined_solid(parts: Sequence[tuple[TriMesh, Pose]]) -> tuple[Any | None, tup
             solids.append(closed if X_AC.is_identity else closed.transform(X_AC.matrix[:3]))
         else:
             left_out.append(i)
-    union = manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add)
-    # The surface of a void is turned inside out; solids in a void are inside the union once the void is filled.
-    surfaces = union.decompose()
-    outer = [surface for surface in surfaces if surface.volume() > 0.0]
-    if len(outer) < len(surfaces):
-        union = manifold3d.Manifold.batch_boolean(outer, manifold3d.OpType.Add)
+    union = _filled(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
     return (None if union.is_empty() else union), tuple(left_out)
+
+
+def _filled(union: Any) -> Any:
+    """A union without voids, and without what is in them."""
+    import manifold3d
+
+    surfaces = union.decompose()
+    # The surface of a void is turned inside out.
+    outer = [surface for surface in surfaces if surface.volume() > 0.0]
+    if len(outer) == len(surfaces) or not outer:
+        return union
+    # Surfaces of a union do not cross: one that is inside another one is in a void of that.
+    boxes = [np.reshape(surface.bounding_box(), (2, 3)) for surface in outer]
+    closed = cache(lambda i: Surface(*_arrays(outer[i])))
+    kept = []
+    for i, (low, high) in enumerate(boxes):
+        around = [j for j, box in enumerate(boxes) if j != i and (box[0] <= low).all() and (high <= box[1]).all()]
+        if not any(closed(j).contains(_point_of(closed(i))) for j in around):
+            kept.append(outer[i])
+    return kept[0] if len(kept) == 1 else manifold3d.Manifold.compose(kept)
+
+
+def _point_of(surface: Surface) -> Array:
+    """The centre (3,) [m] of the largest face: less likely than a corner to touch another surface."""
+    a, b, c = (surface.points[surface.faces[:, corner]] for corner in range(3))
+    largest = int(lengths(cross(b - a, c - a)).argmax())
+    return np.asarray((a[largest] + b[largest] + c[largest]) / 3.0)
 
 
 def convex_hull(points: Array) -> TriMesh | None:
@@ -203,8 +242,13 @@ def convex_hull(points: Array) -> TriMesh | None:
 
 def mesh_arrays(solid: Any) -> tuple[Array, NDArray[np.int64]]:
     """Vertices (n, 3) [m] and faces (m, 3) of a manifold, sorted: their order in the library depends on its threads."""
+    return _in_order(*_arrays(solid))
+
+
+def _arrays(solid: Any) -> tuple[Array, NDArray[np.int64]]:
+    """The same in the library's order."""
     mesh = solid.to_mesh64()
-    return _in_order(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64))
+    return np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)
 
 
 def faces_not_of(made: Any, solid: Any) -> tuple[Array, NDArray[np.int64], NDArray[np.bool_]]:

@@ -15,8 +15,6 @@ from ..mesh import GRID_PER_METRE
 from ..primitives import Box, Capsule, Cylinder, Primitive, Sphere
 from ..spatial import Array, Pose, matrix_product, perpendicular_frame, rotated
 
-FILLED = 0.9
-"""Share of a primitive's volume that a solid has to fill."""
 _EQUAL = 1e-4
 """Difference between shares up to which the simpler primitive is preferred."""
 _GRID = 2.0 / GRID_PER_METRE
@@ -44,21 +42,73 @@ class Fit:
     filled: float
 
 
-def fitted_primitive(points: Array, volume: float, axes: Array, shafts: Sequence[Shaft]) -> Fit | None:
-    """The primitive that a solid fills most, if at least :data:`FILLED`; it encloses all points.
+class PrimitiveFits:
+    """Finds primitives around solids, along given axes."""
 
-    Args:
-        points: Vertices (n, 3) [m] of the solid or of its hull.
-        volume: Volume [m^3] of the solid.
-        axes: Three orthogonal unit vectors (3, 3), as rows, to align boxes with.
-        shafts: Cylindrical faces to align cylinders and capsules with.
-    """
-    best: Fit | None = None
-    for shape, X_AG in _candidates(points, volume, axes, shafts):
-        filled = volume / primitive_volume(shape)
-        if filled >= FILLED and (best is None or filled > best.filled + _EQUAL):
-            best = Fit(shape, X_AG, filled)
-    return best
+    def __init__(self, axes: Array, shafts: Sequence[Shaft]) -> None:
+        """Keep the axes.
+
+        Args:
+            axes: Three orthogonal unit vectors (3, 3), as rows, to align boxes with.
+            shafts: Cylindrical faces to align cylinders and capsules with.
+        """
+        self._axes, self._shafts = axes, shafts
+        self._directions = [*axes, *(shaft.direction for shaft in shafts)]
+        self._frames = [perpendicular_frame(direction) for direction in self._directions]
+
+    def best(self, points: Array, volume: float, least: float) -> Fit | None:
+        """The primitive that a solid fills most; it encloses all points.
+
+        Args:
+            points: Vertices (n, 3) [m] of the solid or of its hull.
+            volume: Volume [m^3] of the solid.
+            least: Share of the primitive that the solid has to fill.
+        """
+        best: Fit | None = None
+        for shape, X_AG in self._candidates(points, volume / least):
+            filled = volume / primitive_volume(shape)
+            if filled >= least and (best is None or filled > best.filled + _EQUAL):
+                best = Fit(shape, X_AG, filled)
+        return best
+
+    def _candidates(self, points: Array, most: float) -> Iterator[tuple[Primitive, Pose]]:
+        """The simpler primitives first; only those whose volume [m^3] can be at most this, by the points' extent."""
+        R = self._axes.T
+        box = box_around(matrix_product(points, R))
+        if box is not None:
+            yield box[0], Pose.of(R, rotated(R, box[1].p))
+        yield from self._cylinders_on_shafts(points, most)
+        sizes = [_size_along(points, frame) for frame in self._frames]
+        for direction, (radius, length) in zip(self._axes, sizes[:3], strict=True):
+            if primitive_volume(Cylinder(radius, length)) <= most:
+                found = cylinder_around(points, [direction])
+                if found is not None:
+                    yield found
+        if primitive_volume(Sphere(max(radius for radius, _ in sizes))) <= most:
+            ball = sphere_around(points)
+            if ball is not None:
+                yield ball
+        for i, (direction, (radius, length)) in enumerate(zip(self._directions, sizes, strict=True)):
+            if length > 2.0 * radius and primitive_volume(Capsule(radius, length - 2.0 * radius)) <= most:
+                capsule = capsule_around(points, [direction])
+                if capsule is not None:
+                    yield (_exact_capsule(capsule[0], self._shafts[i - 3]) if i >= 3 else capsule[0]), capsule[1]
+
+    def _cylinders_on_shafts(self, points: Array, most: float) -> Iterator[tuple[Cylinder, Pose]]:
+        """Cylinders around the axes of faces: with their radii if these enclose the points, up to the vertex grid."""
+        for shaft, R in zip(self._shafts, self._frames[3:], strict=True):
+            local = matrix_product(points - shaft.point, R)
+            farthest = float(np.linalg.norm(local[:, :2], axis=1).max())
+            low, high = float(local[:, 2].min()), float(local[:, 2].max())
+            cylinder = Cylinder(shaft.radius if farthest <= shaft.radius + _GRID else farthest, _on_grid(high - low))
+            if high - low >= THINNEST and primitive_volume(cylinder) <= most:
+                yield cylinder, Pose.of(R, shaft.point + rotated(R, np.array([0.0, 0.0, 0.5 * (low + high)])))
+
+
+def _size_along(points: Array, R: Array) -> tuple[float, float]:
+    """A lower bound of the radius across the z axis of a frame, and the length along it [m]."""
+    x, y, z = np.ptp(matrix_product(points, R), axis=0).tolist()
+    return 0.5 * max(x, y), z
 
 
 def primitive_volume(shape: Primitive) -> float:
@@ -69,51 +119,6 @@ def primitive_volume(shape: Primitive) -> float:
         return 4.0 / 3.0 * pi * shape.radius**3
     domes = 4.0 / 3.0 * shape.radius if isinstance(shape, Capsule) else 0.0
     return pi * shape.radius**2 * (shape.length + domes)
-
-
-def _candidates(points: Array, volume: float, axes: Array, shafts: Sequence[Shaft]) -> Iterator[tuple[Primitive, Pose]]:
-    """The simpler primitives first; only those that the solid can fill, by their extent."""
-    R = axes.T
-    box = box_around(matrix_product(points, R))
-    if box is not None:
-        yield box[0], Pose.of(R, rotated(R, box[1].p))
-    for shaft in shafts:
-        yield from _cylinder_on(points, shaft)
-    directions = [*axes, *(shaft.direction for shaft in shafts)]
-    sizes = [_size_along(points, direction) for direction in directions]
-    for direction, (radius, length) in zip(axes, sizes[:3], strict=True):
-        if volume >= FILLED * primitive_volume(Cylinder(radius, length)):
-            found = cylinder_around(points, [direction])
-            if found is not None:
-                yield found
-    if volume >= FILLED * primitive_volume(Sphere(max(radius for radius, _ in sizes))):
-        ball = sphere_around(points)
-        if ball is not None:
-            yield ball
-    for i, (direction, (radius, length)) in enumerate(zip(directions, sizes, strict=True)):
-        if length > 2.0 * radius and volume >= FILLED * primitive_volume(Capsule(radius, length - 2.0 * radius)):
-            capsule = capsule_around(points, [direction])
-            if capsule is not None:
-                yield (_exact_capsule(capsule[0], shafts[i - 3]) if i >= 3 else capsule[0]), capsule[1]
-
-
-def _size_along(points: Array, direction: Array) -> tuple[float, float]:
-    """A lower bound of the radius across a direction, and the length along it [m]."""
-    local = matrix_product(points, perpendicular_frame(direction))
-    x, y, z = np.ptp(local, axis=0).tolist()
-    return 0.5 * max(x, y), z
-
-
-def _cylinder_on(points: Array, shaft: Shaft) -> Iterator[tuple[Cylinder, Pose]]:
-    """The cylinder around the axis of a face: with its radius if that encloses the points, up to the vertex grid."""
-    R = perpendicular_frame(shaft.direction)
-    local = matrix_product(points - shaft.point, R)
-    farthest = float(np.linalg.norm(local[:, :2], axis=1).max())
-    low, high = float(local[:, 2].min()), float(local[:, 2].max())
-    if high - low >= THINNEST:
-        radius = shaft.radius if farthest <= shaft.radius + _GRID else farthest
-        middle = shaft.point + rotated(R, np.array([0.0, 0.0, 0.5 * (low + high)]))
-        yield Cylinder(radius, _on_grid(high - low)), Pose.of(R, middle)
 
 
 def _exact_capsule(capsule: Capsule, shaft: Shaft) -> Capsule:

@@ -62,8 +62,12 @@ class Union:
 
     @cached_property
     def simplified(self) -> Any:
-        """A manifold with fewer faces, whose surface is displaced by at most :data:`SIMPLIFIED`."""
-        return self.manifold.simplify(SIMPLIFIED * self.diagonal)
+        """A manifold with fewer faces, whose surface is displaced by at most :data:`SIMPLIFIED`.
+
+        The same one if nothing would be left.
+        """
+        made = self.manifold.simplify(SIMPLIFIED * self.diagonal)
+        return self.manifold if made.is_empty() or made.volume() <= 0.0 else made
 
 
 class _Unions:

@@ -179,6 +179,53 @@ def test_sets_are_scored() -> None:
     assert made[0].score.iou == pytest.approx(1.0, abs=1e-5)
 
 
+@pytest.mark.parametrize("primitives", [True, False])
+def test_score_of_shapes_that_enclose(primitives: bool) -> None:
+    """The quotient of the volumes is the intersection over union that Booleans measure."""
+    ring = manifold3d.Manifold.cylinder(0.01, 0.05, 0.05, 96) - manifold3d.Manifold.cylinder(0.01, 0.03, 0.03, 96)
+    cap = manifold3d.Manifold.sphere(0.02, 64).translate((0.05, 0.0, 0.0))
+    solids = (PlacedSolid(_mesh(ring + cap), _AWAY),)
+    made = _of(*solids, primitives=primitives, max_vertices=16)
+    (measured,) = collision_scores([Unscored(solids, 0.0, made.shapes)])
+    assert measured.iou is not None
+    assert 0.5 < measured.iou < 0.95
+    # Primitives are prisms there, which do not enclose all of the solid.
+    assert made.score.iou == pytest.approx(measured.iou, abs=1e-4 if primitives else 1e-6)
+    assert made.score.overshoot == measured.overshoot
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_first_cut_is_the_best(seed: int) -> None:
+    """Of all planes of faces and across a union of boxes, the first cut has the least volume of hulls."""
+    random = np.random.default_rng(seed)
+    lows = random.integers(0, 20, (4, 3)) / 100
+    highs = lows + random.integers(4, 20, (4, 3)) / 100
+    boxes = [
+        manifold3d.Manifold.cube(tuple(high - low)).translate(tuple(low)) for low, high in zip(lows, highs, strict=True)
+    ]
+    solid = manifold3d.Manifold.batch_boolean(boxes, manifold3d.OpType.Add)
+    mesh = _mesh(solid)
+    corners = mesh.vertices[mesh.faces]
+    volumes = []
+    for axis in range(3):
+        flat = np.ptp(corners[:, :, axis], axis=1) < 1e-6
+        across = np.linspace(mesh.vertices[:, axis].min(), mesh.vertices[:, axis].max(), 6)[1:-1]
+        for offset in {*corners[flat, 0, axis].round(6).tolist(), *across.tolist()}:
+            above, below = lows.copy(), highs.copy()
+            above[:, axis], below[:, axis] = above[:, axis].clip(min=offset), below[:, axis].clip(max=offset)
+            volumes.append(_hull_of_boxes(above, highs) + _hull_of_boxes(lows, below))
+    made = _of(PlacedSolid(mesh, IDENTITY), primitives=False, max_hulls=2)
+    assert len(made.shapes) == 2
+    assert made.filled == pytest.approx(solid.volume() / min(volumes), abs=2e-6)
+
+
+def _hull_of_boxes(lows: Array, highs: Array) -> float:
+    """Volume of the hull of those boxes that have one."""
+    some = (highs - lows > 1e-9).all(axis=1)
+    points = [low + (CORNERS + 0.5) * (high - low) for low, high in zip(lows[some], highs[some], strict=True)]
+    return float(manifold3d.Manifold.hull_points(np.concatenate(points)).volume()) if points else 0.0
+
+
 def _hull(made: CollisionSet, index: int) -> TriMesh:
     geometry = made.shapes[index].geometry
     assert isinstance(geometry, TriMesh)

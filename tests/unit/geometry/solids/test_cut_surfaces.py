@@ -16,7 +16,7 @@ def _hulls(solid: manifold3d.Manifold, planes: list[Plane]) -> tuple[float, floa
     """Volume of the hull of what is above all planes: by cuts of the surface, and by Booleans."""
     surface = CutSurface.of(*mesh_arrays(solid))
     for plane in planes:
-        surface = surface.above(plane)
+        surface, _ = surface.split(plane)
         x, y, z = plane.normal.tolist()
         solid = solid.trim_by_plane((x, y, z), plane.offset)
     return hull_volume(surface.corners()), float(solid.hull().volume())

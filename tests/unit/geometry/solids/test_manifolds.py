@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.solids.manifolds import Solid, convex_hull, union_volume
+from stepbot.geometry.mesh import TriMesh, joined
+from stepbot.geometry.solids.manifolds import Solid, convex_hull, joined_solid, union_volume
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
 from tests.unit.assemble.workshop import BOX_FACES, CORNERS, rod_mesh
 
@@ -18,8 +18,18 @@ def _box(x: float, y: float, z: float) -> Solid:
     return Solid(box_mesh(x, y, z))
 
 
+def _shell(size: float, void: float) -> TriMesh:
+    """A cube around a void."""
+    return joined([box_mesh(size, size, size), TriMesh.of(CORNERS * void, np.array(BOX_FACES)[:, ::-1])])
+
+
 def _tube(outer: float, inner: float, length: float, sides: int) -> Solid:
     """A tube along z, both circles with corners on the x axis."""
+    return Solid(_tube_mesh(outer, inner, length, sides))
+
+
+def _tube_mesh(outer: float, inner: float, length: float, sides: int) -> TriMesh:
+    """The mesh of :func:`_tube`."""
     angles = 2 * np.pi * np.arange(sides) / sides
     circle = np.column_stack([np.cos(angles), np.sin(angles)])
     rings = [
@@ -32,7 +42,7 @@ def _tube(outer: float, inner: float, length: float, sides: int) -> Solid:
         for i in range(sides):
             j = (i + 1) % sides
             faces += [(a + i, a + j, b + j), (a + i, b + j, b + i)]
-    return Solid(TriMesh.of(np.vstack(rings), faces))
+    return TriMesh.of(np.vstack(rings), faces)
 
 
 def test_boxes_have_a_box_in_common() -> None:
@@ -120,6 +130,25 @@ def test_union_counts_once() -> None:
     cube = _box(1, 1, 1)
     common = cube.intersection(cube, IDENTITY)
     assert union_volume([(common, IDENTITY), (common, Pose.of(position=(0.5, 0, 0)))]) == pytest.approx(1.5)
+
+
+def test_voids_are_filled() -> None:
+    """A union has neither voids nor what is in them; a rod in an open bore is part of it."""
+    parts = (
+        (_shell(1.0, 0.8), IDENTITY),
+        (_shell(0.4, 0.3), Pose.of(position=(0.1, 0.0, 0.0))),
+        (box_mesh(0.1, 0.1, 0.1), Pose.of(position=(0.1, 0.0, 0.0))),
+        (box_mesh(0.3, 0.1, 0.1), Pose.of(position=(0.5, 0.0, 0.0))),
+        (_tube_mesh(0.5, 0.3, 1.0, 24), Pose.of(position=(5.0, 0.0, 0.0))),
+        (rod_mesh(0.1, 0.5, 24), Pose.of(position=(5.0, 0.0, 0.0))),
+    )
+    made, left_out = joined_solid(parts)
+    circle = 0.5 * 24 * np.sin(2 * np.pi / 24)
+    outside = 0.15 * 0.1 * 0.1 + circle * (0.5**2 - 0.3**2) * 1.0 + circle * 0.1**2 * 0.5
+    assert made is not None
+    assert made.volume() == pytest.approx(1.0 + outside, rel=1e-6)
+    assert len(made.decompose()) == 3
+    assert left_out == ()
 
 
 def test_a_mesh_that_does_not_close_is_not_sound() -> None:
