@@ -7,6 +7,8 @@ import pytest
 
 from benchmarks.scoring import is_unmarked, score
 from benchmarks.truth import read_truth
+from stepbot.authoring.draft import OriginForm
+from stepbot.authoring.infer import infer
 from stepbot.authoring.inference import infer_mechanism
 from stepbot.authoring.survey import Sources
 from stepbot.diagnostics import Diagnostics
@@ -39,6 +41,20 @@ def test_all_joints_of_real_assemblies(corpus: Path, step: str, truth: str, join
     assert (result.true, result.found, result.wrong) == (joints, joints, [])
     assert result.volume > 0.98
     assert result.root
+
+
+@pytest.mark.long
+def test_loops_of_a_gripper_are_cut_at_bearings(corpus: Path) -> None:
+    """The motor's joint is in the tree, both closures are at bearings, and their origins are the bearings' axes."""
+    draft = infer(read(corpus / "openarm_leader_gripper.step"), "gripper")
+    (driven,) = (joint for joint in draft.joints if "DM-J4310" in joint.confidence.evidence[0])
+    assert driven.parent == draft.root
+    at_bearings = [one for one in (*draft.joints, *draft.closures) if "bearing" in one.confidence.evidence[0]]
+    assert len(at_bearings) == 4
+    assert set(draft.closures) < set(at_bearings)
+    for one in at_bearings:
+        assert one.origin.form == OriginForm.AXIS_OF
+        assert one.origin.paths[0].startswith("mr126zz:")
 
 
 @pytest.mark.parametrize(

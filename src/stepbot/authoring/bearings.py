@@ -43,7 +43,9 @@ def _say(survey: Survey, bearing: int, found: Evidence) -> None:
         path, is_named = survey.parts[bearing].path, Role.BEARING in survey.parts[bearing].roles
         why = f"the bearing '{path}' is between them" if is_named else f"'{path}' has the dimensions of a bearing"
         review = "" if is_named else "not named as a bearing"
-        found.hinge(Hinge(0.87, a, b, JointKind.REVOLUTE, axis, why, held.relation, by_role=is_named, review=review))
+        hinge = Hinge(0.87, a, b, JointKind.REVOLUTE, axis, why, held.relation, by_role=is_named, review=review)
+        hinge.through = bearing
+        found.hinge(hinge)
 
 
 def _is_bearing(part: Part) -> bool:

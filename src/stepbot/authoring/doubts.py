@@ -23,7 +23,7 @@ def note_doubts(arcs: Sequence[Arc], structure: Structure, *, has_drives: bool) 
         if h.review or h.drives or h.by_role or h.rank == Rank.STATED or h.type == JointKind.FIXED:
             continue
         if not structure.are_across(h.a, h.b):
-            h.review = "inferred from shapes alone: parts that are fixed to each other can look the same"
+            h.review = "inferred from shapes alone; the parts may be fixed"
         elif arc.could_slide and (motion is None or motion.slides):
             h.review = "nothing blocks it along its axis: could also be prismatic"
         elif k in locked:

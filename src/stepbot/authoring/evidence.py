@@ -73,6 +73,8 @@ class Hinge:
     """Whether it is confirmed by a part with that purpose, such as a bearing."""
     of_roller: bool = False
     """Whether one side is a roller of an omnidirectional wheel."""
+    through: int = -1
+    """A part that has the axis by itself, such as a bearing; -1 for none."""
     review: str = ""
     """What to review, whatever the score."""
     rank: Rank = Rank.FOUND

@@ -40,7 +40,8 @@ class Arc:
 def spanning_tree(joints: Sequence[Link], number: dict[int, int], root: int) -> list[Arc]:
     """A tree of the strongest joints, each directed away from the root, then the closures.
 
-    Prismatic and universal joints come first, since few formats support them as closures; balls come last.
+    Driven ones come first, since closures have no actuators, then prismatic and universal ones, since few formats
+    support them as closures; balls come last.
     """
     tied = Clusters(number.values())
     tree: list[Link] = []
@@ -69,10 +70,11 @@ def spanning_tree(joints: Sequence[Link], number: dict[int, int], root: int) -> 
     ]
 
 
-def _priority(j: Link) -> tuple[bool, bool, bool, float, int, int]:
+def _priority(j: Link) -> tuple[bool, bool, bool, bool, float, int, int]:
     h = j.hinge
     first = h.type in (JointKind.PRISMATIC, JointKind.UNIVERSAL)
-    return h.type == JointKind.FIXED, h.type == JointKind.BALL, not first, -round(h.score, 6), h.a, h.b
+    is_last = h.type == JointKind.BALL and not h.drives
+    return h.type == JointKind.FIXED, is_last, not h.drives, not first, -round(h.score, 6), h.a, h.b
 
 
 @dataclass(frozen=True)

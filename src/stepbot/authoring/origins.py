@@ -1,5 +1,7 @@
 """Origins of drafted joints: a mate or an axis of components where possible, since these survive CAD changes."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from stepbot.geometry.spatial import Array, perpendicular_frame, rpy_from_rotation, vector3
@@ -25,7 +27,8 @@ class Origins:
     def of(self, hinge: Hinge, child: int) -> tuple[OriginSnippet, Axis]:
         """The origin of a joint, and the resulting axis; ``child`` is the part on the child's side.
 
-        The mate of both parts if it is on the axis, else the axis of one of them, else numbers.
+        The axis of the bearing between both parts if there is one, else the mate of both if it is on the axis, else the
+        axis of one of them, else numbers.
         """
         kind, axis = hinge.type, hinge.axis
         if kind == JointKind.FIXED:
@@ -36,13 +39,14 @@ class Origins:
         if axis.direction is None:
             return _numbers(axis.point, np.eye(3)), axis
         parent = hinge.b if child == hinge.a else hinge.a
-        for parts in ((parent, child), (child,), (parent,)):
+        bearing = ((hinge.through,),) if hinge.through >= 0 else ()
+        for parts in (*bearing, (parent, child), (child,), (parent,)):
             found = self._chosen(parts, axis)
             if found is not None:
                 return found
         return _numbers(axis.point, perpendicular_frame(axis.d)), axis
 
-    def _chosen(self, parts: tuple[int, ...], axis: Axis) -> tuple[OriginSnippet, Axis] | None:
+    def _chosen(self, parts: Sequence[int], axis: Axis) -> tuple[OriginSnippet, Axis] | None:
         """The line of one component, or the mate of two, on the axis, with its selector among all lines."""
         faces = [self._of(part) for part in parts]
         found = mates(faces[0], faces[1]) if len(faces) == 2 else lines(faces[0])

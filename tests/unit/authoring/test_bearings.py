@@ -21,6 +21,7 @@ def test_axle_turns_in_the_seat() -> None:
     assert links(found) == [{"base/axle"}, {"swing/arm", "swing/ball bearing"}]
     assert found.arcs[0].hinge.by_role
     assert found.arcs[0].hinge.axis.distance(found.survey.parts[5].com) < 1e-9
+    assert found.arcs[0].hinge.through == 5
 
 
 def test_bearing_without_an_axle_gives_no_joint() -> None:
