@@ -52,7 +52,7 @@ def build_actuators(document: Document) -> tuple[Actuator, ...]:
 def _tuning(drive: ActuatorSection) -> Tuning | None:
     """How to compute the gains; None if they are given."""
     if drive.gains is None or isinstance(drive.gains, str):
-        return None if drive.gains is None else Tuning()
+        return None if drive.gains is None else Tuning(at_least=True)
     return Tuning(drive.gains.bandwidth, drive.gains.damping_ratio)
 
 

@@ -147,6 +147,7 @@ def _tuning(tuning: Tuning) -> Json:
         "damping_ratio": tuning.damping_ratio,
         "inertia": tuning.inertia,
         "weight": tuning.weight,
+        "stiffened": tuning.stiffened,
         "braked": tuning.braked,
     }
 

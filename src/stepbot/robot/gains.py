@@ -12,6 +12,10 @@ spite of its damping. With velocity v and error e, it brakes from v = (kp / kv) 
 
 and kv is raised until it does.
 
+Where the bandwidth is only a lower bound, kp is larger than I w^2 in two cases. The weight g of the joint, the largest
+over its own range, must not let it sag by more than :data:`SAG`: kp >= g / SAG. And passive damping d beyond 2 I w
+makes the joint slower than w: kp = d w - I w^2 puts the slower of its two poles at w again. Then kv = 2 z sqrt(kp I).
+
 In a mechanism, I is the entry of the driven joint in the mass matrix of the driven joints, mimics and loops followed:
 the other motors hold. The base is held, too.
 """
@@ -27,12 +31,16 @@ from stepbot.geometry.spatial import Array
 from .actuators import actuator_limit
 from .closures import Loops, driven_joints, following
 from .dynamics import equations_of_motion
-from .kinematics import initial_configuration
+from .kinematics import initial_configuration, leader_range
 from .model import Actuator, ActuatorKind, Joint, JointKind, Robot
 from .multi_dof import unfolded
 
 STEP, TRAVEL = 0.5, 0.1
 """Step [rad] and [m] that an actuator at its effort limit brakes without overshoot, or half of the joint's range."""
+SAG, SINKING = 0.04, 1.6e-3
+"""Error [rad] and [m] that the weight of a joint may cause: four fifths of what drive tests allow."""
+_POSITIONS = 5
+"""Number of positions over a joint's range in which its weight is computed; in a full turn, one each 90 degrees."""
 _RESIDUE = 9
 """Decimals [N m] or [N] of weights: smaller ones are rounding of axes that point up."""
 _DIGITS = 4
@@ -48,6 +56,8 @@ class _Driven:
     """Diagonal of the mass matrix (n,), armatures included."""
     weight: Array
     """Gravity forces (n,)."""
+    heaviest: Array
+    """Largest magnitude of each gravity force over its joint's range, others as drawn; with loops in that pose (n,)."""
     damping: Array
     """Diagonal of the passive damping (n,)."""
 
@@ -85,7 +95,14 @@ def _driven(robot: Robot) -> _Driven:
     )
     equations = equations_of_motion(robot, home)
     inertia = S.T @ (equations.mass_matrix + np.diag(armature)) @ S
-    return _Driven(names, np.diag(inertia), S.T @ equations.gravity, np.diag(S.T @ np.diag(damping) @ S))
+    weight = S.T @ equations.gravity
+    heaviest = np.abs(weight)
+    wanted = {one.joint for one in robot.actuators if one.tuning is not None and one.tuning.at_least}
+    for i, name in enumerate(names):
+        for position in np.linspace(*leader_range(robot, name), _POSITIONS) if name in wanted and not follow else ():
+            moved = equations_of_motion(robot, {**home, name: float(position)}, tree=tree).gravity
+            heaviest[i] = max(heaviest[i], abs(float(S[:, i] @ moved)))
+    return _Driven(names, np.diag(inertia), weight, heaviest, np.diag(S.T @ np.diag(damping) @ S))
 
 
 def _tuned(
@@ -98,9 +115,11 @@ def _tuned(
     weight = round(abs(float(driven.weight[index])), _RESIDUE)
     joint = robot.joint_by_name[actuator.joint]
     w = 2.0 * pi * actuator.tuning.bandwidth
-    kp, kv, braked = 0.0, inertia * w, False
+    kp, kv, stiffened, braked = 0.0, inertia * w, False, False
     if actuator.kind is ActuatorKind.POSITION:
-        kp, kv = inertia * w**2, 2.0 * actuator.tuning.damping_ratio * inertia * w
+        heaviest = round(float(driven.heaviest[index]), _RESIDUE)
+        kp = _stiffness(inertia, passive, heaviest, w, joint) if actuator.tuning.at_least else inertia * w**2
+        stiffened, kv = kp > inertia * w**2, 2.0 * actuator.tuning.damping_ratio * sqrt(kp * inertia)
         effort = actuator_limit(actuator, joint).effort
         if effort <= weight:
             too_weak(actuator, effort, weight)
@@ -108,9 +127,18 @@ def _tuned(
             braking = kp / sqrt(_fastest_braking(effort, weight) / (inertia * _step(joint)))
             braked, kv = braking > kv, max(kv, braking)
     square = actuator.gear**2
-    found = replace(actuator.tuning, inertia=_rounded(inertia), weight=_rounded(weight), braked=braked)
+    found = replace(
+        actuator.tuning, inertia=_rounded(inertia), weight=_rounded(weight), stiffened=stiffened, braked=braked
+    )
     kp, kv = kp / square, max(kv - passive, 0.0) / square
     return replace(actuator, kp=_rounded(kp), kv=_rounded(kv), tuning=found)
+
+
+def _stiffness(inertia: float, passive: float, heaviest: float, w: float, joint: Joint) -> float:
+    """The kp that holds the joint's weight, and is no slower than ``w`` [rad/s] in spite of passive damping."""
+    sag = SINKING if joint.kind is JointKind.PRISMATIC else SAG
+    overcome = passive * w - inertia * w**2 if passive > 2.0 * inertia * w else 0.0
+    return max(inertia * w**2, overcome, heaviest / sag)
 
 
 def _fastest_braking(effort: float, weight: float) -> float:

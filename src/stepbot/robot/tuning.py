@@ -16,9 +16,13 @@ class Tuning:
     """Natural frequency [Hz] of the joint with a position actuator; corner frequency with a velocity actuator."""
     damping_ratio: float = DAMPING_RATIO
     """Damping ratio of a position actuator."""
+    at_least: bool = False
+    """Whether a position actuator is stiffer than the bandwidth where its joint would sag, or be slower."""
     inertia: float = 0.0
     """Inertia [kg m^2] or mass [kg] that the actuator moves in the drawn pose, at the joint, armatures included."""
     weight: float = 0.0
     """Effort [N m] or [N] that holds the joint in the drawn pose, at the joint."""
+    stiffened: bool = False
+    """Whether it is: because of the joint's weight or passive damping."""
     braked: bool = False
     """Whether damping is above the ratio, because the effort limit could not brake a step without overshoot."""

@@ -11,7 +11,7 @@ from stepbot.driving.results import Result
 from stepbot.driving.stage import Stage
 from stepbot.engines.simulation import GRAVITY
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.model import Box, Collision, Joint, JointKind, Link
+from stepbot.robot.model import Actuator, ActuatorKind, Box, Collision, Joint, JointKind, Limit, Link
 from tests.unit.driving.workbench import ENGINES, HORIZONTAL, VERTICAL, gripper, one_joint, stage_of
 
 INERTIA = 0.05 + 1.0 * 0.5**2
@@ -54,6 +54,22 @@ def test_overshoot_of_a_second_order_system(ratio: float, tmp_path: Path) -> Non
     stage = stage_of(one_joint(VERTICAL, stiffness, 2.0 * ratio * sqrt(stiffness * INERTIA)), "mujoco", tmp_path)
     expected = 100.0 * exp(-pi * ratio / sqrt(1.0 - ratio**2)) if ratio < 1.0 else 0.0
     assert value(run("step", stage), "overshoot") == pytest.approx(expected, abs=1.5)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_fast_motor_reaches_its_speed(engine: str, tmp_path: Path) -> None:
+    """A motor of 3000 rpm is not clamped to the 100 rad/s that PyBullet allows unless told otherwise."""
+    robot = one_joint(VERTICAL)
+    (joint,) = robot.joints
+    joint = replace(joint, kind=JointKind.CONTINUOUS, limit=Limit(velocity=314.0, effort=1e3))
+    motor = Actuator("motor", joint.name, ActuatorKind.VELOCITY, kv=50.0)
+    stage = stage_of(replace(robot, joints=(joint,), actuators=(motor,)), engine, tmp_path)
+    with stage.scene() as simulation:
+        simulation.reset({"turn": 0.0})
+        simulation.command({"motor": 200.0})
+        for _ in range(round(0.5 / simulation.timestep)):
+            simulation.step()
+        assert simulation.speeds()["turn"] == pytest.approx(200.0, rel=0.01)
 
 
 def test_sag_under_gravity(tmp_path: Path) -> None:

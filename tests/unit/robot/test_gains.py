@@ -11,7 +11,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.formats.rendering import render
 from stepbot.geometry.spatial import Array, turn_inertia
 from stepbot.robot.closures import close_loops
-from stepbot.robot.gains import tuned
+from stepbot.robot.gains import SAG, SINKING, tuned
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointDynamics, JointKind, Limit, Robot
 from stepbot.robot.tuning import Tuning
@@ -88,6 +88,51 @@ def test_gains_are_those_of_a_critically_damped_oscillator() -> None:
     assert (geared.kp, geared.kv) == pytest.approx((motor.kp / 400.0, motor.kv / 400.0), rel=5e-4)
     (turned,) = one_link_arm(ActuatorKind.VELOCITY).actuators
     assert (turned.kp, turned.kv) == (0.0, pytest.approx(inertia * w - DAMPING, rel=5e-4))
+
+
+def short_arm(damping: float, slides: bool = False) -> Robot:
+    """A light link of 60 mm, on a horizontal axis or a vertical slide, with ``gains: auto``."""
+    shop = Workshop()
+    base = shop.link("base", [((0.1, 0.1, 0.1), at(z=-0.2))])
+    jaw = shop.link("jaw", [((0.06, 0.01, 0.01), at(x=0.03))])
+    kind, axis = (JointKind.PRISMATIC, (0.0, 0.0, 1.0)) if slides else (JointKind.REVOLUTE, (0.0, -1.0, 0.0))
+    dynamics = JointDynamics(damping=damping)
+    joint = Joint("grip", kind, "base", "jaw", at(), axis, limit=Limit(-1.5, 1.5), dynamics=dynamics)
+    motor = Actuator("motor", "grip", ActuatorKind.POSITION, tuning=Tuning(at_least=True))
+    robot = Robot("short_arm", (base, jaw), (joint,), actuators=(motor,), meshes=shop.sorted_meshes())
+    return tuned(robot, fails)
+
+
+@pytest.mark.mujoco
+def test_a_light_link_does_not_sag() -> None:
+    """Where the natural frequency is too soft for the weight, kp is the weight / SAG, also from an upright pose."""
+    robot = short_arm(0.0)
+    (motor,) = robot.actuators
+    body = box_mass((0.06, 0.01, 0.01), at(x=0.03))
+    weight = body.mass * 9.81 * 0.03
+    assert motor.tuning is not None
+    assert motor.tuning.stiffened
+    assert motor.kp == pytest.approx(weight / SAG, rel=0.05)
+    inertia = float(box_mass((0.06, 0.01, 0.01)).inertia[1][1]) + body.mass * 0.03**2
+    assert motor.kp > 1.2 * inertia * (2.0 * pi * 5.0) ** 2
+    assert motor.kv == pytest.approx(2.0 * np.sqrt(motor.kp * inertia), rel=1e-3)
+    assert stepped(compiled(robot, gravity=True), 0.0, 1.0)[-1] == pytest.approx(-weight / motor.kp, rel=0.01)
+    (lift,) = short_arm(0.0, slides=True).actuators
+    assert lift.kp == pytest.approx(body.mass * 9.81 / SINKING, rel=1e-3)
+
+
+@pytest.mark.mujoco
+def test_passive_damping_does_not_slow_the_joint() -> None:
+    """With damping far beyond critical, the slower pole of the joint in MuJoCo is at the bandwidth, not below it."""
+    robot = short_arm(0.05)
+    (motor,) = robot.actuators
+    assert motor.kv == 0.0
+    model = compiled(robot, gravity=False)
+    model.opt.timestep = 2e-4
+    positions = stepped(model, 0.5, 0.4)
+    late = positions[round(0.1 / 2e-4) :: round(0.1 / 2e-4)]
+    rates = -np.diff(np.log(0.5 - late)) / 0.1
+    np.testing.assert_allclose(rates, 2.0 * pi * 5.0, rtol=0.03)
 
 
 @pytest.mark.mujoco

@@ -35,6 +35,8 @@ _ITERATIONS = 50
 _COUPLED_ITERATIONS = 200
 """Solver iterations per step with loops, and on a floor: coupled constraints and contacts converge one by one. With 50,
 rollers of mecanum wheels lose a tenth of the way."""
+_CLAMPED = 100.0
+"""Speed [rad/s], [m/s] beyond which PyBullet clamps a joint, whatever the file says."""
 _UNLIMITED = 1e4
 """Force [N], [N m] of motors without an effort limit."""
 _GEAR_FORCE = 1e4
@@ -80,6 +82,7 @@ class PybulletSimulation:
             engine.changeDynamics(number, index, linearDamping=0.0, angularDamping=0.0)
         self._masses = self._mass_properties()
         self._motors = {motor.name: motor for motor in mechanism.motors if motor.joint in self._joints}
+        self._allow_speeds()
         self._push: Array | None = None
         self._efforts: dict[str, float] = {}
         self._floor = self._cube = -1
@@ -87,6 +90,13 @@ class PybulletSimulation:
         self._add_scene()
         self.reset(mechanism.home)
         self._join()
+
+    def _allow_speeds(self) -> None:
+        """Raise the speed at which PyBullet clamps all joints of a body, to twice the fastest limit of a motor."""
+        limits = [motor.limit.velocity for motor in self._motors.values() if isfinite(motor.limit.velocity)]
+        fastest = 2.0 * max(limits, default=0.0)
+        if fastest > _CLAMPED:
+            self._engine.changeDynamics(self._body.id, -1, maxJointVelocity=fastest)
 
     def _add_scene(self) -> None:
         engine, setup = self._engine, self._setup
