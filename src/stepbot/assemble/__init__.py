@@ -47,6 +47,7 @@ from .devices import (
     tune_actuators,
 )
 from .double_counting import DoubleCounting
+from .far_axes import report_far_axes
 from .fitted_collisions import FittedCollisions, wait_for
 from .frames import Frames
 from .given_inertials import report_given_inertials
@@ -110,6 +111,7 @@ def build_robot(
     joints = build_joints(binder, frames, order)
     closures = build_closures(binder, frames)
     report_axes_off_their_lines(binder, frames)
+    report_far_axes(binder, frames)
     named = build_frames(binder, frames)
     sensors = build_sensors(binder, frames)
 

@@ -47,6 +47,7 @@ ASSEMBLY = "assembly"
 """The name of the STEP's frame in ``relative_to``."""
 
 _SHOWN_MISSES = 5
+_SHOWN_PARENTS = 2
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,8 @@ class Wanted:
     """The two links whose parts ``auto`` compares; None if there are not exactly two."""
     direction_only: bool = False
     """Whether parallel lines are equivalent, as for a prismatic joint."""
+    is_rigid: bool = False
+    """Whether any frame will do, as for a fixed joint."""
 
     @property
     def link_words(self) -> tuple[str, str]:
@@ -105,8 +108,9 @@ class Frames:
 
     def _child_frame(self, name: str) -> Pose | None:
         joint = self._binder.document.joints[name]
-        slides = joint.type is JointKind.PRISMATIC
-        X_WJ = self.resolve(joint.origin, Wanted(("joints", name, "origin"), (joint.parent, joint.child), slides))
+        slides, rigid = joint.type is JointKind.PRISMATIC, joint.type is JointKind.FIXED
+        wanted = Wanted(("joints", name, "origin"), (joint.parent, joint.child), slides, rigid)
+        X_WJ = self.resolve(joint.origin, wanted)
         self._joints[name] = X_WJ
         if X_WJ is None:
             return None
@@ -204,7 +208,23 @@ class Frames:
                 self._binder.report("SB405", wanted.keys, f"{word} has no parts, so `auto` cannot find an axis")
                 return None
         a, b = (self._link_faces(link) for link in wanted.links)
+        if wanted.is_rigid and origin.radius is None and origin.near is None:
+            return self._anywhere(a, b, words, origin, wanted)
         return self._shared(a, b, words, origin, wanted, "{auto: true")
+
+    def _anywhere(
+        self, a: AxisFaces, b: AxisFaces, words: tuple[str, str], origin: AutoOrigin, wanted: Wanted
+    ) -> Pose | None:
+        """The frame of a joint that does not move: on the line of both sides if there is one, else the parent's."""
+        assert wanted.links is not None
+        found = mates(a, b, None)
+        line = choose(found).line
+        if line is not None:
+            pose = self._on(line, found, f"axis that {words[0]} and {words[1]} share", origin, wanted)
+            self._evidence[wanted.keys] = replace(self._evidence[wanted.keys], doubt="")
+            return pose
+        self._give(wanted, f"the frame of {words[0]}, since a fixed joint needs no axis")
+        return self.link(wanted.links[0])
 
     def _shared(
         self,
@@ -309,8 +329,26 @@ class Frames:
             ]
             notes.append(f"{millimetres(miss.distance)}{tilt} apart: {sides[0]} and {sides[1]}")
         snippets = [self._axis_snippet(line) for miss in misses[:1] for line in (miss.line_a, miss.line_b)]
-        remedies = snippets or ["write the origin with `axis_of`, `center`, `component` or numbers"]
+        remedies = [
+            *self._other_parents(wanted),
+            *(snippets or ["write the origin with `axis_of`, `center`, `component` or numbers"]),
+        ]
         self._report_none(wanted, message, tuple(remedies), tuple(notes))
+
+    def _other_parents(self, wanted: Wanted) -> list[str]:
+        """Links with a shaft in a bore of the child's, or the reverse: one of them may be its parent."""
+        if wanted.links is None or wanted.keys[0] != "joints":
+            return []
+        child = wanted.links[1]
+        below = {joint.child for joint in self._binder.document.joints.values() if joint.parent == child}
+        found = []
+        for link in self._binder.document.links:
+            if link in wanted.links or link in below:
+                continue
+            line = choose(mates(self._link_faces(link), self._link_faces(child), None)).line
+            if line is not None and line.basis is Basis.FIT:
+                found.append(f"link '{link}' and link '{child}' share an axis: `parent: {link}`, if it carries it")
+        return found[:_SHOWN_PARENTS]
 
     def _axis_snippet(self, line: AxisLine) -> str:
         """The origin that selects one line of the component it belongs to."""

@@ -18,6 +18,8 @@ from .binder import Binder
 from .material_assignment import GivenMass, MaterialAssignments
 
 _EQUAL = 1e-9
+DENSEST = 25_000.0
+"""[kg/m^3]; osmium has 22590."""
 
 
 def masses(binder: Binder, materials: MaterialAssignments, bodies: Sequence[MeasuredBody]) -> dict[int, ComponentMass]:
@@ -48,6 +50,7 @@ class _Sharing:
         self._computed = computed
         self._ends = subtree_ends(binder.assembly.components)
         self._empty: dict[str, int] = {}
+        self._heavy: set[str] = set()
         self._given = {index: given for index, given in sorted(materials.given.items()) if self._has_volume(index)}
         self._indices = list(self._given)
         self._result = dict(computed)
@@ -75,12 +78,29 @@ class _Sharing:
 
     def _share(self, members: list[int], given: GivenMass, total: float) -> None:
         parts = [self._computed[i] for i in members]
+        self._report_density(given, total, exact_sum(part.volume or 0.0 for part in parts))
         computed = [part.mass for part in parts if part.mass is not None]
         weights = computed if len(computed) == len(parts) else [part.volume or 0.0 for part in parts]
         whole = exact_sum(weights)
         origin = f"parts rule '{given.pattern}'"
         for i, part, weight in zip(members, parts, weights, strict=True):
             self._result[i] = replace(part, mass=total * weight / whole, density=None, origin=origin)
+
+    def _report_density(self, given: GivenMass, mass: float, volume: float) -> None:
+        """Warn, once for each rule, of a mass that no material has in this volume: grams without a unit."""
+        if volume <= 0.0 or mass <= DENSEST * volume or given.pattern in self._heavy:
+            return
+        self._heavy.add(given.pattern)
+        grams = 1e-3 * mass <= DENSEST * volume
+        self._binder.report(
+            "SB521",
+            ("parts", given.pattern, "mass"),
+            f"{mass:.6g} kg in {1e6 * volume:.3g} cm^3 is {mass / volume:.3g} kg/m^3, more than any material has",
+            help=(
+                *([f"if the unit is g, write `{mass:.6g} g`; numbers without a unit are kilograms"] if grams else []),
+                "a mass is that of each component that the path matches, with everything below it",
+            ),
+        )
 
     def _topmost(self, start: int, end: int, beside: str = "") -> list[int]:
         """Topmost components with a given mass in a range of indices, without those of the rule ``beside``."""

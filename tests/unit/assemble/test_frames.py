@@ -365,13 +365,64 @@ def test_source_of_an_origin_is_in_the_joint_table(origin: str, source: str, tmp
     assert row.evidence.text == source
 
 
-@pytest.mark.parametrize("kind", ["fixed", "revolute"])
-def test_one_rule_for_all_kinds(kind: str, tmp_path: Path, found: ReadDiagnostics) -> None:
-    """Only prismatic joints accept any of several parallel lines."""
+def test_a_turning_joint_does_not_choose_among_lines(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Of joints that move, only prismatic ones accept any of several parallel lines."""
     guides = [axis((10, 0, 0), radius=3), axis((-10, 0, 0), radius=3)]
-    extra = ", limits: {lower: -1, upper: 1}" if kind == "revolute" else ""
-    assert build(_two(guides, guides), tmp_path, _joint("auto", kind, extra), found) is None
+    assert (
+        build(_two(guides, guides), tmp_path, _joint("auto", "revolute", ", limits: {lower: -1, upper: 1}"), found)
+        is None
+    )
     assert found.codes() == ["SB402"]
+
+
+@pytest.mark.parametrize("holes", [[], [(10, 0, 0), (-10, 0, 0)]])
+def test_a_fixed_joint_needs_no_axis(holes: list[tuple[float, float, float]], tmp_path: Path) -> None:
+    """Two plates that share no line, or a bolt circle, have the parent's frame; the joint table says so."""
+    bores = [axis(at, radius=3) for at in holes]
+    shop = _two(bores, bores, at(0, 0, 35))
+    root = "    root: {frame: {xyz: [0, 0, 7 mm]}}\n"
+    found = Diagnostics()
+    made = build_robot(shop.assembly, sidecar(tmp_path, root + _joint("auto", "fixed")), lambda: shop.measures, found)
+    assert made is not None
+    assert not list(found)
+    _expect(made.robot, (0, 0, 0))
+    (row,) = made.joint_table
+    assert row.origin == pytest.approx((0, 0, 0.007))
+    assert row.evidence.text == "the frame of link 'base', since a fixed joint needs no axis"
+
+
+def test_a_fixed_joint_is_on_the_line_that_its_links_share(tmp_path: Path) -> None:
+    """Weak evidence for it is no reason to warn, since nothing turns."""
+    base, arm = axis((20, 0, 0), radius=17.5, length=4, bore=False), axis((20, 0, 4), radius=9, length=4, bore=False)
+    robot = built(_two([base], [arm]), tmp_path, _joint("auto", "fixed"))
+    assert robot.joints[0].X_PC.p[0] == pytest.approx(0.02)
+
+
+def test_another_parent_is_proposed(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """If a joint's links share no axis, the help names the link that has one with the child."""
+    shop = Workshop()
+    shop.box("base", (100, 100, 10), axes=[axis((40, 0, 0), radius=8)])
+    shop.box("arm", (20, 20, 60), axes=[axis((40, 0, 0), radius=7.9, bore=False), axis((0, 0, 30), radius=5)])
+    shop.box("jaw", (10, 10, 60), axes=[axis((0, 0, 30), radius=4.9, bore=False)])
+    text = """
+    defaults: {density: 1000}
+    links: {base: {rest: true}, arm: {parts: [arm]}, jaw: {parts: [jaw]}}
+    joints:
+      lift: {type: continuous, parent: base, child: arm}
+      grip: {type: continuous, parent: PARENT, child: jaw}
+"""
+    assert build(shop, tmp_path, text.replace("PARENT", "base"), found) is None
+    (fault,) = found
+    assert (fault.code, fault.message) == ("SB401", "joint 'grip': link 'base' and link 'jaw' share no axis")
+    assert fault.help[0] == "link 'arm' and link 'jaw' share an axis: `parent: arm`, if it carries it"
+    built(shop, tmp_path, text.replace("PARENT", "arm"))
+
+
+@pytest.mark.parametrize(("xyz", "far"), [("[0, 4, 8]", True), ("[0, 100 mm, 200 mm]", False), ("[0, 0, 9]", False)])
+def test_axes_far_from_the_assembly(xyz: str, far: bool, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A line through given coordinates that passes far from everything is a warning; along the line it is free."""
+    build(_two([], [], at(0, 0, 35)), tmp_path, _joint(f"{{xyz: {xyz}}}"), found)
+    assert found.codes() == ["SB423"] * far
 
 
 def test_two_shafts_of_one_radius_are_named(tmp_path: Path, found: ReadDiagnostics) -> None:

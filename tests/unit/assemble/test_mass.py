@@ -223,6 +223,20 @@ def test_mass_on_a_component_scales_its_inertia(tmp_path: Path) -> None:
     assert _sources(robot)["a"] == ComponentMass("a", pytest.approx(0.06), None, volume, "parts rule 'a'", "mesh")
 
 
+def test_mass_that_no_material_has(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Grams without a unit are kilograms: one warning for the rule, with the value in grams."""
+    shop = Workshop()
+    servo = shop.box("servo", (45, 25, 32), occurrence="servo:1")
+    shop.again(servo, at(100, 0, 0))
+    text = "    parts: {'servo*': {mass: MASS}}\n" + ONE
+    build(shop, tmp_path, text.replace("MASS", "55"), found)
+    (doubt,) = found
+    words = "55 kg in 36 cm^3 is 1.53e+06 kg/m^3, more than any material has"
+    assert (doubt.code, doubt.message) == ("SB521", f"parts rule 'servo*': {words}")
+    assert doubt.help[0] == "if the unit is g, write `55 g`; numbers without a unit are kilograms"
+    assert _mass(built(shop, tmp_path, text.replace("MASS", "55 g")).root).mass == pytest.approx(0.11)
+
+
 def test_mass_of_a_subassembly_is_shared_by_computed_mass_across_links(tmp_path: Path) -> None:
     """The mass of a subassembly is shared among its parts by density times volume, whichever link they are in."""
     shop = Workshop()

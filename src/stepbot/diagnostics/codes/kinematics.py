@@ -176,4 +176,15 @@ CODES = (
         "Write `axis: z` or `axis: -z`. The joint table of `stepbot check --step` has the direction in the STEP's frame; it "
         "is not a value for `axis`. To turn the frame first, use `offset: {rpy: [...]}`.",
     ),
+    Code(
+        "SB423",
+        "warning",
+        "axis far from the assembly",
+        "The axis of a turning joint is farther from the assembly than the assembly is large.",
+        "The coordinates of its origin are probably in another unit or frame: `xyz: [0, 4, 8]` is 8 m, not 8 inches. The "
+        "joint would swing its link around in a wide arc, and every check of the files passes, because all have the same "
+        "axis.",
+        "Write coordinates with their unit, in the frame of the assembly: `xyz: [0, 4 in, 8 in]`. `stepbot inspect "
+        "--features` lists the axes of parts; `axis_of` and `mate` need no coordinates.",
+    ),
 )
