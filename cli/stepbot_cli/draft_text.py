@@ -95,10 +95,10 @@ def _counts(draft: "Draft") -> str:
 
 
 def _reviews(draft: "Draft") -> int:
-    """Links, joints, closures and densities marked for review."""
-    links = sum(not link.confidence.is_sure for link in draft.links)
-    connections = sum(one.is_reviewed for one in (*draft.joints, *draft.closures))
-    return links + connections + len(draft.without_density) + (draft.equal_density > 0.0)
+    """Number of REVIEW marks in the sidecar."""
+    from stepbot.authoring.sidecar_text import sidecar_text
+
+    return sidecar_text(draft, "").count("REVIEW:")
 
 
 def _todo(draft: "Draft") -> int:

@@ -7,6 +7,8 @@ import pytest
 
 from robot_library.moments import pose
 from robot_library.step_file import Assembly, Occurrence, Part, write_step
+from stepbot.authoring.draft import Confidence, Draft, DraftLink
+from stepbot_cli.draft_text import draft_document
 from tests import parts
 from tests.separate_files import write_separately
 from tests.solids import box, cylinder
@@ -97,6 +99,13 @@ def test_json_has_links_joints_and_what_is_left_to_do(stepbot: Stepbot) -> None:
     assert (joint["type"], joint["parent"], joint["child"], joint["score"]) == ("prismatic", "holder", "block", 1.0)
     assert document["limits_to_fill_in"] == 1
     assert document["root"] == "holder"
+
+
+def test_review_marks_are_counted_as_they_are_written() -> None:
+    """Three materials without a density have one mark, and one at the placeholder."""
+    base = DraftLink("base", (), Confidence(1.0), rest=True)
+    document = draft_document(Draft("arm", "base", (base,), without_density=("X1", "X2", "X3", "")))
+    assert document["review"] == 2
 
 
 @pytest.mark.parametrize("step", ["nowhere.step", "notes.step"])

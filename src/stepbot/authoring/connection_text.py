@@ -36,7 +36,8 @@ def joint_lines(joint: DraftJoint, name: str, names: DraftNames, joints: Mapping
     if joint.confidence.is_chosen:
         written, beneath = guess, []
     else:
-        written, beneath = [("type", "fixed"), *ends, _origin(joint)], [_commented(name, guess, joint)]
+        written = [("type", "fixed"), *ends, _origin(joint)]
+        beneath = [_commented(name, guess, joint)] if guess != written else []
     lines = [*_evidence(joint), f"  {name}:", *(f"    {key}: {value}" for key, value in written), *beneath]
     return [*lines, *(_alternative(name, ends, other, joint) for other in joint.alternatives)]
 

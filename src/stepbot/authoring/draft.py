@@ -18,6 +18,9 @@ SURE = 0.8
 CHOSEN = 0.5
 """Score from which a joint is drafted; below it, it is written as a comment."""
 
+OUTPUT = "output of the motor"
+"""Begins the evidence for a joint that a named motor turns."""
+
 
 @dataclass(frozen=True)
 class Confidence:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from stepbot.step.assembly import Assembly
 
-from .names import is_spoken, plain
+from .names import Role, is_spoken, plain
 from .part import Part, largest
 
 
@@ -43,9 +43,10 @@ class LinkClaims:
             self._visit(child, above)
 
     def name(self, parts: Sequence[Part]) -> str:
-        """Name of a link: that of its largest part, or of the subassembly that is all of it."""
+        """Name of a link: that of its largest part but motors, or of the subassembly that is all of it."""
         inside = {part.index for part in parts}
-        own = [part for part in parts if not part.is_small] or list(parts)
+        large = [part for part in parts if not part.is_small] or list(parts)
+        own = [part for part in large if Role.MOTOR not in part.roles] or large
         node = largest(own).index
         components = self._assembly.components
         while components[node].parent > 0:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from stepbot.robot.model import JointKind
 
 from .clusters import Clusters
+from .draft import OUTPUT
 from .evidence import Evidence, Hinge
 from .motor_axes import SAME_AXIS, Output, OutputAxes, hidden_outputs, lies_on
 from .motors import Motor
@@ -59,7 +60,7 @@ class _OneMotor:
         sides = self._sides(self._output)
         driven = [side for side in sides if side.on_output]
         carrying = [side for side in sides if not side.on_output and side.is_held]
-        score, why, review = 0.95, f"output of the motor '{motor.name}'", ""
+        score, why, review = 0.95, f"{OUTPUT} '{motor.name}'", ""
         if not carrying:
             driven, carrying, score, review = self._split(driven)
         for side in carrying:

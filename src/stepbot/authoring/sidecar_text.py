@@ -13,7 +13,7 @@ from stepbot.step.structure.paths import quoted
 
 from .connection_text import closure_lines, inertial_lines, joint_lines
 from .densities import typical_density
-from .draft import Alternative, Draft, DraftLink
+from .draft import OUTPUT, Alternative, Draft, DraftLink
 from .draft_names import DraftNames, names_of
 from .origin_text import alternative_origin, origin_text
 from .yaml_lines import angles, comment, flow, lengths, listed, number
@@ -64,6 +64,7 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
         has_active = any(not line.lstrip().startswith("#") for line in closures)
         lines += ["", "closures:" if has_active else "# closures:", *closures]
     lines += _frames(draft, names)
+    lines += _actuators(draft, names)
     lines += _offered(draft.offered)
     return "\n".join(lines) + "\n"
 
@@ -97,6 +98,28 @@ def _frames(draft: Draft, names: DraftNames) -> list[str]:
         link = scalar(names.links[frame.link])
         pose = [("xyz", lengths(frame.X_LF.position)), ("rpy", angles(frame.X_LF.rpy)), ("relative_to", link)]
         lines.append(f"  {scalar(name)}: {flow([('link', link), ('origin', flow(pose))])}")
+    return lines
+
+
+def _actuators(draft: Draft, names: DraftNames) -> list[str]:
+    """Actuators of the joints that motors turn, as lines to uncomment: a motor can be driven in several ways."""
+    driven = [
+        name
+        for joint, name in zip(draft.joints, names.joints, strict=True)
+        if joint.type in (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC)
+        and joint.confidence.is_chosen
+        and any(fact.startswith(OUTPUT) for fact in joint.confidence.evidence)
+    ]
+    if not driven:
+        return []
+    lines = [
+        "",
+        "# Joints that motors turn. Uncomment these lines to drive them, and add `effort` and `velocity` to `limits`.",
+        "# actuators:",
+    ]
+    for name in driven:
+        motor = scalar(f"{name.removesuffix('_joint')}_motor")
+        lines.append(f"#   {motor}: {flow([('joint', scalar(name)), ('kind', 'position'), ('gains', 'auto')])}")
     return lines
 
 

@@ -4,6 +4,7 @@ from itertools import product
 
 import numpy as np
 
+from stepbot.authoring.link_claims import LinkClaims
 from stepbot.authoring.motors import Motor, find_motors
 from stepbot.authoring.survey import ALL_SOURCES, Sources, Survey
 from tests.assembled import BARE, Node, assembled, group, inferred, joints, part
@@ -89,3 +90,12 @@ def test_blocks_in_which_shafts_run_with_play_are_bearing_blocks() -> None:
         for x in (-100.0, 100.0):
             nodes += [part(f"block {x}", block, x), part(f"arm {x}", crank, x, z=-22.0)]
         assert len(motors(nodes, BARE)) == count
+
+
+def test_a_link_is_named_after_what_its_motor_sits_in() -> None:
+    """A link of a bracket and a larger servo is called as the bracket; a servo alone gives its own name."""
+    whole = assembled(part("SG90 servo", CASE), part("bracket", box(10, 10, 5), 100))
+    found = Survey(whole, ALL_SOURCES).parts
+    claims = LinkClaims(whole, [list(found)], 0)
+    assert claims.name(list(found.values())) == "bracket"
+    assert claims.name([one for one in found.values() if one.name == "SG90 servo"]) == "SG90 servo"

@@ -8,6 +8,7 @@ import pytest
 from stepbot.assemble import build_robot
 from stepbot.authoring.densities import typical_density
 from stepbot.authoring.draft import (
+    OUTPUT,
     Alternative,
     Confidence,
     Draft,
@@ -168,6 +169,28 @@ def test_joint_that_is_not_chosen_is_fixed_with_the_guess_beneath(tmp_path: Path
     sidecar, found = read(uncommented(sidecar_text(draft, "robot.step"), "a guess, score 0.40"), tmp_path)
     assert sidecar.document.joints["elbow"].type is JointKind.REVOLUTE
     assert not found.has_errors
+
+
+def test_guess_that_is_the_joint_itself_is_not_repeated() -> None:
+    """A fixed joint that is not chosen has no comment with the same joint beneath it."""
+    rigid = replace(HINGE, type=JointKind.FIXED, axis="z", limits=None, confidence=Confidence(0.0))
+    text = sidecar_text(replace(DRAFT, joints=(rigid,)), "robot.step")
+    assert "    type: fixed\n" in text
+    assert "a guess" not in text
+
+
+def test_actuators_of_motors_are_lines_to_uncomment(tmp_path: Path) -> None:
+    """A joint that a named motor turns has an actuator as a comment; uncommented, it drives the joint."""
+    assert "actuators" not in sidecar_text(DRAFT, "robot.step")
+    driven = replace(HINGE, confidence=Confidence(0.95, (f"{OUTPUT} 'servo'",)))
+    text = sidecar_text(replace(DRAFT, joints=(driven,)), "robot.step")
+    assert "# actuators:\n#   elbow_motor: {joint: elbow, kind: position, gains: auto}\n" in text
+    sidecar, found = read(text.replace("# actuators:\n#   ", "actuators:\n  "), tmp_path)
+    made = shop()
+    result = build_robot(made.assembly, sidecar, lambda: made.measures, found)
+    assert result is not None
+    (motor,) = result.robot.actuators
+    assert (motor.joint, motor.kp > 0.0) == ("elbow", True)
 
 
 @pytest.mark.parametrize("score", [0.9, 0.3])
