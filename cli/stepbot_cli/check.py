@@ -16,7 +16,7 @@ from .diagnostic_text import printable
 from .joint_table import show_joint_rows
 from .progress import progress_bar
 from .reading import reading_options
-from .terminal import Display, show_diagnostics, write_json, write_result
+from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Checked, Options
@@ -133,9 +133,19 @@ def _show(checked: "Mapping[Path, Checked]", found: Diagnostics, display: Displa
     wrong = {one.span.file for one in found if one.severity == "error"}
     for sidecar, robot in checked.items():
         name = printable(sidecar.as_posix())
-        if robot.joint_table and len(checked) > 1:
+        if (robot.joint_table or robot.masses) and len(checked) > 1:
             write_result(f"\n{name}")
         show_joint_rows(robot.joint_table, verbose=display.verbose)
+        if robot.masses:
+            _show_masses(robot.masses)
         if robot.links and not (wrong and (len(checked) == 1 or name in wrong)):
             several = f"{name}: " if len(checked) > 1 else ""
             write_result(f"{several}ok: {counted(robot.links, 'link')}, {counted(robot.joints, 'joint')}")
+
+
+def _show_masses(words: str) -> None:
+    import sys
+
+    from .table import filled
+
+    write_result("\n".join(filled(printable(words), screen_width(sys.stdout))))

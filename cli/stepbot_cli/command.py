@@ -15,6 +15,26 @@ from .terminal import Display
 class Command(click.Command):
     """A command whose function returns the exit code."""
 
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Read the arguments, and say where a setting belongs that is not an option.
+
+        Raises:
+            click.UsageError: The arguments are invalid.
+        """
+        given = list(args)
+        try:
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption as error:
+            if place := _place_in_sidecar(error.option_name):
+                raise click.UsageError(f"no such option '{error.option_name}'; {place}", ctx) from None
+            raise
+        except click.UsageError as error:
+            has_step = any(parameter.name == "step" for parameter in self.params)
+            if has_step and "unexpected extra argument" in error.message and any(map(_is_step, given)):
+                remedy = "the sidecar names its STEP file; `--step FILE` reads another one"
+                raise click.UsageError(f"{error.message}; {remedy}", ctx) from None
+            raise
+
     def invoke(self, ctx: click.Context) -> Any:
         """Run the command; returns its exit code."""
         try:
@@ -25,6 +45,21 @@ class Command(click.Command):
             from .failures import show_exception
 
             return show_exception(error, as_json=bool(ctx.params.get("as_json")))
+
+
+def _place_in_sidecar(option: str) -> str:
+    """The place of a setting in the sidecar, for an unknown option of this name; empty if it has none."""
+    from stepbot.sidecar.fields import top_level_keys_with  # costs 0.1 s
+
+    key = option.lstrip("-").replace("-", "_")
+    places = ", ".join(f"`{name}`" for name in top_level_keys_with(key))
+    return f"`{key}` is set in the sidecar, under {places}" if places else ""
+
+
+def _is_step(argument: str) -> bool:
+    from stepbot.robot.step_names import is_step_name
+
+    return is_step_name(argument)
 
 
 def names_option(*declarations: str, **attributes: Any) -> Callable[..., Any]:

@@ -32,6 +32,18 @@ if TYPE_CHECKING:
     from stepbot.report.results import Results
     from stepbot.report.summary import Summary
 
+_PROGRAMS = {
+    **dict.fromkeys(("ros", "moveit", "xacro", "srdf", "ament"), "a ROS 2 package is written by `--ros2 NAME`"),
+    **dict.fromkeys(("gazebo", "gz", "ignition"), "a Gazebo model is written by `--gazebo`, a world by `-f sdf`"),
+    **dict.fromkeys(("isaac", "omniverse", "newton", "unreal"), "it reads OpenUSD: `-f usd`"),
+    **dict.fromkeys(("mjx", "genesis", "dmcontrol"), "it reads MJCF: `-f mjcf`"),
+    **dict.fromkeys(
+        ("rviz", "bullet", "pybullet", "sapien", "unity", "raisim", "coppelia"), "it reads URDF: `-f urdf`"
+    ),
+    "drake": "it reads SDFormat: `-f sdf`",
+}
+"""Beginnings of the names of programs and their files, in lower case, and what to write for them."""
+
 format_option = names_option(
     "-f",
     "--format",
@@ -259,6 +271,8 @@ def _show_summary(summary: "Summary") -> None:
     """Print the results."""
     if summary.joint_table is not None:
         show_joint_table(summary.joint_table)
+    if summary.masses:
+        _show_filled(summary.masses)
     if summary.collisions:
         _show_filled(summary.collisions)
     if summary.proof is not None:
@@ -268,8 +282,11 @@ def _show_summary(summary: "Summary") -> None:
 def _show_in_full(report: "Results") -> None:
     """Print the results, the evidence for each joint, the collision shapes of each link, and each engine."""
     from stepbot.report.collision_words import collision_summary
+    from stepbot.report.mass_words import mass_summary
 
     show_joint_rows(report.joint_table, verbose=True)
+    if report.masses:
+        _show_filled(mass_summary(report.masses))
     if shapes := report.collision_shapes:
         links = (f"  {one.link}: {collision_summary([one]).partition(': ')[2]}" for one in shapes)
         _show_filled(collision_summary(shapes), *links)
@@ -314,9 +331,16 @@ def format_names(given: tuple[str, ...]) -> tuple[str, ...]:
             names.append(format_named(name).name)
         except KeyError:
             known = (*FORMATS, *(alias for one in FORMATS.values() for alias in one.aliases))
-            remedy = "".join(did_you_mean(name, known)) or f"choose from {', '.join(FORMATS)}"
+            remedy = _in_another_program(name) or "".join(did_you_mean(name, known))
+            remedy = remedy or f"choose from {', '.join(FORMATS)}"
             raise click.BadParameter(f"unknown format '{name}'; {remedy}", param_hint="--format") from None
     return tuple(dict.fromkeys(names))
+
+
+def _in_another_program(name: str) -> str:
+    """The option or format for a program, library or file that is given as a format; empty if it is unknown."""
+    bare = "".join(c for c in name.casefold() if c.isalnum())
+    return next((option for program, option in _PROGRAMS.items() if bare.startswith(program)), "")
 
 
 def _suite(sidecar: Path, conversion: "Conversion") -> "Suite":

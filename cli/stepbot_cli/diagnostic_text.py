@@ -17,21 +17,34 @@ MOST_JUNK = 0.3
 """Share of unprintable characters in a line above which it is not text, and gets no code frame."""
 MOST_WARNINGS = 3
 """Number of warnings of one code that the default output shows in full."""
+MOST_ERRORS = 5
+"""Number of errors of one code that the default output shows in full; of the others it shows the message."""
+MOST_NOTES = 6
+"""Number of notes of one diagnostic that the default output shows."""
 
+_MOST = {"error": MOST_ERRORS, "warning": MOST_WARNINGS, "note": 0}
 _COLORS = {"error": "1;31", "warning": "1;33", "note": "1;36"}
 _FRAME_COLOR = "34"
 
 
-def full(diagnostics: Sequence[Diagnostic], *, color: bool = False, width: int = FRAME_WIDTH) -> str:
+def full(
+    diagnostics: Sequence[Diagnostic],
+    *,
+    color: bool = False,
+    width: int = FRAME_WIDTH,
+    most_notes: int | None = None,
+) -> str:
     """Each diagnostic with its source line, notes and help.
 
     Args:
         diagnostics: What to show.
         color: Whether to use the terminal's colours.
         width: Width of a code frame.
+        most_notes: Number of notes to show of each; None for all.
     """
     lines = source_lines(diagnostics)
-    return "\n\n".join(_full(d, lines.get((d.span.file, d.span.line)), color, width) for d in diagnostics)
+    shown = diagnostics if most_notes is None else [_with_notes(d, most_notes) for d in diagnostics]
+    return "\n\n".join(_full(d, lines.get((d.span.file, d.span.line)), color, width) for d in shown)
 
 
 def screen(
@@ -42,7 +55,7 @@ def screen(
     width: int | None = None,
     counts: bool = True,
 ) -> str:
-    """The default output: errors and warnings in full, one line for all notes of a code, and the counts.
+    """The default output: the first errors and warnings of each code in full, one line for all notes, and the counts.
 
     Args:
         diagnostics: What to show.
@@ -51,26 +64,42 @@ def screen(
         width: Width of the screen; None if unknown, for lines that are not truncated.
         counts: Whether to end with the number of each severity.
     """
-    in_full, folded = _sorted_out(diagnostics)
-    lines = [full(in_full, color=color, width=width or FRAME_WIDTH), ""] if in_full else []
+    in_full, brief, folded = _sorted_out(diagnostics)
+    lines = [full(in_full, color=color, width=width or FRAME_WIDTH, most_notes=MOST_NOTES), ""] if in_full else []
+    lines += [*(_headline(error, color) for error in brief), ""] if brief else []
     lines += [_fold(of_code, in_full, color, width) for of_code in folded]
     if counts:
-        lines.append(summary(diagnostics, all_shown=not folded, ignored=ignored))
+        all_shown = not (brief or folded or any(len(one.notes) > MOST_NOTES for one in in_full))
+        lines.append(summary(diagnostics, all_shown=all_shown, ignored=ignored))
     return "\n".join(lines).rstrip()
 
 
-def _sorted_out(diagnostics: Sequence[Diagnostic]) -> tuple[list[Diagnostic], list[list[Diagnostic]]]:
-    """Diagnostics to show in full (all errors, some warnings of each code), and the rest by code."""
+def _with_notes(diagnostic: Diagnostic, most: int) -> Diagnostic:
+    """The diagnostic with its first notes, and the number of the others."""
+    rest = len(diagnostic.notes) - most
+    if rest <= 0:
+        return diagnostic
+    more = f"{rest} more {'note' if rest == 1 else 'notes'}"
+    return diagnostic._replace(notes=(*diagnostic.notes[:most], more))
+
+
+def _sorted_out(
+    diagnostics: Sequence[Diagnostic],
+) -> tuple[list[Diagnostic], list[Diagnostic], list[list[Diagnostic]]]:
+    """Diagnostics to show in full (some of each code), further errors, and further warnings and notes by code."""
     in_full: list[Diagnostic] = []
+    brief: list[Diagnostic] = []
     folded: dict[str, list[Diagnostic]] = {}
-    warnings: Counter[str] = Counter()
+    counts: Counter[str] = Counter()
     for diagnostic in diagnostics:
-        warnings[diagnostic.code] += diagnostic.severity == "warning"
-        if diagnostic.severity == "note" or warnings[diagnostic.code] > MOST_WARNINGS:
-            folded.setdefault(diagnostic.code, []).append(diagnostic)
-        else:
+        counts[diagnostic.code] += 1
+        if counts[diagnostic.code] <= _MOST[diagnostic.severity]:
             in_full.append(diagnostic)
-    return in_full, list(folded.values())
+        elif diagnostic.severity == "error":
+            brief.append(diagnostic)
+        else:
+            folded.setdefault(diagnostic.code, []).append(diagnostic)
+    return in_full, brief, list(folded.values())
 
 
 def _fold(diagnostics: Sequence[Diagnostic], in_full: Sequence[Diagnostic], color: bool, width: int | None) -> str:

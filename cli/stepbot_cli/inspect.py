@@ -108,7 +108,8 @@ def command(
         show_diagnostics(found, display)
         if inspection.assembly is not None:
             choice = Choice(depth, glob, folded=not (unfold or features))
-            write_result(_text(inspection, between, choice, features=features, tree=tree))
+            verbose = display.verbose
+            write_result(_text(inspection, between, choice, features=features, tree=tree, verbose=verbose))
         if picture is not None and drawn is not None:
             write_result("\n".join(picture_lines(picture, drawn, labels=True)))
     return found.exit_code
@@ -146,11 +147,18 @@ def _document(inspection: "Inspection", between: tuple[str, str] | None, feature
 
 
 def _text(
-    inspection: "Inspection", between: tuple[str, str] | None, choice: "Choice", *, features: bool, tree: bool
+    inspection: "Inspection",
+    between: tuple[str, str] | None,
+    choice: "Choice",
+    *,
+    features: bool,
+    tree: bool,
+    verbose: bool,
 ) -> str:
     from .inspection_text import inspection_text, shared_axes_text
     from .shared_axes import shared_axes
 
     if between and inspection.assembly is not None:
         return shared_axes_text(shared_axes(inspection.assembly, inspection.links, *between), screen_width(sys.stdout))
-    return inspection_text(inspection, choice, features=features, tree=tree, width=screen_width(sys.stdout))
+    width = screen_width(sys.stdout)
+    return inspection_text(inspection, choice, features=features, tree=tree, verbose=verbose, width=width)

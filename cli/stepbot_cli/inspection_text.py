@@ -27,7 +27,13 @@ _INDENT = "    "
 
 
 def inspection_text(
-    inspection: Inspection, choice: Choice, *, features: bool, tree: bool = False, width: int | None
+    inspection: Inspection,
+    choice: Choice,
+    *,
+    features: bool,
+    tree: bool = False,
+    verbose: bool = False,
+    width: int | None,
 ) -> str:
     """The header of the file, then the components, as a table or, if that is too wide, in blocks; or as a tree.
 
@@ -36,6 +42,7 @@ def inspection_text(
         choice: Which components to list.
         features: Whether to list axis lines below each component; not in a tree.
         tree: Whether to show a tree.
+        verbose: Whether to list validation properties that match, too.
         width: Width of the screen; None for unlimited.
 
     Raises:
@@ -59,7 +66,8 @@ def inspection_text(
             text += block
             if features:
                 text += _fitted((_INDENT + axis for axis in _component_axes(assembly, row.component)), width)
-    return printable("\n".join([*text, *_fitted(_left_out(rows, choice), width), *_validations(assembly)]))
+    text += [*_fitted(_left_out(rows, choice), width), *_validations(assembly, verbose=verbose)]
+    return printable("\n".join(text))
 
 
 def _blocks(rows: list[tuple[str, ...]], telling_names: list[str], width: int | None) -> list[list[str]]:
@@ -139,7 +147,7 @@ def _head(assembly: Assembly, total: Contents) -> Iterator[str]:
         counted(assembly.definitions, "definition"),
         counted(len(assembly.components) - 1, "component"),
         counted(total.solids, "solid") + _closed(assembly),
-        *([counted(total.surfaces, "surface body", "surface bodies")] if total.surfaces else []),
+        *([counted(total.surfaces, "surface body", "surface bodies") + _enclosing(assembly)] if total.surfaces else []),
         f"{_volume(total.volume)} in total",
     ]
     yield ", ".join(parts)
@@ -161,6 +169,13 @@ def _closed(assembly: Assembly) -> str:
     if not closed:
         return ""
     return " (watertight)" if all(closed) else f" ({sum(closed)} of {len(closed)} watertight)"
+
+
+def _enclosing(assembly: Assembly) -> str:
+    """Number of surfaces that are closed, and have a mass; empty if none is."""
+    surfaces = [assembly.bodies[one.body] for one in assembly.components if one.body >= 0]
+    closed = sum(body.kind is BodyKind.SURFACE and body.watertight for body in surfaces)
+    return f" ({closed} closed)" if closed else ""
 
 
 def _materials(assembly: Assembly) -> str:
@@ -211,13 +226,16 @@ def _remarks(assembly: Assembly, component: Component) -> Iterator[str]:
         yield f"MISSING: file '{component.missing}' was not read"
     if component.body >= 0:
         body = assembly.bodies[component.body]
+        is_closed = body.kind is BodyKind.SURFACE and body.watertight
         if body.kind is not BodyKind.SOLID:
             yield {
-                BodyKind.SURFACE: "surface, no mass",
+                BodyKind.SURFACE: "closed surface, weighed as a solid" if is_closed else "surface, no mass",
                 BodyKind.TESSELLATED: "mesh only",
                 BodyKind.WIRE: "curves only",
             }[body.kind]
-        if body.defect:
+        if is_closed:
+            pass  # its defect says that it is no solid
+        elif body.defect:
             yield body.defect
         elif body.kind is BodyKind.SOLID and not body.watertight:
             yield "not watertight"
@@ -227,8 +245,8 @@ def _remarks(assembly: Assembly, component: Component) -> Iterator[str]:
         yield "distinguished from siblings by #n only"
 
 
-def _validations(assembly: Assembly) -> list[str]:
-    """The validation properties of the file, with the measured values."""
+def _validations(assembly: Assembly, *, verbose: bool) -> list[str]:
+    """The validation properties of the file that differ from the measured values, or, with ``verbose``, all of them."""
     if not assembly.validations:
         return []
     agree = sum(validation.agrees for validation in assembly.validations)
@@ -242,9 +260,12 @@ def _validations(assembly: Assembly) -> list[str]:
             "" if v.agrees else "differs",
         )
         for v in assembly.validations
+        if verbose or not v.agrees
     ]
-    head = f"{agree} of {counted(len(rows), 'validation property', 'validation properties')} match"
-    return ["", head, *aligned([_VALIDATION_HEADINGS, *rows])]
+    rows = list(dict.fromkeys(rows))
+    count = counted(len(assembly.validations), "validation property", "validation properties")
+    head = f"{agree} of {count} match{'' if verbose or not agree else '; -v lists them'}"
+    return ["", head, *(aligned([_VALIDATION_HEADINGS, *rows]) if rows else [])]
 
 
 def _values(quantity: Quantity, values: tuple[float, ...]) -> str:

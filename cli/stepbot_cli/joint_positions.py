@@ -1,7 +1,7 @@
 """Positions of joints on the command line: ``elbow=30deg``, ``slide=12mm``."""
 
 from collections.abc import Iterable, Mapping
-from math import degrees
+from math import degrees, radians
 from typing import TYPE_CHECKING
 
 import click
@@ -72,16 +72,18 @@ def _position(joint: "Joint", text: str) -> float:
     from stepbot.sidecar.units import ANGLE, LENGTH, UnitError, read_quantity
 
     try:
-        q = read_quantity(text, LENGTH if _slides(joint) else ANGLE).value
+        quantity = read_quantity(text, LENGTH if _slides(joint) else ANGLE)
     except UnitError as error:
         hints = "".join(f"; {hint}" for hint in error.hints)
         raise click.BadParameter(f"joint '{joint.name}': {error}{hints}", param_hint=_HINT) from None
-    lower, upper = joint.limit.lower, joint.limit.upper
+    q, lower, upper = quantity.value, joint.limit.lower, joint.limit.upper
     if not lower - _SLACK <= q <= upper + _SLACK:
         limits = f"{position_words(joint, lower)} to {position_words(joint, upper)}"
-        raise click.BadParameter(
-            f"joint '{joint.name}': {position_words(joint, q)} is outside its limits, {limits}", param_hint=_HINT
-        )
+        message = f"joint '{joint.name}': {position_words(joint, q)} is outside its limits, {limits}"
+        other, scale = ("mm", 1e-3) if _slides(joint) else ("deg", radians(1.0))
+        if quantity.dimension is None and lower <= q * scale <= upper:
+            message += f"; if the unit is {other}, write {joint.name}={text}{other}"
+        raise click.BadParameter(message, param_hint=_HINT)
     return q
 
 

@@ -170,3 +170,19 @@ def test_written_files_give_the_same_classes(stepbot: Stepbot, plates: Path) -> 
         pairs = document["self_collision"]["pairs"]
         found.append([(sorted(pair["links"]), pair["class"], pair["contacts"]) for pair in pairs])
     assert found[0] == found[1] == found[2]
+
+
+@pytest.mark.parametrize("command", ["view", "render", "collisions", "drive"])
+def test_a_misspelt_target_is_proposed(command: str, arm: Path, stepbot: Stepbot) -> None:
+    """A file that does not exist ends with those that may be meant: without its suffix, misspelt, or all of them."""
+    for target, help in (
+        ("arm2", "did you mean 'arm2.robot.yaml' or 'arm2.step'?"),
+        ("arm22.step", "did you mean 'arm2.step'?"),
+        ("zzzzzzzz.urdf", "files in '.': 'arm2.robot.yaml', 'arm2.step'"),
+        ("nowhere/arm2.urdf", "there is no folder 'nowhere'"),
+    ):
+        run = stepbot(command, target)
+        assert run.code != 0
+        assert "error[SB001]" in run.err
+        assert help in run.err, run.err
+    assert sorted(file.name for file in arm.iterdir()) == ["arm2.robot.yaml", "arm2.step"]

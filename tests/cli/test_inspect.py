@@ -8,6 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from OCP.TopAbs import TopAbs_ShapeEnum
+from OCP.TopExp import TopExp_Explorer
 from ruamel.yaml import YAML
 
 from robot_library.stepbot_arm2.dimensions import BASE_PLATE, COLUMN, TURNTABLE, turntable_place
@@ -186,12 +188,29 @@ def test_validation_properties(tmp_path: Path, stepbot: Stepbot) -> None:
     assert "1 of 2 validation properties match" in run.out
     rows = [line.split() for line in run.out.splitlines() if line.startswith('"."')]
     assert ['"."', "volume", "[cm^3]", "0.24", "240", "1.0e+03", "differs"] in rows
+    assert not any("area" in row for row in rows)
+    verbose = stepbot("inspect", path, "-v").out
+    assert [line.split()[1] for line in verbose.splitlines() if line.startswith('"." ') and "[cm" in line] == [
+        "volume",
+        "area",
+    ]
     document = json.loads(stepbot("inspect", path, "--json").out)
     wrong, right = document["validations"]
     assert (wrong["component"], wrong["quantity"], wrong["agrees"]) == (".", "volume", False)
     assert (wrong["stated"], wrong["read"]) == ([pytest.approx(0.24e-6)], [pytest.approx(240e-6)])
     assert (right["quantity"], right["agrees"], right["deviation"]) == ("area", True, pytest.approx(0, abs=1e-9))
     assert document["bodies"][0]["area"] == pytest.approx(0.0248)
+
+
+def test_closed_surfaces_are_weighed(tmp_path: Path, stepbot: Stepbot) -> None:
+    """A closed shell that is no solid has a volume and a mass; `inspect` says so, and does not deny the volume."""
+    shell = TopExp_Explorer(solids.box(30, 40, 50).shape, TopAbs_ShapeEnum.TopAbs_SHELL).Current()
+    drawing = parts.draw(tmp_path / "case.step", parts.Drawn("case", shell))
+    run = stepbot("inspect", str(drawing.path))
+    assert (run.code, run.err) == (0, "")
+    assert "1 surface body (1 closed), 60 cm^3 in total" in run.out
+    assert "closed surface, weighed as a solid" in run.out
+    assert "encloses no volume" not in run.out
 
 
 def test_features_are_origins_to_paste(arm: Path, stepbot: Stepbot) -> None:

@@ -78,6 +78,7 @@ def test_a_wrong_position_is_reported(arm: Path, stepbot: Stepbot) -> None:
         ("two_link_arm", "elbow", "'elbow' is not NAME=VALUE, such as elbow=30deg"),
         ("two_link_arm", "elbow=3 mm", "joint 'elbow': wrong unit 'mm': expected angle [rad]"),
         ("two_link_arm", "elbow=999deg", "joint 'elbow': 999 deg is outside its limits, "),
+        ("two_link_arm", "elbow=60", "; if the unit is deg, write elbow=60deg"),
         ("two_link_arm", "elbow=fast", "joint 'elbow': invalid quantity 'fast'"),
         ("gripper_with_mimic", "finger=3deg", "joint 'finger': wrong unit 'deg': expected length [m]"),
         ("gripper_with_mimic", "thumb_pivot=0", "joint 'thumb_pivot' follows 'finger'; set 'finger' instead"),

@@ -75,15 +75,29 @@ def test_repeated_notes_are_one_line() -> None:
 
 
 def test_repeated_warnings_are_counted() -> None:
-    """Some warnings of a code are printed in full and the others counted; errors are all printed."""
+    """Some warnings of a code are printed in full and the others counted; of all errors the message is printed."""
     warnings = [finding("warning", "SB305", number) for number in range(5)]
     errors = [finding("error", "SB130", number) for number in range(9)]
     text = diagnostic_text.screen([*warnings, *errors])
     assert [f"subject {n}: wrong" in text for n in range(5)].count(True) == 5
     assert text.count("warning[SB305]: subject") == 3
     assert text.count("error[SB130]: subject") == 9
+    assert text.count("= note: why") == 3 + 5
+    assert text.endswith("-v shows all)")
+
     assert "\nwarning[SB305]: 2 more x path depends on sibling order\n" in text
     assert text.endswith("9 errors, 5 warnings (more: stepbot explain SB130; -v shows all)")
+
+
+def test_long_lists_of_notes_are_cut() -> None:
+    """The default output has the first notes of a finding; -v has all."""
+    many = finding("warning", "SB512", 1)._replace(notes=tuple(f"pair {number}" for number in range(9)))
+    text = diagnostic_text.screen([many])
+    assert "pair 5" in text
+    assert "pair 6" not in text
+    assert "= note: 3 more notes" in text
+    assert text.endswith("-v shows all)")
+    assert "pair 8" in diagnostic_text.full([many])
 
 
 def test_quiet_folds_as_the_default_does(capsys: pytest.CaptureFixture[str]) -> None:

@@ -69,6 +69,8 @@ class Checked(NamedTuple):
     """Number of tree joints, and of joints that close loops."""
     joint_table: "tuple[JointRow, ...]" = ()
     """Position of each joint; empty if no STEP was read or there is no robot because of errors."""
+    masses: str = ""
+    """The masses of the links in words; empty as ``joint_table``."""
 
 
 class Kept(NamedTuple):

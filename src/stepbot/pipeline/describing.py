@@ -12,6 +12,7 @@ from stepbot.verification.admission import admitted
 from stepbot.verification.files import format_of
 
 from .conversion import Options
+from .targets import report_missing
 
 _DESCRIBE = "stepbot.engines.describe:describe"
 
@@ -24,6 +25,9 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
         options: Time and memory limits.
         found: Takes SB001, SB814, SB820, SB821, SB822, SB823 and SB902.
     """
+    if not path.exists():
+        report_missing(path, found)
+        return None
     written_in = format_of(path, found)
     if written_in is None:
         return None

@@ -19,6 +19,7 @@ from stepbot.verification.admission import admitted
 
 from .conversion import REPORT, Options
 from .sidecars import SIDECAR_SUFFIXES
+from .targets import report_missing
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ def drive(
         progress: Called at the start of each stage.
     """
     if not target.exists():
-        found.add("SB001", f"no file or folder '{target.as_posix()}'", Span(target.as_posix()))
+        report_missing(target, found, f"no file or folder '{target.as_posix()}'")
         return None
     demanded = read_demands(chosen.limits, found)
     engines = missing_engines(chosen.engines, found)

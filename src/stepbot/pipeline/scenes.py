@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from stepbot.diagnostics import Diagnostics, Span, StepbotError
+from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.robot.model import Robot
 from stepbot.robot.step_names import is_step_name, step_stem
 from stepbot.sidecar.draft_comments import drafted_reviews, drafted_stops
@@ -20,6 +20,7 @@ from .drafted_robot import evidence_of_draft, robot_of_assembly, robot_of_draft
 from .drafting import draft_step
 from .loading import Loading
 from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
+from .targets import report_missing
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +48,7 @@ def show(target: Path, options: Options) -> Shown:
         return _show_sidecar(target, options)
     found = Diagnostics()
     if not target.exists():
-        found.add("SB001", "file not found", Span(target.as_posix()))
+        report_missing(target, found)
         return Shown(found)
     return (_show_step if is_step_name(target.name) else _show_description)(target, options, found)
 

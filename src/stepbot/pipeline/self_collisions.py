@@ -37,9 +37,6 @@ def search(
     try:
         if target.suffix.lower() in SIDECAR_SUFFIXES:
             robot, wanted = _built(target, options, found)
-        elif not target.exists():
-            found.add("SB001", "file not found", Span(target.as_posix()))
-            return None
         else:
             described = described_robot(target, options, found)
             if described is None:

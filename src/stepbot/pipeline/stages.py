@@ -17,6 +17,8 @@ from stepbot.assemble import link_components
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.formats import format_named
 from stepbot.geometry.volume import VolumeProperties
+from stepbot.report.mass_words import mass_summary
+from stepbot.robot.model import Robot
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
 from stepbot.sidecar.self_collision import SelfCollisionSection
@@ -127,7 +129,7 @@ def _produce(
         report = proven(written, proof, found)
     report_unused(found, _JUDGED_BY_BUILD + judged_by_files(options))
     report = replace(report, inputs=inputs, bodies=built.bodies, joint_table=built.joint_table, collision_shapes=shapes)
-    report = replace(report, simplified_visuals=built.simplified)
+    report = replace(report, simplified_visuals=built.simplified, masses=_masses(robot))
     if options.strict:
         found.make_strict()
     files = all_files(written, report, options, found)
@@ -153,13 +155,18 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
             with closing(Loading(source, what_to_read(loaded, options), options, found)) as loading:
                 built = build(loaded, loading.assembly(found), loading, options, found)
                 if built is not None:
-                    checked = checked._replace(joint_table=built.joint_table)
+                    masses = mass_summary(_masses(built.robot))
+                    checked = checked._replace(joint_table=built.joint_table, masses=masses)
                     built.double_counting.report(options.timeout)
         if not found.has_errors:
             report_unused(found, _JUDGED_BY_BUILD if open_step else _JUDGED_BY_TEXT)
     except StepbotError as error:
         found.extend(error.diagnostics)
     return checked
+
+
+def _masses(robot: Robot) -> dict[str, float]:
+    return {link.name: link.mass_properties.mass for link in robot.links}
 
 
 def step_of(sidecar: Path, options: Options, found: Diagnostics) -> Path | None:

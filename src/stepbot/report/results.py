@@ -142,6 +142,8 @@ class Results:
     """SHA-256 of each STEP file that was read, by its path relative to the folder of the first one."""
     names: Mapping[str, str] = field(default_factory=dict)
     """Names in the files, and the original names in the STEP."""
+    masses: Mapping[str, float] = field(default_factory=dict)
+    """Mass [kg] of each link of a converted robot."""
     collision_shapes: tuple[LinkCollision, ...] = ()
     """Of each link that has any."""
     simplified_visuals: tuple[SimplifiedVisuals, ...] = ()

@@ -6,6 +6,7 @@ from stepbot.robot.joint_table import Basis, JointRow
 
 from .collision_words import collision_summary
 from .joint_words import direction_words, evidence_words, face_words, point_words, rival_words
+from .mass_words import mass_summary
 from .results import Check, Results, Row
 from .summary import JointTable, JointText, Proof, Summary
 
@@ -22,6 +23,7 @@ def summary_of(results: Results, optional: Collection[str]) -> Summary:
     """
     return Summary(
         joint_table_of(results.joint_table) if results.joint_table else None,
+        mass_summary(results.masses),
         collision_summary(results.collision_shapes) if results.collision_shapes else "",
         proof_of(results, optional) if results.checks else None,
     )

@@ -40,6 +40,8 @@ class Summary(NamedTuple):
 
     joint_table: JointTable | None
     """None without joints."""
+    masses: str
+    """The masses of the links; empty without links."""
     collisions: str
     """How well collision shapes match the solids; empty without collision shapes."""
     proof: Proof | None

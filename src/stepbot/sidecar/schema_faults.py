@@ -113,7 +113,8 @@ def _unknown_key(loc: tuple[str | int, ...], place: Keys, root: Tree) -> _Fault:
 def _where_a_key_belongs(place: Keys, value: Tree, root: Tree, keys: Sequence[str], below: Sequence[str]) -> list[str]:
     """Suggestions for an unknown key: aliases and sections that define it first, similar names last."""
     key = str(place[-1])
-    if meant := meant_by(key, keys):
+    in_section = bool(below) and isinstance(value, Scalar)  # `material: pla` belongs to `defaults`, not `materials`
+    if (meant := meant_by(key, keys)) and not in_section:
         snippet = remedy((*place[:-1], meant), value) if isinstance(value, Listing) else ""
         return [f"did you mean '{meant}'?", *([snippet] if snippet else [])]
     if key in NOT_SAID_SO:

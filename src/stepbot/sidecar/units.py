@@ -219,7 +219,7 @@ def _parse_unit(text: str) -> UnitOfMeasure:
         match = _FACTOR.match(text, end)
         if match is None or match["symbol"] not in _UNITS or (match["operator"] and not end):
             symbol = match["symbol"] if match else text
-            raise UnitError(f"unknown unit '{text}'", _spelling_hints(symbol))
+            raise UnitError(f"unknown unit '{text}'", _spelling_hints(text, symbol))
         written = match["power"] or match["raised"] or "1"
         power = _SUPERSCRIPTS[written] if written in _SUPERSCRIPTS else int(written)
         power = -power if match["operator"] == "/" else power
@@ -280,9 +280,10 @@ _SPELLED_OUT = {
 }
 
 
-def _spelling_hints(symbol: str) -> tuple[str, ...]:
+def _spelling_hints(text: str, symbol: str) -> tuple[str, ...]:
+    """Help for an unknown symbol in the text of a unit."""
     if symbol.lower() in _SPELLED_OUT:
-        return (f"did you mean '{_SPELLED_OUT[symbol.lower()]}'?",)
+        return (f"did you mean '{text.strip().replace(symbol, _SPELLED_OUT[symbol.lower()])}'?",)
     return did_you_mean(symbol, _UNITS) or ("known units: " + ", ".join(_UNITS),)
 
 

@@ -48,6 +48,8 @@ ALSO_CALLED = {
     "parent_link": "parent",
     "child_link": "child",
     "joint_type": "type",
+    "type": "kind",
+    "kind": "type",
     "name": "robot",
     "robot_name": "robot",
     "cad": "step",

@@ -132,6 +132,19 @@ def test_colour_without_quotes_in_braces() -> None:
     assert '"#ff0000"' in fault.help[0]
 
 
+@pytest.mark.parametrize(
+    ("added", "help"),
+    [
+        ("material: pla\n", "move it to 'defaults': `defaults: {material: pla}`"),
+        ("actuators: {m: {joint: elbow, type: position, kp: 10}}\n", "did you mean 'kind'?"),
+    ],
+)
+def test_keys_at_home_elsewhere(added: str, help: str) -> None:
+    """A setting of `defaults` at the top level, and the type of an actuator, are led to their keys."""
+    (fault,) = findings(ARM + added)
+    assert (fault.code, fault.help[0]) == ("SB120", help)
+
+
 def test_key_under_another_name_is_not_missing_too() -> None:
     """``parent_link`` is one error about the name, and `parent` is not reported as missing."""
     assert [d.code for d in findings(ARM.replace("parent:", "parent_link:"))] == ["SB120"]

@@ -175,6 +175,7 @@ def test_schema_pattern_accepts_every_quantity(text: str) -> None:
         ),
         ("20 kg.cm", units.FORCE, "wrong unit 'kg.cm': expected force [N]", "example: 20 N"),
         ("2700 g", units.DENSITY, "wrong unit 'g': expected density", "mass per volume"),
+        ("1.2 g/cc", units.DENSITY, "unknown unit 'g/cc'", "did you mean 'g/cm^3'?"),
         ("5 kgcm", units.TORQUE, "unknown unit 'kgcm'", "did you mean 'kgf*cm'?"),
         ("2 nm", units.TORQUE, "wrong unit 'nm': expected torque [N*m]", "did you mean 'N*m'?"),
         ("1,5 m", units.LENGTH, "invalid quantity '1,5 m': expected a length", "use a decimal point: `1.5 m`"),

@@ -167,6 +167,17 @@ def test_each_missing_file_is_reported(tmp_path: Path, found: ReadDiagnostics) -
     assert root.read_text().splitlines()[second.span.line - 1].count("knob.step") == 1
 
 
+def test_parts_are_not_proposed_for_each_other(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Neither the assembly nor the file of another part is suggested for a missing file with a similar name."""
+    parts.write_box(tmp_path / "Arm_Upper.step")
+    root = write_structure(
+        tmp_path / "Arm_Base.step", "root", [Component("a", "Arm_Upper.step"), Component("b", "Arm_Under.step")]
+    )
+    assert missing_files(read_here(root, found)) == ("Arm_Under.step",)
+    (fault,) = found
+    assert not any("did you mean" in text for text in fault.help)
+
+
 def test_a_missing_file_of_a_subassembly(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A missing file of a subassembly is reported in the file that refers to it."""
     write_structure(tmp_path / "arm.step", "arm", [Component("block", "block.step")])

@@ -6,7 +6,7 @@ any of them; the kernel's own search for such files is switched off (:func:`step
 """
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -115,9 +115,10 @@ def _walk(step: Path, references: Callable[[Path, PurePosixPath], Sequence[Exter
     pending = [(step, PurePosixPath(step.name))]
     while pending:
         path, name = pending.pop(0)
-        links = []
-        for reference in references(path, name):
-            target = _resolve(reference, name.parent, step.parent, folder)
+        links, found = [], references(path, name)
+        taken = {path.name, *(reading for reference in found for reading in reference.readings)}
+        for reference in found:
+            target = _resolve(reference, name.parent, step.parent, folder, taken)
             if isinstance(target, _Refusal):
                 links.append(_link(reference, fault=target.fault, help=(*target.help, _ONE_FILE)))
                 continue
@@ -137,7 +138,9 @@ class _Refusal:
     help: tuple[str, ...]
 
 
-def _resolve(reference: ExternalReference, beside: PurePosixPath, root: Path, folder: Path) -> Path | _Refusal:
+def _resolve(
+    reference: ExternalReference, beside: PurePosixPath, root: Path, folder: Path, taken: Collection[str]
+) -> Path | _Refusal:
     """The file of a reference, within the folder of the assembly.
 
     Args:
@@ -145,6 +148,7 @@ def _resolve(reference: ExternalReference, beside: PurePosixPath, root: Path, fo
         beside: Folder of that file, relative to the assembly's.
         root: Folder of the assembly, as it was given.
         folder: The same without links.
+        taken: Names of files that cannot be this one under another name.
     """
     missing: Path | None = None
     for reading in reference.readings:
@@ -171,14 +175,15 @@ def _resolve(reference: ExternalReference, beside: PurePosixPath, root: Path, fo
         return path
     where = root / beside
     help = (f"put '{reference.name}' into '{where}'",) if str(where) != "." else (f"put '{reference.name}' beside it",)
-    return _Refusal("which does not exist", (*help, *_meant(missing)))
+    return _Refusal("which does not exist", (*help, *_meant(missing, taken)))
 
 
-def _meant(path: Path | None) -> tuple[str, ...]:
+def _meant(path: Path | None, taken: Collection[str]) -> tuple[str, ...]:
     try:
         beside = sorted(file.name for file in path.parent.iterdir()) if path is not None else []
     except (OSError, ValueError):
         return ()
+    beside = [name for name in beside if name not in taken]
     return did_you_mean(path.name, beside) if path is not None else ()
 
 

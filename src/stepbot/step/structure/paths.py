@@ -333,16 +333,25 @@ class ComponentPaths:
             remedies = (f"paths begin below the root: {quoted(rest)}", *remedies)
         elif segments[0].name in (plain_name(root.product), plain_name(root.occurrence)):
             remedies = (f'the root itself is "{ROOT_PATH}"', *remedies)
-        if any(segment.is_glob for segment in segments) and segments[0].text != _ACROSS:
+        is_misspelt = bool(remedies) and any(not self._is_name(segment) for segment in segments)
+        if any(segment.is_glob for segment in segments) and segments[0].text != _ACROSS and not is_misspelt:
             remedies = (*remedies, "globs match from the root: begin with `**/` to match at any depth")
         return Binding(pattern, problem="unknown", help=remedies)
+
+    def _is_name(self, segment: _Segment) -> bool:
+        """Whether any component has such a name, at any depth."""
+        return not segment.name.replace(_ANY, "") or any(segment.accepts(name) for name in self._by_name)
 
     def _near_paths(self, segments: Sequence[_Segment]) -> tuple[str, ...]:
         """Help for a misspelt path: the first segment without a match is the one to correct."""
         for segment in segments:
             word = segment.name.replace(_ANY, "")
-            if not word or any(segment.accepts(name) for name in self._by_name):
+            if self._is_name(segment):
                 continue
+            parts = segment.name.casefold().split(_ANY)
+            cased = [name for name in self._by_name if segment.is_glob and _matches_parts(name.casefold(), parts)]
+            if cased:
+                return (f"upper and lower case differ: '{cased[0]}'",)
             same = [name for name in self._by_name if name.casefold() == word.casefold()]
             return tuple(f"did you mean '{name}'?" for name in same[:1]) or did_you_mean(word, self._by_name)
         last = segments[-1]

@@ -142,10 +142,11 @@ def _report(
 ) -> None:
     differing = [validation for validation in validations if not validation.agrees]
     if differing:
-        notes = [f"'{components[v.component].path}': {_described(v)}" for v in differing[:_SHOWN]]
+        described = dict.fromkeys(f"'{components[v.component].path}': {_described(v)}" for v in differing)
+        notes = list(described)[:_SHOWN]
         differ = "differ" if len(differing) > 1 else "differs"
-        if len(differing) > _SHOWN:
-            notes.append(f"and {len(differing) - _SHOWN} more")
+        if len(described) > _SHOWN:
+            notes.append(f"and {len(described) - _SHOWN} more")
         found.add(
             "SB226",
             f"{len(differing)} of {len(validations)} validation properties in the file {differ} from the geometry read",

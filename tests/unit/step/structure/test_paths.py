@@ -162,6 +162,7 @@ def test_binding_by_ordinal_alone_is_fragile() -> None:
         ("robot", 'the root itself is "."'),
         ("**/hrn", "horn"),
         ("hor*", "**/"),
+        ("GRIP*", "upper and lower case differ: 'gripper'"),
     ],
 )
 def test_unknown_paths_get_help(pattern: str, hint: str) -> None:
