@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
@@ -88,7 +87,7 @@ class Conversion(NamedTuple):
     diagnostics: Diagnostics
     robot: "Robot | None" = None
     """None after errors, or if the result came from a cache."""
-    files: Mapping[str, bytes] = MappingProxyType({})
+    files: Mapping[str, bytes] = {}  # read-only by its type: a proxy cannot be pickled
     """Content of the files to write, by path relative to the output folder."""
     results: "Results | Kept | None" = None
     """See :attr:`report` and :attr:`summary`."""
