@@ -9,6 +9,7 @@ python -m benchmarks scaling                            ever more definitions, e
 python -m benchmarks gate --against REVISION            processor time of the working tree against a tag's
 python -m benchmarks report                             tables in docs/performance.md from the results of ``--keep``
 python -m benchmarks inference                          links and joints from plain STEP files, against the known ones
+python -m benchmarks drafting STEP                      copies of an assembly in a row: links, joints and stops
 python -m benchmarks collision STEP                     convex pieces of its solids, by stepbot and by CoACD
 python -m benchmarks steps SIDECAR...                   hulls of parts against ``auto``, in MuJoCo
 python -m benchmarks gym reach MJCF                     steps per second of its environments, one and sixteen
@@ -40,7 +41,8 @@ from .collision import compare_pieces, compare_steps, shapes_of
 from .comparison import compare
 from .contenders import ROOT, Case, Contender
 from .environments import environment_speeds
-from .inference import corpus_folder, measure, page_with_table
+from .inference import corpus_folder, measure, page_with_table, read_for_inference
+from .inference_time import drafting_time
 from .report import write_report
 from .results import keep, table
 from .timing import CommandFailed, timed
@@ -98,6 +100,10 @@ def _parser() -> argparse.ArgumentParser:
     drafted.add_argument("--only", default="", metavar="TEXT", help="robots whose name contains this")
     drafted.add_argument("--write", action="store_true", help="update the table in docs/authoring.md")
     drafted.set_defaults(run=_inference)
+    rows = commands.add_parser("drafting", help="time to draft copies of an assembly in a row")
+    rows.add_argument("step", type=Path)
+    rows.add_argument("--copies", type=int, nargs="+", default=[1, 3, 6], metavar="N")
+    rows.set_defaults(run=_drafting)
     pieces = commands.add_parser("collision", help="convex pieces of solids, by stepbot and by CoACD")
     pieces.add_argument("step", type=Path)
     pieces.set_defaults(run=_collision)
@@ -211,6 +217,12 @@ def _inference(options: argparse.Namespace, _: Path) -> None:
     if options.write:
         page = ROOT / "docs" / "authoring.md"
         page.write_text(page_with_table(page.read_text(encoding="utf-8"), sums), encoding="utf-8", newline="\n")
+
+
+def _drafting(options: argparse.Namespace, _: Path) -> None:
+    assembly = read_for_inference(options.step)
+    for copies in options.copies:
+        print(drafting_time(assembly, copies), flush=True)
 
 
 def _gate(options: argparse.Namespace, folder: Path) -> int:

@@ -88,7 +88,7 @@ def measure(corpus: Path | None, only: str = "") -> dict[tuple[str, str], list[S
     for subject in subjects(corpus):
         if only not in subject.name:
             continue
-        assembly = _read(subject.step)
+        assembly = read_for_inference(subject.step)
         for mode, sources in MODES.items():
             start = time.perf_counter()
             inferred = infer_mechanism(assembly, sources)
@@ -124,7 +124,8 @@ def corpus_folder() -> Path | None:
     return folder if folder.is_dir() else None
 
 
-def _read(step: Path) -> Assembly:
+def read_for_inference(step: Path) -> Assembly:
+    """Read with its faces; exits if it cannot be read."""
     found = Diagnostics()
     assembly = read_assembly(step, ReadOptions(tolerance=_COARSE, faces=True), found)
     if assembly is None:

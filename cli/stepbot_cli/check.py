@@ -117,7 +117,7 @@ def command(
             write_result(fixed.difference)
         show_diagnostics(found, display, as_result=True)
         if not (display.quiet or display.concise):
-            _show(checked, found, display)
+            _show(checked, found, display, open_step=open_step)
     return found.exit_code
 
 
@@ -128,8 +128,10 @@ def _fixed(sidecar: Path, options: "Options", found: Diagnostics) -> "list[Fixed
     return [] if fixed is None else [fixed]
 
 
-def _show(checked: "Mapping[Path, Checked]", found: Diagnostics, display: Display) -> None:
+def _show(checked: "Mapping[Path, Checked]", found: Diagnostics, display: Display, *, open_step: bool) -> None:
     """Print the joint table of each robot, and a summary of the valid ones."""
+    from stepbot.pipeline.source_names import is_description
+
     wrong = {one.span.file for one in found if one.severity == "error"}
     for sidecar, robot in checked.items():
         name = printable(sidecar.as_posix())
@@ -140,7 +142,8 @@ def _show(checked: "Mapping[Path, Checked]", found: Diagnostics, display: Displa
             _show_masses(robot.masses)
         if robot.links and not (wrong and (len(checked) == 1 or name in wrong)):
             several = f"{name}: " if len(checked) > 1 else ""
-            write_result(f"{several}ok: {counted(robot.links, 'link')}, {counted(robot.joints, 'joint')}")
+            unread = "" if open_step or is_description(sidecar) else "; STEP not read (--step)"
+            write_result(f"{several}ok: {counted(robot.links, 'link')}, {counted(robot.joints, 'joint')}{unread}")
 
 
 def _show_masses(words: str) -> None:

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -15,8 +16,12 @@ from benchmarks.assemblies import ASSEMBLIES, Assembly, generate
 from benchmarks.command import case_of, drafted
 from benchmarks.comparison import compare
 from benchmarks.contenders import Case, Contender
+from benchmarks.inference_time import in_a_row
 from benchmarks.report import PAGE, page_with_results
 from benchmarks.timing import CommandFailed, peak_memory, timed
+from stepbot.step.assembly import ReadOptions
+from stepbot.step.reader import read_assembly
+from tests.conftest import ReadDiagnostics
 from tests.unit.assemble.workshop import Workshop
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -158,6 +163,22 @@ def test_contenders_name_each_other_apart() -> None:
         who.PLAIN,
     ]
     assert len({contender.name for contender in everyone}) == len(everyone)
+
+
+def test_copies_in_a_row_do_not_touch(robot_library: Path, found: ReadDiagnostics) -> None:
+    """Copies have paths of their own, the same shapes, and boxes one after the other."""
+    single = read_assembly(robot_library / "stepbot_four_bar" / "four_bar.step", ReadOptions(), found)
+    assert single is not None
+    row = in_a_row(single, 3)
+    assert len(row.components) == 3 * (len(single.components) - 1) + 1
+    assert len({one.path for one in row.components}) == len(row.components)
+    assert all(row.components[one.parent].index == one.parent for one in row.components[1:])
+    boxes = [row.bounds(one.index) for one in row.components if one.parent == 0]
+    each = len(boxes) // 3
+    parts = [[box for box in boxes[i : i + each] if box is not None] for i in range(0, len(boxes), each)]
+    ends = [(min(low[0] for low, _ in part), max(high[0] for _, high in part)) for part in parts]
+    assert len(ends) == 3
+    assert all(before[1] < after[0] for before, after in pairwise(ends))
 
 
 def test_pieces_are_compared_without_coacd(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,7 +1,7 @@
 """All files of the package beside the URDF, its SRDF and its meshes."""
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.robot.model import Robot
+from stepbot.robot.model import JointKind, Robot
 
 from ..grippers import groups
 from .control import controllers
@@ -38,8 +38,8 @@ def ros2_package(robot: Robot, package: str) -> dict[str, bytes]:
     return files
 
 
-def report_unknown(robot: Robot, found: Diagnostics) -> None:
-    """Warn where the manifest states an unknown maintainer or licence (SB640)."""
+def report_gaps(robot: Robot, found: Diagnostics) -> None:
+    """Report an unknown maintainer or licence (SB640), and a package without controllers (SB641)."""
     stated = {"maintainer": robot.metadata.maintainer, "license": robot.metadata.license}
     missing = [name for name, value in stated.items() if not value]
     if missing:
@@ -47,3 +47,7 @@ def report_unknown(robot: Robot, found: Diagnostics) -> None:
         keys = ", ".join(remedies[name] for name in missing)
         message = f"the package has no {' and no '.join(missing)}"
         found.add("SB640", message, Span(MANIFEST), help=[f"in the sidecar: `metadata: {{{keys}}}`"])
+    if not robot.actuators:
+        joint = next((joint.name for joint in robot.joints if joint.kind is not JointKind.FIXED), "elbow")
+        remedy = f"in the sidecar: `actuators: {{{joint}_motor: {{joint: {joint}, kind: position, gains: auto}}}}`"
+        found.add("SB641", "no actuators, so the package has no controllers", Span("config"), help=[remedy])
