@@ -50,7 +50,7 @@ from .timing import CommandFailed, timed
 _STEP = re.compile(r"^step: *[\"']?([^\"'#\n]+?)[\"']? *(?:#.*)?$", re.MULTILINE)
 _PROBE = "\nframes:\n  benchmark_probe: {{link: {link}, origin: {{xyz: [0, 0, 0.001]}}}}\n"
 _DEFAULT_SHAPE = re.compile(r",? *collision: \w+")
-_LINK = re.compile(r"^links:.*\n(?:\s*#.*\n)*  ([\w.]+|\"[^\"]+\"):", re.MULTILINE)
+_LINK = re.compile(r"^links:.*\n(?:\s*#.*\n)*  ([\w.-]+|\"[^\"]+\"):", re.MULTILINE)
 GATED = ROOT / "robot_library" / "stepbot_arm2" / "arm2.robot.yaml"
 """The robot of the gate."""
 CALIBRATED = (1.0, 1.05, 1.1, 1.15, 1.2)

@@ -56,6 +56,16 @@ def test_plain_converter_writes_the_volume_in_closed_form(tmp_path: Path) -> Non
     )
 
 
+@pytest.mark.parametrize("link", ["base", "rail-connector", '"rail connector"'])
+def test_a_frame_to_move_is_put_on_the_first_link(link: str, tmp_path: Path) -> None:
+    """Names of drafted links have hyphens, or quotes around blanks."""
+    (tmp_path / "a.step").write_bytes(b"")
+    text = f"version: 1\nstep: a.step\nlinks:\n  # the root\n  {link}:  # first\n    rest: true\n"
+    (tmp_path / "a.robot.yaml").write_text(text, encoding="utf-8")
+    case = case_of(tmp_path / "a.robot.yaml", None, tmp_path / "case")
+    assert f"benchmark_probe: {{link: {link}," in case.sidecar.read_text(encoding="utf-8")
+
+
 @pytest.mark.long
 def test_a_plain_step_gets_a_drafted_sidecar(tmp_path: Path) -> None:
     """`cold` of a STEP file measures with the sidecar that `stepbot init` drafts."""

@@ -344,6 +344,32 @@ def test_what_is_a_gripper(fingers: tuple[Joint, ...], grips: bool) -> None:
     assert len(chains_left) == (1 if grips else len(chains(robot)))
 
 
+@pytest.mark.parametrize(
+    ("name", "link", "upper", "kind", "is_jaw"),
+    [
+        ("Moving_Jaw_SO101_joint", "link_6", 1.7, TURN, True),
+        ("j6", "gripper", 1.7, TURN, True),
+        ("finger1", "f", 0.04, SLIDE, True),
+        ("gripper", "tool", 6.0, TURN, False),  # the roll of a gripper without fingers
+        ("gripper", "tool", np.inf, JointKind.CONTINUOUS, False),
+        ("jawbone_pan", "head", 1.7, TURN, False),
+        ("wrist_roll", "link_6", 1.7, TURN, False),
+    ],
+)
+def test_a_single_jaw_is_known_by_its_name(name: str, link: str, upper: float, kind: JointKind, is_jaw: bool) -> None:
+    """The last joint of an arm is an end effector if it is named like a jaw and opens like one."""
+    lower_limit = -upper if np.isinf(upper) else 0.0
+    joint = replace(finger(name, (1, 0, 0), kind), child=link, limit=Limit(lower_limit, upper))
+    robot = hand(joint)
+    (arm,), grippers = groups(robot)
+    assert [one.is_by_name for one in grippers] == [True] * is_jaw
+    assert [one.name for one in arm.joints] == (["wrist"] if is_jaw else ["wrist", name])
+    assert arm.tip == ("palm" if is_jaw else link)
+    if is_jaw:
+        (gripper,) = grippers
+        assert (gripper.name, gripper.arm, gripper.link) == ("palm_gripper", "palm", "palm")
+
+
 def test_parallel_fingers_on_the_root_have_no_arm() -> None:
     """A gripper on its own keeps its chains: MoveIt's end effectors have a parent group."""
     left, right = finger("a", (0, 1, 0), SLIDE), finger("b", (0, -1, 0), SLIDE)

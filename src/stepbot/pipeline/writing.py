@@ -15,6 +15,7 @@ from stepbot.formats.sdformat.gazebo_model import MODEL, gazebo_model
 from stepbot.formats.urdf import FORMAT as URDF
 from stepbot.formats.urdf.package import with_package
 from stepbot.formats.urdf.ros2.package import report_gaps, ros2_package
+from stepbot.formats.urdf.srdf import report_guesses
 from stepbot.report.document import report_bytes
 from stepbot.report.record import Content, Report, WrittenFile
 from stepbot.robot.closures import degrees_of_freedom, driven_joints
@@ -64,6 +65,8 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
         if options.ros2:
             by_format[URDF.name].update(ros2_package(lowered[URDF.name], options.package))
             report_gaps(lowered[URDF.name], found)
+    if any(path.endswith(".srdf") for path in by_format.get(URDF.name, ())):
+        report_guesses(lowered[URDF.name], found)
     if options.gazebo and SDFORMAT.name in by_format:
         by_format[SDFORMAT.name] = gazebo_model(lowered[SDFORMAT.name], by_format[SDFORMAT.name], options.gazebo)
     return Rendered(robot, lowered, by_format, listed)

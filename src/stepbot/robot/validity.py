@@ -52,6 +52,7 @@ _FARTHEST = 1e6
 """Distance [m] beyond which a position is a mistake: squares of farther ones overflow."""
 _GREATEST = 1e30
 """Magnitude, in SI units, beyond which a number is a mistake: OpenUSD and several engines store single precision."""
+_CHECK = ("check its numbers and their units in the source; masses follow from densities, also those in a STEP file",)
 _UNIT_SLACK = 1e-9
 _TRIANGLE_SLACK = 1e-6
 
@@ -129,11 +130,12 @@ def _check_numbers(robot: Robot, report: Report) -> bool:
     sound = _check_poses(robot, report)
     for who, numbers in _numbers(robot):
         if not all(abs(value) <= _GREATEST for value in numbers):
-            report("SB414", f"{who}: a number is not finite, or larger than {_GREATEST:g}")
+            report("SB414", f"{who}: a number is not finite, or larger than {_GREATEST:g}", help=_CHECK)
             sound = False
     for link in robot.links:
         if not all(abs(value) <= _FARTHEST for value in link.mass_properties.com):
-            report("SB414", f"link '{link.name}': centre of mass is not finite, or farther than {_FARTHEST:g} m")
+            message = f"link '{link.name}': centre of mass is not finite, or farther than {_FARTHEST:g} m"
+            report("SB414", message, help=_CHECK)
             sound = False
     axes = [(f"joint '{joint.name}'", joint.axis) for joint in robot.joints if joint.kind is not JointKind.FIXED]
     axes += [(f"joint '{j.name}', axis2", j.axis2) for j in robot.joints if j.kind is JointKind.UNIVERSAL]
@@ -144,7 +146,7 @@ def _check_numbers(robot: Robot, report: Report) -> bool:
             sound = False
     for joint in robot.joints:
         if not all(isinf(bound) or abs(bound) <= _GREATEST for bound in _bounds(joint.limit)):
-            report("SB414", f"joint '{joint.name}': a limit is not a number, or larger than {_GREATEST:g}")
+            report("SB414", f"joint '{joint.name}': a limit is not a number, or larger than {_GREATEST:g}", help=_CHECK)
             sound = False
     return sound
 
@@ -165,7 +167,7 @@ def _check_poses(robot: Robot, report: Report) -> bool:
     skew = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     turns = (skew <= _UNIT_SLACK) & (np.linalg.det(R) > 0.0)
     for i in np.flatnonzero(~finite).tolist():
-        report("SB414", f"{names[i]}: pose is not finite, or farther than {_FARTHEST:g} m")
+        report("SB414", f"{names[i]}: pose is not finite, or farther than {_FARTHEST:g} m", help=_CHECK)
     for i in np.flatnonzero(~turns).tolist():
         report("SB415", f"{names[i]}: rotation matrix is not orthonormal")
     return bool(finite.all() and turns.all())

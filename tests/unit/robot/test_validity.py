@@ -159,6 +159,14 @@ def test_each_fault_has_its_code(fault: str) -> None:
     assert set(_codes(robot)) == {code}
 
 
+@pytest.mark.parametrize("fault", [fault for fault, (code, _) in BROKEN.items() if code == "SB414"])
+def test_numbers_that_no_engine_takes_have_a_remedy(fault: str) -> None:
+    """Numbers of a source, such as a density in a STEP file, are the user's to correct."""
+    found = Diagnostics()
+    check_robot(BROKEN[fault][1], found)
+    assert all(one.help for one in found)
+
+
 @pytest.mark.parametrize(("fault", "size"), [("dust", "mass of 0.2 g"), ("giant", "size of 20.1 m")])
 def test_a_doubtful_unit_is_named(fault: str, size: str) -> None:
     """For a robot that is far too large or too light the warning names the unit of its file."""

@@ -1,4 +1,4 @@
-"""SB64x: packages for other programs."""
+"""SB64x: packages and files for other programs."""
 
 from .code import Code
 
@@ -19,5 +19,14 @@ CODES = (
         "The robot has no actuators, so its ROS 2 package has neither `<ros2_control>` nor `controllers.yaml`.",
         "RViz moves the joints by sliders and MoveIt plans, but nothing carries a motion out. In Gazebo the joints move freely.",
         "Add actuators to the sidecar: `actuators: {elbow_motor: {joint: elbow, kind: position, gains: auto}}`.",
+    ),
+    Code(
+        "SB642",
+        "note",
+        "gripper found by its name",
+        "The last joint of an arm, or the link that it moves, is named like a jaw, and its range is at most 2.5 rad or m. In the "
+        "SRDF it is an end effector with a group of its own, and the arm's group ends at the link before.",
+        "MoveIt plans for the arm without this joint. If the joint is part of the arm, its inverse kinematics lack one joint.",
+        "If the joint is no jaw, rename it, or add it to the arm's group in the SRDF.",
     ),
 )

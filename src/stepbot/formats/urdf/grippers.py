@@ -1,11 +1,13 @@
 """The grippers of a robot's tree: what MoveIt calls end effectors.
 
 A gripper is at the end of an arm: several joints of one body, two of which turn or slide in opposite directions. All
-that moves there follows one joint; or each finger is a single prismatic joint of its own.
+that moves there follows one joint; or each finger is a single prismatic joint of its own. A single jaw, which closes on
+its own hand, moves as any last joint of an arm does: its name tells, if its range is that of a jaw.
 """
 
+import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +20,9 @@ from .chains import Chain, chains, moving_joints
 
 _OPPOSITE = -0.99
 """Cosine below which two directions are opposite."""
+_JAW = re.compile(r"(?<![a-z])(?:jaw|gripper|finger|claw|pincer|thumb)s?(?![a-z])", re.IGNORECASE)
+_WIDEST = 2.5
+"""Largest range [rad] of a jaw; the wrist that turns a gripper has more."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +37,8 @@ class Gripper:
     """The last link of that chain which carries the fingers."""
     joints: tuple[Joint, ...]
     """All joints of the fingers, those that follow others too."""
+    is_by_name: bool = False
+    """Whether the name of its only joint, or of the link below, is the evidence."""
 
     @property
     def independent(self) -> tuple[Joint, ...]:
@@ -44,7 +51,24 @@ def groups(robot: Robot) -> tuple[tuple[Chain, ...], tuple[Gripper, ...]]:
     found = chains(robot)
     grippers = _grippers(robot, found)
     fingers = {joint.name for gripper in grippers for joint in gripper.joints}
-    return tuple(one for one in found if one.joints[0].name not in fingers), grippers
+    arms = [one for one in found if one.joints[0].name not in fingers]
+    carriers = {gripper.arm for gripper in grippers}
+    split = [(one, None) if one.name in carriers else _without_jaw(robot, one) for one in arms]
+    return tuple(arm for arm, _ in split), (*grippers, *(jaw for _, jaw in split if jaw is not None))
+
+
+def _without_jaw(robot: Robot, chain: Chain) -> tuple[Chain, Gripper | None]:
+    """A chain without the single jaw at its end, and the jaw."""
+    body, jaw = rigid_bodies(robot.root.name, robot.joints), chain.joints[-1]
+    named = any(_JAW.search(name) for name in (jaw.name, jaw.child))
+    ends = body[jaw.child] == body[chain.tip]
+    opens = jaw.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC) and jaw.limit.upper - jaw.limit.lower <= _WIDEST
+    if not (named and ends and opens) or len(chain.joints) < 2:
+        return chain, None
+    tip = [link.name for link in robot.links if body[link.name] == body[jaw.parent]][-1]
+    arm = replace(chain, name=tip, tip=tip, joints=chain.joints[:-1])
+    name = free_name(f"{jaw.parent}_gripper", "_group", {arm.name, jaw.name})
+    return arm, Gripper(name, arm.name, jaw.parent, (jaw,), is_by_name=True)
 
 
 def _grippers(robot: Robot, found: Sequence[Chain]) -> tuple[Gripper, ...]:

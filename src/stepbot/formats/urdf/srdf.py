@@ -5,6 +5,7 @@ Its links and joints are the URDF's.
 
 from collections.abc import Sequence
 
+from stepbot.diagnostics import Diagnostics, Span
 from stepbot.robot.kinematics import neighbours
 from stepbot.robot.model import Base, Joint, Robot
 from stepbot.robot.self_collision import PairClass, SelfCollision
@@ -48,6 +49,15 @@ def srdf(name: str, found: SelfCollision | None, source: str, robot: Robot | Non
     for (a, b), reason in disabled.items():
         element(top, "disable_collisions", link1=a, link2=b, reason=reason)
     return document(top)
+
+
+def report_guesses(robot: Robot, found: Diagnostics) -> None:
+    """Report grippers that are known by their names alone (SB642)."""
+    _, grippers = groups(robot)
+    for gripper in (one for one in grippers if one.is_by_name):
+        (jaw,) = gripper.joints
+        message = f"joint '{jaw.name}' is taken as a gripper by its name: group '{gripper.name}' of MoveIt"
+        found.add("SB642", message, Span(f"{robot.name}.srdf"))
 
 
 def _groups(top: Element, robot: Robot) -> None:
