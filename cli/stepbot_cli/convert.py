@@ -32,15 +32,9 @@ if TYPE_CHECKING:
     from stepbot.report.results import Results
     from stepbot.report.summary import Summary
 
-_PROGRAMS = {
-    **dict.fromkeys(("ros", "moveit", "xacro", "srdf", "ament"), "a ROS 2 package is written by `--ros2 NAME`"),
-    **dict.fromkeys(("gazebo", "gz", "ignition"), "a Gazebo model is written by `--gazebo`, a world by `-f sdf`"),
-    **dict.fromkeys(("isaac", "omniverse", "newton", "unreal"), "it reads OpenUSD: `-f usd`"),
-    **dict.fromkeys(("mjx", "genesis", "dmcontrol"), "it reads MJCF: `-f mjcf`"),
-    **dict.fromkeys(
-        ("rviz", "bullet", "pybullet", "sapien", "unity", "raisim", "coppelia"), "it reads URDF: `-f urdf`"
-    ),
-    "drake": "it reads SDFormat: `-f sdf`",
+_WRITTEN_BY_OPTIONS = {
+    ("ros", "moveit", "xacro", "srdf", "ament"): "a ROS 2 package is written by `--ros2 NAME`",
+    ("gazebo", "gz", "ignition"): "a Gazebo model is written by `--gazebo`, a world by `-f sdf`",
 }
 """Beginnings of the names of programs and their files, in lower case, and what to write for them."""
 
@@ -261,10 +255,10 @@ def _show(conversion: "Conversion", output: Path, display: Display) -> None:
     if conversion.files:
         _show_filled(_files_words(conversion.files, written_to(conversion, output)))
     if display.verbose:
-        if conversion.report is not None:
-            _show_in_full(conversion.report)
-    elif conversion.summary is not None:
-        _show_summary(conversion.summary)
+        if (report := conversion.report) is not None:
+            _show_in_full(report)
+    elif (summary := conversion.summary) is not None:
+        _show_summary(summary)
 
 
 def _show_summary(summary: "Summary") -> None:
@@ -340,7 +334,9 @@ def format_names(given: tuple[str, ...]) -> tuple[str, ...]:
 def _in_another_program(name: str) -> str:
     """The option or format for a program, library or file that is given as a format; empty if it is unknown."""
     bare = "".join(c for c in name.casefold() if c.isalnum())
-    return next((option for program, option in _PROGRAMS.items() if bare.startswith(program)), "")
+    by_option = next((words for programs, words in _WRITTEN_BY_OPTIONS.items() if bare.startswith(programs)), "")
+    read = next((one for one in FORMATS.values() if bare.startswith(one.programs)), None)
+    return by_option or (f"it reads {read.title}: `-f {read.name}`" if read else "")
 
 
 def _suite(sidecar: Path, conversion: "Conversion") -> "Suite":

@@ -13,8 +13,8 @@ _LONGEST_FACTS = 96
 """Width of the evidence; -v prints all of it."""
 
 
-def draft_text(draft: "Draft", sidecar: Path, *, verbose: bool = False) -> str:
-    """The summary of a draft that was written."""
+def draft_text(draft: "Draft", sidecar: Path, text: str, *, verbose: bool = False) -> str:
+    """The summary of a draft that was written as ``text``."""
     from stepbot.authoring.draft_names import names_of
 
     names = names_of(draft)
@@ -26,11 +26,11 @@ def draft_text(draft: "Draft", sidecar: Path, *, verbose: bool = False) -> str:
         ends = f"{names.links[closure.link_a]} - {names.links[closure.link_b]}, closes a loop"
         lines += _connection(closure, name, ends, verbose=verbose)
     lines += [f"  {printable(note)}" for note in draft.notes]
-    return "\n".join([*lines, *_next(draft, sidecar)])
+    return "\n".join([*lines, *_next(draft, sidecar, _reviews(text))])
 
 
-def draft_document(draft: "Draft") -> dict[str, Any]:
-    """A draft as JSON."""
+def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
+    """A draft, and the number of questions in its ``text``, as JSON."""
     from stepbot.authoring.draft_names import names_of
 
     names = names_of(draft)
@@ -65,7 +65,7 @@ def draft_document(draft: "Draft") -> dict[str, Any]:
         "links": links,
         "joints": joints,
         "closures": closures,
-        "review": _reviews(draft),
+        "review": _reviews(text),
         "limits_to_fill_in": _todo(draft),
         "notes": list(draft.notes),
     }
@@ -94,11 +94,9 @@ def _counts(draft: "Draft") -> str:
     return ", ".join(counted(count, noun) for count, noun in counts if count or noun != "closure")
 
 
-def _reviews(draft: "Draft") -> int:
-    """Number of REVIEW marks in the sidecar."""
-    from stepbot.authoring.sidecar_text import sidecar_text
-
-    return sidecar_text(draft, "").count("REVIEW:")
+def _reviews(text: str) -> int:
+    """Number of REVIEW marks in a sidecar."""
+    return text.count("REVIEW:")
 
 
 def _todo(draft: "Draft") -> int:
@@ -108,8 +106,8 @@ def _todo(draft: "Draft") -> int:
     )
 
 
-def _next(draft: "Draft", sidecar: Path) -> list[str]:
-    path, reviews, todo = printable(sidecar.as_posix()), _reviews(draft), _todo(draft)
+def _next(draft: "Draft", sidecar: Path, reviews: int) -> list[str]:
+    path, todo = printable(sidecar.as_posix()), _todo(draft)
     edits = [
         *([f"look at {counted(reviews, 'REVIEW mark')}"] if reviews else []),
         *([f"fill in {todo} `limits: todo`"] if todo else []),

@@ -73,7 +73,7 @@ def command(
     if sidecar.exists() and not force:
         help = ["write another file with -o, or overwrite it with --force"]
         found.add("SB012", "sidecar already exists", Span(sidecar.as_posix()), help=help)
-        return _show_result(None, sidecar, step, found, as_json=as_json, display=display)
+        return _show_result(None, "", sidecar, step, found, as_json=as_json, display=display)
     with ExitStack() as bar:
         bar.enter_context(progress_bar(("read",)))("read")
 
@@ -83,12 +83,12 @@ def command(
 
         drafting = draft_step(step, options, description, ask if interactive else None)
     found.extend(drafting.diagnostics)
-    draft = drafting.draft
+    draft, text = drafting.draft, ""
     if draft is not None:
         draft = replace(draft, robot=default_output(sidecar).name)
-        write_draft(draft, sidecar, step, options.encoding, found)
+        text = write_draft(draft, sidecar, step, options.encoding, found)
     say_trouble(options.cache, found)
-    return _show_result(draft, sidecar, step, found, as_json=as_json, display=display)
+    return _show_result(draft, text, sidecar, step, found, as_json=as_json, display=display)
 
 
 def _beside(step: Path) -> Path:
@@ -98,23 +98,31 @@ def _beside(step: Path) -> Path:
 
 
 def _show_result(
-    draft: "Draft | None", sidecar: Path, step: Path, found: Diagnostics, *, as_json: bool, display: Display
+    draft: "Draft | None",
+    text: str,
+    sidecar: Path,
+    step: Path,
+    found: Diagnostics,
+    *,
+    as_json: bool,
+    display: Display,
 ) -> int:
+    """Print a draft and what to do next; ``text`` is the sidecar as written."""
     if as_json:
-        write_json(_document(draft, sidecar, step, found))
+        write_json(_document(draft, text, sidecar, step, found))
         return found.exit_code
     show_diagnostics(found, display)
     if draft is not None and not found.has_errors and not (display.quiet or display.concise):
         from .draft_text import draft_text
 
-        write_result(draft_text(draft, sidecar, verbose=display.verbose))
+        write_result(draft_text(draft, sidecar, text, verbose=display.verbose))
     return found.exit_code
 
 
-def _document(draft: "Draft | None", sidecar: Path, step: Path, found: Diagnostics) -> dict[str, Any]:
+def _document(draft: "Draft | None", text: str, sidecar: Path, step: Path, found: Diagnostics) -> dict[str, Any]:
     document: dict[str, Any] = {"step": step.as_posix(), "sidecar": sidecar.as_posix()}
     if draft is not None:
         from .draft_text import draft_document
 
-        document |= {"written": not found.has_errors, **draft_document(draft)}
+        document |= {"written": not found.has_errors, **draft_document(draft, text)}
     return {**document, "diagnostics": found, "exit_code": found.exit_code}

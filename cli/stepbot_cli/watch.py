@@ -104,11 +104,12 @@ def _sessions(
 ) -> list["Session"]:
     """A session for each sidecar; none after errors."""
     from stepbot.jobs.batch.tasks import plan
+    from stepbot.pipeline.targets import report_missing
     from stepbot.serving.session import Session
 
     for path in sidecars:
         if not path.is_file():
-            found.add("SB001", "file not found", Span(path.as_posix()))
+            report_missing(path, found)
     tasks = plan(sidecars, output or Path(), found)
     if found.has_errors:
         return []

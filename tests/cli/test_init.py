@@ -8,6 +8,7 @@ import pytest
 from robot_library.moments import pose
 from robot_library.step_file import Assembly, Occurrence, Part, write_step
 from stepbot.authoring.draft import Confidence, Draft, DraftLink
+from stepbot.authoring.sidecar_text import sidecar_text
 from stepbot_cli.draft_text import draft_document
 from tests import parts
 from tests.separate_files import write_separately
@@ -104,7 +105,8 @@ def test_json_has_links_joints_and_what_is_left_to_do(stepbot: Stepbot) -> None:
 def test_review_marks_are_counted_as_they_are_written() -> None:
     """Three materials without a density have one mark, and one at the placeholder."""
     base = DraftLink("base", (), Confidence(1.0), rest=True)
-    document = draft_document(Draft("arm", "base", (base,), without_density=("X1", "X2", "X3", "")))
+    draft = Draft("arm", "base", (base,), without_density=("X1", "X2", "X3", ""))
+    document = draft_document(draft, sidecar_text(draft, "arm.step"))
     assert document["review"] == 2
 
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from stepbot.geometry.sums import exact_sum
 from stepbot.report.record import MeasuredBody
+from stepbot.robot.extremes import DENSEST
 from stepbot.robot.model import ComponentMass
 from stepbot.step.structure.paths import subtree_ends
 
@@ -18,8 +19,6 @@ from .binder import Binder
 from .material_assignment import GivenMass, MaterialAssignments
 
 _EQUAL = 1e-9
-DENSEST = 25_000.0
-"""[kg/m^3]; osmium has 22590."""
 
 
 def masses(binder: Binder, materials: MaterialAssignments, bodies: Sequence[MeasuredBody]) -> dict[int, ComponentMass]:

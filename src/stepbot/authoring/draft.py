@@ -18,9 +18,6 @@ SURE = 0.8
 CHOSEN = 0.5
 """Score from which a joint is drafted; below it, it is written as a comment."""
 
-OUTPUT = "output of the motor"
-"""Begins the evidence for a joint that a named motor turns."""
-
 
 @dataclass(frozen=True)
 class Confidence:
@@ -175,6 +172,8 @@ class DraftJoint(DraftConnection):
     """Pairs of parts that were not compared for stops."""
     mimic: Mimic | None = None
     """By the leading joint's name in the draft."""
+    motor: str = ""
+    """Name of the motor that turns it, in the STEP; empty if no part named as a motor does."""
 
 
 @dataclass(frozen=True)

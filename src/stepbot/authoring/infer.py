@@ -106,6 +106,7 @@ class _Drafting:
             child=child,
             axis2="y" if is_universal else None,
             direction2=_direction(h.axis2) if h.axis2 is not None else None,
+            motor=h.motor,
         )
 
     def _closure(self, arc: Arc) -> DraftClosure:

@@ -80,6 +80,7 @@ class Mechanism:
                 h.fate = Fate.REPEATED
                 first = taken[a, b].hinge
                 first.drives = first.drives or h.drives
+                first.motor = first.motor or h.motor
             else:
                 h.review = "a second axis between two links"
                 self.offered.append(h)
@@ -152,7 +153,8 @@ class Mechanism:
                         continue
                     self._made.guess(members, "turns about the same axis as the parts it was merged with")
                     if gone.hinge.drives and not kept.hinge.drives:
-                        kept.hinge.drives, kept.hinge.why = True, gone.hinge.why
+                        kept.hinge.drives, kept.hinge.motor = True, gone.hinge.motor
+                        kept.hinge.why = gone.hinge.why
                         kept.hinge.score = max(kept.hinge.score, gone.hinge.score)
                     kept.hinge.review = kept.hinge.review or "two bodies that turn about it were merged"
                     return True

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from stepbot.robot.model import JointKind
 
 from .clusters import Clusters
-from .draft import OUTPUT
 from .evidence import Evidence, Hinge
 from .motor_axes import SAME_AXIS, Output, OutputAxes, hidden_outputs, lies_on
 from .motors import Motor
@@ -60,7 +59,7 @@ class _OneMotor:
         sides = self._sides(self._output)
         driven = [side for side in sides if side.on_output]
         carrying = [side for side in sides if not side.on_output and side.is_held]
-        score, why, review = 0.95, f"{OUTPUT} '{motor.name}'", ""
+        score, why, review = 0.95, f"output of the motor '{motor.name}'", ""
         if not carrying:
             driven, carrying, score, review = self._split(driven)
         for side in carrying:
@@ -162,5 +161,12 @@ class _OneMotor:
     def _hinge(self, part: int, score: float, why: str, review: str) -> None:
         assert self._output is not None
         case = self._motor.case
-        hinge = Hinge(score, case, part, JointKind.REVOLUTE, self._output.axis, why, drives=True, review=review)
-        self._found.hinge(hinge)
+        motor = self._motor.name if self._motor.is_named else ""
+        self._found.hinge(
+            Hinge(
+                *(score, case, part, JointKind.REVOLUTE, self._output.axis, why),
+                drives=True,
+                motor=motor,
+                review=review,
+            )
+        )

@@ -13,7 +13,7 @@ from stepbot.step.structure.paths import quoted
 
 from .connection_text import closure_lines, inertial_lines, joint_lines
 from .densities import typical_density
-from .draft import OUTPUT, Alternative, Draft, DraftLink
+from .draft import Alternative, Draft, DraftLink
 from .draft_names import DraftNames, names_of
 from .origin_text import alternative_origin, origin_text
 from .yaml_lines import angles, comment, flow, lengths, listed, number
@@ -108,7 +108,7 @@ def _actuators(draft: Draft, names: DraftNames) -> list[str]:
         for joint, name in zip(draft.joints, names.joints, strict=True)
         if joint.type in (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC)
         and joint.confidence.is_chosen
-        and any(fact.startswith(OUTPUT) for fact in joint.confidence.evidence)
+        and joint.motor
     ]
     if not driven:
         return []

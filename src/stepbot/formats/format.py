@@ -49,6 +49,8 @@ class Format(NamedTuple):
     """Suffix of its scene: the robot with floor and light; empty without one."""
     aliases: tuple[str, ...] = ()
     """Further names in commands, in lower case."""
+    programs: tuple[str, ...] = ()
+    """Beginnings of the names of programs that read it, in lower case, for advice on formats of these names."""
     default: bool = True
     """Whether it is written when no format is selected."""
     signatures: tuple[bytes, ...] = ()

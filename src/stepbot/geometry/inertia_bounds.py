@@ -20,8 +20,8 @@ import numpy as np
 from .inertia import MassProperties
 from .spatial import Array, Vector3, dot, matrix_product, vector3
 
-DENSEST = 22_590.0
-"""Density [kg/m^3] of osmium, the densest element."""
+OSMIUM = 22_590.0
+"""Density [kg/m^3] of the densest element."""
 SPREAD_SLACK = 0.02
 """Excess over a bound, as a share of tr(S), that is not reported: published inertias are rounded to two or three
 digits, and meshes are inscribed in curved faces."""
@@ -73,7 +73,7 @@ def largest_moments(points: Array, properties: MassProperties) -> Vector3:
 
 def smallest_trace(mass: float) -> float:
     """Sum of the principal moments [kg m^2] of a ball of osmium: no body of this mass [kg] has less."""
-    radius: float = (3.0 * mass / (4.0 * pi * DENSEST)) ** (1.0 / 3.0)
+    radius: float = (3.0 * mass / (4.0 * pi * OSMIUM)) ** (1.0 / 3.0)
     return 1.2 * mass * radius**2
 
 

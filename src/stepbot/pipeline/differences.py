@@ -19,6 +19,7 @@ from stepbot.verification.files import compare_two
 from .conversion import Options
 from .loading import Loading
 from .sidecars import load, named_step, what_to_read
+from .targets import report_missing
 
 _MODEL = "urdf"
 """The format whose conventions both models are described by."""
@@ -64,7 +65,7 @@ def robot_files(old: Path, new: Path, found: Diagnostics) -> tuple[Path, Path] |
     """
     for path in (old, new):
         if not path.exists():
-            found.add("SB001", "no such file or folder", Span(path.as_posix()))
+            report_missing(path, found, "no such file or folder")
     if found.has_errors:
         return None
     choices = [_by_suffix(path) for path in (old, new)]

@@ -10,10 +10,15 @@ from stepbot.runtime.file import write_file
 from stepbot.sidecar.schema import schema_text
 
 
-def write_draft(draft: Draft, sidecar: Path, step: Path, encoding: str, found: Diagnostics) -> None:
-    """Write the sidecar, and the schema for editors if it does not exist; errors are reported in ``found``."""
+def write_draft(draft: Draft, sidecar: Path, step: Path, encoding: str, found: Diagnostics) -> str:
+    """Write the sidecar, and the schema for editors if it does not exist; errors are reported in ``found``.
+
+    Returns:
+        The text of the sidecar.
+    """
     text = sidecar_text(draft, relative_step(step, sidecar), encoding=encoding)
     schema = sidecar.with_name(SCHEMA_FILE)
     write_file(sidecar, text.encode("utf-8"), found)
     if not found.has_errors and not schema.exists():
         write_file(schema, schema_text().encode("utf-8"), found)
+    return text

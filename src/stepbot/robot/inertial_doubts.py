@@ -7,7 +7,7 @@ import numpy as np
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.inertia_bounds import (
-    DENSEST,
+    OSMIUM,
     OUTSIDE_SLACK,
     SpreadExcess,
     largest_moments,
@@ -41,7 +41,7 @@ def inertial_doubts(properties: MassProperties, points: Array) -> Iterator[Doubt
     if trace < smallest:
         yield Doubt(
             "SB520",
-            f"ixx + iyy + izz = {trace:.3g} kg m^2; a ball of osmium ({DENSEST:g} kg/m^3) of its {properties.mass:.4g} "
+            f"ixx + iyy + izz = {trace:.3g} kg m^2; a ball of osmium ({OSMIUM:g} kg/m^3) of its {properties.mass:.4g} "
             f"kg has {smallest:.3g}",
             "check the unit: 1 kg mm^2 is 1e-6 kg m^2",
         )

@@ -17,6 +17,7 @@ from stepbot.geometry.spatial import Array, Pose, Vector3, bounds, join_bounds, 
 from stepbot.geometry.sums import exact_sum
 
 from .closures import closure_gap
+from .extremes import FARTHEST, GREATEST
 from .kinematics import initial_configuration, link_poses, mimic_relation, rigid_bodies
 from .model import (
     Actuator,
@@ -48,10 +49,6 @@ CLOSURE_DISTANCE = 1e-6
 CLOSURE_ANGLE = 1e-3
 """Maximum angle [rad] of a closure as drawn; CAD models align parallel pins no better."""
 
-_FARTHEST = 1e6
-"""Distance [m] beyond which a position is a mistake: squares of farther ones overflow."""
-_GREATEST = 1e30
-"""Magnitude, in SI units, beyond which a number is a mistake: OpenUSD and several engines store single precision."""
 _CHECK = ("check its numbers and their units in the source; masses follow from densities, also those in a STEP file",)
 _UNIT_SLACK = 1e-9
 _TRIANGLE_SLACK = 1e-6
@@ -129,12 +126,12 @@ def _check_numbers(robot: Robot, report: Report) -> bool:
     """Everything but limits is finite, nothing too large; rotations are valid and axes have unit length."""
     sound = _check_poses(robot, report)
     for who, numbers in _numbers(robot):
-        if not all(abs(value) <= _GREATEST for value in numbers):
-            report("SB414", f"{who}: a number is not finite, or larger than {_GREATEST:g}", help=_CHECK)
+        if not all(abs(value) <= GREATEST for value in numbers):
+            report("SB414", f"{who}: a number is not finite, or larger than {GREATEST:g}", help=_CHECK)
             sound = False
     for link in robot.links:
-        if not all(abs(value) <= _FARTHEST for value in link.mass_properties.com):
-            message = f"link '{link.name}': centre of mass is not finite, or farther than {_FARTHEST:g} m"
+        if not all(abs(value) <= FARTHEST for value in link.mass_properties.com):
+            message = f"link '{link.name}': centre of mass is not finite, or farther than {FARTHEST:g} m"
             report("SB414", message, help=_CHECK)
             sound = False
     axes = [(f"joint '{joint.name}'", joint.axis) for joint in robot.joints if joint.kind is not JointKind.FIXED]
@@ -145,8 +142,8 @@ def _check_numbers(robot: Robot, report: Report) -> bool:
             report("SB415", f"{who}: axis has length {float(np.linalg.norm(axis)):g}, expected 1")
             sound = False
     for joint in robot.joints:
-        if not all(isinf(bound) or abs(bound) <= _GREATEST for bound in _bounds(joint.limit)):
-            report("SB414", f"joint '{joint.name}': a limit is not a number, or larger than {_GREATEST:g}", help=_CHECK)
+        if not all(isinf(bound) or abs(bound) <= GREATEST for bound in _bounds(joint.limit)):
+            report("SB414", f"joint '{joint.name}': a limit is not a number, or larger than {GREATEST:g}", help=_CHECK)
             sound = False
     return sound
 
@@ -162,12 +159,12 @@ def _check_poses(robot: Robot, report: Report) -> bool:
     if not names:
         return True
     poses = Poses(np.concatenate([one.R for one in arrays]), np.concatenate([one.p for one in arrays]))
-    finite = np.asarray(np.isfinite(poses.R).all(axis=(1, 2)) & (np.abs(poses.p) <= _FARTHEST).all(axis=1))
+    finite = np.asarray(np.isfinite(poses.R).all(axis=(1, 2)) & (np.abs(poses.p) <= FARTHEST).all(axis=1))
     R = np.where(finite[:, None, None], poses.R, np.eye(3))
     skew = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     turns = (skew <= _UNIT_SLACK) & (np.linalg.det(R) > 0.0)
     for i in np.flatnonzero(~finite).tolist():
-        report("SB414", f"{names[i]}: pose is not finite, or farther than {_FARTHEST:g} m", help=_CHECK)
+        report("SB414", f"{names[i]}: pose is not finite, or farther than {FARTHEST:g} m", help=_CHECK)
     for i in np.flatnonzero(~turns).tolist():
         report("SB415", f"{names[i]}: rotation matrix is not orthonormal")
     return bool(finite.all() and turns.all())

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from math import isfinite
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.robot.extremes import DENSEST
 from stepbot.robot.model import JointKind
 
 from .joint_settings import joint_settings, settings_of
@@ -20,8 +21,8 @@ _MOST_ROTATION = 6.5
 _MOST_METRES = 10.0
 _LIGHTEST = 25.0
 """[kg/m^3]: lighter than most foams, and above the densest metal in g/cm^3."""
-_SPARSEST, _DENSEST = 5.0, 25_000.0
-"""[kg/m^3]: foams have 10 or more, osmium 22590."""
+_SPARSEST = 5.0
+"""[kg/m^3]: foams have 10 or more."""
 _LEADING_NUMBER = re.compile(r"[0-9.]+(?:[eE][+-]?[0-9]+)?")
 _EFFORTS = ("effort", "friction")
 _LENGTHS = ("xyz", "near", "com", "size", "radius", "length")
@@ -69,7 +70,7 @@ def check_densities(sidecar: Sidecar, found: Diagnostics) -> None:
             density = read_quantity(scalar.text, DENSITY).value
         except UnitError:  # reported where the value was read
             continue
-        if density > _DENSEST:
+        if density > DENSEST:
             help = _other_unit(scalar.text, "kg/m^3", 1.0) or "for comparison, gold has 19300 kg/m^3 = 19.3 g/cm^3"
             message = f"{subject(keys)}: {density:g} kg/m^3 exceeds the density of any material"
             found.add("SB143", message, sidecar.span(*keys), help=[help])
@@ -82,7 +83,7 @@ def check_densities(sidecar: Sidecar, found: Diagnostics) -> None:
 def _other_unit(written: str, unit: str, scale: float) -> str:
     """The same number in the unit that was probably meant; empty if it is out of range there, too."""
     number = _LEADING_NUMBER.match(written)
-    plausible = number is not None and _SPARSEST <= float(number[0]) * scale <= _DENSEST
+    plausible = number is not None and _SPARSEST <= float(number[0]) * scale <= DENSEST
     return f"if the unit is {unit}, write `{number[0]} {unit}`" if number and plausible else ""
 
 

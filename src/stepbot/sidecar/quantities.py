@@ -14,6 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from stepbot.diagnostics import did_you_mean
 from stepbot.geometry.spatial import Vector3, unit
+from stepbot.robot.extremes import FARTHEST, GREATEST
 from stepbot.robot.model import Rgba
 
 from . import units
@@ -23,10 +24,6 @@ from .units import Dimension, UnitError, read_quantity
 
 Parser = Callable[[Any], float]
 
-GREATEST = 1e30
-"""Maximum magnitude in SI units: OpenUSD and several engines store single precision."""
-FARTHEST = 1e6
-"""Maximum length [m]."""
 LONGEST_TIMESTEP = 0.1
 """Maximum time step [s]: no engine simulates a robot with a longer one."""
 

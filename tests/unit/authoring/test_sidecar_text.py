@@ -8,7 +8,6 @@ import pytest
 from stepbot.assemble import build_robot
 from stepbot.authoring.densities import typical_density
 from stepbot.authoring.draft import (
-    OUTPUT,
     Alternative,
     Confidence,
     Draft,
@@ -182,7 +181,7 @@ def test_guess_that_is_the_joint_itself_is_not_repeated() -> None:
 def test_actuators_of_motors_are_lines_to_uncomment(tmp_path: Path) -> None:
     """A joint that a named motor turns has an actuator as a comment; uncommented, it drives the joint."""
     assert "actuators" not in sidecar_text(DRAFT, "robot.step")
-    driven = replace(HINGE, confidence=Confidence(0.95, (f"{OUTPUT} 'servo'",)))
+    driven = replace(HINGE, motor="servo")
     text = sidecar_text(replace(DRAFT, joints=(driven,)), "robot.step")
     assert "# actuators:\n#   elbow_motor: {joint: elbow, kind: position, gains: auto}\n" in text
     sidecar, found = read(text.replace("# actuators:\n#   ", "actuators:\n  "), tmp_path)

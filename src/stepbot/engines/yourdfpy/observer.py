@@ -150,7 +150,7 @@ def _limit(joint: Any) -> Limit:
     given = joint.limit
     if given is None:
         return Limit()
-    bounded = joint.type != "continuous" and not given.lower is given.upper is None
+    bounded = joint.type != "continuous" and not (given.lower is None and given.upper is None)
     return Limit(  # the format defines 0 for one missing bound; without both, engines take the joint as unlimited
         lower=_number(given.lower, 0.0) if bounded else -inf,
         upper=_number(given.upper, 0.0) if bounded else inf,

@@ -3,5 +3,13 @@
 from ..format import Format
 
 FORMAT = Format(
-    __name__, "sdf", "SDFormat", suffix=".sdf", root="sdf", order=20, scene=".world.sdf", aliases=("sdformat",)
+    __name__,
+    "sdf",
+    "SDFormat",
+    suffix=".sdf",
+    root="sdf",
+    order=20,
+    scene=".world.sdf",
+    aliases=("sdformat",),
+    programs=("drake",),
 )

@@ -11,6 +11,7 @@ FORMAT = Format(
     order=40,
     scene=".scene.usda",
     aliases=("usda", "openusd"),
+    programs=("isaac", "newton", "omniverse", "unreal"),
     default=False,
     signatures=(b"#usda ", b"PXR-USDC"),
     mesh_files=False,
