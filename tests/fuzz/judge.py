@@ -150,6 +150,9 @@ def _sidecar() -> Sidecar:
     return sidecar
 
 
+_OF_PYDANTIC = re.compile(r"\binput (should|tag)\b|found using|\w_form\(\)|expected tags", re.IGNORECASE)
+
+
 def unsound_diagnostics(found: Iterable[Diagnostic]) -> Iterator[str]:
     """Defects of diagnostics: an internal error, no place, more than one printable line."""
     for diagnostic in found:
@@ -163,6 +166,8 @@ def unsound_diagnostics(found: Iterable[Diagnostic]) -> Iterator[str]:
             yield f"no such code: {diagnostic}"
         if any("Traceback" in text for text in (diagnostic.message, *diagnostic.notes)):
             yield f"{diagnostic.code}: a traceback: {diagnostic.message} {diagnostic.notes}"
+        if _OF_PYDANTIC.search(diagnostic.message):
+            yield f"{diagnostic.code}: a message of pydantic's: {diagnostic.message}"
 
 
 def _without_remedy(found: Iterable[Diagnostic]) -> Iterator[str]:

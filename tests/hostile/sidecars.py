@@ -29,5 +29,7 @@ EXPERIMENT = Experiment(
     repaired=(
         "numbers beyond 3.4e38 became infinite in OpenUSD, which stores single precision (SB125, SB414)",
         "a collision shape at 1e300 m raised an exception (SB125)",
+        "computed gains of a joint between equal limits raised an exception",
+        "`collision: {merge: ...}` in `defaults`, and lists there, printed a message of pydantic's",
     ),
 )

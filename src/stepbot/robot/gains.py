@@ -124,7 +124,7 @@ def _tuned(
         if effort <= weight:
             too_weak(actuator, effort, weight)
         elif isfinite(effort):
-            braking = kp / sqrt(_fastest_braking(effort, weight) / (inertia * _step(joint)))
+            braking = kp * sqrt(inertia * _step(joint) / _fastest_braking(effort, weight))
             braked, kv = braking > kv, max(kv, braking)
     square = actuator.gear**2
     found = replace(
@@ -143,11 +143,12 @@ def _stiffness(inertia: float, passive: float, heaviest: float, w: float, joint:
 
 def _fastest_braking(effort: float, weight: float) -> float:
     """Square of the largest kp / kv that brakes without overshoot, times inertia and step."""
-    return (effort - weight) * (3.0 * effort + weight) / (2.0 * (effort + weight))
+    # The quotient first: the product of two small efforts would underflow to 0.
+    return (effort - weight) / (effort + weight) * (3.0 * effort + weight) / 2.0
 
 
 def _step(joint: Joint) -> float:
-    """The step [rad] or [m] that must not overshoot."""
+    """The step [rad] or [m] that must not overshoot; 0 between equal limits."""
     widest = TRAVEL if joint.kind is JointKind.PRISMATIC else STEP
     return min(widest, 0.5 * (joint.limit.upper - joint.limit.lower))
 

@@ -114,9 +114,14 @@ def _collision_form(value: Any) -> str:
     return "<list>" if isinstance(value, list | tuple) else "<word>"
 
 
+def _derived_form(value: Any) -> str:
+    """A mapping, or else a word."""
+    return "<settings>" if isinstance(value, dict | CollisionSettings) else "<word>"
+
+
 Derived = Annotated[
     Annotated[CollisionShape, Tag("<word>")] | Annotated[CollisionSettings, Tag("<settings>")],
-    Discriminator(_collision_form),
+    Discriminator(_derived_form),
 ]
 """Collision geometry derived from components."""
 

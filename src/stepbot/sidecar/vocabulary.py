@@ -60,9 +60,10 @@ ALSO_CALLED = {
 NOT_SAID_SO = {
     "units": "write the unit with each value: `12 mm`, `45 deg`; numbers without a unit are SI",
     "unit": "write the unit with each value: `12 mm`, `45 deg`; numbers without a unit are SI",
+    "merge": "one shape for a whole link: `collision: {merge: hull}` in `links`",
     "base_link": "set the root link with `root: {link: base}`; the default is the link without a parent joint",
 }
-"""Remedies for keys of other programs without an equivalent key."""
+"""Remedies for keys of other programs without an equivalent key, and for keys in a section that does not have them."""
 
 
 def meant_by(key: str, keys: Iterable[str]) -> str:

@@ -171,6 +171,19 @@ def test_a_weak_actuator_brakes_in_time(share: float, critical: float) -> None:
     assert overshoot() > critical
 
 
+@pytest.mark.parametrize("effort", [30.0, np.inf])
+def test_a_joint_between_equal_limits_brakes_nothing(effort: float) -> None:
+    """Without travel no step overshoots: the gains are those of an actuator without effort limit."""
+    robot = one_link_arm()
+    (joint,), (motor,) = robot.joints, robot.actuators
+    held = replace(joint, limit=Limit(0.3, 0.3))
+    robot = replace(robot, joints=(held,), actuators=(replace(motor, limit=Limit(effort=effort)),))
+    (found,) = tuned(robot, fails).actuators
+    assert (found.kp, found.kv) == (motor.kp, motor.kv)
+    assert found.tuning is not None
+    assert not found.tuning.braked
+
+
 def test_followers_of_a_mimic_are_moved_too() -> None:
     """The mass at a finger's motor is that of both fingers, and of the thumb that turns with them."""
     robot = gripper_with_mimic()

@@ -137,12 +137,24 @@ def test_colour_without_quotes_in_braces() -> None:
     [
         ("material: pla\n", "move it to 'defaults': `defaults: {material: pla}`"),
         ("actuators: {m: {joint: elbow, type: position, kp: 10}}\n", "did you mean 'kind'?"),
+        (
+            "defaults: {collision: {merge: hull}}\n",
+            "one shape for a whole link: `collision: {merge: hull}` in `links`",
+        ),
     ],
 )
 def test_keys_at_home_elsewhere(added: str, help: str) -> None:
     """A setting of `defaults` at the top level, and the type of an actuator, are led to their keys."""
     (fault,) = findings(ARM + added)
     assert (fault.code, fault.help[0]) == ("SB120", help)
+
+
+def test_a_list_where_a_word_is_required() -> None:
+    """The message names the words, and nothing of the validator."""
+    (fault,) = findings(ARM + "parts: {a: {collision: [1]}}\n")
+    assert fault.code == "SB122"
+    assert fault.message.startswith("parts rule 'a': collision: expected one of 'none', 'mesh',")
+    assert fault.message.endswith(", not a list")
 
 
 def test_key_under_another_name_is_not_missing_too() -> None:
