@@ -82,6 +82,7 @@ def _parser() -> argparse.ArgumentParser:
         if run is _cold:
             one.add_argument("--against", metavar="REVISION", help="an earlier stepbot too")
             one.add_argument("--only-cold", action="store_true", help="no edits, no verification: for large files")
+            one.add_argument("--collision", metavar="SHAPE", help="this shape, instead of those of the sidecars")
             one.add_argument("--cascadio", metavar="PYTHON", help="cascadio too, in this interpreter's environment")
         _common(one, run)
     many = commands.add_parser("batch", help="compare one core with two")
@@ -152,9 +153,11 @@ def _cores(options: argparse.Namespace, folder: Path) -> int:
 
 def _compare_files(options: argparse.Namespace, folder: Path, contenders: Sequence[Contender]) -> int:
     """Compare on each file; one that a contender rejects is reported, and the others are measured."""
-    rejected = 0
+    rejected, shape = 0, getattr(options, "collision", None)
     for file in options.files:
         sidecar = drafted(file, folder / "drafts") if is_step_name(file.name) else file
+        if shape is not None:
+            sidecar = with_collision(sidecar, shape, folder)
         try:
             _compare(options, case_of(sidecar, options.step, folder), contenders)
         except CommandFailed as error:
@@ -174,13 +177,7 @@ def _steps(options: argparse.Namespace, folder: Path) -> None:
     for sidecar in options.sidecars:
         files = []
         for shape in ("hull", "auto"):
-            text = sidecar.read_text(encoding="utf-8")
-            made = folder / f"{sidecar.stem}.{shape}.robot.yaml"
-            named = _STEP.search(text)
-            assert named is not None
-            text = _STEP.sub(f"step: {json.dumps(str((sidecar.parent / named[1].strip()).resolve()))}", text)
-            document = _DEFAULT_SHAPE.sub("", text).replace("defaults: {", f"defaults: {{collision: {shape}, ", 1)
-            made.write_text(document, encoding="utf-8")
+            made = with_collision(sidecar, shape, folder)
             output = folder / f"{sidecar.stem}-{shape}"
             report = convert(made, Options(output, formats=("mjcf",), verify=False))
             assert not report.diagnostics.has_errors, [str(one) for one in report.diagnostics]
@@ -274,6 +271,19 @@ def drafted(step: Path, folder: Path) -> Path:
     command = [*who.STEPBOT, "init", step.name, "-o", sidecar.name, "--no-cache", "--force"]
     timed(command, folder, os.environ)
     return sidecar
+
+
+def with_collision(sidecar: Path, shape: str, folder: Path) -> Path:
+    """A copy of a sidecar whose shapes are all derived as ``shape``."""
+    text = sidecar.read_text(encoding="utf-8")
+    named = _STEP.search(text)
+    assert named is not None
+    text = _STEP.sub(f"step: {json.dumps(str((sidecar.parent / named[1].strip()).resolve()))}", text)
+    made = folder / shape / sidecar.name
+    made.parent.mkdir(exist_ok=True)
+    document = _DEFAULT_SHAPE.sub("", text).replace("defaults: {", f"defaults: {{collision: {shape}, ", 1)
+    made.write_text(document, encoding="utf-8", newline="\n")
+    return made
 
 
 def case_of(sidecar: Path, step: Path | None, folder: Path) -> Case:

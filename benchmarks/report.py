@@ -9,8 +9,8 @@ from .overview import PICTURE, picture, tables
 from .results import load, rows_of, table
 
 PAGE = "performance.md"
-OVER_FILES = "cold"
-"""Kind of results that has a row per file, and the picture; other kinds have a table per file."""
+OVER_FILES = ("cold", "cold-hulls")
+"""Kinds of results that have a row per file, and the first one the picture; other kinds have a table per file."""
 _PART = re.compile(r"(<!-- results: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
@@ -20,7 +20,7 @@ def write_report(docs: Path) -> None:
     page.write_text(page_with_results(page.read_text(encoding="utf-8")), encoding="utf-8", newline="\n")
     if find_spec("matplotlib") is None:
         print(f"{PICTURE} is not updated: pip install 'stepbot[draw]'")
-    elif results := {case: rows_of(entry) for case, entry in load().get(OVER_FILES, {}).items()}:
+    elif results := {case: rows_of(entry) for case, entry in load().get(OVER_FILES[0], {}).items()}:
         (docs / "pictures" / PICTURE).write_bytes(picture(results))
 
 
@@ -31,7 +31,7 @@ def page_with_results(text: str) -> str:
 
 def _tables(kind: str) -> str:
     entries = load().get(kind, {})
-    if kind == OVER_FILES and entries:
+    if kind in OVER_FILES and entries:
         results = {case: rows_of(entry) for case, entry in entries.items()}
         return f"{_conditions(entries)}\n\n{tables(results)}"
     parts = [f"`{case}`, {_rounds(entry)}:\n\n{table(rows_of(entry))}\n" for case, entry in entries.items()]
