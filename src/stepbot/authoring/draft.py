@@ -173,7 +173,7 @@ class DraftJoint(DraftConnection):
     mimic: Mimic | None = None
     """By the leading joint's name in the draft."""
     motor: str = ""
-    """Name of the motor that turns it, in the STEP; empty if no part named as a motor does."""
+    """Path of the motor that turns it; empty if no part named as a motor does."""
 
 
 @dataclass(frozen=True)

@@ -70,7 +70,7 @@ class Hinge:
     drives: bool = False
     """Whether it is the output of a motor."""
     motor: str = ""
-    """Name of that motor; empty if its parts are not named as one."""
+    """Path of that motor; empty if it is not named as one."""
     by_role: bool = False
     """Whether it is confirmed by a part with that purpose, such as a bearing."""
     of_roller: bool = False

@@ -53,23 +53,23 @@ class _OneMotor:
         motor, survey = self._motor, self._survey
         for i in motor.parts:
             if i != motor.case and i not in self._outputs and i not in survey.small:
-                self._found.weld(0.96, motor.case, i, f"parts of the motor '{motor.name}'")
+                self._found.weld(0.96, motor.case, i, f"parts of the motor '{motor.path}'")
         if self._output is None:
             return
         sides = self._sides(self._output)
         driven = [side for side in sides if side.on_output]
         carrying = [side for side in sides if not side.on_output and side.is_held]
-        score, why, review = 0.95, f"output of the motor '{motor.name}'", ""
+        score, why, review = 0.95, f"output of the motor '{motor.path}'", ""
         if not carrying:
             driven, carrying, score, review = self._split(driven)
         for side in carrying:
-            self._found.weld(0.94, motor.case, side.part, f"carries the motor '{motor.name}'", holds_motor=True)
+            self._found.weld(0.94, motor.case, side.part, f"carries the motor '{motor.path}'", holds_motor=True)
         if not driven:
             if carrying and self._outputs:
                 self._idle(why)
             return
         if not motor.is_named:
-            why, review = f"used like the output of a motor, '{motor.name}'", "not named as a motor"
+            why, review = f"used like the output of a motor, '{motor.path}'", "not named as a motor"
         self._drive(driven, score, why, review)
 
     def _sides(self, output: Output) -> list[_Side]:
@@ -142,7 +142,7 @@ class _OneMotor:
         for side in driven:
             mine = sorted(touched[side.part].intersection(self._outputs))
             for o in mine:
-                self._found.weld(0.94, o, side.part, f"fastened to the output of '{self._motor.name}'")
+                self._found.weld(0.94, o, side.part, f"fastened to the output of '{self._motor.path}'")
             if not mine:
                 self._hinge(side.part, score, why, review)
         for o in anchors:
@@ -150,7 +150,7 @@ class _OneMotor:
         if not anchors and not self._outputs:
             for side in driven[1:]:
                 if self._survey.relation(driven[0].part, side.part) is not None:
-                    self._found.weld(0.6, driven[0].part, side.part, f"both on the output of '{self._motor.name}'")
+                    self._found.weld(0.6, driven[0].part, side.part, f"both on the output of '{self._motor.path}'")
         for o in self._outputs:
             if o not in anchors:
                 beside = any(r.other(o) in anchors for r in self._survey.near.get(o, ()))
@@ -161,7 +161,7 @@ class _OneMotor:
     def _hinge(self, part: int, score: float, why: str, review: str) -> None:
         assert self._output is not None
         case = self._motor.case
-        motor = self._motor.name if self._motor.is_named else ""
+        motor = self._motor.path if self._motor.is_named else ""
         self._found.hinge(
             Hinge(
                 *(score, case, part, JointKind.REVOLUTE, self._output.axis, why),

@@ -44,7 +44,8 @@ class _Vote:
 class Motor:
     """A motor."""
 
-    name: str
+    path: str
+    """Of its component: several motors have one name."""
     parts: tuple[int, ...]
     case: int
     outputs: tuple[int, ...] = ()
@@ -77,7 +78,7 @@ def _named_motors(survey: Survey) -> list[Motor]:
         outputs = tuple(
             i for i in members if i != case and Role.HORN in parts[i].roles and Role.FASTENER not in parts[i].roles
         )
-        motors.append(Motor(c.product or c.occurrence, members, case, outputs))
+        motors.append(Motor(c.path, members, case, outputs))
     return motors
 
 
@@ -107,7 +108,7 @@ def _motors_by_use(survey: Survey) -> list[Motor]:
     for i in sorted(cases, key=lambda i: (-survey.parts[i].volume, i)):
         members = _around_case(survey, i, cases)
         if not any(i in known for known in motors):
-            motors[members] = Motor(survey.parts[i].name or survey.parts[i].path, members, i, is_named=False)
+            motors[members] = Motor(survey.parts[i].path, members, i, is_named=False)
     return list(motors.values())
 
 

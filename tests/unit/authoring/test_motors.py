@@ -77,7 +77,7 @@ def test_output_of_a_motor_by_use_is_the_widest() -> None:
 def test_named_motors_need_no_use() -> None:
     """One servo by name is a motor although nothing equals it; a motor's mount is not one."""
     nodes = two_servos(names=("SG90 servo", "b"))
-    assert [motor.name for motor in motors(nodes)] == ["SG90 servo"]
+    assert [motor.path for motor in motors(nodes)] == ["SG90 servo"]
     assert motors([part("motor mount", PLATE), part("bracket", ARM, z=4.5)]) == []
 
 
