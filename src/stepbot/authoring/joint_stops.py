@@ -18,7 +18,8 @@ def with_stops(draft: Draft, assembly: Assembly) -> Draft:
     """The draft with the stops of its joints that have no limits, where parts of their two links meet."""
     members = {link.name: link.components for link in draft.links}
     asked = [joint for joint in draft.joints if _is_open(joint)]
-    found = find_stops([_question(joint, members[joint.parent], members[joint.child], assembly) for joint in asked])
+    shapes = _Shapes(assembly)
+    found = find_stops([_question(joint, members[joint.parent], members[joint.child], shapes) for joint in asked])
     stopped = {
         joint.name: replace(joint, stops=_named(stops.found, joint, assembly), stops_skipped=stops.skipped)
         for joint, stops in zip(asked, found, strict=True)
@@ -31,25 +32,35 @@ def _is_open(joint: DraftJoint) -> bool:
     return is_drafted and joint.limits is None and joint.type in _STOPPED
 
 
-def _question(joint: DraftJoint, still: Sequence[int], moving: Sequence[int], assembly: Assembly) -> Question:
-    return Question(
-        joint.type is JointKind.PRISMATIC,
-        np.array(joint.point),
-        np.array(joint.direction),
-        tuple(_shape(part, assembly) for part in still if _is_solid(part, assembly)),
-        tuple(_shape(part, assembly) for part in moving if _is_solid(part, assembly)),
-    )
+def _question(joint: DraftJoint, still: Sequence[int], moving: Sequence[int], shapes: "_Shapes") -> Question:
+    is_slide, point, direction = joint.type is JointKind.PRISMATIC, np.array(joint.point), np.array(joint.direction)
+    return Question(is_slide, point, direction, shapes.of(still), shapes.of(moving))
 
 
-def _is_solid(part: int, assembly: Assembly) -> bool:
-    body = assembly.components[part].body
-    return body >= 0 and assembly.bodies[body].kind is BodyKind.SOLID and len(assembly.bodies[body].mesh.faces) > 0
+class _Shapes:
+    """Solid parts in the assembly; a link with several joints is placed once."""
 
+    def __init__(self, assembly: Assembly) -> None:
+        self._assembly = assembly
+        self._known: dict[int, Shape] = {}
 
-def _shape(part: int, assembly: Assembly) -> Shape:
-    component = assembly.components[part]
-    mesh = assembly.bodies[component.body].mesh
-    return Shape(part, component.X_WC.apply(mesh.vertices), np.asarray(mesh.faces, dtype=np.int32))
+    def of(self, parts: Sequence[int]) -> tuple[Shape, ...]:
+        """The solids among some parts."""
+        return tuple(self._shape(part) for part in parts if self._is_solid(part))
+
+    def _is_solid(self, part: int) -> bool:
+        body = self._assembly.components[part].body
+        if body < 0:
+            return False
+        return self._assembly.bodies[body].kind is BodyKind.SOLID and len(self._assembly.bodies[body].mesh.faces) > 0
+
+    def _shape(self, part: int) -> Shape:
+        if part not in self._known:
+            component = self._assembly.components[part]
+            mesh = self._assembly.bodies[component.body].mesh
+            faces = np.asarray(mesh.faces, dtype=np.int32)
+            self._known[part] = Shape(part, component.X_WC.apply(mesh.vertices), faces)
+        return self._known[part]
 
 
 def _named(stops: Sequence[Stop], joint: DraftJoint, assembly: Assembly) -> tuple[FoundStop, ...]:

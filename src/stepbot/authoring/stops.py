@@ -9,17 +9,15 @@ meshes: edges that cross may meet a little earlier, and cables, other links or s
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepbot.geometry.spatial import Array, cross, perpendicular_frame
+from stepbot.geometry.spatial import Array, perpendicular_frame
 
-from .sweeps import TOUCHING, TOUCHING_ANGLE, Triangles, across, reach, slide, turn
+from .sides import Placed, Sides, meeting
+from .sweeps import TOUCHING, TOUCHING_ANGLE, Indices, radii_and_heights, slide, touched, turn, ways_about, ways_along
 
-_ALONG = 0.3
-"""Cosine of the angle between normal and motion from which a face can stop it."""
 _GRID = 3
 """Parts of each edge of a triangle between the points that are followed."""
 _WEIGHTS = np.array([(i, k, _GRID - i - k) for i in range(_GRID + 1) for k in range(_GRID + 1 - i)]) / _GRID
@@ -30,6 +28,10 @@ _SLACK_ANGLE, _SLACK = 0.05, 1e-3
 """Differences [rad] and [m] up to which a meeting at an edge is that of the face."""
 _MOST = 4_000_000
 """Points times triangles that are tried for all joints together."""
+
+
+_Near = tuple[Indices, Indices]
+"""Numbers of pairs of parts, ascending, and of triangles."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,20 +90,12 @@ def find_stops(questions: Sequence[Question]) -> tuple[Stops, ...]:
 
 def _stops(question: Question, share: int) -> Stops:
     touching, least = (TOUCHING, _SLACK) if question.slides else (TOUCHING_ANGLE, 2.0 * _SLACK_ANGLE)
-    frame = perpendicular_frame(question.direction)
-    still, moving = (
-        [
-            _Placed(shape.part, (shape.vertices - question.point) @ frame, shape.faces, slides=question.slides)
-            for shape in shapes
-        ]
-        for shapes in (question.still, question.moving)
-    )
-    still, moving = _within_reach(still, moving), _within_reach(moving, still)
+    still, moving = (_placed(question, shapes) for shapes in (question.still, question.moving))
+    still, moving = still.within_reach(moving), moving.within_reach(still)
     both, skipped = {}, set[tuple[int, int]]()
     for sign in (-1.0, 1.0):
-        ours = [side for placed in still if (side := placed.facing(-sign)) is not None]
-        theirs = [side for placed in moving if (side := placed.facing(sign)) is not None]
-        both[sign], left = _ways(ours, theirs, sign, share, _Sweep(question.slides, least + 2.0 * touching))
+        sweep = _Sweep(still.facing(-sign), moving.facing(sign), sign, question.slides, least + 2.0 * touching)
+        both[sign], left = sweep.ways(share)
         skipped |= left
     # A pair that leaves the joint no motion at all is a fit with play, and no stop.
     fits = {pair for pair, way in both[1.0].items() if way + both[-1.0].get(pair, np.inf) < least}
@@ -114,126 +108,81 @@ def _stops(question: Question, share: int) -> Stops:
     return Stops(tuple(found), len(skipped))
 
 
+def _placed(question: Question, shapes: Sequence[Shape]) -> Placed:
+    """Parts in a frame whose z axis is that of the joint."""
+    frame = perpendicular_frame(question.direction)
+    vertices = [(shape.vertices - question.point) @ frame for shape in shapes]
+    return Placed([shape.part for shape in shapes], vertices, [shape.faces for shape in shapes], slides=question.slides)
+
+
 @dataclass(frozen=True, eq=False)
-class _Side:
-    """Triangles of a part that look one way."""
-
-    part: int
-    corners: Array
-    """Shape (n, 3, 3) [m]."""
-    low: Array
-    """Shape (n, 2): of each triangle the least of what the motion leaves as it is."""
-    high: Array
-    """Shape (n, 2), likewise."""
-
-    @cached_property
-    def bounds(self) -> Array:
-        """Shape (2, 2): the least and the most of all triangles."""
-        return np.array([self.low.min(axis=0), self.high.max(axis=0)])
-
-    def near(self, other: "_Side") -> Triangles | None:
-        """The triangles that can meet some of another side; None if there is none."""
-        rows = ((self.low < other.bounds[1]) & (other.bounds[0] < self.high)).all(axis=1)
-        return Triangles(self.corners[rows], self.low[rows], self.high[rows]) if rows.any() else None
-
-
-class _Placed:
-    """A part in a frame whose z axis is that of the joint."""
-
-    def __init__(self, part: int, vertices: Array, faces: NDArray[np.int32], *, slides: bool) -> None:
-        self._part, self._vertices, self._faces, self._slides = part, vertices, faces, slides
-
-    @cached_property
-    def bounds(self) -> Array:
-        """Shape (2, 2): bounds of what the motion leaves as it is, around those of all triangles."""
-        low, high = self._vertices.min(axis=0), self._vertices.max(axis=0)
-        if self._slides:
-            return np.array([low[:2], high[:2]])
-        radii = np.linalg.norm(self._vertices[:, :2], axis=1)
-        return np.array([[radii.min() - np.linalg.norm(high - low), low[2]], [radii.max(), high[2]]])
-
-    def facing(self, sign: float) -> _Side | None:
-        """The triangles whose outside looks along the motion, or against it for a negative sign; None without any."""
-        corners, low, high, along, least = self._triangles
-        faces = (least > 0.0) & (sign * along > _ALONG * least)
-        return _Side(self._part, corners[faces], low[faces], high[faces]) if faces.any() else None
-
-    @cached_property
-    def _triangles(self) -> tuple[Array, Array, Array, Array, Array]:
-        """Corners, bounds, products of normal and motion, and the product of their lengths."""
-        corners = self._vertices[self._faces]
-        normals = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        z = np.array([0.0, 0.0, 1.0])
-        motion = np.broadcast_to(z, normals.shape) if self._slides else cross(z[None], corners.mean(axis=1))
-        lengths = np.linalg.norm(normals, axis=1) * np.linalg.norm(motion, axis=1)
-        low, high = across(corners) if self._slides else reach(corners)
-        return corners, low, high, np.einsum("ij,ij->i", normals, motion), lengths
-
-
-def _within_reach(some: Sequence[_Placed], others: Sequence[_Placed]) -> list[_Placed]:
-    """The parts that can meet one of the others, by their bounds."""
-    if not some or not others:
-        return []
-    meet = _overlaps([placed.bounds for placed in some], [placed.bounds for placed in others])
-    return [some[k] for k in np.flatnonzero(meet.any(axis=1)).tolist()]
-
-
-def _overlaps(one: Sequence[Array], two: Sequence[Array]) -> NDArray[np.bool_]:
-    """Which of n and m bounds (2, 2) overlap: shape (n, m)."""
-    a, b = np.array(one).reshape(-1, 1, 2, 2), np.array(two).reshape(1, -1, 2, 2)
-    return np.asarray(((a[:, :, 0] < b[:, :, 1]) & (b[:, :, 0] < a[:, :, 1])).all(axis=2))
-
-
-def _ways(
-    still: Sequence[_Side], moving: Sequence[_Side], sign: float, share: int, sweep: "_Sweep"
-) -> tuple[dict[tuple[int, int], float], set[tuple[int, int]]]:
-    """For pairs of parts how far the moving one goes until they meet, cheap pairs first; and pairs beyond the share.
-
-    A way is infinite if it is longer than that of a pair that can only be a stop.
-    """
-    met = _overlaps([side.bounds for side in moving], [side.bounds for side in still])
-    pairs = []
-    for m, s in np.argwhere(met).tolist():
-        ours, theirs = still[s].near(moving[m]), moving[m].near(still[s])
-        if ours is not None and theirs is not None:
-            work = len(ours.corners) * len(theirs.corners)
-            pairs.append((work, ours, theirs, still[s].part, moving[m].part))
-    ways, skipped, most = {}, set(), np.inf
-    for work, ours, theirs, a, b in sorted(pairs, key=lambda pair: pair[0]):
-        share -= 2 * _PER_TRIANGLE * work
-        if share < 0:
-            skipped.add((a, b))
-            continue
-        ways[a, b] = sweep.way(ours, theirs, sign, most)
-        if ways[a, b] > sweep.least:
-            most = min(most, ways[a, b])
-    return ways, skipped
-
-
-@dataclass(frozen=True)
 class _Sweep:
-    """How triangles are followed."""
+    """The motion of triangles in one direction."""
 
+    still: Sides
+    moving: Sides
+    sign: float
     slides: bool
     least: float
     """Way beyond which a pair is no fit with play [rad] or [m]."""
 
-    def way(self, still: Triangles, moving: Triangles, sign: float, most: float) -> float:
-        """How far moving triangles go until they meet others; infinite beyond ``most``.
+    def ways(self, share: int) -> tuple[dict[tuple[int, int], float], set[tuple[int, int]]]:
+        """For pairs of parts how far the moving one goes until they meet, and pairs beyond the share.
+
+        A way is infinite if it is longer than that of a pair that can only be a stop. Cheap pairs come first.
+        """
+        work = self.moving.counts_near(self.still).T * self.still.counts_near(self.moving)
+        m, s = np.nonzero(work)
+        order = np.argsort(work[m, s], kind="stable")
+        m, s = m[order], s[order]
+        taken = int(np.searchsorted(np.cumsum(2 * _PER_TRIANGLE * work[m, s]), share, side="right"))
+        names = [(self.still.parts[k], self.moving.parts[n]) for k, n in zip(s.tolist(), m.tolist(), strict=True)]
+        still, moving = (
+            self.still.near(s[:taken], self.moving, m[:taken]),
+            self.moving.near(m[:taken], self.still, s[:taken]),
+        )
+        shortest = self._shortest_of_pairs(taken, still, moving)
+        ways, most = {}, np.inf
+        for pair, (name, exact) in enumerate(zip(names, shortest.tolist(), strict=False)):
+            ways[name] = np.inf
+            if exact < np.inf and exact <= most:
+                ways[name] = self._way(exact, still[1][still[0] == pair], moving[1][moving[0] == pair], most)
+            if ways[name] > self.least:
+                most = min(most, ways[name])
+        return ways, set(names[taken:])
+
+    def _shortest_of_pairs(self, count: int, still: _Near, moving: _Near) -> Array:
+        """Shape (count,): how far each moving part goes until triangles meet."""
+        pairs, i, j = meeting(self.still, self.moving, still, moving)
+        shortest = np.full(count, np.inf)
+        for (sides, rows), (others, hit), sign in (
+            ((self.moving, j), (self.still, i), self.sign),
+            ((self.still, i), (self.moving, j), -self.sign),
+        ):
+            used, at = np.unique(rows, return_inverse=True)
+            points = _points(sides.corners[used], 0.0)
+            used, row = np.unique(hit, return_inverse=True)
+            triangles = others.triangles(used)
+            point = (at[:, None] * _PER_TRIANGLE + np.arange(_PER_TRIANGLE)).reshape(-1)
+            row, of = np.repeat(row, _PER_TRIANGLE), np.repeat(pairs, _PER_TRIANGLE)
+            kept = touched(points[:, :2] if self.slides else radii_and_heights(points), triangles, point, row)
+            follow = ways_along if self.slides else ways_about
+            np.minimum.at(shortest, of[kept], follow(points, triangles, point[kept], row[kept], sign))
+        return shortest
+
+    def _way(self, exact: float, still: Indices, moving: Indices, most: float) -> float:
+        """The way of a pair of parts whose triangles meet after ``exact``; infinite beyond ``most``.
 
         What only grazes is none: meshes of a shaft and its bore cut into each other.
         """
-        exact = self._shortest(still, moving, sign, 0.0, most)
-        if exact == np.inf:
-            return exact
         slack = _SLACK if self.slides else _SLACK_ANGLE
-        inner = self._shortest(still, moving, sign, _GRAZE, most + slack)
-        return exact if inner - exact < slack else inner
-
-    def _shortest(self, still: Triangles, moving: Triangles, sign: float, inset: float, most: float) -> float:
         follow = slide if self.slides else turn
-        way = follow(_points(moving.corners, inset), still, sign, most)
-        return min(way, follow(_points(still.corners, inset), moving, -sign, min(way, most)))
+        points, others = (
+            _points(side.corners[rows], _GRAZE) for side, rows in ((self.moving, moving), (self.still, still))
+        )
+        inner = follow(points, self.still.triangles(still), self.sign, most + slack)
+        inner = min(inner, follow(others, self.moving.triangles(moving), -self.sign, min(inner, most + slack)))
+        return exact if inner - exact < slack else inner
 
 
 def _points(corners: Array, inset: float) -> Array:

@@ -3,20 +3,20 @@
 Only what can come out shortest is computed to the end: a caller states the longest way that matters.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from math import pi
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stepbot.geometry.spatial import Array, cross
+from stepbot.geometry.spatial import Array, cross, dot
 
 TOUCHING_ANGLE, TOUCHING = 2e-3, 1e-5
 """Distances [rad] and [m] within which parts touch in the drawn pose."""
 _INSIDE = 1e-9
 _CHUNK = 1_000_000
-_MARGIN = 1e-6
+MARGIN = 1e-6
 """Distance [m] from a triangle's bounds within which a point is tried."""
 
 Indices = NDArray[np.int64]
@@ -34,12 +34,11 @@ class Triangles:
                 :func:`reach`.
             high: Shape (n, 2): the most of it.
         """
-        self.corners, self.low, self.high = corners, low, high
+        self.low, self.high = low, high
         self.first = corners[:, 0]
         self._u, self._v = corners[:, 1] - self.first, corners[:, 2] - self.first
         self.normals = cross(self._u, self._v)
         self.offsets = np.einsum("ij,ij->i", self.normals, self.first)
-        self._sizes = np.einsum("ij,ij->i", self.normals, self.normals)
 
     @cached_property
     def slopes(self) -> Array:
@@ -51,67 +50,115 @@ class Triangles:
         """Shape (n,): angle of each normal about z [rad]."""
         return np.arctan2(self.normals[:, 1], self.normals[:, 0])
 
-    def contain(self, points: Array, j: Indices) -> NDArray[np.bool_]:
-        """For points (k, 3), each in the plane of the triangle with an index (k,), whether it is in the triangle."""
-        w, normals, sizes = points - self.first[j], self.normals[j], self._sizes[j]
+    @cached_property
+    def _shares(self) -> tuple[Array, Array]:
+        """Vectors (3, n), whose products with the way from the first corner are the shares of both edges from there."""
+        sizes = dot(self.normals, self.normals)[:, None]
         with np.errstate(invalid="ignore"):
-            s = np.einsum("ij,ij->i", cross(w, self._v[j]), normals) / sizes
-            t = np.einsum("ij,ij->i", cross(self._u[j], w), normals) / sizes
-            return np.asarray((s >= -_INSIDE) & (t >= -_INSIDE) & (s + t <= 1.0 + _INSIDE))
+            along_u, along_v = cross(self._v, self.normals) / sizes, cross(self.normals, self._u) / sizes
+        return np.ascontiguousarray(along_u.T), np.ascontiguousarray(along_v.T)
+
+    def contain(self, points: Array, j: Indices) -> NDArray[np.bool_]:
+        """For points (3, k), each in the plane of the triangle with an index (k,), whether it is in the triangle."""
+        w, along_u, along_v = points - self._first_by_axis[:, j], *(shares[:, j] for shares in self._shares)
+        s = w[0] * along_u[0] + w[1] * along_u[1] + w[2] * along_u[2]
+        t = w[0] * along_v[0] + w[1] * along_v[1] + w[2] * along_v[2]
+        return np.asarray((s >= -_INSIDE) & (t >= -_INSIDE) & (s + t <= 1.0 + _INSIDE))
+
+    @cached_property
+    def _first_by_axis(self) -> Array:
+        """Shape (3, n)."""
+        return np.ascontiguousarray(self.first.T)
 
 
 def across(corners: Array) -> tuple[Array, Array]:
     """Bounds (n, 2) of triangles (n, 3, 3) across z."""
-    return corners[..., :2].min(axis=1), corners[..., :2].max(axis=1)
+    x, y, _ = np.ascontiguousarray(corners.T)
+    return np.column_stack([x.min(axis=0), y.min(axis=0)]), np.column_stack([x.max(axis=0), y.max(axis=0)])
 
 
 def reach(corners: Array) -> tuple[Array, Array]:
     """Bounds (n, 2) of triangles (n, 3, 3) in distance from z and in height."""
-    heights, radii = corners[..., 2], np.linalg.norm(corners[..., :2], axis=2)
+    x, y, heights = by_axis = np.ascontiguousarray(corners.T)
+    radii = np.sqrt(x * x + y * y)
     # A triangle comes nearer to the axis than its corners: by no more than its longest edge.
-    edges = np.linalg.norm(corners - corners[:, [2, 0, 1]], axis=2).max(axis=1)
-    low = np.column_stack([radii.min(axis=1) - edges, heights.min(axis=1)])
-    return low, np.column_stack([radii.max(axis=1), heights.max(axis=1)])
+    dx, dy, dz = by_axis - by_axis[:, [2, 0, 1]]
+    edges = np.sqrt((dx * dx + dy * dy + dz * dz).max(axis=0))
+    low = np.column_stack([radii.min(axis=0) - edges, heights.min(axis=0)])
+    return low, np.column_stack([radii.max(axis=0), heights.max(axis=0)])
 
 
 def slide(points: Array, triangles: Triangles, sign: float, most: float) -> float:
     """The shortest way [m] of points (n, 3) along z, or against it; infinite beyond ``most``."""
-    best = most
-    places = points[:, :2]
-    found = False
-    for i, j in _candidates(places, triangles):
-        normals = triangles.normals[j]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            height = (triangles.offsets[j] - np.einsum("ij,ij->i", places[i], normals[:, :2])) / normals[:, 2]
-            way = sign * (height - points[i, 2])
-            near = np.flatnonzero((way >= -TOUCHING) & (way <= best))
-        at = np.column_stack([places[i[near]], height[near]])
-        met = way[near][triangles.contain(at, j[near])]
-        if len(met):
-            best, found = float(met.min()), True
-    return best if found else np.inf
+    return _shortest(ways_along, points[:, :2], points, triangles, sign, most)
 
 
 def turn(points: Array, triangles: Triangles, sign: float, most: float) -> float:
     """The smallest angle [rad] of points (n, 3) about z, or against it; infinite beyond ``most``."""
-    best = most
-    radii, angles = np.linalg.norm(points[:, :2], axis=1), np.arctan2(points[:, 1], points[:, 0])
-    found = False
-    for i, j in _candidates(np.column_stack([radii, points[:, 2]]), triangles):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            cosines = (triangles.offsets[j] - points[i, 2] * triangles.normals[j, 2]) / (radii[i] * triangles.slopes[j])
-        cross_plane = np.flatnonzero(np.abs(cosines) <= 1.0)
-        i, j, half = i[cross_plane], j[cross_plane], np.arccos(cosines[cross_plane])
-        headings, starts = triangles.headings[j], angles[i]
-        for other in (half, -half):
-            at_angle = headings + other
-            way = (sign * (at_angle - starts) + TOUCHING_ANGLE) % (2.0 * pi) - TOUCHING_ANGLE
-            near = np.flatnonzero(way <= best)
-            rows, angle = i[near], at_angle[near]
-            at = np.column_stack([radii[rows] * np.cos(angle), radii[rows] * np.sin(angle), points[rows, 2]])
-            met = way[near][triangles.contain(at, j[near])]
-            if len(met):
-                best, found = float(met.min()), True
+    return _shortest(ways_about, radii_and_heights(points), points, triangles, sign, most)
+
+
+def ways_along(points: Array, triangles: Triangles, i: Indices, j: Indices, sign: float, most: float = np.inf) -> Array:
+    """The way [m] of each point of index ``i`` (k,) along z to the triangle of index ``j`` (k,), or against it.
+
+    Shape (k,), infinite where they do not meet, or beyond ``most``.
+    """
+    normals, start = triangles.normals[j], points[i]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        height = (triangles.offsets[j] - np.einsum("ij,ij->i", start[:, :2], normals[:, :2])) / normals[:, 2]
+        way = sign * (height - start[:, 2])
+        near = np.flatnonzero((way >= -TOUCHING) & (way <= most))
+    at = np.array([start[near, 0], start[near, 1], height[near]])
+    met = near[triangles.contain(at, j[near])]
+    ways = np.full(len(i), np.inf)
+    ways[met] = way[met]
+    return ways
+
+
+def ways_about(points: Array, triangles: Triangles, i: Indices, j: Indices, sign: float, most: float = np.inf) -> Array:
+    """The angle [rad] of each point of index ``i`` (k,) about z to the triangle of index ``j`` (k,), or against it.
+
+    Shape (k,), infinite where they do not meet, or beyond ``most``.
+    """
+    radii, heights = np.linalg.norm(points[:, :2], axis=1)[i], points[i, 2]
+    ways = np.full(len(i), np.inf)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cosines = (triangles.offsets[j] - heights * triangles.normals[j, 2]) / (radii * triangles.slopes[j])
+    cross_plane = np.flatnonzero(np.abs(cosines) <= 1.0)
+    j, radii, heights, half = j[cross_plane], radii[cross_plane], heights[cross_plane], np.arccos(cosines[cross_plane])
+    headings, starts = triangles.headings[j], np.arctan2(points[:, 1], points[:, 0])[i[cross_plane]]
+    for other in (half, -half):
+        at_angle = headings + other
+        way = (sign * (at_angle - starts) + TOUCHING_ANGLE) % (2.0 * pi) - TOUCHING_ANGLE
+        near = np.flatnonzero(way <= most)
+        angle, reached = at_angle[near], radii[near]
+        at = np.array([reached * np.cos(angle), reached * np.sin(angle), heights[near]])
+        met = near[triangles.contain(at, j[near])]
+        ways[cross_plane[met]] = np.minimum(ways[cross_plane[met]], way[met])
+    return ways
+
+
+def radii_and_heights(points: Array) -> Array:
+    """Shape (n, 2): what a turn leaves as it is."""
+    return np.column_stack([np.linalg.norm(points[:, :2], axis=1), points[:, 2]])
+
+
+def touched(places: Array, triangles: Triangles, i: Indices, j: Indices) -> NDArray[np.bool_]:
+    """For points and triangles, by index (k,) each, whether the motion can take the point into the triangle."""
+    low, high = triangles.low - MARGIN, triangles.high + MARGIN
+    within = (places[i, 0] >= low[j, 0]) & (places[i, 0] <= high[j, 0])
+    within &= (places[i, 1] >= low[j, 1]) & (places[i, 1] <= high[j, 1])
+    return np.asarray(within)
+
+
+def _shortest(
+    ways: Callable[..., Array], places: Array, points: Array, triangles: Triangles, sign: float, most: float
+) -> float:
+    best, found = most, False
+    for i, j in _candidates(places, triangles):
+        way = float(ways(points, triangles, i, j, sign, best).min())
+        if way <= best:
+            best, found = way, way < np.inf
     return best if found else np.inf
 
 
@@ -120,7 +167,7 @@ def _candidates(places: Array, triangles: Triangles) -> Iterator[tuple[Indices, 
 
     ``places`` (n, 2) is of each point what the motion leaves as it is.
     """
-    low, high = triangles.low - _MARGIN, triangles.high + _MARGIN
+    low, high = triangles.low - MARGIN, triangles.high + MARGIN
     rows = max(1, _CHUNK // len(low))
     for start in range(0, len(places), rows):
         some = places[start : start + rows, :, None]
