@@ -4,7 +4,7 @@ Fits are on the axis or evenly spaced on a circle around it; faces normal to it 
 around it.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -46,7 +46,17 @@ def concentric_axis(fits: Sequence[Fit], patches: Sequence[Patch], others: Itera
     return None
 
 
-def _candidates(fits: Sequence[Fit], patches: Sequence[Patch], others: Iterable[Axis]) -> list[Axis]:
+def _candidates(fits: Sequence[Fit], patches: Sequence[Patch], others: Iterable[Axis]) -> Iterator[Axis]:
+    yield from _axes_of_fits(fits)
+    if not fits and patches:
+        discs = ((c[0], p.normal) for p in patches if (c := fitted_circle(p.hull, p.normal, _CIRCLE)) is not None)
+        if (disc := next(discs, None)) is not None:
+            yield Axis(*disc)
+        else:
+            yield from (axis for axis in others if round_share(patches, axis) >= _ROUND)
+
+
+def _axes_of_fits(fits: Sequence[Fit]) -> list[Axis]:
     found: list[Axis] = []
     for fit in sorted(fits, key=lambda f: (_ORDER[f.kind], -f.radius)):
         if not any(fit.axis.same(axis) for axis in found):
@@ -54,12 +64,6 @@ def _candidates(fits: Sequence[Fit], patches: Sequence[Patch], others: Iterable[
     ring = _ring_axis(fits)
     if ring is not None:
         found.insert(0, ring)
-    if not fits and patches:
-        discs = [(p, c) for p in patches if (c := fitted_circle(p.hull, p.normal, _CIRCLE)) is not None]
-        if discs:
-            found.append(Axis(discs[0][1][0], discs[0][0].normal))
-        else:
-            found += [axis for axis in others if round_share(patches, axis) >= _ROUND]
     return found
 
 

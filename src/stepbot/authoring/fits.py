@@ -103,22 +103,24 @@ def _pair_fits(line: CoaxialLine, a: int, b: int) -> list[Fit]:
 
 def _fit(axis: Axis, a: int, b: int, face_a: LineFace, face_b: LineFace) -> Fit | None:
     low, high = max(face_a.low, face_b.low), min(face_a.high, face_b.high)
-    at = Axis(axis.point + axis.d * (0.5 * (low + high)), axis.d)
-    radii = face_a.radius, face_b.radius
-    full = face_a.span > HALF_ROUND and face_b.span > HALF_ROUND
+    kind, shaft, full = FitKind.FLUSH, -1, face_a.span > HALF_ROUND and face_b.span > HALF_ROUND
     if face_a.bore != face_b.bore:
-        bore, shaft = radii if face_a.bore else radii[::-1]
-        loose = max(min(_SLACK, _SLACK_SHARE * bore), _LEAST_SLACK)
-        if high - low < _SHORTEST or not -_PRESS <= bore - shaft <= loose:
+        kind, (bore, thin) = FitKind.SHAFT, (face_a, face_b) if face_a.bore else (face_b, face_a)
+        loose = max(min(_SLACK, _SLACK_SHARE * bore.radius), _LEAST_SLACK)
+        if high - low < _SHORTEST or not -_PRESS <= bore.radius - thin.radius <= loose:
             return None
-        return Fit(a, b, FitKind.SHAFT, at, *radii, high - low, b if face_a.bore else a, full)
-    if face_a.bore:
-        if not full or low - high >= _HOLE_GAP or not 1.0 / _HOLE_RATIO < radii[0] / radii[1] < _HOLE_RATIO:
+        shaft = b if face_a.bore else a
+    elif face_a.bore:
+        kind = FitKind.HOLES
+        if not full or low - high >= _HOLE_GAP:
             return None
-        return Fit(a, b, FitKind.HOLES, at, *radii, low - high, full=full)
-    if abs(radii[0] - radii[1]) >= LINE_DISTANCE or abs(low - high) >= _FLUSH_GAP:
+        if not 1.0 / _HOLE_RATIO < face_a.radius / face_b.radius < _HOLE_RATIO:
+            return None
+    elif abs(face_a.radius - face_b.radius) >= LINE_DISTANCE or abs(low - high) >= _FLUSH_GAP:
         return None
-    return Fit(a, b, FitKind.FLUSH, at, *radii, low - high, full=full)
+    at = Axis(axis.point + axis.d * (0.5 * (low + high)), axis.d)
+    length = high - low if kind == FitKind.SHAFT else low - high
+    return Fit(a, b, kind, at, face_a.radius, face_b.radius, length, shaft, full)
 
 
 def _rank(fit: Fit) -> tuple[float, ...]:

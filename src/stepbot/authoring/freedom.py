@@ -17,6 +17,9 @@ from stepbot.step.features.coaxial import signed
 from .contacts import Fit, FitKind, Patch, Socket
 
 
+_Row = list[float]
+
+
 class FreedomKind(StrEnum):
     """Kinds of relative mobility."""
 
@@ -76,28 +79,37 @@ def freedom(
 
 def _rows(
     fits: Sequence[Fit], patches: Sequence[Patch], sockets: Sequence[Socket], about: Array, size: float
-) -> Iterable[Array]:
+) -> Iterable[_Row]:
     """Rows (6,) that are orthogonal to all allowed (w, v / size) about a point."""
-    nothing = np.zeros(3)
+    ax, ay, az = about.tolist()
 
-    def keeps(point: Array, direction: Array) -> Array:
-        return np.concatenate([cross((point - about) / size, direction), direction])
+    def keeps(point: Array, direction: _Row) -> _Row:
+        px, py, pz = point.tolist()
+        x, y, z = (px - ax) / size, (py - ay) / size, (pz - az) / size
+        u, v, w = direction
+        return [y * w - z * v, z * u - x * w, x * v - y * u, u, v, w]
 
     for fit in fits:
         if fit.kind == FitKind.FLUSH:
             continue
         guides = fit.kind == FitKind.HOLES or fit.length >= _SHORT * fit.radius_a
-        for across in perpendicular_frame(fit.axis.d)[:, :2].T:
+        for across in _across(fit.axis.d):
             yield keeps(fit.axis.point, across)
             if guides:
-                yield np.concatenate([across, nothing])
+                yield [*across, 0.0, 0.0, 0.0]
     for patch in patches:
-        yield keeps(patch.point, patch.normal)
-        for across in perpendicular_frame(patch.normal)[:, :2].T:
-            yield np.concatenate([across, nothing])
+        yield keeps(patch.point, patch.normal.tolist())
+        for across in _across(patch.normal):
+            yield [*across, 0.0, 0.0, 0.0]
     for socket in sockets:
-        for axis in np.eye(3):
+        for axis in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]):
             yield keeps(socket.point, axis)
+
+
+def _across(direction: Array) -> list[_Row]:
+    """Two directions normal to a unit direction and to each other."""
+    x, y, _ = perpendicular_frame(direction).T.tolist()
+    return [x, y]
 
 
 def _named(basis: Array, about: Array, size: float) -> Freedom:

@@ -147,8 +147,8 @@ def relate(
     pair: Pair, fits: Sequence[Fit], patches: Sequence[Patch], sockets: Sequence[Socket], lines: Sequence[Axis]
 ) -> Relation:
     """The relation of two bodies from their contacts; ``lines`` are tried as axes if only plane faces touch."""
-    points = np.array(
-        [fit.axis.point for fit in fits] + [s.point for s in sockets] + [q for p in patches for q in p.hull]
+    points = np.concatenate(
+        [*(fit.axis.point[None] for fit in fits), *(s.point[None] for s in sockets), *(p.hull for p in patches)]
     )
     about, size = points.mean(axis=0), max(_LEAST_SIZE, float(np.ptp(points, axis=0).max()))
     free = freedom(fits, patches, sockets, about, size)
@@ -203,9 +203,9 @@ def reach(axis: Axis, relations: Iterable[Relation]) -> float:
     """Largest distance [m] of the contacts from an axis."""
     points: list[Array] = []
     for r in relations:
-        points += [fit.axis.point for fit in r.fits]
-        points += [point for patch in r.patches for point in patch.hull]
-    return float(axis.distances(np.array(points)).max()) if points else 0.0
+        points += [fit.axis.point[None] for fit in r.fits]
+        points += [patch.hull for patch in r.patches]
+    return float(axis.distances(np.concatenate(points)).max()) if points else 0.0
 
 
 def neighbours(relations: Mapping[Pair, Relation]) -> dict[int, list[Relation]]:

@@ -57,7 +57,7 @@ def _centroid(rings: Sequence[Array]) -> Array:
     origin = rings[0][0]
     for ring in rings:
         x, y = (ring - origin).T
-        nx, ny = np.roll(x, -1), np.roll(y, -1)
+        nx, ny = np.append(x[1:], x[0]), np.append(y[1:], y[0])
         twice = x * ny - nx * y
         total += float(twice.sum())
         moment += [float(((x + nx) * twice).sum()), float(((y + ny) * twice).sum())]

@@ -76,6 +76,10 @@ class _Kinds:
 
 def signed(directions: Array) -> Array:
     """The same lines' directions (n, 3), of whose (z, y, x) the first larger than 1e-6 is positive."""
+    if len(directions) == 1:  # a tenth of the time for one of them
+        x, y, z = directions[0].tolist()
+        leading = next((value for value in (z, y, x) if abs(value) > _SIGN_THRESHOLD), z)
+        return (-directions if leading < 0.0 else directions) + 0.0
     large = np.abs(directions[:, ::-1]) > _SIGN_THRESHOLD
     leading = np.take_along_axis(directions[:, ::-1], large.argmax(axis=1)[:, None], axis=1)
     return np.where(leading < 0.0, -directions, directions) + 0.0
