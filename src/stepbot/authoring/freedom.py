@@ -16,7 +16,6 @@ from stepbot.step.features.coaxial import signed
 
 from .contacts import Fit, FitKind, Patch, Socket
 
-
 _Row = list[float]
 
 

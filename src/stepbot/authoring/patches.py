@@ -47,11 +47,17 @@ class _Planes:
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         self.rows: list[PlacedFace] = [row for row in scene.faces[FaceKind.PLANE] if row.face.rings]
-        self._normals = np.array([r.direction for r in self.rows]).reshape(-1, 3)
-        self._low = np.array([r.low for r in self.rows]).reshape(-1, 3)
-        self._high = np.array([r.high for r in self.rows]).reshape(-1, 3)
+        nothing = np.zeros(0)
+        points, self._normals, self._low, self._high = (
+            np.concatenate([nothing, *column]).reshape(-1, 3)
+            for column in (
+                (r.point for r in self.rows),
+                (r.direction for r in self.rows),
+                (r.low for r in self.rows),
+                (r.high for r in self.rows),
+            )
+        )
         self._parts = np.array([r.part for r in self.rows], dtype=np.int64)
-        points = np.array([r.point for r in self.rows]).reshape(-1, 3)
         self._signed = signed(self._normals) if self.rows else self._normals
         self._heights = np.einsum("ij,ij->i", points, self._signed)
         self._up = np.einsum("ij,ij->i", self._normals, self._signed) > 0.0
@@ -65,16 +71,15 @@ class _Planes:
             cells = np.floor(self._signed * _CELLS + shift).astype(np.int64)
             _, kinds = distinct_rows(cells)
             order = np.lexsort((self._heights, kinds))
-            ends = np.flatnonzero(np.diff(kinds[order])) + 1
-            for parallel in np.split(order, ends):
-                heights = self._heights[parallel]
-                for level in np.split(parallel, np.flatnonzero(np.diff(heights) > GAP) + 1):
-                    yield from self._facing(level)
+            begins = np.ones(len(order), dtype=bool)
+            begins[1:] = (np.diff(kinds[order]) != 0) | (np.diff(self._heights[order]) > GAP)
+            starts = np.flatnonzero(begins)
+            levels, ups = np.append(starts, len(order)), np.add.reduceat(self._up[order], starts, dtype=np.int64)
+            for n in np.flatnonzero((ups > 0) & (ups < np.diff(levels))).tolist():
+                yield from self._facing(order[levels[n] : levels[n + 1]])
 
     def _facing(self, level: Indices) -> Iterator[tuple[int, int]]:
         up, down = level[self._up[level]], level[~self._up[level]]
-        if not len(up) or not len(down):
-            return
         axis = int(np.argmax(np.ptp(self._low[level], axis=0)))
         down = down[np.argsort(self._low[down, axis], kind="stable")]
         starts = self._low[down, axis]

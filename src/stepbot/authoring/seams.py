@@ -7,10 +7,12 @@ that one turns on the other. Such a joint is always a guess.
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
-from itertools import product
+from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
+from stepbot.geometry.spatial import Array
 from stepbot.robot.model import JointKind
 from stepbot.step.features.coaxial import Rays, coaxial, signed
 
@@ -27,6 +29,8 @@ _WEAKEST = 0.3
 """Score from which a joint may connect otherwise unconnected clusters."""
 _SEAM = 6e-3
 """Gap [m] across which faces of two links may still belong to one joint."""
+_WIDE = _SEAM + 5e-6
+"""The same rounded to the next 10 um: gaps are drawn with errors."""
 _FAR = 3e-3
 _WIDEST_SHARE = 0.25
 """Share of the assembly's size within which faces on one line are compared."""
@@ -39,30 +43,54 @@ _TINY = 1e-4
 """Share of the assembly's volume below which a cluster is ignored, if there are many."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Span:
-    """A face on a line, by its position along it."""
+class _Spans:
+    """Faces of a cluster on a line, by their positions along it."""
 
-    low: float
-    high: float
-    face: SeamFace
+    def __init__(self) -> None:
+        self.faces: list[SeamFace] = []
+        self.low: list[float] = []
+        self.high: list[float] = []
 
-    def gap(self, other: "_Span") -> float:
-        """Distance [m] along the line; 0 if they overlap."""
-        return max(0.0, max(self.low, other.low) - min(self.high, other.high))
+    def add(self, along: float, face: SeamFace) -> None:
+        """Add a face whose middle is somewhere along the line."""
+        self.faces.append(face)
+        self.low.append(along - face.half)
+        self.high.append(along + face.half)
 
-    def shows_axis_with(self, other: "_Span") -> bool:
-        """Whether two faces together show that one part turns on the other."""
-        one, two = self.face, other.face
-        if two.shape == SeamShape.ROUND:
-            one, two = two, one
-        if one.shape != SeamShape.ROUND:
-            return False
-        if two.shape == SeamShape.CRADLE:
-            holds = 0.0 < two.radius - one.radius <= _SEAM and min(self.high, other.high) > max(self.low, other.low)
-            return holds and one.half > 0.0 and not one.bore
-        small, large = sorted((one.radius, two.radius))
-        return small >= _ALIKE * large
+    @cached_property
+    def lengths(self) -> Array:
+        """Shape (4, n) [m]: low, high, radius and half length."""
+        return np.array([self.low, self.high, [f.radius for f in self.faces], [f.half for f in self.faces]])
+
+    @cached_property
+    def flags(self) -> NDArray[np.bool_]:
+        """Shape (3, n): whether faces are round, cradles, bores."""
+        shapes = [face.shape for face in self.faces]
+        is_round, is_cradle = ([shape == kind for shape in shapes] for kind in (SeamShape.ROUND, SeamShape.CRADLE))
+        return np.array([is_round, is_cradle, [face.bore for face in self.faces]])
+
+    def best_with(self, other: "_Spans") -> tuple[float, float, int, int] | None:
+        """The pair of faces that best shows that one part turns on the other: not far apart, wide, close.
+
+        Its distance [m] along the line, 0 if they overlap, the smaller radius [m], and the rows of both.
+        """
+        low, high, radius, half = self.lengths[:, :, None]
+        low2, high2, radius2, half2 = other.lengths
+        (is_round, is_cradle, is_bore), (is_round2, is_cradle2, is_bore2) = self.flags[:, :, None], other.flags
+        gaps = np.maximum(low, low2) - np.minimum(high, high2)
+        smaller, larger = np.minimum(radius, radius2), np.maximum(radius, radius2)
+        # Of two round faces the other one is the shaft, which a cradle holds.
+        shaft, shaft_half = np.where(is_round2, radius2, radius), np.where(is_round2, half2, half)
+        shaft_is_bore, held_by = np.where(is_round2, is_bore2, is_bore), np.where(is_round2, radius, radius2)
+        play = held_by - shaft
+        holds = (play > 0.0) & (play <= _SEAM) & (gaps < 0.0) & (shaft_half > 0.0) & ~shaft_is_bore
+        shown = np.where(np.where(is_round2, is_cradle, is_cradle2), holds, smaller >= _ALIKE * larger)
+        i, j = np.nonzero(shown & (is_round | is_round2))
+        if not len(i):
+            return None
+        distances, radii = np.maximum(0.0, gaps[i, j]), smaller[i, j]
+        best = np.lexsort((distances, -radii, distances > _WIDE))[0]
+        return float(distances[best]), float(radii[best]), int(i[best]), int(j[best])
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,40 +181,35 @@ class _Seams:
         rays = Rays(np.array([r.center for r in rows]), np.array([r.direction for r in rows]))
         for group in coaxial(rays, LINE_DISTANCE, LINE_ANGLE):
             base, direction = rays.centers[group[0]], signed(rays.directions[group[:1]])[0]
-            spans: dict[int, list[_Span]] = defaultdict(list)
+            spans: dict[int, _Spans] = defaultdict(_Spans)
             for k in group.tolist():
-                along = float((rays.centers[k] - base) @ direction)
-                row = rows[k]
-                span = _Span(along - row.half, along + row.half, row)
-                spans[self._cluster_of[row.part]].append(span)
+                spans[self._cluster_of[rows[k].part]].add(float((rays.centers[k] - base) @ direction), rows[k])
             for one, two in self._near_each_other(spans):
                 seam = self._seam(one, two, spans, Axis(base, direction))
                 if seam is not None:
                     yield (min(one, two), max(one, two)), seam
 
-    def _near_each_other(self, spans: dict[int, list[_Span]]) -> Iterator[tuple[int, int]]:
+    def _near_each_other(self, spans: dict[int, _Spans]) -> Iterator[tuple[int, int]]:
         far = max(_SEAM, _WIDEST_SHARE * self._survey.extent)
         active: list[tuple[float, int]] = []
-        for low, high, root in sorted(
-            (min(s.low for s in v), max(s.high for s in v), root) for root, v in spans.items()
-        ):
+        for low, high, root in sorted((min(of.low), max(of.high), root) for root, of in spans.items()):
             active = [(end, other) for end, other in active if end >= low - far]
             for _, other in active:
                 yield root, other
             active.append((high, root))
 
-    def _seam(self, one: int, two: int, spans: dict[int, list[_Span]], line: Axis) -> _Seam | None:
+    def _seam(self, one: int, two: int, spans: dict[int, _Spans], line: Axis) -> _Seam | None:
         """The two faces with the strongest evidence; a wide gap must have parts of both in between, as in a fork."""
-        best, rank = None, (True, 0.0, np.inf)
-        for s, t in product(spans[one], spans[two]):
-            gap, radius = s.gap(t), min(s.face.radius, t.face.radius)
-            mine = round(gap, 5) > _SEAM, -radius, gap
-            if (best is None or mine < rank) and s.shows_axis_with(t):
-                at = line.point + line.d * (0.5 * (max(s.low, t.low) + min(s.high, t.high)))
-                best, rank = _Seam(radius, gap, s.face.part, t.face.part, Axis(at, line.direction)), mine
-        if best is None or (best.gap > _SEAM and (best.gap > 2.0 * best.radius or not self._touch(one, two))):
+        some, others = spans[one], spans[two]
+        best = some.best_with(others)
+        if best is None:
             return None
-        return best
+        gap, radius, i, j = best
+        at = line.point + line.d * (0.5 * (max(some.low[i], others.low[j]) + min(some.high[i], others.high[j])))
+        seam = _Seam(radius, gap, some.faces[i].part, others.faces[j].part, Axis(at, line.direction))
+        if gap > _SEAM and (gap > 2.0 * radius or not self._touch(one, two)):
+            return None
+        return seam
 
     def _touch(self, one: int, two: int) -> bool:
         """Whether parts of two clusters are close to each other, by their bounding boxes."""
