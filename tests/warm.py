@@ -1,7 +1,8 @@
 """Worker processes of commands that run inside pytest, forked from processes that have loaded kernel and engines.
 
 To load them takes longer than most tests. A worker gets the current folder and the environment that the test has when
-it starts, as a worker of a command does. Commands in processes of their own (:mod:`tests.command_line`) start theirs as
+it starts, as a worker of a command does; the cores are busy with other tests, and it divides its work among no
+processes of its own. Commands in processes of their own (:mod:`tests.command_line`) start theirs as
 for every user.
 """
 
@@ -17,7 +18,7 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from stepbot.engines.prestart import shared_imports
-from stepbot.runtime import worker
+from stepbot.runtime import parallel, worker
 from stepbot.runtime.fork_server import ForkServer, can_serve
 
 _KERNEL = ("stepbot.step.worker", "stepbot.geometry.mesh_worker")
@@ -99,6 +100,7 @@ def __getattr__(name: str) -> Callable[..., Any]:
         else:
             os.environ[variable] = value
     tempfile.tempdir = None
+    parallel.core_count = lambda: 1
     module, _, attribute = function.partition(":")
     loaded = importlib.import_module(module)
     getattr(loaded, "prepare", lambda: None)()

@@ -22,6 +22,7 @@ _FLAGS = (
     "--use-gl=angle",
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
+    "--webgl-antialias-mode=none",
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",

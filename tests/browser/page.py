@@ -51,8 +51,8 @@ class Page:
         return found
 
     def resize(self, width: int, height: int) -> None:
-        """Size of the visible page."""
-        metrics = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        """Size of the visible page [CSS pixels]; it is drawn with a quarter of them, without a graphics card."""
+        metrics = {"width": width, "height": height, "deviceScaleFactor": 0.5, "mobile": False}
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
 
     def element(self, selector: str) -> Any:

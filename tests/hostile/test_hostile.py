@@ -14,19 +14,27 @@ from .sidecar_damage import KINDS, damaged
 from .sidecar_mutant import LIBRARY, SidecarMutant, plan
 from .sidecar_tree import read_tree, written
 
+FEW = {"sidecars": 60, "names": 1, "kills": 1, "disks": 2, "descriptions": 4}
+"""Numbers of trials in `make test`, which has the paths of other experiments elsewhere: mutants of STEP files in
+tests/fuzz, damaged entries in tests/cli/test_cache.py, processes that share a cache or a folder in tests/unit/runtime,
+and large trees in tests/unit/step/structure. `make test-long` runs the short form of every experiment."""
+
 
 @pytest.mark.slow
 @pytest.mark.xdist_group("hostile")
 @pytest.mark.parametrize(
-    "name",
-    # tests/fuzz tries the mutants of `steps`.
-    [pytest.param(name, marks=pytest.mark.long) if name == "steps" else name for name in NAMES],
+    ("name", "count"),
+    [
+        *(pytest.param(name, count, id=name) for name, count in FEW.items()),
+        *(pytest.param(name, 0, id=f"{name}, short form", marks=pytest.mark.long) for name in NAMES),
+    ],
 )
-def test_short_form_finds_no_fault(name: str, tmp_path: Path) -> None:
-    """The short form of each experiment finds no traceback, hang, leftover or incomplete file."""
+def test_no_fault_is_found(name: str, count: int, tmp_path: Path) -> None:
+    """A few trials, or the short form of each experiment, find no traceback, hang, leftover or incomplete file."""
     chosen = experiment(name)
-    trials = list(chosen.run(Setting(tmp_path, seed=1, count=chosen.short)))
-    assert len(trials) == chosen.short
+    count = count or chosen.short
+    trials = list(chosen.run(Setting(tmp_path, seed=1, count=count)))
+    assert len(trials) == count
     if all(trial.outcome == NOT_RUN for trial in trials):
         pytest.skip(NOT_RUN)
     failed = [f"{trial.name}\n" + "\n".join(trial.faults) for trial in trials if trial.faults]

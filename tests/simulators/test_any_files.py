@@ -51,7 +51,9 @@ def _is_another_robot(name: str, format_: str) -> bool:
 
 
 @pytest.mark.mujoco
-@pytest.mark.parametrize("name", ["two_link_arm", "gripper_with_mimic", "tree"])
+@pytest.mark.parametrize(
+    "name", ["two_link_arm", *(pytest.param(name, marks=pytest.mark.long) for name in ("gripper_with_mimic", "tree"))]
+)
 def test_three_formats_are_the_same_robot(name: str, tmp_path: Path) -> None:
     """Three formats of one robot pass, each alone and against the first; the joint table has the names of all joints.
 
@@ -207,8 +209,14 @@ def test_names_of_files_are_those_of_the_user(
     [
         pytest.param("urdf", 'velocity="2"', 'velocity="2.02"', "limits", "velocity limit of joint 'elbow'"),
         pytest.param("urdf", '"kp">100', '"kp">101', "actuators", "kp of actuator 'shoulder_motor'"),
-        pytest.param("mjcf", 'forcerange="-12.5', 'forcerange="-12.6', "actuators", "lowest force of actuator"),
-        pytest.param("sdf", "<cmd_max>12.5", "<cmd_max>12.6", "actuators", "highest force of actuator"),
+        pytest.param(
+            *("mjcf", 'forcerange="-12.5', 'forcerange="-12.6', "actuators", "lowest force of actuator"),
+            marks=pytest.mark.long,
+        ),
+        pytest.param(
+            *("sdf", "<cmd_max>12.5", "<cmd_max>12.6", "actuators", "highest force of actuator"),
+            marks=pytest.mark.long,
+        ),
         pytest.param("sdf", "<ambient>0.9", "<ambient>0.8", "shapes", "ambient colour of visual"),
     ],
 )
@@ -226,7 +234,7 @@ def test_a_number_that_one_engine_reads_is_compared(
 
 
 @pytest.mark.mujoco
-@pytest.mark.parametrize("side", ["a", "b"])
+@pytest.mark.parametrize("side", ["a", pytest.param("b", marks=pytest.mark.long)])
 def test_where_a_loop_closes_is_compared_with_the_file_that_has_loops(
     side: str, tmp_path: Path, found: ReadDiagnostics
 ) -> None:

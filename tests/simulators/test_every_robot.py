@@ -119,8 +119,8 @@ def _lacks(name: str) -> set[str]:
 
 
 LONG = (
-    *("cylindrical", "delta", "four_bar_with_zeros", "gear", "left_screw", "one_sided", "planar", "slider_crank"),
-    *("sliding_closure", "stewart", "tree"),
+    *("cylindrical", "delta", "floating", "four_bar_with_zeros", "gear", "left_screw", "one_sided", "pendulum"),
+    *("planar", "screw", "slider", "slider_crank", "sliding_closure", "stewart", "tree", "two_link_arm", "universal"),
 )
 """Robots that resemble others, whose joints test_equivalent_joints.py compares, and those with the most loops."""
 

@@ -6,10 +6,20 @@ import sys
 import threading
 import time
 from pathlib import Path
+from typing import BinaryIO
 
 import pytest
 
-from stepbot.runtime.worker import RemoteError, Worker, WorkerDied, call_isolated
+from stepbot.runtime.worker import (
+    Process,
+    RemoteError,
+    Worker,
+    WorkerDied,
+    are_spawned,
+    call_isolated,
+    spawned,
+    started_by,
+)
 from tests.processes import ended
 
 HERE = "tests.unit.runtime.isolated_functions"
@@ -166,6 +176,19 @@ def test_a_worker_inherits_the_cores_of_the_thread_that_starts_it() -> None:
     thread.join()
     assert cores == [{one}]
     assert call_isolated("os:sched_getaffinity", 0) == os.sched_getaffinity(0)
+
+
+def test_each_block_gives_back_how_workers_start() -> None:
+    """After an inner block, workers start as in the outer one, even where both start them in one way."""
+
+    def other(function: str, memory_limit: int | None, stderr: BinaryIO) -> Process:
+        raise AssertionError("not called")
+
+    with started_by(spawned), started_by(other):
+        assert not are_spawned()
+        with started_by(spawned):
+            assert are_spawned()
+        assert not are_spawned()
 
 
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="no /proc on this system")

@@ -26,7 +26,10 @@ def without_fork(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize(
     ("kernel", "seconds", "reason"),
-    [("hanging", 5.0, "time limit of 5 s exceeded"), ("dying", 120.0, "exit code 7")],
+    [
+        pytest.param("hanging", 5.0, "time limit of 5 s exceeded", marks=pytest.mark.long),
+        ("dying", 120.0, "exit code 7"),
+    ],
 )
 def test_a_body_that_ends_the_kernel(
     kernel: str, seconds: float, reason: str, tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
