@@ -1,9 +1,12 @@
 """The ``stepbot`` command."""
 
-from stepbot.runtime.import_path import restrict_import_path
+try:
+    from stepbot.runtime.import_path import restrict_import_path
 
-restrict_import_path()  # before anything else is imported
+    restrict_import_path()  # before anything else is imported
 
-from .application import main  # noqa: E402
+    from .application import main
+except KeyboardInterrupt:  # Ctrl-C while modules are imported
+    raise SystemExit(130) from None
 
 __all__ = ["main"]

@@ -3,6 +3,8 @@
 import contextlib
 import os
 import signal
+import subprocess
+import sys
 import threading
 
 import pytest
@@ -80,3 +82,22 @@ def test_nothing_pressed_nothing_raised() -> None:
     thread.start()
     thread.join()
     assert done
+
+
+_WHILE_IMPORTING = """
+import signal, sys
+class Finder:
+    def find_spec(self, name, path=None, target=None):
+        if name == {module!r}:
+            signal.raise_signal(signal.SIGINT)
+sys.meta_path.insert(0, Finder())
+import stepbot_cli
+"""
+
+
+@pytest.mark.parametrize("module", ["stepbot.runtime.import_path", "click", "stepbot_cli.application"])
+def test_interrupt_while_modules_are_imported_prints_nothing(module: str) -> None:
+    """Python's own handler prints a traceback of whatever is imported."""
+    command = [sys.executable, "-c", _WHILE_IMPORTING.format(module=module)]
+    run = subprocess.run(command, capture_output=True, check=False)
+    assert (run.returncode, run.stdout, run.stderr) == (130, b"", b"")

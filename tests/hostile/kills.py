@@ -143,5 +143,6 @@ EXPERIMENT = Experiment(
     long=400,
     repaired=(
         "engines that were ended by SIGTERM or SIGKILL left their copies of robots in the folder for temporary files",
+        "Ctrl-C while the command line was imported printed a traceback",
     ),
 )
