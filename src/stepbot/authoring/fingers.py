@@ -27,7 +27,7 @@ def direction_between(survey: Survey, one: Sequence[int], two: Sequence[int]) ->
     if abs(volumes[0] - volumes[1]) > _EQUAL_VOLUME * volumes[0] or distance < _APART:
         return None
     main = largest([survey.parts[i] for i in one]).index
-    normals = [f.direction for f in survey.scene.faces[FaceKind.PLANE] if f.part == main]
+    normals = survey.scene.columns(main, FaceKind.PLANE).directions
     best = max(normals, key=lambda n: round(abs(float(n @ apart)), 12), default=None)
     if best is None or abs(float(best @ apart)) < _FACING * distance:
         return None

@@ -37,7 +37,7 @@ _EQUAL = 1e-7
 
 def find_fits(scene: Scene, found: Contacts) -> None:
     """Add all lines, and the fits on them, to the contacts."""
-    rows = scene.faces[FaceKind.CYLINDER] + scene.faces[FaceKind.CONE]
+    rows = scene.faces(FaceKind.CYLINDER) + scene.faces(FaceKind.CONE)
     if not rows:
         return
     rays = Rays(np.array([r.point for r in rows]), np.array([r.direction for r in rows]))

@@ -5,18 +5,18 @@ through manifold3d).
 """
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stepbot.geometry.distinct_rows import distinct_rows
-from stepbot.geometry.solids.outlines import Region, Shared
+from stepbot.geometry.solids.outlines import Region
 from stepbot.geometry.spatial import Array, perpendicular_frame
 from stepbot.step.faces import FaceKind
 from stepbot.step.features.coaxial import signed
 
 from .contacts import Contacts, Patch
-from .scene import PlacedFace, Scene
+from .scene import Scene
 
 GAP = 2e-5
 """Gap [m] up to which two planes touch."""
@@ -25,7 +25,12 @@ _SMALLEST = 5e-7
 _CELLS = 2000.0
 """Directions are sorted into cells of 1 / 2000, twice: neighbours across a border meet in the shifted cells."""
 
-Indices = Any
+_ROUNDED = 2.0 * GAP
+"""The gap [m] with more than what rounding adds to numbers that sort planes."""
+_CHUNK = 1_000_000
+"""Pairs of planes that are compared at once."""
+
+Indices = NDArray[np.intp]
 
 
 def find_patches(scene: Scene, found: Contacts) -> None:
@@ -33,7 +38,7 @@ def find_patches(scene: Scene, found: Contacts) -> None:
     planes = _Planes(scene)
     seen: set[tuple[int, int]] = set()
     for p, q in planes.candidates():
-        one, two = (p, q) if planes.rows[p].part < planes.rows[q].part else (q, p)
+        one, two = (p, q) if planes.parts[p] < planes.parts[q] else (q, p)
         if (one, two) not in seen:
             seen.add((one, two))
             patch = planes.patch(one, two)
@@ -46,77 +51,87 @@ class _Planes:
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
-        self.rows: list[PlacedFace] = [row for row in scene.faces[FaceKind.PLANE] if row.face.rings]
-        nothing = np.zeros(0)
+        columns = [scene.columns(part, FaceKind.PLANE) for part in scene.parts]
+        nothing = np.zeros((0, 3))
         points, self._normals, self._low, self._high = (
-            np.concatenate([nothing, *column]).reshape(-1, 3)
-            for column in (
-                (r.point for r in self.rows),
-                (r.direction for r in self.rows),
-                (r.low for r in self.rows),
-                (r.high for r in self.rows),
-            )
+            np.concatenate([nothing, *(getattr(one, name) for one in columns)])
+            for name in ("points", "directions", "low", "high")
         )
-        self._parts = np.array([r.part for r in self.rows], dtype=np.int64)
-        self._signed = signed(self._normals) if self.rows else self._normals
+        self._faces = [face for one in columns for face in one.faces]
+        self.parts = np.repeat(np.array(scene.parts, dtype=np.int64), [len(one.faces) for one in columns])
+        self._signed = signed(self._normals)
         self._heights = np.einsum("ij,ij->i", points, self._signed)
+        self._points = points
         self._up = np.einsum("ij,ij->i", self._normals, self._signed) > 0.0
+        self._outlined = np.flatnonzero([bool(face.rings) for face in self._faces])
         self._regions: dict[tuple[int, bytes], Region] = {}
 
     def candidates(self) -> Iterator[tuple[int, int]]:
         """Pairs of planes of different parts that face each other at one height and have overlapping boxes."""
-        if not self.rows:
+        if not len(self._outlined):
             return
         for shift in (0.0, 0.5):
-            cells = np.floor(self._signed * _CELLS + shift).astype(np.int64)
+            cells = np.floor(self._signed[self._outlined] * _CELLS + shift).astype(np.int64)
             _, kinds = distinct_rows(cells)
-            order = np.lexsort((self._heights, kinds))
+            heights = self._heights[self._outlined]
+            order = np.lexsort((heights, kinds))
             begins = np.ones(len(order), dtype=bool)
-            begins[1:] = (np.diff(kinds[order]) != 0) | (np.diff(self._heights[order]) > GAP)
+            begins[1:] = (np.diff(kinds[order]) != 0) | (np.diff(heights[order]) > GAP)
             starts = np.flatnonzero(begins)
-            levels, ups = np.append(starts, len(order)), np.add.reduceat(self._up[order], starts, dtype=np.int64)
-            for n in np.flatnonzero((ups > 0) & (ups < np.diff(levels))).tolist():
-                yield from self._facing(order[levels[n] : levels[n + 1]])
+            ups = np.add.reduceat(self._up[self._outlined][order], starts, dtype=np.int64)
+            sizes = np.diff(np.append(starts, len(order)))
+            # Most levels have planes that look one way only.
+            facing = np.repeat((ups > 0) & (ups < sizes), sizes)
+            yield from self._facing(self._outlined[order[facing]], np.cumsum(begins[facing]) - 1)
 
-    def _facing(self, level: Indices) -> Iterator[tuple[int, int]]:
-        up, down = level[self._up[level]], level[~self._up[level]]
-        axis = int(np.argmax(np.ptp(self._low[level], axis=0)))
-        down = down[np.argsort(self._low[down, axis], kind="stable")]
-        starts = self._low[down, axis]
-        longest = float((self._high[down, axis] - starts).max())
-        first = np.searchsorted(starts, self._low[up, axis] - longest - GAP)
-        last = np.searchsorted(starts, self._high[up, axis] + GAP, side="right")
-        for p, i, j in zip(up.tolist(), first.tolist(), last.tolist(), strict=True):
-            near = down[i:j]
-            near = near[
-                np.all(self._low[near] <= self._high[p] + GAP, axis=1)
-                & np.all(self._low[p] <= self._high[near] + GAP, axis=1)
-                & (np.abs(self._heights[near] - self._heights[p]) <= GAP)
-                & (self._parts[near] != self._parts[p])
-            ]
-            for q in near.tolist():
-                yield p, q
+    def _facing(self, planes: Indices, levels: Indices) -> Iterator[tuple[int, int]]:
+        """Pairs of planes, of levels in ascending order, each with planes that look either way."""
+        if not len(planes):
+            return
+        starts = np.flatnonzero(np.diff(levels, prepend=-1))
+        low, high = np.minimum.reduceat(self._low[planes], starts), np.maximum.reduceat(self._low[planes], starts)
+        axes, is_up = np.argmax(high - low, axis=1), self._up[planes]
+        up, up_level, down, down_level = planes[is_up], levels[is_up], planes[~is_up], levels[~is_up]
+        order = np.lexsort((self._low[down, axes[down_level]], down_level))
+        down, down_level = down[order], down_level[order]
+        begins, ends = (np.searchsorted(down_level, np.arange(len(starts)), side=side) for side in ("left", "right"))
+        below, above = self._low[down, axes[down_level]], self._high[down, axes[down_level]]
+        longest = np.maximum.reduceat(above - below, begins)
+        # One number sorts by level, then along its axis; what rounding adds to a range is left out below.
+        stride = float(np.ptp(self._low)) + 1.0
+        least = float(self._low.min())
+        keys, base = down_level * stride + (below - least), up_level * stride - least
+        bottom, top = self._low[up, axes[up_level]], self._high[up, axes[up_level]]
+        first = np.searchsorted(keys, base + bottom - longest[up_level] - _ROUNDED)
+        last = np.searchsorted(keys, base + top + _ROUNDED, side="right")
+        first, last = np.maximum(first, begins[up_level]), np.minimum(last, ends[up_level])
+        counts = np.maximum(0, last - first)
+        for rows in np.split(np.arange(len(up)), np.flatnonzero(np.diff(np.cumsum(counts) // _CHUNK)) + 1):
+            p = np.repeat(up[rows], counts[rows])
+            offsets = np.arange(len(p)) - np.repeat(np.cumsum(counts[rows]) - counts[rows], counts[rows])
+            q = down[np.repeat(first[rows], counts[rows]) + offsets]
+            near = (np.abs(self._heights[q] - self._heights[p]) <= GAP) & (self.parts[q] != self.parts[p])
+            p, q = p[near], q[near]
+            near = (self._low[q] <= self._high[p] + GAP).all(axis=1) & (self._low[p] <= self._high[q] + GAP).all(axis=1)
+            yield from zip(p[near].tolist(), q[near].tolist(), strict=True)
 
     def patch(self, p: int, q: int) -> Patch | None:
         """The shared area of two planes; None if it is too small."""
-        one, two = self.rows[p], self.rows[q]
-        frame = perpendicular_frame(signed(one.direction[None, :])[0])[:, :2]
+        normal = self._normals[p]
+        frame = perpendicular_frame(signed(normal[None, :])[0])[:, :2]
         shared = self._region(p, frame).shared(self._region(q, frame), _SMALLEST)
         if shared is None:
             return None
-        height = one.direction * float(one.point @ one.direction)
-        return _patch(one, two, shared, frame, height)
+        height = normal * float(self._points[p] @ normal)
+        rings = tuple(np.concatenate([ring, ring[:1]]) @ frame.T + height for ring in shared.rings)
+        return Patch(
+            *(int(self.parts[p]), int(self.parts[q]), frame @ shared.centroid + height, normal, shared.area),
+            *(shared.hull @ frame.T + height, rings),
+        )
 
     def _region(self, p: int, frame: Array) -> Region:
         key = p, frame.tobytes()
         if key not in self._regions:
-            self._regions[key] = Region([ring @ frame for ring in self._scene.outline(self.rows[p])])
+            outline = self._scene.outline(int(self.parts[p]), self._faces[p])
+            self._regions[key] = Region([ring @ frame for ring in outline])
         return self._regions[key]
-
-
-def _patch(one: PlacedFace, two: PlacedFace, shared: Shared, frame: Array, height: Array) -> Patch:
-    rings = tuple(np.concatenate([ring, ring[:1]]) @ frame.T + height for ring in shared.rings)
-    return Patch(
-        *(one.part, two.part, frame @ shared.centroid + height, one.direction, shared.area),
-        *(shared.hull @ frame.T + height, rings),
-    )

@@ -6,10 +6,13 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array
 from stepbot.step.assembly import Assembly, Body, Component
 from stepbot.step.faces import Face, FaceKind
+
+Indices = NDArray[np.intp]
 
 
 class PlacedFace(NamedTuple):
@@ -27,12 +30,26 @@ class PlacedFace(NamedTuple):
     high: Array
 
 
+class Columns(NamedTuple):
+    """Faces of one kind of a part, in file order."""
+
+    faces: tuple[Face, ...]
+    """In the component's frame."""
+    points: Array
+    """Shape (n, 3) [m], in the assembly, as ``directions``, ``low`` and ``high``."""
+    directions: Array
+    low: Array
+    high: Array
+
+
 @dataclass(frozen=True, eq=False)
 class _Drawn:
-    """The faces of a definition."""
+    """The faces of a definition in its own frame."""
 
+    rows: dict[FaceKind, Indices]
+    """The numbers of the faces of each kind."""
     points: Array
-    """Shape (n, 3) [m], in the component's frame, as ``directions``."""
+    """Shape (n, 3) [m]."""
     directions: Array
     middles: Array
     """Shape (n, 3) [m]: the middle of each bounding box."""
@@ -47,7 +64,8 @@ class Scene:
         self.assembly = assembly
         self.parts = tuple(c.index for c in assembly.components if c.body >= 0)
         self._drawn: dict[int, _Drawn] = {}
-        self._boxes_of: dict[int, tuple[Array, Array]] = {}
+        self._corners_of: dict[int, tuple[Array, Array]] = {}
+        self._faces: dict[FaceKind, list[PlacedFace]] = {}
 
     def component(self, part: int) -> Component:
         """The component with an index."""
@@ -57,18 +75,26 @@ class Scene:
         """The body of a part."""
         return self.assembly.bodies[self.component(part).body]
 
-    @cached_property
-    def faces(self) -> dict[FaceKind, list[PlacedFace]]:
-        """All faces by kind, in file order."""
-        found: dict[FaceKind, list[PlacedFace]] = defaultdict(list)
-        for part in self.parts:
-            faces, X = self.body(part).faces, self.component(part).X_WC
-            if faces:
-                drawn, (low, high) = self._drawn_faces(part), self._corners(part)
-                points, directions = X.apply(drawn.points), X.turn(drawn.directions)
-                for face, *row in zip(faces, points, directions, low, high, strict=True):
-                    found[face.kind].append(PlacedFace(part, face, *row))
-        return found
+    def faces(self, kind: FaceKind) -> list[PlacedFace]:
+        """All faces of a kind, in file order."""
+        if kind not in self._faces:
+            self._faces[kind] = [placed for part in self.parts for placed in self.faces_of(part, kind)]
+        return self._faces[kind]
+
+    def faces_of(self, part: int, kind: FaceKind) -> list[PlacedFace]:
+        """The faces of a kind of a part."""
+        return [PlacedFace(part, *row) for row in zip(*self.columns(part, kind), strict=True)]
+
+    def columns(self, part: int, kind: FaceKind) -> Columns:
+        """The faces of a kind of a part, as arrays."""
+        drawn, X, faces = self._drawn_faces(part), self.component(part).X_WC, self.body(part).faces
+        rows = drawn.rows.get(kind)
+        if rows is None:
+            nothing = np.zeros((0, 3))
+            return Columns((), nothing, nothing, nothing, nothing)
+        low, high = self._corners(part)
+        chosen = tuple(faces[row] for row in rows.tolist())
+        return Columns(chosen, X.apply(drawn.points[rows]), X.turn(drawn.directions[rows]), low[rows], high[rows])
 
     @cached_property
     def boxes(self) -> dict[int, Array]:
@@ -84,18 +110,18 @@ class Scene:
         """Bounding boxes (n, 2, 3) [m] of the faces of a part in the assembly."""
         return np.stack(self._corners(part), axis=1)
 
-    def outline(self, placed: PlacedFace) -> list[Array]:
-        """The outlines of a plane in the assembly."""
-        X = self.component(placed.part).X_WC
-        return [X.apply(ring) for ring in placed.face.rings]
+    def outline(self, part: int, plane: Face) -> list[Array]:
+        """The outlines of a plane of a part in the assembly."""
+        X = self.component(part).X_WC
+        return [X.apply(ring) for ring in plane.rings]
 
     def _corners(self, part: int) -> tuple[Array, Array]:
         """Lowest and highest corners (n, 3) [m] of the faces of a part in the assembly."""
-        if part not in self._boxes_of:
+        if part not in self._corners_of:
             drawn, X = self._drawn_faces(part), self.component(part).X_WC
             middles, halves = X.apply(drawn.middles), drawn.halves @ np.abs(X.R).T
-            self._boxes_of[part] = middles - halves, middles + halves
-        return self._boxes_of[part]
+            self._corners_of[part] = middles - halves, middles + halves
+        return self._corners_of[part]
 
     def _drawn_faces(self, part: int) -> _Drawn:
         """The faces of the definition of a part, which occurs more than once in most assemblies."""
@@ -105,5 +131,9 @@ class Scene:
             points = np.array([f.point for f in faces]).reshape(-1, 3)
             directions = np.array([f.direction for f in faces]).reshape(-1, 3)
             boxes = np.array([f.box for f in faces]).reshape(-1, 2, 3)
-            self._drawn[body] = _Drawn(points, directions, boxes.mean(axis=1), 0.5 * np.ptp(boxes, axis=1))
+            rows: dict[FaceKind, list[int]] = defaultdict(list)
+            for row, face in enumerate(faces):
+                rows[face.kind].append(row)
+            by_kind = {kind: np.array(of, dtype=np.intp) for kind, of in rows.items()}
+            self._drawn[body] = _Drawn(by_kind, points, directions, boxes.mean(axis=1), 0.5 * np.ptp(boxes, axis=1))
         return self._drawn[body]

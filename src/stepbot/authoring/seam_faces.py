@@ -1,6 +1,6 @@
 """Faces that can show the axis of a joint across a gap: faces of revolution, round outlines, cradles, centred faces."""
 
-from collections.abc import Container
+from collections.abc import Container, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
 
@@ -50,22 +50,26 @@ def seam_faces(scene: Scene, parts: Container[int]) -> list[SeamFace]:
     """All such faces of some parts."""
     rows: list[SeamFace] = []
     for kind in (FaceKind.CYLINDER, FaceKind.CONE, FaceKind.TORUS):
-        for placed in scene.faces[kind]:
+        for placed in scene.faces(kind):
             if placed.part in parts and placed.face.radius >= _SMALLEST_RADIUS:
                 rows += _revolved(placed)
     # The faces of a definition are looked at once.
-    known: dict[int, _Outline | None] = {}
-    for placed in scene.faces[FaceKind.PLANE]:
-        if placed.part in parts and placed.face.rings:
-            key = id(placed.face)
-            if key not in known:
-                known[key] = _outline(placed.face)
-            outline = known[key]
-            if outline is not None:
-                center, radius, shape = outline
-                at = scene.component(placed.part).X_WC.apply(center)
-                rows.append(SeamFace(placed.part, at, placed.direction, radius, 0.0, shape, bore=False))
+    known: dict[int, list[tuple[Face, _Outline]]] = {}
+    for part in scene.parts:
+        if part in parts:
+            component = scene.component(part)
+            if component.body not in known:
+                known[component.body] = _outlines(scene.body(part).faces)
+            for face, (center, radius, shape) in known[component.body]:
+                at, direction = component.X_WC.apply(center), component.X_WC.turn(face.direction)
+                rows.append(SeamFace(part, at, direction, radius, 0.0, shape, bore=False))
     return rows
+
+
+def _outlines(faces: Iterable[Face]) -> list[tuple[Face, _Outline]]:
+    """The planes whose outline shows something."""
+    planes = (face for face in faces if face.kind == FaceKind.PLANE and face.rings)
+    return [(face, outline) for face in planes if (outline := _outline(face)) is not None]
 
 
 def _revolved(placed: PlacedFace) -> list[SeamFace]:

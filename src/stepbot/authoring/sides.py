@@ -134,11 +134,16 @@ class Sides:
             Numbers of pairs, ascending, and of triangles, each (q,).
         """
         sizes = np.diff(np.append(self.starts, len(self.low)))[rows]
-        pairs, offsets = _expanded(sizes)
-        triangles = self.starts[rows][pairs] + offsets
-        bounds = np.moveaxis(others.bounds[other_rows][pairs], 0, -1)
-        near = _within(self.low[triangles], self.high[triangles], bounds)
-        return pairs[near], triangles[near]
+        found = [(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))]
+        # Parts with many triangles are in many pairs: not all of them at once.
+        for some in np.split(np.arange(len(rows)), np.flatnonzero(np.diff(np.cumsum(sizes) // _CHUNK)) + 1):
+            runs, offsets = _expanded(sizes[some])
+            pairs = some[runs]
+            triangles = self.starts[rows[pairs]] + offsets
+            bounds = np.moveaxis(others.bounds[other_rows[pairs]], 0, -1)
+            near = _within(self.low[triangles], self.high[triangles], bounds)
+            found.append((pairs[near], triangles[near]))
+        return np.concatenate([pairs for pairs, _ in found]), np.concatenate([triangles for _, triangles in found])
 
 
 def meeting(

@@ -22,9 +22,9 @@ _NEIGHBOURS = [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0
 def find_sockets(scene: Scene, found: Contacts) -> None:
     """Add all balls in sockets to the contacts, each pair of parts and centre once."""
     cells: dict[tuple[int, ...], list[PlacedFace]] = defaultdict(list)
-    for row in scene.faces[FaceKind.SPHERE]:
+    for row in scene.faces(FaceKind.SPHERE):
         cells[_cell(row.point)].append(row)
-    for ball in (row for row in scene.faces[FaceKind.SPHERE] if not row.face.bore):
+    for ball in (row for row in scene.faces(FaceKind.SPHERE) if not row.face.bore):
         x, y, z = _cell(ball.point)
         for dx, dy, dz in _NEIGHBOURS:
             for socket in cells.get((x + dx, y + dy, z + dz), ()):

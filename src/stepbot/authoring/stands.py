@@ -40,10 +40,9 @@ class Feet:
         scene = self._survey.scene
         grounded = [
             placed
-            for placed in scene.faces[FaceKind.PLANE]
-            if placed.part in parts
-            and down.is_along(placed.direction)
-            and float((placed.point * down.d).sum()) > level - self._near
+            for part in sorted(parts)
+            for placed in scene.faces_of(part, FaceKind.PLANE)
+            if down.is_along(placed.direction) and float((placed.point * down.d).sum()) > level - self._near
         ]
-        rings = [ring for placed in grounded for ring in scene.outline(placed)]
+        rings = [ring for placed in grounded for ring in scene.outline(placed.part, placed.face)]
         return max((float(down.distances(ring).max()) for ring in rings), default=0.0)

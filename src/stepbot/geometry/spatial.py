@@ -250,8 +250,8 @@ def matrix_product(A: Array, B: Array) -> Array:
 
 def rotated(R: Array, vectors: Array) -> Array:
     """Products (..., 3) of matrices (..., 3, 3) with vectors (..., 3), the same on all processors."""
-    terms = (R[..., :, i] * vectors[..., i, None] for i in range(3))
-    return np.asarray(next(terms) + next(terms) + next(terms))
+    x, y, z = (R[..., i] * vectors[..., i, None] for i in range(3))
+    return np.asarray(x + y + z)
 
 
 def length(vector: ArrayLike) -> float:

@@ -5,6 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from stepbot.authoring import sides
 from stepbot.authoring.sides import Placed, Sides, meeting
 
 
@@ -23,9 +24,11 @@ def overlap(low: np.ndarray, high: np.ndarray, bounds: np.ndarray) -> bool:
     return all(low[k] < bounds[1][k] and bounds[0][k] < high[k] for k in range(2))
 
 
+@pytest.mark.parametrize("chunk", [1, 20, 1_000_000])
 @pytest.mark.parametrize("slides", [False, True])
-def test_triangles_near_other_parts(slides: bool) -> None:
-    """Counts and triangles are those within the bounds of the other part."""
+def test_triangles_near_other_parts(slides: bool, chunk: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Counts and triangles are those within the bounds of the other part, in pieces and at once."""
+    monkeypatch.setattr(sides, "_CHUNK", chunk)
     ours, theirs = scattered(1, 7, slides=slides), scattered(2, 5, slides=slides)
     ends = [*ours.starts[1:].tolist(), len(ours.low)]
     expected = {

@@ -68,8 +68,8 @@ class Surfaces:
 
     def __init__(self, scene: Scene) -> None:
         by_part: dict[int, list[PlacedFace]] = defaultdict(list)
-        for faces in scene.faces.values():
-            for placed in faces:
+        for kind in FaceKind:
+            for placed in scene.faces(kind):
                 by_part[placed.part].append(placed)
         self._all = _Faces.of([placed for part in sorted(by_part) for placed in by_part[part]])
         self._of = {part: _Faces.of(placed) for part, placed in by_part.items()}
