@@ -49,7 +49,7 @@ class AxisAccuracy:
             near = [
                 axis
                 for kind in kinds
-                for placed in self._scene.faces[kind]
+                for placed in self._scene.faces(kind)
                 if self._truth.link_of.get(placed.part) == link
                 and _agree(
                     axis := Axis(placed.point, None if kind == FaceKind.SPHERE else placed.direction), joint, *_NEAR
