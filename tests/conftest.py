@@ -17,6 +17,8 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 from tests import warm
 from tests.portable import PORTABLE
 
+gc.disable()
+"""Until all tests are collected: what is imported stays."""
 ROOT = Path(__file__).resolve().parents[1]
 os.environ.pop("COLUMNS", None)
 """Tests do not depend on the size of the terminal, which readline passes to processes of pytest-xdist."""
@@ -123,6 +125,7 @@ def pytest_collection_finish(session: pytest.Session) -> None:
 
     What has been imported until now stays: the garbage collector need not look at it again.
     """
+    gc.enable()
     gc.collect()
     gc.freeze()
     if session.config.getoption("loadgroup", default=False):

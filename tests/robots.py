@@ -9,6 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
@@ -419,6 +420,11 @@ ROBOTS: dict[str, Callable[[], Robot]] = (
     | MECHANISMS
     | CLOSED
 )
+
+every_robot = pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.long) if name == "stewart" else name for name in ROBOTS]
+)
+"""Run a test with each robot; with the one of most parts in `make test-long`: the delta robot closes on balls, too."""
 
 _ONE_FREEDOM = {JointKind.FIXED, JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC}
 SINGLE_FREEDOMS = tuple(

@@ -168,7 +168,7 @@ def test_no_program_of_the_current_folder_is_run(path: str, tmp_path: Path, robo
     subprocess.run(unprotected, cwd=trap.folder, env={**os.environ, "PATH": path}, check=True)
     assert trap.marker.read_text().split() == ["gz"], "the programs are found by whoever does not look out"
     trap.marker.unlink()
-    trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "out", PATH=path)
+    trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "out", "-f", "sdf", PATH=path)
     report = json.loads((trap.folder / "out" / "report.json").read_text(encoding="utf-8"))
     checks = [check for check in report["checks"] if check["engine"] == "libsdformat"]
     gazebo = any(find_program(name) for name in ("gz", "ign"))

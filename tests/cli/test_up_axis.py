@@ -56,7 +56,9 @@ def numbers_of(folder: Path) -> dict[str, Array]:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("root", TURNED)
+@pytest.mark.parametrize(
+    "root", [pytest.param(root, marks=() if "forward" in root else pytest.mark.long) for root in TURNED]
+)
 def test_against_the_upright_drawing(
     root: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot
 ) -> None:

@@ -31,7 +31,7 @@ def test_same_robot_in_all_formats(files: list[str], stepbot: Stepbot) -> None:
     run = stepbot("verify", *files)
     assert run.code == 0, run.err
     assert " 0 failed" in run.out.splitlines()[-1]
-    verbose = stepbot("verify", "-v", *files)
+    verbose = stepbot("verify", "-v", *files[:2])
     assert any("compared with" in line for line in verbose.out.splitlines())
     assert " 0 failed" in verbose.out
 

@@ -19,9 +19,8 @@ from stepbot.formats.rendering import render
 from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import MeshFormat, MeshFormats, Robot
 from stepbot.robot.multi_dof import steps_by_child
-from tests.robots import ROBOTS
+from tests.robots import ROBOTS, every_robot
 
-every_robot = pytest.mark.parametrize("name", ROBOTS)
 every_format = pytest.mark.parametrize("format_", FORMATS)
 every_xml_format = pytest.mark.parametrize("format_", [one.name for one in FORMATS.values() if one.root])
 

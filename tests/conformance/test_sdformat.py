@@ -15,12 +15,10 @@ from stepbot.robot.kinematics import configurations, initial_configuration, link
 from stepbot.robot.model import Base, JointKind, Limit, Mimic, Robot
 from stepbot.runtime.worker import call_isolated
 from tests.conformance.conftest import Write
-from tests.robots import ROBOTS, four_bar, four_bar_with_zeros
+from tests.robots import ROBOTS, every_robot, four_bar, four_bar_with_zeros
 
 UNKNOWN_TO_PYBULLET = ("ball", "universal", "screw", "left_screw", "floating", "stewart", "delta")
 """Robots with joints that PyBullet does not read in SDFormat."""
-
-every_robot = pytest.mark.parametrize("name", ROBOTS)
 
 
 def model_of(file: Path) -> Any:

@@ -10,9 +10,7 @@ from stepbot.robot.kinematics import configurations, link_poses
 from stepbot.robot.model import JointKind
 from stepbot.runtime.worker import call_isolated
 from tests.conformance.conftest import Write
-from tests.robots import ROBOTS
-
-every_robot = pytest.mark.parametrize("name", ROBOTS)
+from tests.robots import ROBOTS, every_robot
 
 
 @every_robot

@@ -14,13 +14,20 @@ from stepbot.engines.observation import Request
 from stepbot.formats.rendering import render
 from stepbot.formats.usd.usda import quoted, single
 from stepbot.robot.model import Base, Limit, Robot
-from tests.robots import ROBOTS, four_bar, gripper_with_mimic, odd_names, one_link, primitives, two_link_arm
+from tests.robots import (
+    ROBOTS,
+    every_robot,
+    four_bar,
+    gripper_with_mimic,
+    odd_names,
+    one_link,
+    primitives,
+    two_link_arm,
+)
 
 pxr = pytest.importorskip("pxr", reason="usd-core is not installed")
 
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdValidation  # noqa: E402
-
-every_robot = pytest.mark.parametrize("name", ROBOTS)
 
 
 def stage_of(robot: Robot) -> Any:

@@ -14,10 +14,11 @@ from .sidecar_damage import KINDS, damaged
 from .sidecar_mutant import LIBRARY, SidecarMutant, plan
 from .sidecar_tree import read_tree, written
 
-FEW = {"sidecars": 60, "names": 1, "kills": 1, "disks": 2, "descriptions": 4}
+FEW = {"sidecars": 60, "names": 1, "disks": 2, "descriptions": 4}
 """Numbers of trials in `make test`, which has the paths of other experiments elsewhere: mutants of STEP files in
-tests/fuzz, damaged entries in tests/cli/test_cache.py, processes that share a cache or a folder in tests/unit/runtime,
-and large trees in tests/unit/step/structure. `make test-long` runs the short form of every experiment."""
+tests/fuzz, damaged entries in tests/cli/test_cache.py, large trees in tests/unit/step/structure, and processes that are
+killed or that share a cache or a folder in tests/unit/runtime and tests/cli/test_bad_input.py. `make test-long` runs
+the short form of every experiment."""
 
 
 @pytest.mark.slow

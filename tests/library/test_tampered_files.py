@@ -24,6 +24,7 @@ FILES = ("arm2.urdf", "arm2.sdf", "arm2.xml")
             "mass",
             "mass of link 'forearm'",
             id="mass in URDF",
+            marks=pytest.mark.long,  # tests/cli/test_verify.py changes one
         ),
         pytest.param(
             "arm2.xml",

@@ -100,7 +100,9 @@ def test_the_delta_goes_straight_down() -> None:
 
 
 @pytest.mark.mujoco
-@pytest.mark.parametrize("build", [slider_crank, sliding_closure, welded, delta, stewart])
+@pytest.mark.parametrize(
+    "build", [slider_crank, sliding_closure, welded, delta, pytest.param(stewart, marks=pytest.mark.long)]
+)
 def test_mujoco_closes_all_loops_as_stepbot_does(build: type, tmp_path: Path) -> None:
     """Newton's method on MuJoCo's rows agrees with stepbot's to 1e-9 m and rad over the range."""
     folder = write(build(), tmp_path)

@@ -49,7 +49,9 @@ def _widest_gap(robot: Robot, file: Path, report: dict[str, Any] | None, erp: fl
 
 
 @pytest.mark.pybullet
-@pytest.mark.parametrize("build", [four_bar, sliding_closure, welded, delta, stewart])
+@pytest.mark.parametrize(
+    "build", [four_bar, sliding_closure, welded, delta, pytest.param(stewart, marks=pytest.mark.long)]
+)
 def test_it_holds_what_would_fall_apart(build: type, tmp_path: Path) -> None:
     """With the constraints the loop stays closed to a millimetre, and without them it opens."""
     skip_without("pybullet")

@@ -39,6 +39,7 @@ from tests.devices import equipped
 from tests.meshes import trough
 from tests.robots import (
     ROBOTS,
+    every_robot,
     four_bar,
     four_bar_with_zeros,
     odd_names,
@@ -124,7 +125,7 @@ def test_mapping_page_is_fresh() -> None:
 
 
 @every_format
-@pytest.mark.parametrize("name", ROBOTS)
+@every_robot
 def test_lowering_twice_changes_nothing_more(name: str, format_: str) -> None:
     """Supported features are unchanged by lowering."""
     once = lower(ROBOTS[name](), FORMATS[format_], Diagnostics())
