@@ -19,6 +19,7 @@ from .diagnostic_text import printable
 from .engines import require_option
 from .joint_table import show_joint_rows, show_joint_table
 from .junit import junit_option, write_junit
+from .metadata_options import metadata_options
 from .progress import CONVERSION, progress_bar
 from .proof import show_proof
 from .reading import reading_options
@@ -117,6 +118,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 @html_option
 @package_option
 @ros2_option
+@metadata_options
 @gazebo_option
 @junit_option
 @json_option

@@ -19,6 +19,7 @@ from .convert import (
     ros2_option,
 )
 from .descriptions import description_options
+from .metadata_options import metadata_options
 from .progress import progress_bar
 from .reading import reading_options
 from .terminal import Display, show_diagnostics, write_json
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
 @ignore_option
 @reading_options
 @description_options
+@metadata_options
 @json_option
 @display_options
 def command(

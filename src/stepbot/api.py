@@ -6,6 +6,7 @@ raises for invalid input: results carry their diagnostics. To get exceptions ins
 """
 
 import json
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from os import PathLike
@@ -61,6 +62,8 @@ def convert(
     html: bool = False,
     package: str = "",
     ros2: str = "",
+    maintainer: str = "",
+    license: str = "",
     gazebo: bool = False,
     base: str = "",
     package_path: Iterable[AnyPath] = (),
@@ -83,6 +86,8 @@ def convert(
         html: Whether to write the report as a page, too.
         package: ROS package that the URDF names in the paths of its meshes; empty for paths relative to the file.
         ros2: Make ``output`` the ROS 2 package ``<ros2>_description``; empty to write robot files alone.
+        maintainer: Name and address for packages, ``Ada Lovelace <ada@example.com>``; empty for the sidecar's.
+        license: Licence for packages; empty for the sidecar's.
         gazebo: Make ``output`` a Gazebo model, found by the name of the folder.
         base: ``fixed`` or ``floating``, for a URDF, which does not say; empty for fixed, with a warning.
         package_path: Folders of the packages that a URDF, SDFormat or MJCF names in ``package://`` and ``model://``.
@@ -93,11 +98,14 @@ def convert(
 
     Raises:
         ValueError: A name in ``formats`` is not a format, or ``package`` or ``ros2`` not the name of a package; both
-            are given, or URDF is not written. For ``gazebo``, SDFormat is not, or the folder's name cannot be that of a
-            model.
+            are given, or URDF is not written. ``maintainer`` is not a name and an address. For ``gazebo``, SDFormat is
+            not written, or the folder's name cannot be that of a model.
     """
     from stepbot.jobs.incremental import convert as convert_unless_unchanged
+    from stepbot.robot.metadata import MAINTAINER
 
+    if maintainer and not re.match(MAINTAINER, maintainer):
+        raise ValueError(f"'{maintainer}' is not a name and an address: Ada Lovelace <ada@example.com>")
     path, written = Path(sidecar), _format_names(formats)
     name = path.name.removesuffix(path.suffix).removesuffix(".robot")
     folder = Path(output) if output is not None else Path(name)
@@ -116,6 +124,8 @@ def convert(
         html=html,
         package=package_of(package, ros2, written),
         ros2=bool(ros2),
+        maintainer=maintainer,
+        license=license,
         gazebo=model_name(folder, written) if gazebo else "",
         base=base,
         package_path=tuple(map(Path, package_path)),

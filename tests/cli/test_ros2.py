@@ -30,6 +30,7 @@ from stepbot.formats.urdf.ros2.xacro import GAZEBO_HARDWARE
 from stepbot.formats.urdf.writer import render
 from stepbot.geometry.spatial import Pose
 from stepbot.jobs.library import library_robot
+from stepbot.robot.metadata import Metadata
 from stepbot.robot.model import Joint, JointKind, Limit, Link, Mimic, Robot
 from stepbot.robot.standing import standing_height
 from stepbot_cli import main
@@ -432,14 +433,74 @@ def test_the_manifest_states_what_the_sidecar_does(stepbot: Stepbot, arm: Path) 
     sidecar.write_text(bare, encoding="utf-8")
     run = stepbot(*command)
     assert run.code == 0
-    (remedy,) = re.findall(r"metadata: \{.*\}", run.err)
+    (remedy,) = re.findall(r"metadata: \{.*\}", run.err.replace("ada@example.com", "ada@lovelace.org"))
     sidecar.write_text(f"{bare}\n{remedy.strip('`')[:-1]}, version: '2.0.1'}}\n", encoding="utf-8")
     run = stepbot(*command)
     assert "SB640" not in run.err
     manifest = ET.parse(arm / "out" / "package.xml").getroot()
     (maintainer,) = manifest.findall("maintainer")
-    assert (maintainer.text, maintainer.attrib) == ("Ada Lovelace", {"email": "ada@example.com"})
+    assert (maintainer.text, maintainer.attrib) == ("Ada Lovelace", {"email": "ada@lovelace.org"})
     assert [manifest.findtext(name) for name in ("license", "version")] == ["Apache-2.0", "2.0.1"]
+
+
+def test_a_placeholder_as_maintainer_is_reported(stepbot: Stepbot, arm: Path) -> None:
+    """The library's sidecars have an address that nobody reads: packages of users state their own."""
+    command = ["convert", "arm2.robot.yaml", "-o", "out", "--ros2", "arm2", "-f", "urdf", "--no-verify"]
+    run = stepbot(*command)
+    assert run.code == 0
+    placeholder = "stepbot robot library <stepbot@example.com>"
+    assert f"warning[SB640]: the package has a placeholder as maintainer: {placeholder}" in run.err
+    assert "no license" not in run.err
+    (remedy,) = re.findall(r"`(--maintainer '.*')`", run.err.replace("ada@example.com", "ada@lovelace.org"))
+    run = stepbot(*command, *shlex.split(remedy), "--license", "MIT")
+    assert "SB640" not in run.err
+    manifest = ET.parse(arm / "out" / "package.xml").getroot()
+    (maintainer,) = manifest.findall("maintainer")
+    assert (maintainer.text, maintainer.attrib) == ("Ada Lovelace", {"email": "ada@lovelace.org"})
+    assert manifest.findtext("license") == "MIT"
+    uptodate = ["uptodate", "arm2.robot.yaml", "-o", "out", "--ros2", "arm2", "-f", "urdf"]
+    assert stepbot(*uptodate, *shlex.split(remedy), "--license", "MIT").code == 0
+    assert "package.xml" in stepbot(*uptodate).out
+
+
+def test_a_maintainer_has_a_name_and_an_address(stepbot: Stepbot, arm: Path) -> None:
+    """Anything else is a usage error."""
+    run = stepbot("convert", "arm2.robot.yaml", "--ros2", "arm2", "--maintainer", "Ada")
+    assert run.code == 2
+    assert "expected a name and an address" in run.err
+
+
+def test_a_description_states_its_maintainer_by_options(stepbot: Stepbot, tmp_path: Path) -> None:
+    """A URDF as source has no sidecar to write one into."""
+    body = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    source, folder = tmp_path / "cart.urdf", tmp_path / "out"
+    source.write_text(f'<robot name="cart"><link name="base">{body}</link></robot>', encoding="utf-8")
+    command = ["convert", str(source), "-o", str(folder), "-f", "urdf", "--ros2", "cart", "--base", "fixed"]
+    asked = ["--maintainer", "Ada Lovelace <ada@lovelace.org>", "--license", "MIT", "--no-verify"]
+    run = stepbot(*command, *asked)
+    assert run.code == 0, run.err
+    assert "SB640" not in run.err
+    assert ET.parse(folder / "package.xml").getroot().findtext("license") == "MIT"
+
+
+@pytest.mark.parametrize(
+    ("address", "is_placeholder"),
+    [
+        ("a@example.com", True),
+        ("a@Example.ORG", True),
+        ("a@mail.example.net", True),
+        ("a@robots.example", True),
+        ("a@host.invalid", True),
+        ("a@localhost", True),
+        ("a@notexample.com", False),
+        ("a@example.com.br", False),
+        ("a@contest", False),
+        ("", False),
+    ],
+)
+def test_domains_for_examples(address: str, is_placeholder: bool) -> None:
+    """Those that RFC 2606 reserves."""
+    assert Metadata(email=address).is_placeholder is is_placeholder
 
 
 def test_engines_prove_the_urdf_of_the_package(stepbot: Stepbot, arm: Path) -> None:

@@ -62,6 +62,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         pytest.param("MJX", "mujoco.mjx", r"(?m)^2 joints, \d+ bodies$", marks=pytest.mark.long),
         pytest.param("MuJoCo Warp", "mujoco_warp", r"(?m)^2 joints, \d+ bodies$", marks=pytest.mark.long),
         pytest.param("SAPIEN", "sapien", r"(?m)^2 joints, \d+ links$", marks=pytest.mark.long),
+        pytest.param("Genesis", "genesis", r"(?m)^\d+ degrees of freedom, \d+ links$", marks=pytest.mark.long),
         pytest.param("Newton", "newton", r"(?m)^3 joints, masses \[", marks=pytest.mark.long),
     ],
 )
@@ -70,7 +71,7 @@ def test_snippet_runs(heading: str, module: str, printed: str, folder: Path) -> 
     if importlib.util.find_spec(module) is None:
         pytest.skip(f"{module} is not installed")
     command = [sys.executable, "-c", block(heading, "python")]
-    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=300)
+    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=900)
     assert run.returncode == 0, run.stderr
     stated = "\n".join(line for line in run.stdout.splitlines() if not line.startswith("pybullet build time"))
     assert re.search(printed, stated), run.stdout

@@ -53,6 +53,38 @@ def test_other_mass_in_one_file(files: list[str], stepbot: Stepbot) -> None:
     assert cases[0].get("name") == "verification"
 
 
+FLOATING = """<robot name="thrower">
+  <link name="base">
+    <inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <link name="arm">
+    <inertial><mass value="2"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <link name="ball">
+    <inertial><mass value="3"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+  </link>
+  <joint name="shoulder" type="revolute">
+    <parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/>
+  </joint>
+  <joint name="flight" type="floating"><parent link="arm"/><child link="ball"/></joint>
+</robot>
+"""
+
+
+@pytest.mark.slow
+def test_urdf_with_a_floating_joint_within(stepbot: Stepbot, tmp_path: Path) -> None:
+    """MuJoCo cannot read it, which is a reason and no error; another parser reads all of its links and joints."""
+    file = tmp_path / "thrower.urdf"
+    file.write_text(FLOATING, encoding="utf-8")
+    run = stepbot("verify", "--json", str(file))
+    assert run.code == 0, run.err
+    checks = {(one["engine"], one["quantity"]): one for one in json.loads(run.out)["report"]["checks"]}
+    reason = "MuJoCo has no floating joints within a robot: 'flight' (floating)"
+    assert (checks["mujoco", "load"]["status"], checks["mujoco", "load"]["why"]) == ("not run", reason)
+    assert checks["yourdfpy", "load"]["status"] == "passed"
+
+
 def test_missing_file(stepbot: Stepbot, tmp_path: Path) -> None:
     """A missing file is exit code 2."""
     run = stepbot("verify", str(tmp_path / "gone.urdf"))

@@ -77,8 +77,8 @@ def build_simulation(document: Document) -> Simulation:
 def build_metadata(document: Document) -> Metadata:
     """Maintainer and licence; the sidecar has checked that the address is in angle brackets."""
     given = document.metadata
-    name, _, email = (given.maintainer or "").removesuffix(">").partition(" <")
-    return Metadata(name, email, given.license or "", given.version or "", given.description or "")
+    metadata = Metadata(version=given.version or "", description=given.description or "")
+    return metadata.stating(given.maintainer or "", given.license or "")
 
 
 def build_mesh_formats(document: Document) -> MeshFormats:

@@ -54,6 +54,10 @@ class Options(NamedTuple):
     """``fixed`` or ``floating``, for a source that does not say which: a URDF; empty for fixed."""
     ros2: bool = False
     """Whether to add the files that make the output folder this package, and to search for links that can overlap."""
+    maintainer: str = ""
+    """Name and address of the maintainer of packages, overriding the sidecar's; empty for the sidecar's."""
+    license: str = ""
+    """Licence of packages, as ``maintainer``."""
     gazebo: str = ""
     """Name of the Gazebo model that the SDFormat names in the paths of its meshes; empty for relative paths."""
 

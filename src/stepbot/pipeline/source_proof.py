@@ -3,7 +3,7 @@
 The written files are compared with the model elsewhere; this finds what was misread on the way into the model.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Set
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,8 +15,6 @@ from stepbot.engines.description import Description
 from stepbot.engines.observation import Quantity
 from stepbot.engines.openable import openable
 from stepbot.engines.urdf_chains import ChainNames
-from stepbot.formats import format_named
-from stepbot.formats.lowering import lower
 from stepbot.formats.mjcf import FORMAT as MJCF
 from stepbot.formats.rendering import joined
 from stepbot.report.record import Report
@@ -70,7 +68,7 @@ def compared_with_source(
         write_atomically(joined(written.by_format), place)
         files = {
             place / (file := next(iter(written.by_format[name]))): Converted(
-                file, _given_names(written.robot, one), _lost_by(name, written.robot)
+                file, _given_names(written.robot, one), _lost_by(written.losses[name])
             )
             for name, one in written.lowered.items()
         }
@@ -139,11 +137,9 @@ def _chains(description: Description, described: Described) -> dict[str, ChainNa
     }
 
 
-def _lost_by(written_in: str, robot: Robot) -> dict[Quantity, str]:
-    """Quantities that a format declares to change."""
-    found = Diagnostics()
-    lower(robot, format_named(written_in), found)
-    codes = sorted({one.code for one in found} & set(_CHANGED))
+def _lost_by(declared: Set[str]) -> dict[Quantity, str]:
+    """Quantities that a format changes, by the codes of what it declares."""
+    codes = sorted(declared & set(_CHANGED))
     return {quantity: f"a loss is declared ({code})" for code in codes for quantity in _CHANGED[code]}
 
 

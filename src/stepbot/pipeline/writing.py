@@ -43,6 +43,8 @@ class Rendered:
     """For each format, the bytes of its files, the main one first."""
     listed: tuple[WrittenFile, ...]
     """The written files, for the report."""
+    losses: Mapping[str, frozenset[str]]
+    """For each format, the codes of what it rewrites or lacks."""
 
 
 def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: Diagnostics) -> Rendered:
@@ -51,8 +53,13 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
     Raises:
         StepbotError: A format cannot express the robot.
     """
+    robot = replace(robot, metadata=robot.metadata.stating(options.maintainer, options.license))
     names = {SDFORMAT.name: MODEL} if options.gazebo else {}
-    lowered = {written.name: lower(robot, written, found, names.get(written.name)) for written in formats}
+    lowered, losses = dict[str, Robot](), dict[str, frozenset[str]]()
+    for written in formats:
+        declared = Diagnostics()
+        lowered[written.name] = lower(robot, written, declared, names.get(written.name))
+        losses[written.name] = frozenset(one.code for one in found.extend(declared))
     found.raise_if_errors()
     by_format = {written.name: files_of(lowered[written.name], written) for written in formats}
     listed = tuple(
@@ -69,7 +76,7 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
         report_guesses(lowered[URDF.name], found)
     if options.gazebo and SDFORMAT.name in by_format:
         by_format[SDFORMAT.name] = gazebo_model(lowered[SDFORMAT.name], by_format[SDFORMAT.name], options.gazebo)
-    return Rendered(robot, lowered, by_format, listed)
+    return Rendered(robot, lowered, by_format, listed, losses)
 
 
 def _listed(by_format: Mapping[str, Mapping[str, bytes]]) -> tuple[WrittenFile, ...]:

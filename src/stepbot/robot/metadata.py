@@ -1,6 +1,12 @@
 """Who maintains a robot's description, and its licence: what packages state that are published."""
 
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
+
+MAINTAINER = r"^[^<>\s]([^<>\x00-\x1f]*[^<>\s])? <[^<>@\s]+@[^<>@\s]+>$"
+"""A name and an address: ``Ada Lovelace <ada@example.com>``."""
+_RESERVED = re.compile(r"(^|\.)(example(\.(com|net|org))?|test|invalid|localhost)$", re.IGNORECASE)
+"""Domains that belong to nobody, for examples: RFC 2606."""
 
 
 @dataclass(frozen=True)
@@ -16,6 +22,17 @@ class Metadata:
     version: str = ""
     """Three numbers: ``1.2.3``."""
     description: str = ""
+
+    @property
+    def is_placeholder(self) -> bool:
+        """Whether no mail reaches the maintainer's address, because its domain is reserved for examples."""
+        return _RESERVED.search(self.email.rpartition("@")[2]) is not None
+
+    def stating(self, maintainer: str, license: str) -> "Metadata":
+        """The same with another maintainer, as :data:`MAINTAINER`, and licence; empty for those that are stated."""
+        name, _, email = maintainer.removesuffix(">").partition(" <")
+        stated = replace(self, maintainer=name, email=email) if maintainer else self
+        return replace(stated, license=license) if license else stated
 
 
 NO_METADATA = Metadata()

@@ -5,15 +5,16 @@ from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator, WithJsonSchema
 
+from stepbot.robot.metadata import MAINTAINER
+
 from .quantities import described, fault
 from .section import Section
 
-_MAINTAINER = r"^[^<>\s]([^<>\x00-\x1f]*[^<>\s])? <[^<>@\s]+@[^<>@\s]+>$"
 _VERSION = r"^[0-9]+\.[0-9]+\.[0-9]+$"
 
 
 def _maintainer(value: Any) -> str:
-    if not isinstance(value, str) or not re.match(_MAINTAINER, value):
+    if not isinstance(value, str) or not re.match(MAINTAINER, value):
         raise fault(
             "SB123", f"expected a name and an address, not {described(value)}", "Ada Lovelace <ada@example.com>"
         )
@@ -29,7 +30,7 @@ def _version(value: Any) -> str:
 Maintainer = Annotated[
     str,
     PlainValidator(_maintainer),
-    WithJsonSchema({"type": "string", "pattern": _MAINTAINER, "examples": ["Ada Lovelace <ada@example.com>"]}),
+    WithJsonSchema({"type": "string", "pattern": MAINTAINER, "examples": ["Ada Lovelace <ada@example.com>"]}),
 ]
 Version = Annotated[
     str, PlainValidator(_version), WithJsonSchema({"type": "string", "pattern": _VERSION, "examples": ["1.0.0"]})

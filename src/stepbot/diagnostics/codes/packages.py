@@ -7,10 +7,13 @@ CODES = (
         "SB640",
         "warning",
         "package without maintainer or licence",
-        "The manifest of a ROS 2 package must state a maintainer and a licence, and the sidecar has none.",
-        "`package.xml` has `unknown` in their place: colcon builds the package, but nobody may use or publish it without "
-        "asking, and `rosdep` and release tools report it.",
-        "State both in the sidecar: `metadata: {maintainer: Ada Lovelace <ada@example.com>, license: Apache-2.0}`.",
+        "The manifest of a ROS 2 package must state a maintainer and a licence, and the sidecar has none; or the maintainer's "
+        "address is in a domain for examples, such as example.com, as in the sidecars of stepbot's robot library.",
+        "`package.xml` has `unknown` in place of what is missing: colcon builds the package, but nobody may use or publish it "
+        "without asking, and `rosdep` and release tools report it. Nobody receives what users write to a placeholder.",
+        "State both in the sidecar: `metadata: {maintainer: Ada Lovelace <ada@example.com>, license: Apache-2.0}`, with your own "
+        "name and address. For a URDF, SDFormat or MJCF, or a sidecar that is not yours, use the options `--maintainer` and "
+        "`--license`.",
     ),
     Code(
         "SB641",

@@ -20,6 +20,7 @@ from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, shift_in
 from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.dynamics import Rates
 
+from ..inner_joints import inner_joints
 from ..observation import Dynamics, EngineCannotRead, Observation, ObservedLink, Quantity, Request
 from ..xml_root import xml_root
 from . import ENGINE
@@ -74,6 +75,9 @@ def observe(request: Request) -> Observation:
     path = Path(request.file)
     if request.format == "mjcf":
         _check_mjcf(path)
+    unmoved = inner_joints(path) if request.format == "urdf" else ""
+    if unmoved:
+        raise EngineCannotRead(f"Drake names the coordinates of these joints itself, or gives them none: {unmoved}")
     with _messages(path) as messages:
         built = build(request)
         observation = _static(built, request)

@@ -16,8 +16,18 @@ from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, turn_ine
 from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.dynamics import GRAVITY, Rates
 
+from ..inner_joints import inner_joints
 from ..mesh_substitutes import MeshSubstitutes
-from ..observation import Dynamics, EngineRefused, Observation, ObservedLink, ObservedShape, Quantity, Request
+from ..observation import (
+    Dynamics,
+    EngineCannotRead,
+    EngineRefused,
+    Observation,
+    ObservedLink,
+    ObservedShape,
+    Quantity,
+    Request,
+)
 from ..resources import resolve
 from ..xml_root import xml_root
 from . import ENGINE
@@ -62,6 +72,7 @@ def observe(request: Request) -> Observation:
 
     Raises:
         EngineRefused: MuJoCo does not compile the file.
+        EngineCannotRead: It is a URDF with a floating joint within the robot.
     """
     import mujoco as engine
 
@@ -100,6 +111,9 @@ def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:
             return model, (*notes, *substitutes.notes())
         return engine.MjModel.from_xml_path(str(path)), ()
     except ValueError as error:
+        floating = inner_joints(path, ("floating",)) if request.format == "urdf" else ""
+        if floating:
+            raise EngineCannotRead(f"MuJoCo has no floating joints within a robot: {floating}") from error
         # Local folders must not be in a message that may be part of a report.
         raise EngineRefused(str(error).replace(f"{path.parent.as_posix()}/", "").strip()) from error
 

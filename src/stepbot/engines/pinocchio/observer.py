@@ -20,6 +20,7 @@ from stepbot.robot.model import JointDynamics, Limit, Mimic
 
 from ..ball_coordinates import ball_bias, ball_rates
 from ..captured_output import printed
+from ..inner_joints import inner_joints
 from ..observation import (
     Dynamics,
     EngineCannotRead,
@@ -58,10 +59,14 @@ def observe(request: Request) -> Observation:
 
     Raises:
         EngineRefused: Pinocchio does not build it.
-        EngineCannotRead: Several joints in one body, whose names Pinocchio does not keep.
+        EngineCannotRead: Several joints in one body, whose names Pinocchio does not keep; a URDF with planar joints, or
+            with floating ones within the robot.
     """
     import pinocchio as engine
 
+    unmoved = inner_joints(Path(request.file)) if request.format == "urdf" else ""
+    if unmoved:
+        raise EngineCannotRead(f"Pinocchio moves these joints by coordinates of its own: {unmoved}")
     with printed() as lines:
         try:
             build = engine.buildModelFromUrdf if request.format == "urdf" else engine.buildModelFromMJCF

@@ -11,6 +11,12 @@ from .manifest import MANIFEST, cmake_lists, package_xml
 from .moveit import joint_limits, kinematics, moveit_controllers
 from .xacro import instance_xacro, macro_xacro
 
+_REMEDIES = {
+    "maintainer": ("maintainer: Ada Lovelace <ada@example.com>", "--maintainer 'Ada Lovelace <ada@example.com>'"),
+    "license": ("license: Apache-2.0", "--license Apache-2.0"),
+}
+"""What a package must state: in a sidecar, and as an option."""
+
 
 def ros2_package(robot: Robot, package: str) -> dict[str, bytes]:
     """The files by path relative to the package's folder.
@@ -40,13 +46,21 @@ def ros2_package(robot: Robot, package: str) -> dict[str, bytes]:
 
 def report_gaps(robot: Robot, found: Diagnostics) -> None:
     """Report an unknown maintainer or licence (SB640), and a package without controllers (SB641)."""
-    stated = {"maintainer": robot.metadata.maintainer, "license": robot.metadata.license}
-    missing = [name for name, value in stated.items() if not value]
+    metadata, faults, wanted = robot.metadata, list[str](), list[str]()
+    missing = [name for name in _REMEDIES if not getattr(metadata, name)]
     if missing:
-        remedies = {"maintainer": "maintainer: Ada Lovelace <ada@example.com>", "license": "license: Apache-2.0"}
-        keys = ", ".join(remedies[name] for name in missing)
-        message = f"the package has no {' and no '.join(missing)}"
-        found.add("SB640", message, Span(MANIFEST), help=[f"in the sidecar: `metadata: {{{keys}}}`"])
+        faults.append(f"has no {' and no '.join(missing)}")
+        wanted += missing
+    if metadata.is_placeholder:
+        faults.append(f"has a placeholder as maintainer: {metadata.maintainer} <{metadata.email}>")
+        wanted.insert(0, "maintainer")
+    if faults:
+        keys, options = (
+            ", ".join(_REMEDIES[name][0] for name in wanted),
+            " ".join(_REMEDIES[name][1] for name in wanted),
+        )
+        help = [f"in the sidecar: `metadata: {{{keys}}}`", f"without a sidecar of yours: `{options}`"]
+        found.add("SB640", f"the package {' and '.join(faults)}", Span(MANIFEST), help=help)
     if not robot.actuators:
         joint = next((joint.name for joint in robot.joints if joint.kind is not JointKind.FIXED), "elbow")
         remedy = f"in the sidecar: `actuators: {{{joint}_motor: {{joint: {joint}, kind: position, gains: auto}}}}`"
