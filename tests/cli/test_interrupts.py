@@ -6,6 +6,9 @@ import signal
 import subprocess
 import sys
 import threading
+import time
+from importlib.machinery import ExtensionFileLoader
+from types import ModuleType
 
 import pytest
 
@@ -82,6 +85,39 @@ def test_nothing_pressed_nothing_raised() -> None:
     thread.start()
     thread.join()
     assert done
+
+
+class NativeModule(ExtensionFileLoader):
+    """Loads a module whose initialization receives a signal and calls Python code."""
+
+    def __init__(self, reached: list[str]) -> None:
+        super().__init__("native", "native.so")
+        self.reached = reached
+
+    def exec_module(self, module: ModuleType) -> None:  # noqa: ARG002 - the signature of loaders
+        """Receive SIGTERM, and go on for longer than the timer of the handler."""
+        signal.raise_signal(signal.SIGTERM)
+        time.sleep(0.05)
+        self.reached.append("initialized")
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="the system has no timers")
+def test_native_module_is_initialized_before_the_block_ends() -> None:
+    """Native code need not survive exceptions in its initialization: manifold3d aborted the process."""
+    before = signal.getsignal(signal.SIGALRM)
+    reached: list[str] = []
+
+    def ended() -> None:
+        with interruptible():
+            NativeModule(reached).exec_module(ModuleType("native"))
+            time.sleep(60.0)
+            reached.append("still running")
+
+    with pytest.raises(SystemExit) as found:
+        ended()
+    assert found.value.code == 128 + signal.SIGTERM
+    assert reached == ["initialized"]
+    assert signal.getsignal(signal.SIGALRM) is before
 
 
 _WHILE_IMPORTING = """

@@ -144,5 +144,6 @@ EXPERIMENT = Experiment(
     repaired=(
         "engines that were ended by SIGTERM or SIGKILL left their copies of robots in the folder for temporary files",
         "Ctrl-C while the command line was imported printed a traceback",
+        "SIGTERM while a native module was imported aborted the process (SIGABRT)",
     ),
 )
