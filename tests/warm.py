@@ -21,9 +21,10 @@ from stepbot.engines.prestart import shared_imports
 from stepbot.runtime import parallel, worker
 from stepbot.runtime.fork_server import ForkServer, can_serve
 
-_KERNEL = ("stepbot.step.worker", "stepbot.geometry.mesh_worker")
+_KERNEL = ("stepbot.step.worker", "stepbot.geometry.mesh_worker", "stepbot.geometry.mesh_files")
 _REFERENCES = "stepbot.engines.file_references"
 _YOURDFPY = "stepbot.engines.yourdfpy.observer"
+_DESCRIBE = "stepbot.engines.describe"
 
 
 class WarmProcesses:
@@ -42,11 +43,11 @@ class WarmProcesses:
 
     @cached_property
     def _yourdfpy(self) -> ForkServer:
-        """For it alone: it loads trimesh without packages that other workers need."""
-        return ForkServer([f"{_YOURDFPY}:prepare", __name__])
+        """For those alone that load trimesh without packages that other workers need."""
+        return ForkServer([f"{_YOURDFPY}:prepare", _DESCRIBE, __name__])
 
     def _server(self, function: str) -> ForkServer:
-        if function.startswith(_YOURDFPY):
+        if function.startswith((_YOURDFPY, _DESCRIBE)):
             return self._yourdfpy
         return self._kernel if function.startswith(_KERNEL) else self._engines
 

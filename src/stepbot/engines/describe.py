@@ -7,6 +7,7 @@ from .description.sdf import describe_sdf
 from .description.urdf import describe_urdf
 from .mujoco.described import describe_mjcf
 from .observation import EngineCannotRead
+from .yourdfpy.observer import prepare as prepare_urdf
 
 _READERS = {"urdf": describe_urdf, "sdf": describe_sdf, "mjcf": describe_mjcf}
 
@@ -25,4 +26,6 @@ def describe(file: str, written_in: str, packages: tuple[Path, ...] = ()) -> Des
     """
     if written_in not in _READERS:
         raise EngineCannotRead(f"only {', '.join(_READERS)} can be converted and shown, not {written_in}")
+    if written_in == "urdf":
+        prepare_urdf()
     return _READERS[written_in](file, packages)

@@ -11,9 +11,6 @@ import pytest
 from stepbot.geometry.mesh import TriMesh
 from stepbot.runtime.worker import Worker
 
-# Other tests import trimesh without packages that its readers need.
-pytestmark = pytest.mark.usefixtures("cold_processes")
-
 _CORNERS = np.array([[0.0, 0.0, 0.0], [40.0, 0.0, 0.0], [0.0, 30.0, 0.0], [0.0, 0.0, 20.0]])
 """Corners of a tetrahedron, in the file's unit."""
 _FACES = np.array([[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
