@@ -41,6 +41,7 @@ from .conftest import Stepbot
 
 PACKAGE = "arm2_description"
 URDF = format_named("urdf")
+KINDS = ("visual", "collision")
 MADE = (two_link_arm, gripper_with_mimic, tree, equipped, odd_names, floating_biped)
 
 
@@ -461,6 +462,27 @@ def test_a_placeholder_as_maintainer_is_reported(stepbot: Stepbot, arm: Path) ->
     uptodate = ["uptodate", "arm2.robot.yaml", "-o", "out", "--ros2", "arm2", "-f", "urdf"]
     assert stepbot(*uptodate, *shlex.split(remedy), "--license", "MIT").code == 0
     assert "package.xml" in stepbot(*uptodate).out
+
+
+@pytest.mark.parametrize(
+    ("stated", "suffix"), [("", "stl"), ("mesh: {format: obj}", "obj"), ("mesh: {visual: dae}", "dae")]
+)
+def test_visual_meshes_have_the_colours_of_the_urdf_in_rviz(
+    stepbot: Stepbot, arm: Path, stated: str, suffix: str
+) -> None:
+    """They are STL where the sidecar states no format: RViz shows OBJ files grey, whatever the URDF says."""
+    sidecar = arm / "arm2.robot.yaml"
+    sidecar.write_text(f"{sidecar.read_text(encoding='utf-8')}\n{stated}\n", encoding="utf-8")
+    command = ["convert", "arm2.robot.yaml", "-o", "out", "--ros2", "arm2", "-f", "urdf,sdf", "--no-verify"]
+    assert stepbot(*command).code == 0
+    urdf = ET.parse(arm / "out" / "arm2.urdf").getroot()
+    names = {kind: {one.attrib["filename"] for one in urdf.iterfind(f"link/{kind}/geometry/mesh")} for kind in KINDS}
+    assert {name.rpartition(".")[2] for name in names["visual"]} == {suffix}
+    assert {name.rpartition(".")[2] for name in names["collision"]} <= {"obj"}
+    assert all((arm / "out" / name.partition("arm2_description/")[2]).is_file() for name in names["visual"])
+    in_sdf = {uri.text or "" for uri in ET.parse(arm / "out" / "arm2.sdf").getroot().iter("uri") if uri.text}
+    visuals = {uri for uri in in_sdf if uri.startswith("meshes/") and not uri.endswith(".obj")}
+    assert {uri.rpartition(".")[2] for uri in visuals} == ({suffix} if suffix == "dae" else set())
 
 
 def test_a_maintainer_has_a_name_and_an_address(stepbot: Stepbot, arm: Path) -> None:

@@ -85,7 +85,7 @@ def build_mesh_formats(document: Document) -> MeshFormats:
     """The formats of mesh files."""
     given = document.mesh
     both = given.format or MeshFormat.OBJ
-    return MeshFormats(given.visual or both, given.collision or both)
+    return MeshFormats(given.visual or both, given.collision or both, bool(given.visual or given.format))
 
 
 def build_sensors(binder: Binder, frames: Frames) -> tuple[Sensor, ...] | None:

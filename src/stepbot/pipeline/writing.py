@@ -14,7 +14,7 @@ from stepbot.formats.sdformat import FORMAT as SDFORMAT
 from stepbot.formats.sdformat.gazebo_model import MODEL, gazebo_model
 from stepbot.formats.urdf import FORMAT as URDF
 from stepbot.formats.urdf.package import with_package
-from stepbot.formats.urdf.ros2.package import report_gaps, ros2_package
+from stepbot.formats.urdf.ros2.package import report_gaps, ros2_package, shown_in_rviz
 from stepbot.formats.urdf.srdf import report_guesses
 from stepbot.report.document import report_bytes
 from stepbot.report.record import Content, Report, WrittenFile
@@ -58,7 +58,8 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
     lowered, losses = dict[str, Robot](), dict[str, frozenset[str]]()
     for written in formats:
         declared = Diagnostics()
-        lowered[written.name] = lower(robot, written, declared, names.get(written.name))
+        source = shown_in_rviz(robot) if options.ros2 and written.name == URDF.name else robot
+        lowered[written.name] = lower(source, written, declared, names.get(written.name))
         losses[written.name] = frozenset(one.code for one in found.extend(declared))
     found.raise_if_errors()
     by_format = {written.name: files_of(lowered[written.name], written) for written in formats}

@@ -68,6 +68,8 @@ class MeshFormats:
 
     visual: MeshFormat = MeshFormat.OBJ
     collision: MeshFormat = MeshFormat.OBJ
+    is_chosen: bool = False
+    """Whether the user has chosen the format of visual meshes, so that no target may prefer another one."""
 
 
 @dataclass(frozen=True)

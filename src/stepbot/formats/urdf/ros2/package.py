@@ -1,7 +1,9 @@
 """All files of the package beside the URDF, its SRDF and its meshes."""
 
+from dataclasses import replace
+
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.robot.model import JointKind, Robot
+from stepbot.robot.model import JointKind, MeshFormat, Robot
 
 from ..grippers import groups
 from .control import controllers
@@ -42,6 +44,15 @@ def ros2_package(robot: Robot, package: str) -> dict[str, bytes]:
     files[f"urdf/{robot.name}.macro.xacro"] = macro_xacro(robot, package)
     files[f"urdf/{robot.name}.urdf.xacro"] = instance_xacro(robot)
     return files
+
+
+def shown_in_rviz(robot: Robot) -> Robot:
+    """The robot with visual meshes as STL, unless the user has chosen a format.
+
+    RViz shows the colour of a URDF only on meshes without materials. Its importer gives those of OBJ files a grey one.
+    """
+    formats = robot.mesh_formats
+    return robot if formats.is_chosen else replace(robot, mesh_formats=replace(formats, visual=MeshFormat.STL))
 
 
 def report_gaps(robot: Robot, found: Diagnostics) -> None:
