@@ -61,7 +61,7 @@ def test_a_kernel_that_is_killed(tmp_path: Path, found: ReadDiagnostics) -> None
 def test_a_kernel_that_does_not_end(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A kernel that exceeds its time limit is stopped, with a remedy."""
     reading = start_reading(parts.write_box(tmp_path / "box.step").path, ReadOptions())
-    assert reading.finish(found, timeout=0.05) is None
+    assert reading.finish(found, timeout=0.001) is None
     (diagnostic,) = found
     assert diagnostic.code == "SB902"
     assert any("--timeout" in remedy for remedy in diagnostic.help)
