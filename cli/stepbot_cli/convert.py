@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 _WRITTEN_BY_OPTIONS = {
     ("ros", "moveit", "xacro", "srdf", "ament"): "a ROS 2 package is written by `--ros2 NAME`",
     ("gazebo", "gz", "ignition"): "a Gazebo model is written by `--gazebo`, a world by `-f sdf`",
+    ("gym",): "environments are made of MJCF: `-f mjcf`, then `python -m stepbot.gym`",
 }
 """Beginnings of the names of programs and their files, in lower case, and what to write for them."""
 

@@ -25,6 +25,7 @@ from .conftest import Stepbot
         (["explain", "SB000"], "stepbot explain", "unknown code 'SB000'"),
         (["convert", "a.yaml", "--no-verify", "--require", "mujoco"], "stepbot convert", "--require"),
         (["convert", "a.yaml", "-f", "ros2"], "stepbot convert", "a ROS 2 package is written by `--ros2 NAME`"),
+        (["convert", "a.yaml", "-f", "gymnasium"], "stepbot convert", "`-f mjcf`, then `python -m stepbot.gym`"),
         (["convert", "a.yaml", "-f", "isaac-sim"], "stepbot convert", "it reads OpenUSD: `-f usd`"),
         (["convert", "a.yaml", "--density", "1000"], "stepbot convert", "`density` is set in the sidecar, under"),
         (["convert", "a.yaml", "arm.step"], "stepbot convert", "the sidecar names its STEP file; `--step FILE`"),
