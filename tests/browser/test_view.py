@@ -136,7 +136,7 @@ def test_page_outlives_its_server(page: Page, four_bar: Session) -> None:
     assert page.positions()["crank_turn"] == pytest.approx(0.349, abs=1e-3)
 
 
-@pytest.mark.parametrize("format_", ["urdf", "sdf", "mjcf"])
+@pytest.mark.parametrize("format_", ["urdf", *(pytest.param(name, marks=pytest.mark.long) for name in ("sdf", "mjcf"))])
 def test_robot_files_move(page: Page, session: Serve, tmp_path: Path, format_: str) -> None:
     """A URDF, an SDFormat and an MJCF file: every link is where the robot that was written has it, drawn and moved."""
     robot = ROBOTS["two_link_arm"]()
