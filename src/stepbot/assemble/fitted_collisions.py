@@ -6,7 +6,7 @@ change a shape or its cache key.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from stepbot.geometry.solids.collision_sets import CollisionSet, Wanted, collisi
 from stepbot.geometry.solids.convex_pieces import Bore
 from stepbot.geometry.solids.primitive_fits import Shaft
 from stepbot.geometry.solids.unions import PlacedSolid
-from stepbot.geometry.spatial import IDENTITY, tidy
+from stepbot.geometry.spatial import IDENTITY, Pose, tidy
 from stepbot.geometry.sums import exact_sum
 from stepbot.report.record import MeasuredBody
 from stepbot.runtime.cache import Cache
@@ -65,7 +65,10 @@ class FittedCollisions:
             cache: Cache of sets; None to disable it.
             process: An idle worker of :mod:`stepbot.geometry.mesh_worker`; None to compute in this process.
         """
-        wanted = {joined: _wanted(binder.assembly, joined, bodies) for joined in _all_joined(binder, claims, of)}
+        wanted = {
+            joined: _wanted(binder.assembly, joined, bodies, beside)
+            for joined, beside in _all_joined(binder, claims, of).items()
+        }
         self._sets = ResultsByContent(cache, "collision set", wanted, (Wanted, CollisionSet))
         self._process: Worker | None = None
         if self._sets.missing and process is not None:
@@ -120,9 +123,12 @@ def _is_closed(assembly: Assembly, index: int) -> bool:
     return body.watertight and len(body.mesh.faces) > 0
 
 
-def _all_joined(binder: Binder, claims: Claims, of: Sequence[MaterialAssignment]) -> list[Joined]:
+def _all_joined(
+    binder: Binder, claims: Claims, of: Sequence[MaterialAssignment]
+) -> dict[Joined, tuple[int, ...] | None]:
+    """All sets, and the components that get hulls beside each; None for one of a link with further shapes."""
     assembly, document = binder.assembly, binder.document
-    found: dict[Joined, None] = {}
+    found: dict[Joined, tuple[int, ...] | None] = {}
     for link in document.links:
         whole = []
         for index in claims.parts_of(link):
@@ -132,25 +138,27 @@ def _all_joined(binder: Binder, claims: Claims, of: Sequence[MaterialAssignment]
                 continue
             rule = rule_of(own, document)
             if rule.is_decomposed and (one := joined_part(assembly, index, rule)) is not None:
-                found[one] = None
+                found.setdefault(one, None)
         common = link_rule(link, document)
         if common is not None and common.is_decomposed:
             several = joined_parts(assembly, whole, common)
             if several is not None:
-                found[several] = None
-    return list(found)
+                others = tuple(index for index in whole if index not in several.components)
+                found[several] = others if len(whole) == len(claims.parts_of(link)) else None
+    return found
 
 
-def _wanted(assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody]) -> Wanted:
+def _wanted(
+    assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody], beside: tuple[int, ...] | None
+) -> Wanted:
     components = [assembly.components[index] for index in joined.components]
     X_AW = components[0].X_WC.inverse()
     solids: list[PlacedSolid] = []
     faces: list[AxisFace] = []
     for component in components:
-        body = assembly.bodies[component.body]
-        X_AC = tidy(X_AW @ component.X_WC) if component is not components[0] else IDENTITY
-        solids.append(PlacedSolid(body.mesh, X_AC))
-        faces += [face.moved(X_AC) for face in body.axis_faces if not face.cone]
+        placed = _placed(assembly, component, X_AW)
+        solids.append(placed if component is not components[0] else replace(placed, X_AC=IDENTITY))
+        faces += [face.moved(solids[-1].X_AC) for face in assembly.bodies[component.body].axis_faces if not face.cone]
     shafts = sorted((face for face in faces if not face.bore), key=lambda face: -face.radius * (face.high - face.low))
     rule = joined.rule
     assert rule.max_vertices is not None
@@ -163,7 +171,13 @@ def _wanted(assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody]) 
         rule.filled,
         rule.max_hulls,
         rule.max_vertices,
+        None if beside is None else tuple(_placed(assembly, assembly.components[index], X_AW) for index in beside),
     )
+
+
+def _placed(assembly: Assembly, component: Component, X_AW: Pose) -> PlacedSolid:
+    """The mesh of a component, in A."""
+    return PlacedSolid(assembly.bodies[component.body].mesh, tidy(X_AW @ component.X_WC))
 
 
 def wait_for(fitted: FittedCollisions, binder: Binder, timeout: float) -> bool:

@@ -55,8 +55,8 @@ class ScoredCollisions:
     def result(self, timeout: float = DEFAULT_TIMEOUT) -> tuple[LinkCollision, ...]:
         """The shapes of every link that has any, with scores where stepbot has chosen them; without scores after SB902.
 
-        A set that is all that a link has was scored when it was fitted; other shapes take about half a second for a
-        link.
+        A set was scored when it was fitted, with the hulls beside it, if these are all that a link has; other shapes
+        take about half a second for a link.
         """
         links = [link for link in self._robot.links if link.collisions]
         known = {link.name: score for link in links if (score := self._known(link)) is not None}
@@ -72,13 +72,13 @@ class ScoredCollisions:
         return rule is not None and (rule.is_decomposed or rule.max_vertices is not None)
 
     def _known(self, link: Link) -> CollisionScore | None:
-        """The score of a link whose shapes are one set around all of its closed solids; None for others."""
+        """The score of a link with one set around all of its closed solids, and hulls of the others; else None."""
         rule = link_rule(link.name, self._binder.document)
         if rule is None or not rule.is_decomposed:
             return None
         joined = joined_parts(self._binder.assembly, self._claims.parts_of(link.name), rule)
         made = None if joined is None else self._fitted.get(joined)
-        return made.score if made is not None and len(made.shapes) == len(link.collisions) else None
+        return made.score if made is not None and made.scored == len(link.collisions) else None
 
     def _compute(self, scores: ResultsByContent[str, Unscored, CollisionScore], timeout: float) -> None:
         """Compute the missing scores, unless the worker dies (SB902)."""

@@ -4,8 +4,7 @@ The solids are joined to one, so screws in their holes, parts inside a housing a
 their own, and voids that nothing can enter are filled. The shapes together enclose all of it.
 """
 
-import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from stepbot.runtime.parallel import results_of
@@ -16,9 +15,9 @@ from .bounded_hulls import bounded_hull
 from .collision_scores import NO_SCORE, CollisionScore, Unscored, collision_score
 from .convex_pieces import Bore, convex_pieces, main_axes
 from .face_normals import face_normals
-from .manifolds import convex_hull, hull_volume, mesh_arrays, use_one_thread
+from .manifolds import convex_hull, hull_volume, mesh_arrays, one_thread_each
 from .primitive_fits import PrimitiveFits, Shaft
-from .unions import PlacedShape, PlacedSolid, Union, union
+from .unions import PlacedShape, PlacedSolid, Union, face_count, union
 
 MAX_HULLS, MAX_VERTICES = 16, 64
 """Default budgets; PhysX and MJX take at most 64 vertices a hull."""
@@ -41,6 +40,8 @@ class Wanted:
     """Share of the total volume of the pieces' hulls that the solids have to fill."""
     max_hulls: int
     max_vertices: int
+    beside: tuple[PlacedSolid, ...] | None = ()
+    """Other meshes of the same link, each of which gets a hull; None if the link has further shapes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +54,9 @@ class CollisionSet:
     left_out: tuple[int, ...] = ()
     """Solids whose meshes bound no volume, and which the shapes do not enclose."""
     score: CollisionScore = NO_SCORE
-    """How well the shapes match the other solids."""
+    """How well the shapes, with the hulls beside them, match the other solids; of a link with further shapes, none."""
+    scored: int = 0
+    """Number of these shapes and hulls."""
 
 
 def collision_sets(all_wanted: Sequence[Wanted]) -> tuple[CollisionSet, ...]:
@@ -62,15 +65,8 @@ def collision_sets(all_wanted: Sequence[Wanted]) -> tuple[CollisionSet, ...]:
     Raises:
         WorkerDied: A process ended without a result.
     """
-    weights = [sum(len(one.mesh.faces) for one in wanted.solids) for wanted in all_wanted]
-    here = os.getpid()
-
-    def made(wanted: Wanted) -> CollisionSet:
-        if os.getpid() != here:  # others like this one use the other cores
-            use_one_thread()
-        return _scored_set(wanted)
-
-    return tuple(results_of(made, all_wanted, weights))
+    weights = [face_count(wanted.solids) for wanted in all_wanted]
+    return tuple(results_of(one_thread_each(_scored_set), all_wanted, weights))
 
 
 def _scored_set(wanted: Wanted) -> CollisionSet:
@@ -78,8 +74,19 @@ def _scored_set(wanted: Wanted) -> CollisionSet:
     if solid.manifold is None:
         return CollisionSet((), left_out=solid.left_out)
     made, encloses = _collision_set(wanted, solid)
-    unscored = Unscored(wanted.solids, wanted.missing, made.shapes)
-    return replace(made, score=collision_score(unscored, encloses))
+    if wanted.beside is None:
+        return made
+    shapes = (*made.shapes, *_hulls(wanted.beside, wanted.max_vertices))
+    score = collision_score(Unscored(wanted.solids, wanted.missing, shapes), encloses)
+    return replace(made, score=score, scored=len(shapes))
+
+
+def _hulls(meshes: Sequence[PlacedSolid], max_vertices: int) -> Iterator[PlacedShape]:
+    """The hull of each mesh that is not too flat for one."""
+    for one in meshes:
+        hull = convex_hull(one.mesh.vertices)
+        if hull is not None:
+            yield PlacedShape(bounded_hull(hull, max_vertices), one.X_AC)
 
 
 def _collision_set(wanted: Wanted, solid: Union) -> tuple[CollisionSet, bool]:

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from math import pi
 
 import manifold3d
@@ -165,6 +166,19 @@ def test_open_meshes_are_left_out() -> None:
     made = _of(PlacedSolid(open_box, IDENTITY), _box(0.1, 0.1, 0.1))
     assert made.left_out == (0,)
     assert len(made.shapes) == 1
+
+
+def test_hulls_beside_a_set_are_scored_with_it() -> None:
+    """A cube, and 2 m apart the hull of an open one: half of the shapes is solid. With further shapes, no score."""
+    cube, beside = _box(1, 1, 1), _box(1, 1, 1, (3, 0, 0))
+    open_cube = PlacedSolid(TriMesh.of(beside.mesh.vertices, beside.mesh.faces[:-1]), beside.X_AC)
+    wanted = Wanted((cube,), 0.0, (), (), True, 0.95, 16, 64, (open_cube,))
+    made, alone, unknown = collision_sets([wanted, replace(wanted, beside=()), replace(wanted, beside=None)])
+    assert (made.score.iou, made.scored) == (pytest.approx(0.5, abs=1e-6), 2)
+    assert made.score.overshoot == pytest.approx(3.0, abs=4e-3 * 3.0**0.5)
+    assert (alone.score.iou, alone.scored) == (pytest.approx(1.0, abs=1e-6), 1)
+    assert (unknown.score.iou, unknown.scored) == (None, 0)
+    assert len(made.shapes) == len(alone.shapes) == len(unknown.shapes) == 1
 
 
 def test_sets_are_scored() -> None:
