@@ -10,8 +10,10 @@ from stepbot.robot.closures import closure_gap
 from ..observation import ObservedClosure, Request
 from .plant import Built, build
 
-NUDGE = 0.02
-"""Offset [rad], [m] of the following joints from the reference's solution, from which Drake's solver starts."""
+NUDGES = (0.02, -0.02, 0.002, -0.002)
+"""Offsets [rad], [m] of the following joints from the reference's solution, from which Drake's solver starts."""
+BACK = 1e-6
+"""Distance [rad], [m] from the reference's solution at which no further offset is tried."""
 SETTLED = 1e-12
 """Motion [rad], [m] per step below which the plant is at rest."""
 MOST_STEPS = 400
@@ -36,14 +38,14 @@ def closures_in(_built: Built, request: Request) -> tuple[ObservedClosure, ...]:
     """How well Drake's constraints close each loop of the reference.
 
     Drake starts near each closed configuration, with the driven joints locked and without gravity, and its solver
-    closes the loops step by step. The residual is the remaining gap between the reference's frames.
+    closes the loops step by step. Next to a dead centre another configuration that closes them may be as near, so there
+    it starts from several sides, and nearer. The residual is the remaining gap between the reference's frames.
     """
     plain = build(request, (0.0, 0.0, 0.0), shapes=False)
     residual = {closure.name: 0.0 for closure in request.closures}
     deviation = 0.0
     for q in (q for way in request.ways for q in way):
-        found = _closed(plain, request, q)
-        deviation = max([deviation, *(abs(found[name] - q[name]) for name in found if name not in request.driven)])
+        deviation = max(deviation, _back_at(plain, request, q))
         X_W = {body.name(): plain.X_WB(body) for body in plain.bodies}
         for closure in request.closures:
             gap = closure_gap(closure, X_W[closure.link_a], X_W[closure.link_b])[0]
@@ -61,12 +63,23 @@ def closures_in(_built: Built, request: Request) -> tuple[ObservedClosure, ...]:
     )
 
 
-def _closed(built: Built, request: Request, q: Mapping[str, float]) -> dict[str, float]:
+def _back_at(built: Built, request: Request, q: Mapping[str, float]) -> float:
+    """The least distance [rad] or [m] from a solution at which Drake's solver comes to rest next to it."""
+    distances: list[float] = []
+    for nudge in NUDGES:
+        found = _closed(built, request, q, nudge)
+        distances.append(max((abs(found[name] - q[name]) for name in found if name not in request.driven), default=0.0))
+        if distances[-1] <= BACK:
+            break
+    return min(distances)
+
+
+def _closed(built: Built, request: Request, q: Mapping[str, float], nudge: float) -> dict[str, float]:
     """The coordinates at which Drake's solver comes to rest."""
     plant, context = built.plant, built.context
     # Drake reads no mimics of SDFormat: the followers of a driven joint are locked with it.
     held = {*request.driven, *(name for name, mimic in request.mimics.items() if mimic.joint in request.driven)}
-    built.place({name: q.get(name, 0.0) + (0.0 if name in held else NUDGE) for name in built.coordinates.names})
+    built.place({name: q.get(name, 0.0) + (0.0 if name in held else nudge) for name in built.coordinates.names})
     for joint in built.joints:
         if joint.name() in held:
             joint.Lock(context)
