@@ -160,10 +160,19 @@ def _shared_memory() -> frozenset[str]:
 
 
 def _is_open(name: str) -> bool:
-    """Whether some process has mapped a piece of shared memory, which then is in use."""
+    """Whether some process has mapped a piece of shared memory, which then is in use, or it is gone.
+
+    It is found by its inode: a semaphore of another process is mapped under the name that it had before ``sem_open``
+    renamed it.
+    """
+    try:
+        inode = str((Path("/dev/shm") / name).stat().st_ino)
+    except FileNotFoundError:
+        return True
     for path in Path("/proc").glob("[0-9]*/maps"):
         try:
-            if f"/dev/shm/{name}" in path.read_text():
+            mapped = (line.split(maxsplit=5) for line in path.read_text().splitlines())
+            if any(fields[4] == inode and fields[-1].startswith("/dev/shm/") for fields in mapped):
                 return True
         except OSError:
             continue

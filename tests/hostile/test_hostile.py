@@ -1,5 +1,7 @@
 """A few trials of each experiment; ``make hostile`` runs thousands."""
 
+import multiprocessing
+import tempfile
 from pathlib import Path
 from random import Random
 
@@ -8,6 +10,7 @@ import pytest
 from . import __main__ as runner
 from . import page
 from .__main__ import NAMES, experiment
+from .command import _is_open, _shared_memory
 from .disks import NOT_RUN
 from .experiment import Experiment, Setting, Trial
 from .sidecar_damage import KINDS, damaged
@@ -51,6 +54,19 @@ def test_run_during_which_the_code_changes_does_not_count(
     monkeypatch.setattr(runner, "trials_of", lambda *given: [Trial("a", "robot", ("differs",))])
     assert runner.main(["--only", "names"]) == 2
     assert "does not count" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="the system has no folder of shared memory")
+def test_semaphores_of_other_processes_are_not_left_behind() -> None:
+    """A semaphore is in use until its owner lets go; a file that nobody has mapped is left behind."""
+    before = _shared_memory()
+    semaphore = multiprocessing.get_context("spawn").Semaphore()
+    made = [name for name in _shared_memory() - before if name.startswith("sem.")]
+    assert made
+    assert all(map(_is_open, made)), f"{semaphore} is in use"
+    with tempfile.NamedTemporaryFile(dir="/dev/shm") as file:
+        assert not _is_open(Path(file.name).name)
+    assert _is_open(Path(file.name).name), "it is gone"
 
 
 @pytest.mark.long
