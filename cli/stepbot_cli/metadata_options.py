@@ -1,6 +1,5 @@
 """Options for what packages state about a robot's description."""
 
-import re
 from collections.abc import Callable
 from functools import wraps
 from typing import TYPE_CHECKING, Any
@@ -15,9 +14,9 @@ def _maintainer(context: click.Context, option: click.Parameter, given: str | No
     """The name and address of a maintainer."""
     if given is None:
         return ""
-    from stepbot.robot.metadata import MAINTAINER
+    from stepbot.robot.metadata import is_maintainer
 
-    if not re.match(MAINTAINER, given):
+    if not is_maintainer(given):
         raise click.BadParameter("expected a name and an address: 'Ada Lovelace <ada@example.com>'")
     return given
 

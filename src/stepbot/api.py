@@ -6,7 +6,6 @@ raises for invalid input: results carry their diagnostics. To get exceptions ins
 """
 
 import json
-import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from os import PathLike
@@ -102,9 +101,9 @@ def convert(
             not written, or the folder's name cannot be that of a model.
     """
     from stepbot.jobs.incremental import convert as convert_unless_unchanged
-    from stepbot.robot.metadata import MAINTAINER
+    from stepbot.robot.metadata import is_maintainer
 
-    if maintainer and not re.match(MAINTAINER, maintainer):
+    if maintainer and not is_maintainer(maintainer):
         raise ValueError(f"'{maintainer}' is not a name and an address: Ada Lovelace <ada@example.com>")
     path, written = Path(sidecar), _format_names(formats)
     name = path.name.removesuffix(path.suffix).removesuffix(".robot")

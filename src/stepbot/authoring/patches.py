@@ -16,6 +16,7 @@ from stepbot.step.faces import FaceKind
 from stepbot.step.features.coaxial import signed
 
 from .contacts import Contacts, Patch
+from .runs import chunks, expanded
 from .scene import Scene
 
 GAP = 2e-5
@@ -27,8 +28,6 @@ _CELLS = 2000.0
 
 _ROUNDED = 2.0 * GAP
 """The gap [m] with more than what rounding adds to numbers that sort planes."""
-_CHUNK = 1_000_000
-"""Pairs of planes that are compared at once."""
 
 Indices = NDArray[np.intp]
 
@@ -106,10 +105,10 @@ class _Planes:
         last = np.searchsorted(keys, base + top + _ROUNDED, side="right")
         first, last = np.maximum(first, begins[up_level]), np.minimum(last, ends[up_level])
         counts = np.maximum(0, last - first)
-        for rows in np.split(np.arange(len(up)), np.flatnonzero(np.diff(np.cumsum(counts) // _CHUNK)) + 1):
-            p = np.repeat(up[rows], counts[rows])
-            offsets = np.arange(len(p)) - np.repeat(np.cumsum(counts[rows]) - counts[rows], counts[rows])
-            q = down[np.repeat(first[rows], counts[rows]) + offsets]
+        for some in chunks(counts):
+            runs, offsets = expanded(counts[some])
+            rows = some[runs]
+            p, q = up[rows], down[first[rows] + offsets]
             near = (np.abs(self._heights[q] - self._heights[p]) <= GAP) & (self.parts[q] != self.parts[p])
             p, q = p[near], q[near]
             near = (self._low[q] <= self._high[p] + GAP).all(axis=1) & (self._low[p] <= self._high[q] + GAP).all(axis=1)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array
 
+from .runs import chunks, expanded, starts_of
 from .sweeps import MARGIN, Indices, Triangles, across, reach
 
 _ALONG = 0.3
@@ -40,7 +41,7 @@ class Placed:
     def bounds(self) -> Array:
         """Shape (k, 2, 2): bounds around those of all triangles of each part."""
         points = np.concatenate([np.zeros((0, 3)), *self._vertices])
-        starts = _starts([len(vertices) for vertices in self._vertices])
+        starts = starts_of([len(vertices) for vertices in self._vertices])
         low, high = np.minimum.reduceat(points, starts), np.maximum.reduceat(points, starts)
         if self._slides:
             return np.stack([low[:, :2], high[:, :2]], axis=1)
@@ -67,7 +68,7 @@ class Placed:
         shown = np.flatnonzero(counts)
         parts = tuple(self._parts[k] for k in shown.tolist())
         corners = self._corners[rows]
-        return Sides(parts, _starts(counts[shown]), corners, *(across(corners) if self._slides else reach(corners)))
+        return Sides(parts, starts_of(counts[shown]), corners, *(across(corners) if self._slides else reach(corners)))
 
     @cached_property
     def _owners(self) -> Indices:
@@ -136,8 +137,8 @@ class Sides:
         sizes = np.diff(np.append(self.starts, len(self.low)))[rows]
         found = [(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))]
         # Parts with many triangles are in many pairs: not all of them at once.
-        for some in np.split(np.arange(len(rows)), np.flatnonzero(np.diff(np.cumsum(sizes) // _CHUNK)) + 1):
-            runs, offsets = _expanded(sizes[some])
+        for some in chunks(sizes):
+            runs, offsets = expanded(sizes[some])
             pairs = some[runs]
             triangles = self.starts[rows[pairs]] + offsets
             bounds = np.moveaxis(others.bounds[other_rows[pairs]], 0, -1)
@@ -163,7 +164,7 @@ def meeting(
     pairs_still, triangles = near_still
     pairs_moving, others = near_moving
     begins, ends = (np.searchsorted(pairs_still, pairs_moving, side=side) for side in ("left", "right"))
-    rows, offsets = _expanded(ends - begins)
+    rows, offsets = expanded(ends - begins)
     i, j = triangles[begins[rows] + offsets], others[rows]
     low, high = still.low[i] - 2.0 * MARGIN, still.high[i] + 2.0 * MARGIN
     others_low, others_high = moving.low[j], moving.high[j]
@@ -178,15 +179,3 @@ def _within(low: Array, high: Array, bounds: Array) -> NDArray[np.bool_]:
     near &= low[:, 1] < bounds[..., 1, 1, :]
     near &= bounds[..., 0, 1, :] < high[:, 1]
     return np.asarray(near)
-
-
-def _starts(counts: Sequence[int] | Indices) -> Indices:
-    """Where each of several runs begins."""
-    sizes = np.asarray(counts, dtype=np.int64)
-    return np.cumsum(sizes) - sizes
-
-
-def _expanded(counts: Indices) -> tuple[Indices, Indices]:
-    """For runs of some lengths, the number of the run and the place in it of each element."""
-    runs = np.repeat(np.arange(len(counts)), counts)
-    return runs, np.arange(len(runs)) - _starts(counts)[runs]

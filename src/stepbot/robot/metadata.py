@@ -9,6 +9,11 @@ _RESERVED = re.compile(r"(^|\.)(example(\.(com|net|org))?|test|invalid|localhost
 """Domains that belong to nobody, for examples: RFC 2606."""
 
 
+def is_maintainer(text: str) -> bool:
+    """Whether a text is a name and an address, as :data:`MAINTAINER`."""
+    return re.match(MAINTAINER, text) is not None
+
+
 @dataclass(frozen=True)
 class Metadata:
     """What the sidecar states about the description; empty where it does not."""

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 
 from pydantic import Field, PlainValidator, WithJsonSchema
 
-from stepbot.robot.metadata import MAINTAINER
+from stepbot.robot.metadata import MAINTAINER, is_maintainer
 
 from .quantities import described, fault
 from .section import Section
@@ -14,7 +14,7 @@ _VERSION = r"^[0-9]+\.[0-9]+\.[0-9]+$"
 
 
 def _maintainer(value: Any) -> str:
-    if not isinstance(value, str) or not re.match(MAINTAINER, value):
+    if not isinstance(value, str) or not is_maintainer(value):
         raise fault(
             "SB123", f"expected a name and an address, not {described(value)}", "Ada Lovelace <ada@example.com>"
         )

@@ -6,7 +6,7 @@ from random import Random
 
 import pytest
 
-from stepbot.authoring import patches
+from stepbot.authoring import runs
 from stepbot.authoring.survey import ALL_SOURCES, Survey
 from stepbot.geometry.sums import exact_sum
 from tests.assembled import Node, assembled, part
@@ -47,7 +47,7 @@ def test_planes_that_look_the_same_way_share_nothing() -> None:
 @pytest.mark.parametrize("chunk", [1, 5, 1_000_000])
 def test_all_overlaps_of_two_layers_of_bricks(chunk: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Bricks below and above a plane share the overlaps of their rectangles, and no other pair shares any."""
-    monkeypatch.setattr(patches, "_CHUNK", chunk)
+    monkeypatch.setattr(runs, "_CHUNK", chunk)
     random = Random(3)
     sizes = [(random.randint(6, 40), random.randint(6, 40)) for _ in range(14)]
     places = [(random.randint(-50, 50) + 0.1 * n, random.randint(-50, 50) + 0.1 * n) for n in range(14)]

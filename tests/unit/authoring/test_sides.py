@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 
-from stepbot.authoring import sides
+from stepbot.authoring import runs, sides
 from stepbot.authoring.sides import Placed, Sides, meeting
 
 
@@ -29,6 +29,7 @@ def overlap(low: np.ndarray, high: np.ndarray, bounds: np.ndarray) -> bool:
 def test_triangles_near_other_parts(slides: bool, chunk: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Counts and triangles are those within the bounds of the other part, in pieces and at once."""
     monkeypatch.setattr(sides, "_CHUNK", chunk)
+    monkeypatch.setattr(runs, "_CHUNK", chunk)
     ours, theirs = scattered(1, 7, slides=slides), scattered(2, 5, slides=slides)
     ends = [*ours.starts[1:].tolist(), len(ours.low)]
     expected = {

@@ -22,7 +22,7 @@ _OPPOSITE = -0.99
 """Cosine below which two directions are opposite."""
 _JAW = re.compile(r"(?<![a-z])(?:jaw|gripper|finger|claw|pincer|thumb)s?(?![a-z])", re.IGNORECASE)
 _WIDEST = 2.5
-"""Largest range [rad] of a jaw; the wrist that turns a gripper has more."""
+"""Largest range [rad] or [m] of a jaw; the wrist that turns a gripper has more."""
 
 
 @dataclass(frozen=True)

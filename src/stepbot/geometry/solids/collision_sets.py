@@ -4,6 +4,7 @@ The solids are joined to one, so screws in their holes, parts inside a housing a
 their own, and voids that nothing can enter are filled. The shapes together enclose all of it.
 """
 
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -15,9 +16,9 @@ from .bounded_hulls import bounded_hull
 from .collision_scores import NO_SCORE, CollisionScore, Unscored, collision_score
 from .convex_pieces import Bore, convex_pieces, main_axes
 from .face_normals import face_normals
-from .manifolds import convex_hull, hull_volume, mesh_arrays, one_thread_each
+from .manifolds import convex_hull, hull_volume, mesh_arrays, use_one_thread
 from .primitive_fits import PrimitiveFits, Shaft
-from .unions import PlacedShape, PlacedSolid, Union, face_count, union
+from .unions import PlacedShape, PlacedSolid, Union, union
 
 MAX_HULLS, MAX_VERTICES = 16, 64
 """Default budgets; PhysX and MJX take at most 64 vertices a hull."""
@@ -65,8 +66,15 @@ def collision_sets(all_wanted: Sequence[Wanted]) -> tuple[CollisionSet, ...]:
     Raises:
         WorkerDied: A process ended without a result.
     """
-    weights = [face_count(wanted.solids) for wanted in all_wanted]
-    return tuple(results_of(one_thread_each(_scored_set), all_wanted, weights))
+    weights = [sum(len(one.mesh.faces) for one in wanted.solids) for wanted in all_wanted]
+    here = os.getpid()
+
+    def made(wanted: Wanted) -> CollisionSet:
+        if os.getpid() != here:  # others like this one use the other cores
+            use_one_thread()
+        return _scored_set(wanted)
+
+    return tuple(results_of(made, all_wanted, weights))
 
 
 def _scored_set(wanted: Wanted) -> CollisionSet:

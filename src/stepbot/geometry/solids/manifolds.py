@@ -5,11 +5,11 @@ coincident faces.
 """
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from math import radians
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,6 @@ from ..spatial import Array, Pose, cross, lengths
 from .box_pairs import moved_boxes
 from .cut_surfaces import Surface
 from .slivers import without_slivers
-
-S = TypeVar("S")
-T = TypeVar("T")
 
 TOUCHING = 1e-6
 """Depth [m] up to which touching faces may penetrate each other."""
@@ -52,18 +49,6 @@ def use_one_thread() -> None:
         os.sched_setaffinity(0, {min(cores)})
         manifold3d.Manifold.cube((1.0, 1.0, 1.0))
         os.sched_setaffinity(0, cores)
-
-
-def one_thread_each(function: Callable[[S], T]) -> Callable[[S], T]:
-    """A function whose calls in forked processes start no threads: others like them use the other cores."""
-    here = os.getpid()
-
-    def called(given: S) -> T:
-        if os.getpid() != here:
-            use_one_thread()
-        return function(given)
-
-    return called
 
 
 class Solid:

@@ -36,11 +36,6 @@ class PlacedShape:
     X_AG: Pose
 
 
-def face_count(solids: Sequence[PlacedSolid]) -> int:
-    """Number of faces of all of them."""
-    return sum(len(one.mesh.faces) for one in solids)
-
-
 class Union:
     """Solids as one, without voids; other forms of it are made when they are first needed."""
 
