@@ -125,20 +125,22 @@ class Collisions:
         return [(geometry, part.X_LC if X_CG.is_identity else tidy(part.X_LC @ X_CG))]
 
     def _joined(self, link: str, parts: Sequence[Placed], rule: CollisionRule) -> list[_Placed]:
-        """The shapes of all closed solids of a link together, and a hull of each other component."""
+        """The shapes of all closed solids of a link, and a hull of each component that these do not enclose."""
         joined = joined_parts(self._binder.assembly, [part.index for part in parts], rule)
         placed: list[_Placed] = []
-        solids: tuple[int, ...] = ()
+        enclosed: set[int] = set()
         if joined is not None:
             made = self._fitted.of(joined)
-            solids = tuple(index for i, index in enumerate(joined.components) if i not in made.left_out)
+            beside = [part.index for part in parts if part.index not in joined.components]
+            enclosed = {index for i, index in enumerate(joined.components) if i not in made.left_out}
+            enclosed |= {beside[i] for i in made.enclosed}
             if len(made.shapes) >= rule.max_hulls > 1 and made.filled < rule.filled:
                 pieces = f"{len(made.shapes)} pieces"
                 self._coarse.append(f"link '{link}': its solids fill {made.filled:.2f} of {pieces}")
             first = next(part for part in parts if part.index == joined.components[0])
             placed += self._placed(("link", link), ascii_name(link), link, first.X_LC, made)
         for part in parts:
-            if part.index not in solids:
+            if part.index not in enclosed:
                 placed += self._component(part, replace(rule, shape=CollisionShape.HULL))
         return placed
 

@@ -66,8 +66,8 @@ class FittedCollisions:
             process: An idle worker of :mod:`stepbot.geometry.mesh_worker`; None to compute in this process.
         """
         wanted = {
-            joined: _wanted(binder.assembly, joined, bodies, beside)
-            for joined, beside in _all_joined(binder, claims, of).items()
+            joined: _wanted(binder.assembly, joined, bodies, others)
+            for joined, others in _all_joined(binder, claims, of).items()
         }
         self._sets = ResultsByContent(cache, "collision set", wanted, (Wanted, CollisionSet))
         self._process: Worker | None = None
@@ -123,12 +123,20 @@ def _is_closed(assembly: Assembly, index: int) -> bool:
     return body.watertight and len(body.mesh.faces) > 0
 
 
-def _all_joined(
-    binder: Binder, claims: Claims, of: Sequence[MaterialAssignment]
-) -> dict[Joined, tuple[int, ...] | None]:
-    """All sets, and the components that get hulls beside each; None for one of a link with further shapes."""
+@dataclass(frozen=True)
+class _Others:
+    """What else a link has."""
+
+    beside: tuple[int, ...] = ()
+    """Components under the same rule."""
+    is_all: bool = False
+    """Whether there are no others."""
+
+
+def _all_joined(binder: Binder, claims: Claims, of: Sequence[MaterialAssignment]) -> dict[Joined, _Others]:
+    """All sets, and what is beside each in its link."""
     assembly, document = binder.assembly, binder.document
-    found: dict[Joined, tuple[int, ...] | None] = {}
+    found: dict[Joined, _Others] = {}
     for link in document.links:
         whole = []
         for index in claims.parts_of(link):
@@ -138,19 +146,17 @@ def _all_joined(
                 continue
             rule = rule_of(own, document)
             if rule.is_decomposed and (one := joined_part(assembly, index, rule)) is not None:
-                found.setdefault(one, None)
+                found.setdefault(one, _Others())
         common = link_rule(link, document)
         if common is not None and common.is_decomposed:
             several = joined_parts(assembly, whole, common)
             if several is not None:
-                others = tuple(index for index in whole if index not in several.components)
-                found[several] = others if len(whole) == len(claims.parts_of(link)) else None
+                beside = tuple(index for index in whole if index not in several.components)
+                found[several] = _Others(beside, len(whole) == len(claims.parts_of(link)))
     return found
 
 
-def _wanted(
-    assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody], beside: tuple[int, ...] | None
-) -> Wanted:
+def _wanted(assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody], others: _Others) -> Wanted:
     components = [assembly.components[index] for index in joined.components]
     X_AW = components[0].X_WC.inverse()
     solids: list[PlacedSolid] = []
@@ -171,7 +177,8 @@ def _wanted(
         rule.filled,
         rule.max_hulls,
         rule.max_vertices,
-        None if beside is None else tuple(_placed(assembly, assembly.components[index], X_AW) for index in beside),
+        tuple(_placed(assembly, assembly.components[index], X_AW) for index in others.beside),
+        others.is_all,
     )
 
 

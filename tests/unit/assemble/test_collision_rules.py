@@ -9,6 +9,7 @@ import pytest
 from stepbot.assemble import build_robot
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Box, Cylinder, Geometry, MeshRef, Robot
+from stepbot.step.assembly import BodyKind
 from tests.conftest import ReadDiagnostics
 from tests.unit.assemble.workshop import Workshop, at, build, built, sidecar
 
@@ -49,6 +50,21 @@ def test_a_link_is_one_solid(tmp_path: Path) -> None:
     assert sorted(box.size) == pytest.approx([0.02, 0.02, 0.02], abs=3e-9)
     assert robot.root.collisions[0].X_LG.p == pytest.approx((0, 0, 0.01), abs=3e-9)
     assert len(_geometries(built(shop, tmp_path, "    defaults: {density: 1000}\n" + REST))) == 2
+
+
+@pytest.mark.parametrize("own_rule", [False, True])
+def test_surfaces_inside_get_no_shape(tmp_path: Path, own_rule: bool) -> None:
+    """Of two surface bodies, the one inside the block has no shape, unless it has a rule of its own."""
+    shop = Workshop()
+    shop.box("outside", (10, 10, 10), at(40, 0, 0), kind=BodyKind.SURFACE)
+    shop.box("inside", (10, 10, 10), at(5, 0, 0), kind=BodyKind.SURFACE)
+    shop.box("block", (20, 20, 20))
+    parts = "    parts: {inside: {collision: hull}}\n" if own_rule else ""
+    geometries = _geometries(built(shop, tmp_path, _auto(parts + REST)))
+    box = next(one for one in geometries if isinstance(one, Box))
+    assert box.size == pytest.approx((0.02, 0.02, 0.02), abs=3e-9)
+    hulls = [MeshRef(f"{name}_hull") for name in (("inside", "outside") if own_rule else ("outside",))]
+    assert sorted((one for one in geometries if one is not box), key=str) == hulls
 
 
 def test_decompose_has_hulls_only(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ exact one.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import pi, sin, sqrt
+from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -21,16 +21,14 @@ from numpy.typing import NDArray
 
 from ..mesh import TriMesh
 from ..mesh_distance import squared_distances
-from ..primitives import Box, Capsule, Cylinder, Primitive, Sphere
-from ..spatial import IDENTITY, Array, cross
+from ..spatial import Array, cross
 from ..surface_distances import SurfaceDistances
-from .manifolds import faces_not_of, joined_solid, mesh_arrays
+from .manifolds import faces_not_of, mesh_arrays
+from .shape_manifolds import of_same_volume
 from .unions import SIMPLIFIED, PlacedShape, PlacedSolid, Union, union
 
 MAX_FACES = 1_000_000
 """Maximum number of faces of a link that is scored."""
-_SIDES = 256
-"""Number of sides of a prism in place of a cylinder."""
 _ACCURACY = 4e-3
 """Accuracy of the overshoot, as a share of the diagonal of the solids."""
 _AT_ONCE = 100
@@ -86,7 +84,7 @@ def collision_score(one: Unscored, encloses: bool = False) -> CollisionScore:
     solid = union(one.solids)
     if solid.manifold is None:
         return NO_SCORE
-    parts = [_manifold(shape.geometry).transform(shape.X_AG.matrix[:3]) for shape in one.shapes]
+    parts = [of_same_volume(shape.geometry).transform(shape.X_AG.matrix[:3]) for shape in one.shapes]
     shapes = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
     volume = float(shapes.volume())
     outside = volume - solid.volume if encloses else float((shapes - solid.manifold).volume())
@@ -94,31 +92,6 @@ def collision_score(one: Unscored, encloses: bool = False) -> CollisionScore:
     both = volume - outside + (one.missing if is_exact else 0.0)
     iou = both / (solid.volume + outside)
     return CollisionScore(round(min(iou, 1.0), _DECIMALS), round(_overshoot(solid, shapes), _DECIMALS))
-
-
-def _manifold(geometry: Primitive | TriMesh) -> Any:
-    """A manifold of the same volume, in the frame of the shape."""
-    import manifold3d
-
-    solids = manifold3d.Manifold
-    # The regular n-gon with the area of a circle of radius 1 has this circumradius.
-    wider = sqrt(2.0 * pi / (_SIDES * sin(2.0 * pi / _SIDES)))
-    if isinstance(geometry, TriMesh):
-        solid, _ = joined_solid([(geometry, IDENTITY)])
-        return solids.hull_points(geometry.vertices.copy()) if solid is None else solid
-    if isinstance(geometry, Box):
-        return solids.cube(geometry.size, True)
-    if isinstance(geometry, Cylinder):
-        return solids.cylinder(geometry.length, wider * geometry.radius, wider * geometry.radius, _SIDES, True)
-    if isinstance(geometry, Sphere):
-        return solids.sphere(geometry.radius, _SIDES)
-    assert isinstance(geometry, Capsule)
-    ends = [solids.sphere(geometry.radius, _SIDES).translate((0, 0, z)) for z in _half(geometry.length)]
-    return solids.batch_hull(ends)
-
-
-def _half(length: float) -> tuple[float, float]:
-    return -0.5 * length, 0.5 * length
 
 
 def _overshoot(solid: Union, shapes: Any) -> float:

@@ -15,6 +15,7 @@ from ..sums import exact_sum
 from .bounded_hulls import bounded_hull
 from .collision_scores import NO_SCORE, CollisionScore, Unscored, collision_score
 from .convex_pieces import Bore, convex_pieces, main_axes
+from .enclosed_meshes import enclosed_meshes
 from .face_normals import face_normals
 from .manifolds import convex_hull, hull_volume, mesh_arrays, use_one_thread
 from .primitive_fits import PrimitiveFits, Shaft
@@ -41,8 +42,10 @@ class Wanted:
     """Share of the total volume of the pieces' hulls that the solids have to fill."""
     max_hulls: int
     max_vertices: int
-    beside: tuple[PlacedSolid, ...] | None = ()
-    """Other meshes of the same link, each of which gets a hull; None if the link has further shapes."""
+    beside: tuple[PlacedSolid, ...] = ()
+    """Other meshes of the same link, each of which gets a hull unless the shapes enclose it."""
+    is_whole: bool = True
+    """Whether the link has no shapes but these and the hulls."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,6 +57,8 @@ class CollisionSet:
     """Share of the total volume of the convex pieces that the solids fill, before hulls get fewer vertices."""
     left_out: tuple[int, ...] = ()
     """Solids whose meshes bound no volume, and which the shapes do not enclose."""
+    enclosed: tuple[int, ...] = ()
+    """Meshes beside the solids that the shapes enclose too."""
     score: CollisionScore = NO_SCORE
     """How well the shapes, with the hulls beside them, match the other solids; of a link with further shapes, none."""
     scored: int = 0
@@ -82,9 +87,11 @@ def _scored_set(wanted: Wanted) -> CollisionSet:
     if solid.manifold is None:
         return CollisionSet((), left_out=solid.left_out)
     made, encloses = _collision_set(wanted, solid)
-    if wanted.beside is None:
+    made = replace(made, enclosed=enclosed_meshes(wanted.beside, made.shapes))
+    if not wanted.is_whole:
         return made
-    shapes = (*made.shapes, *_hulls(wanted.beside, wanted.max_vertices))
+    beside = [one for i, one in enumerate(wanted.beside) if i not in made.enclosed]
+    shapes = (*made.shapes, *_hulls(beside, wanted.max_vertices))
     score = collision_score(Unscored(wanted.solids, wanted.missing, shapes), encloses)
     return replace(made, score=score, scored=len(shapes))
 

@@ -173,12 +173,23 @@ def test_hulls_beside_a_set_are_scored_with_it() -> None:
     cube, beside = _box(1, 1, 1), _box(1, 1, 1, (3, 0, 0))
     open_cube = PlacedSolid(TriMesh.of(beside.mesh.vertices, beside.mesh.faces[:-1]), beside.X_AC)
     wanted = Wanted((cube,), 0.0, (), (), True, 0.95, 16, 64, (open_cube,))
-    made, alone, unknown = collision_sets([wanted, replace(wanted, beside=()), replace(wanted, beside=None)])
+    made, alone, unknown = collision_sets([wanted, replace(wanted, beside=()), replace(wanted, is_whole=False)])
     assert (made.score.iou, made.scored) == (pytest.approx(0.5, abs=1e-6), 2)
     assert made.score.overshoot == pytest.approx(3.0, abs=4e-3 * 3.0**0.5)
     assert (alone.score.iou, alone.scored) == (pytest.approx(1.0, abs=1e-6), 1)
     assert (unknown.score.iou, unknown.scored) == (None, 0)
     assert len(made.shapes) == len(alone.shapes) == len(unknown.shapes) == 1
+
+
+def test_enclosed_meshes_get_no_hull() -> None:
+    """An open cube inside a cube gets no hull, whether the link has further shapes or not; one beside it does."""
+    open_cube = TriMesh.of(CORNERS, BOX_FACES[:-1])
+    beside = (PlacedSolid(open_cube, Pose.of(position=(3, 0, 0))), PlacedSolid(open_cube, IDENTITY))
+    wanted = Wanted((_box(2, 2, 2),), 0.0, (), (), True, 0.95, 16, 64, beside)
+    made, further = collision_sets([wanted, replace(wanted, is_whole=False)])
+    assert made.enclosed == further.enclosed == (1,)
+    assert (made.score.iou, made.scored) == (pytest.approx(8 / 9, abs=1e-6), 2)
+    assert (further.score.iou, further.scored) == (None, 0)
 
 
 def test_sets_are_scored() -> None:
