@@ -31,6 +31,7 @@ WHILE_THE_PROCESS_STARTS = """
 import os, signal, threading
 from stepbot.runtime.processes import start_process
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background of a shell
 done = threading.Event()
 
 def start():
