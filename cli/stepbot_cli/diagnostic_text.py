@@ -105,9 +105,10 @@ def _sorted_out(
 def _fold(diagnostics: Sequence[Diagnostic], in_full: Sequence[Diagnostic], color: bool, width: int | None) -> str:
     """One line for diagnostics of one code: the message of a single one, else their number and the code's title."""
     first = diagnostics[0]
-    more = " more" if any(shown.code == first.code for shown in in_full) else ""
-    if len(diagnostics) > 1 or more:
-        text = f"{len(diagnostics)}{more} x {CODES[first.code].title}"
+    if any(shown.code == first.code for shown in in_full):
+        text = f"{len(diagnostics)} more: {CODES[first.code].title}"
+    elif len(diagnostics) > 1:
+        text = f"{len(diagnostics)} x {CODES[first.code].title}"
     else:
         text = printable(first.message)
     head = f"{first.severity}[{first.code}]"

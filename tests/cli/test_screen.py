@@ -85,7 +85,7 @@ def test_repeated_warnings_are_counted() -> None:
     assert text.count("= note: why") == 3 + 5
     assert text.endswith("-v shows all)")
 
-    assert "\nwarning[SB305]: 2 more x path depends on sibling order\n" in text
+    assert "\nwarning[SB305]: 2 more: path depends on sibling order\n" in text
     assert text.endswith("9 errors, 5 warnings (more: stepbot explain SB130; -v shows all)")
 
 
