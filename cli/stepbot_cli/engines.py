@@ -46,7 +46,7 @@ def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
         default=DEFAULT_TIMEOUT,
         show_default=True,
         metavar="SECONDS",
-        help="Time limit for the geometry kernel and for each engine.",
+        help="Time limit for the geometry kernel, more for STEP files above 30 MB, and for each engine.",
     )
     memory = click.option(
         "--memory-limit",

@@ -21,7 +21,7 @@ from typing import Any, BinaryIO
 
 from stepbot.runtime import worker as isolation
 from stepbot.runtime.processes import can_fork
-from stepbot.runtime.worker import RemoteError, WorkerDied
+from stepbot.runtime.worker import OutOfTime, RemoteError, WorkerDied
 
 __all__ = ["ForkServer", "ForkedCall", "can_fork"]
 
@@ -97,7 +97,7 @@ class ForkedCall(isolation.Worker):
         lines = self._server.printed.read_text(encoding="utf-8", errors="replace").splitlines()
         last_lines = tuple(line.rstrip() for line in lines if line.strip())[-isolation._LAST_LINES :]
         if timed_out:
-            raise WorkerDied(f"no result after {timeout:g} s", last_lines)
+            raise OutOfTime(timeout, last_lines)
         output = self._server.answer.read_bytes()
         if status != 0 or not output:
             raise WorkerDied(isolation._death(status, last_lines), last_lines)

@@ -45,6 +45,13 @@ class WorkerDied(Exception):
         super().__init__(reason)
 
 
+class OutOfTime(WorkerDied):
+    """A worker was stopped because it had no result in time."""
+
+    def __init__(self, seconds: float, last_lines: tuple[str, ...]) -> None:
+        super().__init__(f"no result after {seconds:g} s", last_lines)
+
+
 class RemoteError(Exception):
     """The function raised an exception in the worker.
 
@@ -145,8 +152,11 @@ class Worker:
         if output is None:
             last_lines = self._last_lines()
             self.close()
-            reason = f"no result after {timeout:g} s" if timed_out.is_set() else _death(status, last_lines)
-            raise WorkerDied(reason, last_lines)
+            raise (
+                OutOfTime(timeout, last_lines)
+                if timed_out.is_set()
+                else WorkerDied(_death(status, last_lines), last_lines)
+            )
         outcome, value = pickle.loads(output)
         if not self._more:
             self.close()

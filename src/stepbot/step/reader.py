@@ -15,7 +15,7 @@ from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.runtime.attempts import Attempt
 from stepbot.runtime.limits import DEFAULT_TIMEOUT
 from stepbot.runtime.temporary import run_folder
-from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
+from stepbot.runtime.worker import OutOfTime, RemoteError, Worker, WorkerDied
 
 from . import BODY_SECONDS, KERNEL
 from .assembly import Assembly, ReadOptions
@@ -27,6 +27,8 @@ _SYSTEM_LIBRARIES = {"libGL.so.1": "libgl1", "libX11.so.6": "libx11-6", "libexpa
 """Shared libraries that the kernel's wheel requires from the system, and their Debian packages."""
 _NOT_LOADED = re.compile(r"DLL load failed|dlopen|\bOCP\b|undefined symbol|GLIBC")
 """Error messages of systems for a kernel that is installed but does not load."""
+_LARGE = 30_000_000
+"""Size [bytes] of an assembly's files above which the time limit grows in proportion."""
 _MISSING_LIBRARY = re.compile(r"(\S+\.so[.\d]*): cannot open shared object file")
 
 
@@ -63,7 +65,7 @@ class Reading:
 
         Args:
             found: Receives the diagnostics of the file.
-            timeout: Seconds after which the kernel is stopped.
+            timeout: Seconds after which the kernel is stopped, for files of up to 30 MB; in proportion for larger ones.
 
         Returns:
             None where nothing can be read. Bodies that fail and files that are missing are errors too, with an assembly
@@ -73,9 +75,9 @@ class Reading:
         if self._worker is None:
             return None
         try:
-            assembly, diagnostics = self._result(timeout)
+            assembly, diagnostics = self._result(timeout * self._size_factor)
         except WorkerDied as death:
-            _report_death(death, self._place, found)
+            _report_death(death, self._place, timeout, found)
             return None
         except RemoteError as error:
             if not _report_import(error, found, self._place):
@@ -94,6 +96,12 @@ class Reading:
         if self._order is not None:
             self._order.folder.cleanup()
 
+    @property
+    def _size_factor(self) -> float:
+        """1 for files of up to 30 MB."""
+        files = () if self._order is None else self._order.files
+        return max(1.0, sum(file.part21.size for file in files) / _LARGE)
+
     def _result(self, timeout: float) -> tuple[Assembly | None, tuple[Diagnostic, ...]]:
         """The result of the kernel's process, or of another one that skips the bodies that ended earlier processes."""
         assert self._worker is not None
@@ -103,7 +111,7 @@ class Reading:
                 answer: tuple[Assembly | None, tuple[Diagnostic, ...]] = self._worker.result(left)
             except WorkerDied as death:
                 if time.monotonic() >= deadline:  # the last process had what was left of the time
-                    raise WorkerDied(f"no result after {timeout:g} s", death.last_lines) from death
+                    raise OutOfTime(timeout, death.last_lines) from death
                 again = self._attempt.after(death.reason) if self._order is not None else None
                 if again is None or self._order is None:
                     raise
@@ -144,14 +152,15 @@ def read_assembly(path: Path, options: ReadOptions, found: Diagnostics) -> Assem
     return start_reading(path, options).finish(found)
 
 
-def _report_death(death: WorkerDied, place: str, found: Diagnostics) -> None:
-    found.add(
-        "SB902",
-        f"the geometry kernel died while reading the file: {death.reason}",
-        Span(place),
-        help=["open the file in another CAD program and export it again", "raise `--timeout` or `--memory-limit`"],
-        notes=death.last_lines,
-    )
+def _report_death(death: WorkerDied, place: str, timeout: float, found: Diagnostics) -> None:
+    again = "open the file in another CAD program and export it again"
+    if isinstance(death, OutOfTime):
+        message = f"the geometry kernel was stopped while reading the file: {death.reason}"
+        remedies = [f"allow more time: `--timeout {4.0 * timeout:g}`", again]
+    else:
+        message = f"the geometry kernel died while reading the file: {death.reason}"
+        remedies = [again, "raise `--memory-limit`"]
+    found.add("SB902", message, Span(place), help=remedies, notes=death.last_lines)
 
 
 def _report_import(error: RemoteError, found: Diagnostics, place: str) -> bool:

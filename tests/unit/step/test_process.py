@@ -64,7 +64,21 @@ def test_a_kernel_that_does_not_end(tmp_path: Path, found: ReadDiagnostics) -> N
     assert reading.finish(found, timeout=0.001) is None
     (diagnostic,) = found
     assert diagnostic.code == "SB902"
-    assert any("--timeout" in remedy for remedy in diagnostic.help)
+    assert diagnostic.message == "the geometry kernel was stopped while reading the file: no result after 0.001 s"
+    assert diagnostic.help[0] == "allow more time: `--timeout 0.004`"
+
+
+@pytest.mark.parametrize(("share", "limit"), [(2.0, "0.02"), (0.25, "0.08")])
+def test_time_limit_grows_with_the_file(
+    tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch, share: float, limit: str
+) -> None:
+    """Above a size the kernel may take longer in proportion; the remedy is in units of the option."""
+    path = parts.write_box(tmp_path / "box.step").path
+    monkeypatch.setattr(reader, "_LARGE", share * path.stat().st_size)
+    assert start_reading(path, ReadOptions()).finish(found, timeout=0.02) is None
+    (diagnostic,) = found
+    assert diagnostic.message.endswith(f"no result after {limit} s")
+    assert diagnostic.help[0] == "allow more time: `--timeout 0.08`"
 
 
 @POSIX

@@ -9,7 +9,7 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.runtime.attempts import Attempt
 from stepbot.runtime.processes import NO_FORK, can_fork
-from stepbot.runtime.worker import WorkerDied
+from stepbot.runtime.worker import OutOfTime, WorkerDied
 from stepbot.step import reader
 from stepbot.step.assembly import ReadOptions
 from tests import parts
@@ -85,7 +85,7 @@ class _Stuck:
             time.sleep(0.1)
             raise WorkerDied("ended with exit code 7 and no result", ())
         time.sleep(timeout)
-        raise WorkerDied(f"no result after {timeout:g} s", ())
+        raise OutOfTime(timeout, ())
 
     def close(self) -> None:
         """Do nothing."""

@@ -74,6 +74,8 @@ class Part21:
     header: Header
     encoding: str
     """``ascii``, ``utf-8``, or a declared code page; empty if unknown."""
+    size: int
+    """Number of bytes, decompressed."""
     references: tuple[ExternalReference, ...] = ()
     """STEP files that hold the shapes of some products."""
 
@@ -160,7 +162,7 @@ def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 
     references = external_references(data, encoding)
     if not _has_geometry(data, section.end(), references, place, found):
         return None
-    return Part21(header, encoding, tuple(reference for reference in references if reference.is_step))
+    return Part21(header, encoding, len(data), tuple(reference for reference in references if reference.is_step))
 
 
 def _end_of_comments(data: bytes) -> int:
