@@ -84,7 +84,7 @@ def test_a_failure_names_place_number_limit_and_remedy(folder: Path, stepbot: St
 @pytest.mark.parametrize(
     ("arguments", "code", "message"),
     [
-        (("nowhere",), "SB001", "no file or folder 'nowhere'"),
+        (("nowhere",), "SB001", "file not found"),
         (("arm/report.json",), "SB833", "no file .xml of the report's robot"),
         (("arm", "--limits", "none.json"), "SB834", "cannot be read"),
         (("broken",), "SB833", "report.json is not JSON"),

@@ -9,12 +9,12 @@ from stepbot.assemble import build_robot
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.engines.observation import Observation, Request
 from stepbot.engines.reference import observe_robot
-from stepbot.formats import FORMATS
 from stepbot.revisions.differences import Difference, robot_differences, step_differences
 from stepbot.revisions.snapshot import Snapshot, snapshot
 from stepbot.step.assembly import ReadOptions
 from stepbot.verification.compare import compare
 from stepbot.verification.files import compare_two
+from stepbot.verification.folders import SCENES
 
 from .conversion import Options
 from .loading import Loading
@@ -23,8 +23,6 @@ from .targets import report_missing
 
 _MODEL = "urdf"
 """The format whose conventions both models are described by."""
-_BESIDE = (".drake.sdf", *(written.scene for written in FORMATS.values() if written.scene))
-"""Ends of the names of files that contain the robot of a main file once more."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +63,7 @@ def robot_files(old: Path, new: Path, found: Diagnostics) -> tuple[Path, Path] |
     """
     for path in (old, new):
         if not path.exists():
-            report_missing(path, found, "no such file or folder")
+            report_missing(path, found)
     if found.has_errors:
         return None
     choices = [_by_suffix(path) for path in (old, new)]
@@ -86,7 +84,7 @@ def _by_suffix(path: Path) -> dict[str, Path]:
     """Robot files by suffix, in the order of preference."""
     if not path.is_dir():
         return {path.suffix: path}
-    files = sorted(file for file in path.iterdir() if file.is_file() and not file.name.endswith(_BESIDE))
+    files = sorted(file for file in path.iterdir() if file.is_file() and not file.name.endswith(SCENES))
     return {suffix: file for suffix in (".urdf", ".sdf", ".xml") for file in reversed(files) if file.suffix == suffix}
 
 

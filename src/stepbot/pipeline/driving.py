@@ -50,7 +50,7 @@ def drive(
         progress: Called at the start of each stage.
     """
     if not target.exists():
-        report_missing(target, found, f"no file or folder '{target.as_posix()}'")
+        report_missing(target, found)
         return None
     demanded = read_demands(chosen.limits, found)
     engines = missing_engines(chosen.engines, found)

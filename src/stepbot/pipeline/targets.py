@@ -11,7 +11,7 @@ _SUFFIXES = (*SIDECAR_SUFFIXES, ".urdf", ".sdf", ".xml", ".xacro", ".usda", ".us
 _SHOWN = 5
 
 
-def report_missing(target: Path, found: Diagnostics, what: str = "file not found") -> None:
+def report_missing(target: Path, found: Diagnostics) -> None:
     """Report SB001 with the files beside it that may be meant: similar names, else all that a command takes."""
     try:
         beside = sorted(
@@ -25,4 +25,4 @@ def report_missing(target: Path, found: Diagnostics, what: str = "file not found
         near = (f"did you mean {named}?",) if begun else did_you_mean(target.name, beside)
         listed = ", ".join(f"'{name}'" for name in beside[:_SHOWN]) + (", ..." if beside[_SHOWN:] else "")
         help = list(near) or ([f"files in '{target.parent.as_posix()}': {listed}"] if beside else [])
-    found.add("SB001", what, Span(target.as_posix()), help=help)
+    found.add("SB001", "file not found", Span(target.as_posix()), help=help)

@@ -98,7 +98,7 @@ def _meant(path: Path) -> tuple[str, ...]:
 
 def _reason(path: Path, failure: OSError) -> str:
     if isinstance(failure, FileNotFoundError):
-        return "no such file"
+        return "file not found"
     if isinstance(failure, IsADirectoryError) or path.is_dir():
         return "is a folder, not a file"
     return f"cannot be read: {failure.strerror or failure}"

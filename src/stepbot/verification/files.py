@@ -30,6 +30,7 @@ from .checks import Subject, check_of, checks_without_observation, report_failur
 from .compare import Compared, compare
 from .correspondence import Correspondence
 from .expectation import CONFIGURATIONS, SECONDS, SEED
+from .folders import is_robot_file
 from .joint_rows import joint_rows
 from .merged_observation import Gathered, gather
 from .naming import Naming, moved
@@ -179,8 +180,7 @@ def format_of(path: Path, found: Diagnostics) -> str | None:
     from lxml import etree
 
     span = Span(_key(path))
-    if not path.is_file():
-        found.add("SB001", f"no file '{_key(path)}'", span)
+    if not is_robot_file(path, found):
         return None
     if not path.stat().st_size:
         found.add("SB814", "the file is empty", span)

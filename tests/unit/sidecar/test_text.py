@@ -34,7 +34,7 @@ def test_huge_file_is_not_read(tmp_path: Path, found: Diagnostics) -> None:
     assert [d.code for d in found] == ["SB101"]
 
 
-@pytest.mark.parametrize(("make", "reason"), [(None, "no such file"), ("folder", "is a folder, not a file")])
+@pytest.mark.parametrize(("make", "reason"), [(None, "file not found"), ("folder", "is a folder, not a file")])
 def test_what_cannot_be_read(make: str | None, reason: str, tmp_path: Path, found: Diagnostics) -> None:
     """A missing file and a folder are reported as such."""
     path = tmp_path / "a.robot.yaml"

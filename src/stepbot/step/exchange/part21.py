@@ -96,7 +96,7 @@ def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -
     except IsADirectoryError:
         found.add("SB001", "is a folder, not a STEP file", span, help=_meant(path))
     except FileNotFoundError:
-        found.add("SB001", "no such file", span, help=_meant(path))
+        found.add("SB001", "file not found", span, help=_meant(path))
     except ArchiveFault as fault:
         found.add("SB232", f"the compressed file cannot be read: {fault.reason}", span, help=[fault.help])
     except OSError as error:

@@ -90,7 +90,7 @@ def test_missing_folder_and_unreadable(tmp_path: Path, found: ReadDiagnostics) -
     assert check_step(tmp_path / "none.step", "none.step", found) is None
     assert check_step(tmp_path, "folder", found) is None
     assert [(d.code, d.message) for d in found] == [
-        ("SB001", "no such file"),
+        ("SB001", "file not found"),
         ("SB001", "is a folder, not a STEP file"),
     ]
 

@@ -1,0 +1,50 @@
+"""The robot files in a folder that a conversion wrote, and remedies that name them."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+from stepbot.formats import FORMATS
+
+SCENES = (".drake.sdf", *(written.scene for written in FORMATS.values() if written.scene))
+"""Ends of the names of files that contain the robot of a main file once more."""
+_MANIFEST = "package.xml"
+"""Manifest of a ROS package, with the suffix of an MJCF."""
+_SHOWN = 5
+"""Maximum number of files that a remedy lists."""
+
+
+def main_files(folder: Path) -> list[Path]:
+    """The main files in a folder, URDF first; else those in its folders, as in a ROS 2 package; empty if unreadable."""
+    try:
+        return _main_files(folder.glob("*")) or _main_files(folder.glob("*/*"))
+    except OSError:
+        return []
+
+
+def _main_files(paths: Iterable[Path]) -> list[Path]:
+    order = {written.suffix: place for place, written in enumerate(FORMATS.values())}
+    named = (path for path in paths if path.suffix in order and not path.name.endswith((*SCENES, _MANIFEST)))
+    return sorted(filter(Path.is_file, named), key=lambda path: (order[path.suffix], path.as_posix()))
+
+
+def is_robot_file(path: Path, found: Diagnostics) -> bool:
+    """Whether a path is a file; otherwise SB001 with the robot files in the folder, or beside the missing file."""
+    if path.is_file():
+        return True
+    span = Span(path.as_posix())
+    if path.is_dir():
+        inside = _listed(main_files(path))
+        help = f"use a file in it: {inside}" if inside else "it contains no robot file; `stepbot convert` writes them"
+        found.add("SB001", "is a folder, not a file", span, help=[help])
+        return False
+    beside = main_files(path.parent)
+    near = did_you_mean(path.name, (file.name for file in beside))
+    listed = [f"robot files in '{path.parent.as_posix()}': {_listed(beside)}"] if beside else []
+    found.add("SB001", "file not found", span, help=near or listed)
+    return False
+
+
+def _listed(files: Sequence[Path]) -> str:
+    more = len(files) - _SHOWN
+    return ", ".join(f"'{path.as_posix()}'" for path in files[:_SHOWN]) + (f" and {more} more" if more > 0 else "")
