@@ -217,18 +217,19 @@ def run_conversion(
     driven = None
     with progress_bar((*CONVERSION, "drive") if drive else CONVERSION) as progress:
         conversion = convert(sidecar, options, progress)
+        folder = written_to(conversion, options.output)  # before the drive tests: their findings move no file
         if drive and not conversion.diagnostics.has_errors:
             driven = _driven(conversion, options, progress)
     say_trouble(options.cache, conversion.diagnostics)
     if junit is not None:
         write_junit(junit, [_suite(sidecar, conversion)])
     if as_json:
-        document = _document(conversion, options.output)
+        document = _document(conversion, folder)
         write_json({**document, "drive": _driven_json(driven)} if drive else document)
     else:
         show_diagnostics(conversion.diagnostics, display)
         if not (display.quiet or display.concise):
-            _show(conversion, options.output, display)
+            _show(conversion, folder, display)
             if driven is not None:
                 _show_driven(driven, display)
     return conversion.diagnostics.exit_code
@@ -253,10 +254,10 @@ def _show_driven(driven: "Driven", display: Display) -> None:
     write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
 
 
-def _show(conversion: "Conversion", output: Path, display: Display) -> None:
+def _show(conversion: "Conversion", folder: Path, display: Display) -> None:
     """Print the written files and the verification results."""
     if conversion.files:
-        _show_filled(_files_words(conversion.files, written_to(conversion, output)))
+        _show_filled(_files_words(conversion.files, folder))
     if display.verbose:
         if (report := conversion.report) is not None:
             _show_in_full(report)
@@ -352,14 +353,14 @@ def _suite(sidecar: Path, conversion: "Conversion") -> "Suite":
     return Suite(name, checks, tuple(conversion.diagnostics))
 
 
-def _document(conversion: "Conversion", output: Path) -> dict[str, object]:
+def _document(conversion: "Conversion", folder: Path) -> dict[str, object]:
     """The output of ``--json``."""
     from stepbot.pipeline.conversion import REPORT
 
     report = json.loads(conversion.files[REPORT]) if conversion.files else None
     return {
         "robot": report["robot"]["name"] if report else None,
-        "output": written_to(conversion, output).as_posix() if conversion.files else None,
+        "output": folder.as_posix() if conversion.files else None,
         "files": sorted(conversion.files),
         "report": report,
         "diagnostics": conversion.diagnostics,

@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import engine_of
 from tests.cli.conftest import Stepbot
 from tests.unit.driving.workbench import HORIZONTAL, VERTICAL, gripper, one_joint, written
@@ -105,6 +106,16 @@ def test_bad_input(folder: Path, stepbot: Stepbot, arguments: tuple[str, ...], c
     assert message in found["message"]
 
 
+def test_a_file_of_an_earlier_conversion(folder: Path, stepbot: Stepbot) -> None:
+    """A file that the report does not list is of another state of the robot."""
+    document = json.loads((folder / "arm" / "report.json").read_bytes())
+    document["files"] = [one for one in document["files"] if one["format"] != "mjcf"]
+    (folder / "arm" / "report.json").write_text(json.dumps(document))
+    run = stepbot("drive", "arm", "--engine", "mujoco", "--json")
+    (found,) = json.loads(run.out)["diagnostics"]
+    assert (run.code, found["code"], found["message"]) == (2, "SB833", "no file .xml of the report's robot")
+
+
 def test_unknown_test_and_engine(folder: Path, stepbot: Stepbot) -> None:
     """A misspelt name is a usage error with the nearest one."""
     assert "did you mean 'sweep'" in stepbot("drive", "arm", "--test", "sweeep").err
@@ -139,3 +150,17 @@ def test_plots_are_the_same_bytes_in_two_runs(folder: Path, stepbot: Stepbot) ->
     assert [path.name for path in drawn] == ["drop.svg", "hold.svg"]
     for path in drawn:
         assert path.read_bytes() == (folder / "two" / path.name).read_bytes()
+
+
+def test_files_of_a_conversion_whose_drive_fails(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Failing drive tests move no file: the folder that is printed has them."""
+
+    def fails(target: Path, options: object, chosen: object, found: Diagnostics, progress: object) -> None:
+        found.add("SB832", "stopped", Span(target.as_posix()))
+
+    monkeypatch.setattr("stepbot.pipeline.driving.drive", fails)
+    run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--no-verify", "--drive")
+    assert run.code == 1
+    assert " files in out: arm2.urdf" in run.out
+    assert (arm / "out" / "arm2.urdf").exists()
+    assert json.loads(stepbot("convert", "arm2.robot.yaml", "-o", "out", "--drive", "--json").out)["output"] == "out"

@@ -197,3 +197,22 @@ def test_other_engines_make_no_difference(written: Path, stepbot: Stepbot) -> No
     assert "out/arm2/report.json: error[SB007]" in run.out
     report.write_text("{}", encoding="utf-8")
     assert stepbot("uptodate").code == 1
+
+
+def test_formats_of_an_earlier_run(written: Path, stepbot: Stepbot) -> None:
+    """A conversion to fewer formats names the files that it leaves; the remedies of `uptodate` name these formats."""
+    arguments = ("convert", "arm2.robot.yaml", "-o", "out/arm2", "--no-verify", "-f", "urdf", "--concise")
+    run = stepbot(*arguments)
+    kept = (
+        "out/arm2: note[SB023]: 'arm2.scene.xml', 'arm2.sdf', 'arm2.world.sdf', 'arm2.xml': from an earlier conversion"
+    )
+    assert run.code == 0
+    assert kept in run.err
+    (written / "arm2.urdf").write_bytes(b"")
+    found = json.loads(stepbot("uptodate", "-o", "out/{name}", "-f", "urdf", "--json").out)["diagnostics"]
+    helps = {one["file"].rpartition("/")[2]: one["help"] for one in found if one["code"] == "SB007"}
+    assert helps["arm2.urdf"] == ["`stepbot convert arm2.robot.yaml -o out/arm2 -f urdf`"]
+    assert helps["arm2.sdf"] == ["remove it, or add sdf to `-f` of `uptodate`"]
+    for name in ("arm2.scene.xml", "arm2.sdf", "arm2.world.sdf", "arm2.xml"):
+        (written / name).unlink()
+    assert "SB023" not in stepbot(*arguments).err

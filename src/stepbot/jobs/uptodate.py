@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
+from stepbot.formats import FORMATS, default_formats
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE, Options
 from stepbot.runtime.output_list import MANIFEST, sidecars_of
 
@@ -58,7 +59,7 @@ def check_up_to_date(
     """
     excluded = tuple(exclude)
     folder = options.output
-    remedy = [f"`{shlex.join(['stepbot', 'convert', sidecar.as_posix(), '-o', folder.as_posix()])}`"]
+    remedy = [f"`{shlex.join(_command(sidecar, options))}`"]
     if sidecar.exists() and not folder.is_dir():
         faults = Diagnostics()
         check(sidecar, options, faults)
@@ -79,7 +80,25 @@ def check_up_to_date(
         found.add("SB007", what, Span((folder / name).as_posix()), help=remedy)
     for name in _left_over(expected, folder, sidecar):
         if name != REPORT_PAGE and not _is_excluded(name, excluded):
-            found.add("SB007", "no longer written", Span((folder / name).as_posix()), help=remedy)
+            found.add("SB007", "no longer written", Span((folder / name).as_posix()), help=[_for_left_over(name)])
+
+
+def _command(sidecar: Path, options: Options) -> list[str]:
+    """The command that writes the files."""
+    command = ["stepbot", "convert", sidecar.as_posix(), "-o", options.output.as_posix()]
+    if options.formats != default_formats():
+        command += ["-f", ",".join(options.formats)]
+    if options.ros2:
+        command += ["--ros2", options.package]
+    elif options.package:
+        command += ["--package", options.package]
+    return command + (["--gazebo"] if options.gazebo else [])
+
+
+def _for_left_over(name: str) -> str:
+    """What to do with a file that a conversion would not write."""
+    of_format = next((one.name for one in FORMATS.values() if "/" not in name and name.endswith(one.suffix)), "")
+    return f"remove it, or add {of_format} to `-f` of `uptodate`" if of_format else "remove it"
 
 
 def _expected(

@@ -137,6 +137,7 @@ def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
     found, failed = conversion.diagnostics, failed_output(output)
     if not found.has_errors:
         _report_replaced(conversion.files, output, found)
+        _report_earlier(conversion.files, output, found)
     try:
         write_atomically(conversion.files, failed if found.has_errors else output, sidecar, found, conversion.hashes)
     except StepbotError as error:
@@ -160,4 +161,19 @@ def _report_replaced(files: Mapping[str, bytes], output: Path, found: Diagnostic
         f"the folder has files of {names}, too, and {REPORT} is of one robot",
         Span((output / REPORT).as_posix()),
         help=("convert each robot into a folder of its own: `-o FOLDER`",),
+    )
+
+
+def _report_earlier(files: Mapping[str, bytes], output: Path, found: Diagnostics) -> None:
+    """Report files of the robot that an earlier run wrote in formats that this one does not write (SB023)."""
+    from stepbot.runtime.output import earlier_files
+
+    if not (earlier := earlier_files(files, output)):
+        return
+    names = ", ".join(f"'{name}'" for name in earlier)
+    found.add(
+        "SB023",
+        f"{names}: from an earlier conversion, not written again",
+        Span(output.as_posix()),
+        help=("convert without `-f`, remove the files, or choose another folder: `-o FOLDER`",),
     )

@@ -134,14 +134,20 @@ def _report(folder: Path, target: Path, found: Diagnostics) -> dict[str, Any] | 
     if not isinstance(document, dict) or not isinstance(document.get("robot"), dict):
         found.add("SB833", f"{REPORT} has no robot", Span((folder / REPORT).as_posix()))
         return None
+    if not isinstance(document.get("files"), list):
+        found.add(
+            "SB833", f"{REPORT} is not the report of a robot: no list of files", Span((folder / REPORT).as_posix())
+        )
+        return None
     return document
 
 
 def _files(document: Mapping[str, Any], folder: Path, target: Path, engines: Iterable[str]) -> dict[str, Path]:
     """For each engine the file that it drives."""
     name = str(document["robot"].get("name", ""))
+    listed = {one.get("path") for one in document["files"] if isinstance(one, Mapping)}
     found = {engine: folder / f"{name}{_suffix(engine)}" for engine in engines}
-    chosen = {engine: path for engine, path in found.items() if path.is_file()}
+    chosen = {engine: path for engine, path in found.items() if path.is_file() and path.name in listed}
     if target.is_dir():
         return chosen
     return {engine: path for engine, path in chosen.items() if path.name == target.name}

@@ -137,6 +137,13 @@ def other_robots(files: Mapping[str, bytes], folder: Path) -> tuple[str, ...]:
     return tuple(sorted({_robot_of(name) for name in _of_others(top_files(files), read_manifest(folder), folder)}))
 
 
+def earlier_files(files: Mapping[str, bytes], folder: Path) -> tuple[str, ...]:
+    """Files of the same robot at the top of a folder that an earlier run wrote and this one does not, sorted."""
+    ours = set(map(_robot_of, top_files(files)))
+    others = (name for name in read_manifest(folder) if name not in files and not name.endswith(".json"))
+    return tuple(sorted(name for name in others if _robot_of(name) in ours and (folder / name).exists()))
+
+
 def stamp(folder: Path) -> None:
     """Touch the list of an output folder after a run without changes, so that it is newer than all input.
 

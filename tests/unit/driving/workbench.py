@@ -15,7 +15,7 @@ from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose
 from stepbot.report.document import report_bytes
-from stepbot.report.record import Report
+from stepbot.report.record import Content, Report, WrittenFile
 from stepbot.robot.model import (
     Actuator,
     ActuatorKind,
@@ -97,8 +97,11 @@ def files_of(robot: Robot, folder: Path) -> dict[str, Path]:
 
 def written(robot: Robot, folder: Path) -> None:
     """Write a robot as ``stepbot convert`` does: its MJCF, its URDF and the report."""
-    files_of(robot, folder)
-    (folder / "report.json").write_bytes(report_bytes(Report(robot=robot), ()))
+    names = {"mujoco": "mjcf", "pybullet": "urdf"}
+    files = tuple(
+        WrittenFile(path.name, names[engine], Content.ROBOT) for engine, path in files_of(robot, folder).items()
+    )
+    (folder / "report.json").write_bytes(report_bytes(Report(robot=robot, files=files), ()))
 
 
 def stage_of(robot: Robot, engine: str, folder: Path) -> Stage:

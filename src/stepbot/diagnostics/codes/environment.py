@@ -196,4 +196,13 @@ CODES = (
         "actuators from it.",
         "Convert each robot into a folder of its own.",
     ),
+    Code(
+        "SB023",
+        "note",
+        "files of an earlier conversion kept",
+        "The output folder has files of the robot in formats that this conversion does not write.",
+        "If the input has changed since, these files are of another state of it than the new ones. `report.json` is about "
+        "the new ones alone.",
+        "Convert to all formats that are needed in one run, or remove the files.",
+    ),
 )
