@@ -3,24 +3,38 @@
 from collections.abc import Mapping
 from itertools import count
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostic, Diagnostics
 
 from .located import Sidecar
 
 
 def check_connections(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB450 self-connections, SB451 two parents, SB452 cycles, SB453 disconnected links, SB454 invalid root."""
-    above = _joint_above_each_link(sidecar, found)
+    """Report SB450 self-connections, SB451 two parents, SB452 cycles, SB453 disconnected links, SB454 invalid root.
+
+    A joint with a wrong child leaves one link without a parent, so that this many disconnected links are notes of
+    SB450 and SB451 instead of errors of their own.
+    """
+    above, misplaced = _joint_above_each_link(sidecar)
     joints = sidecar.document.joints
     cycles = [ring[::-1] for ring in rings({link: joints[joint].parent for link, joint in above.items()})]
     for cycle in cycles:
         _report_cycle(sidecar, cycle, above, found)
-    _check_roots(sidecar, above, {link for cycle in cycles for link in cycle}, found)
+    _check_root(sidecar, above, {link for cycle in cycles for link in cycle}, found)
+    root, loose = _disconnected(sidecar, above)
+    consequences = [f"not connected to the root '{root}': link '{link}'" for link in loose]
+    explained = len(loose) <= len(misplaced)
+    for one in misplaced:
+        notes = (*one.notes, *consequences) if explained else one.notes
+        found.add(one.code, one.message, one.span, help=one.help, notes=notes)
+    for link in () if explained else loose:
+        message = f"link '{link}': not connected to the root '{root}'"
+        found.add("SB453", message, sidecar.key_span("links", link), help=_ways_to_connect(sidecar, link, root))
 
 
-def _joint_above_each_link(sidecar: Sidecar, found: Diagnostics) -> dict[str, str]:
-    """The parent joint of each link; the first one in the file."""
+def _joint_above_each_link(sidecar: Sidecar) -> tuple[dict[str, str], list[Diagnostic]]:
+    """The parent joint of each link, the first one in the file; SB450 and SB451 of the other joints."""
     above: dict[str, str] = {}
+    found = Diagnostics()
     for name, joint in sidecar.document.joints.items():
         if joint.parent == joint.child:
             message = f"joint '{name}': parent and child are both '{joint.child}'"
@@ -34,7 +48,7 @@ def _joint_above_each_link(sidecar: Sidecar, found: Diagnostics) -> dict[str, st
             found.add("SB451", message, sidecar.span("joints", name, "child"), help=help, notes=notes)
         else:
             above[joint.child] = name
-    return above
+    return above, list(found)
 
 
 def rings(successor: Mapping[str, str]) -> list[list[str]]:
@@ -63,25 +77,28 @@ def _report_cycle(sidecar: Sidecar, cycle: list[str], above: dict[str, str], fou
     found.add("SB452", f"joint '{last}': cycle in the joint tree: {ring}", sidecar.key_span("joints", last), help=help)
 
 
-def _check_roots(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], found: Diagnostics) -> None:
+def _check_root(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], found: Diagnostics) -> None:
     document = sidecar.document
-    roots = [link for link in document.links if link not in above]
     root = document.root.link if document.root is not None else None
     if root is not None and root in above and root not in in_cycles:
         joint = above[root]
         message = f"root: link '{root}' is the child of joint '{joint}'"
         help = [f"the root of its tree is link '{top}'" for top in _tops(sidecar, above, root)]
         found.add("SB454", message, sidecar.span("root", "link"), help=help)
+
+
+def _disconnected(sidecar: Sidecar, above: dict[str, str]) -> tuple[str, list[str]]:
+    """The root, and the other links without a parent."""
+    document = sidecar.document
+    roots = [link for link in document.links if link not in above]
     misspelt = any(joint.child not in document.links for joint in document.joints.values())
     if len(roots) < 2 or misspelt:  # a link that a misspelt child refers to is not a root
-        return
+        return "", []
+    root = document.root.link if document.root is not None else None
     if root not in roots:
         counts = _counts_below(sidecar, roots)
         root = max(roots, key=lambda link: counts[link])
-    for link in roots:
-        if link != root:
-            message = f"link '{link}': not connected to the root '{root}'"
-            found.add("SB453", message, sidecar.key_span("links", link), help=_ways_to_connect(sidecar, link, root))
+    return root, [link for link in roots if link != root]
 
 
 def _ways_to_connect(sidecar: Sidecar, link: str, root: str) -> list[str]:

@@ -75,6 +75,15 @@ def test_one_joint_less_is_found(tree: tuple[int, list[tuple[int, int]]], data: 
     assert codes(robot(links, joints)) == ["SB453"]
 
 
+def test_disconnected_links_are_notes_of_the_joint_that_causes_them() -> None:
+    """A joint with a wrong child is the error; what it leaves disconnected is a note. Further links are errors."""
+    (cause,) = checked(robot(3, [(0, 1), (0, 0)]))
+    assert (cause.code, cause.notes) == ("SB450", ("not connected to the root 'l0': link 'l2'",))
+    (cause,) = checked(robot(3, [(0, 1), (0, 1)]))
+    assert (cause.code, cause.notes[1:]) == ("SB451", ("not connected to the root 'l0': link 'l2'",))
+    assert sorted(codes(robot(4, [(0, 1), (0, 1)]))) == ["SB451", "SB453", "SB453"]
+
+
 @given(tree=trees(), data=st.data())
 def test_only_the_root_is_the_root(tree: tuple[int, list[tuple[int, int]]], data: st.DataObject) -> None:
     """Naming a link as root that has a parent is an error."""
