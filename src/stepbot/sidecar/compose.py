@@ -38,6 +38,8 @@ STAR = "\ue000"
 _TEXT_TAGS = ("!", "tag:yaml.org,2002:str")
 _INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
 _FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_OPENED_IN_KEY = re.compile(r"(?P<key>[^\W\d][\w-]*)(?P<between> +|:)(?P<value>\{[^}]*|\[[^\]]*)")
+"""A key such as ``base {rest`` of ``base {rest: true}``, which is YAML, and not what is meant."""
 _WORDS: dict[str, bool | float | None] = {
     **dict.fromkeys(("", "~", "null", "Null", "NULL"), None),
     **dict.fromkeys(("true", "True", "TRUE"), True),
@@ -156,8 +158,12 @@ class _Composer:
         merged: list[Mapping] = []
         while not isinstance(item := next(self._events), MappingEndEvent):
             key, key_span = self._key(item)
+            opened = _OPENED_IN_KEY.fullmatch(key or "") if isinstance(item, ScalarEvent) and not item.style else None
+            key = opened["key"] if opened else key
             self._keys.append(key if key is not None else "?")
             value = self._value(next(self._events))
+            if opened:
+                value = self._without_colon(opened, key_span)
             if key == "<<" and isinstance(item, ScalarEvent) and not item.style:
                 merged += self._merged(value)
             elif key is None:
@@ -175,6 +181,13 @@ class _Composer:
         size = 1 + sum(entry.value.size for entry in own) + sum(source.size for source in merged)
         depth = 1 + max((entry.value.depth for entry in entries.values()), default=0)
         return Mapping(self._span(event, item), entries, size, depth)
+
+    def _without_colon(self, key: re.Match[str], span: Span) -> Scalar:
+        """Report a key that contains the bracket of its value; the value is unknown."""
+        what = "missing colon" if key["between"].isspace() else "missing space after the colon"
+        line = self._lines[span.line - 1][span.column - 1 + key.start("value") :]
+        self._fault("SB104", what, span, [f"write `{key['key']}: {line}`"])
+        return Scalar(span, "", "", faulty=True)
 
     def _key(self, event: Any) -> tuple[str | None, Span]:
         """A key verbatim, so that ``1`` and ``on`` can be names; None if it cannot be a key."""

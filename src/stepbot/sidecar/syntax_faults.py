@@ -7,6 +7,7 @@ line numbers, and the text is parsed again.
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from ruamel.yaml.error import MarkedYAMLError, StringMark
 
@@ -59,8 +60,9 @@ def compose_around_faults(text: str, file: str, found: Diagnostics) -> Composed:
             fault = _Fault(failure, lines, file)
             section = fault.section()
             found.extend(d for d in attempt if d.span.line - 1 in section)
-            # An unquoted path is reported at its position, together with the parser's error on the same line.
-            if spoiled.isdisjoint(section) and (fault.line, "SB106") not in {(d.span.line, d.code) for d in found}:
+            # An unquoted path or a missing colon is reported at its position, not with the parser's error as well.
+            reported = any(d.span.line == fault.line and d.code in ("SB104", "SB106") for d in found)
+            if spoiled.isdisjoint(section) and not reported:
                 fault.report(found)
             if budget < len(text) or fault.ends_document or not _blank(lines, section):
                 return Composed(None, False)
@@ -146,12 +148,15 @@ class _Fault:
         self._problem, self._context = str(failure.problem or ""), str(failure.context or "")
         self._mark = _clipped(failure.problem_mark or failure.context_mark, lines)
         self._start = _clipped(failure.context_mark, lines) if failure.context_mark else self._mark
+        self._keyless = _keyless_line(self._problem, self._mark, self._start, lines)
         self.line = self._mark[0] + 1
-        self.ends_document = "<document start>" in self._problem
+        self.ends_document = "<document start>" in self._problem and not self._keyless
 
     def section(self) -> range:
         """Lines, from 0, of the top-level section that the error is in."""
         spoiled = self._start[0] if self._is_unclosed() else self._mark[0]
+        if self._keyless:
+            spoiled = self._keyless.line
         starts = [n for n, line in enumerate(self._lines) if _TOP_LEVEL_KEY.match(line)]
         first = max((n for n in starts if n <= spoiled), default=0)
         last = min((n for n in starts if n > spoiled), default=len(self._lines))
@@ -164,6 +169,10 @@ class _Fault:
             span = self._span(self._mark[0], self._lines[self._mark[0]].index(path), len(path))
             help = [f'quote paths that start with *: "{path}"']
             found.add("SB106", f"sidecar: undefined alias {path}", span, help=help)
+            return
+        if self._keyless:
+            line, column, message, remedy = self._keyless
+            found.add("SB104", f"sidecar: {message}", self._span(line, column), help=[remedy])
             return
         message, help = self._message()
         place = self._start if self._is_unclosed() else self._mark
@@ -183,8 +192,6 @@ class _Fault:
         if match := re.search(r"character '(.+)' that cannot start", problem):
             return f"value starts with the reserved character {match[1]}", ["quote the text"]
         if "mapping values are not allowed" in problem:
-            if glued := re.match(r"\s*(?P<key>[^\s:'\"{\[]+):(?P<value>[{\[].*)", line):
-                return "missing space after a colon", [f"write `{glued['key']}: {glued['value']}`"]
             return "unexpected colon", [
                 "quote text that contains ': '",
                 "or the line above lacks a colon, or this line is indented too far",
@@ -228,6 +235,46 @@ class _Fault:
 
     def _span(self, line: int, column: int, width: int = 1) -> Span:
         return Span(self._file, line + 1, column + 1, column + 1 + width)
+
+
+class _Keyless(NamedTuple):
+    """A line that YAML takes for text, because its colon or the space after it is missing."""
+
+    line: int
+    column: int
+    message: str
+    remedy: str
+
+
+_GLUED = re.compile(r"(?P<indent> *)(?P<key>[^\W\d][\w-]*):(?P<value>[^\s:/].*?)(\s+#.*)?")
+_NO_COLON = re.compile(r"(?P<indent> *)(?P<key>[^\W\d][\w-]*) +(?P<value>[\[{].*?|[^\s:#]+)(\s+#.*)?")
+
+
+def _keyless_line(problem: str, mark: tuple[int, int], start: tuple[int, int], lines: Sequence[str]) -> _Keyless | None:
+    """The line that causes an error at a mark, if it lacks a colon or the space after it.
+
+    The error is at the colon of the next key, because the text continues there, or at a bracket in the line itself.
+    """
+    above = [n for n in range(mark[0]) if lines[n].strip() and not lines[n].lstrip().startswith("#")][-1:]
+    if "could not find expected ':'" in problem:
+        suspects = [start[0]]
+    elif "mapping values are not allowed" in problem:
+        is_first_colon = ":" not in lines[mark[0]][: mark[1]]
+        suspects = [mark[0], *(above if is_first_colon else [])]
+    elif "<document start>" in problem:
+        suspects = [mark[0], *above]
+    elif "<block end>" in problem:
+        suspects = [mark[0]]
+    else:
+        return None
+    for number in suspects:
+        if glued := _GLUED.fullmatch(lines[number]):
+            remedy = f"write `{glued['key']}: {glued['value']}`"
+            return _Keyless(number, glued.start("value"), f"missing space after the colon of '{glued['key']}'", remedy)
+        if bare := _NO_COLON.fullmatch(lines[number]):
+            remedy = f"write `{bare['key']}: {bare['value']}`"
+            return _Keyless(number, bare.end("key"), f"missing colon of '{bare['key']}'", remedy)
+    return None
 
 
 def _backslash_remedy(line: str, column: int) -> str:

@@ -21,6 +21,14 @@ FILE = "a.robot.yaml"
         ("a: 'x\n", 1, 4, "unclosed quote"),
         ("a: x: y\n", 1, 5, "unexpected colon"),
         ("a\nb: 3\n", 2, 2, "unexpected colon"),
+        ("a:1\nb: 3\n", 1, 3, "missing space after the colon of 'a'"),
+        ("a:1\n# c\n\nb: 3\n", 1, 3, "missing space after the colon of 'a'"),
+        ("b: 3\na:so101\nc: 4\n", 2, 3, "missing space after the colon of 'a'"),
+        ("b: 3\na so101\nc: 4\n", 2, 2, "missing colon of 'a'"),
+        ("a:{x: 1, y: 2}\n", 1, 1, "missing space after the colon"),
+        ("a:\n  c: 4\n  base [x, y]\n", 3, 7, "missing colon of 'base'"),
+        ("a:\n  type:ball\n  c: 4\n", 2, 8, "missing space after the colon of 'type'"),
+        ("a: some\n  more text\nb: c: d\n", 3, 5, "unexpected colon"),
         ("a:\n  x: 1\n y: 2\n", 3, 2, "inconsistent indentation"),
         ("a:\n  - x\n   - y\n  z: 1\n", 4, 3, "inconsistent indentation"),
         ("a: @x\n", 1, 4, "value starts with the reserved character @"),
@@ -48,6 +56,41 @@ def test_sections_around_faults_are_read() -> None:
     assert composed.tree is not None
     assert plain_data(composed.tree) == {"b": 2, "d": {"e": 5}}
     assert [(d.span.line, d.span.column) for d in found] == [(1, 4), (3, 8), (6, 4)]
+
+
+def test_lines_without_a_key_are_reported_one_by_one() -> None:
+    """Each is reported once with the line to write, and the sections around them are read."""
+    found = Diagnostics()
+    composed = compose_around_faults(
+        "version:1\nrobot:so101\nstep: a\nlinks:\n  b [rest, true]\n  d: 1\nc: 4\n", FILE, found
+    )
+    assert composed.tree is not None
+    assert plain_data(composed.tree) == {"step": "a", "c": 4}
+    assert [(d.span.line, d.help) for d in found] == [
+        (2, ("write `robot: so101`",)),
+        (1, ("write `version: 1`",)),
+        (5, ("write `b: [rest, true]`",)),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "remedy"),
+    [
+        ("links:\n  base {rest: true}\n", "link 'base': missing colon", "write `base: {rest: true}`"),
+        (
+            "links:\n  base:{rest: true}\n",
+            "link 'base': missing space after the colon",
+            "write `base: {rest: true}`",
+        ),
+        ("links:\n  'base {rest': 1\n", "", ""),
+        ("links:\n  finger [ab]: 1\n", "", ""),
+    ],
+)
+def test_brackets_in_keys(text: str, message: str, remedy: str) -> None:
+    """``base {rest`` would be a key of YAML; quoted, and with both brackets, it is one."""
+    found = Diagnostics()
+    compose_around_faults(text, FILE, found)
+    assert [(d.code, d.message, *d.help) for d in found] == ([("SB104", message, remedy)] if message else [])
 
 
 def test_tabs_are_reported_line_by_line() -> None:
