@@ -13,6 +13,7 @@ from .caching import say_trouble
 from .columns import table_lines
 from .command import Command, display_options, ignore_option, json_option
 from .counts import counted
+from .descriptions import package_path_option
 from .diagnostic_text import printable
 from .progress import progress_bar
 from .reading import reading_options
@@ -45,6 +46,7 @@ _HEADINGS = ("class", "links", "poses", "first overlap")
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @ignore_option
 @reading_options
+@package_path_option
 @json_option
 @display_options
 def command(

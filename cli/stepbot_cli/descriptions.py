@@ -17,24 +17,34 @@ _base_option = click.option(
     type=click.Choice(["fixed", "floating"]),
     help="Whether the base of a converted URDF is fixed to the world: the format does not say.",
 )
-_package_path_option = click.option(
+folders_option = click.option(
     "--package-path",
     "package_path",
     multiple=True,
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Folder of a package, or of packages, that a converted file names in package:// or model://; may be repeated.",
+    help="Folder of a package, or of packages, that a description names in package:// or model://; may be repeated.",
 )
 
 
-def description_options(command: Callable[..., int]) -> Callable[..., int]:
-    """Add ``--base`` and ``--package-path`` to the ``options`` that :func:`.reading.reading_options` makes."""
+def package_path_option(command: Callable[..., int]) -> Callable[..., int]:
+    """Add ``--package-path`` to the ``options`` that :func:`.reading.reading_options` makes."""
 
     @wraps(command)
-    def with_options(*, options: "Options", base: str | None, package_path: tuple[Path, ...], **others: Any) -> int:
-        return command(options=options._replace(base=base or "", package_path=package_path), **others)
+    def with_packages(*, options: "Options", package_path: tuple[Path, ...], **others: Any) -> int:
+        return command(options=options._replace(package_path=package_path), **others)
 
-    return _base_option(_package_path_option(with_options))
+    return folders_option(with_packages)
+
+
+def description_options(command: Callable[..., int]) -> Callable[..., int]:
+    """Add ``--base`` and ``--package-path``, too."""
+
+    @wraps(command)
+    def with_base(*, options: "Options", base: str | None, **others: Any) -> int:
+        return command(options=options._replace(base=base or ""), **others)
+
+    return package_path_option(_base_option(with_base))
 
 
 def reject_descriptions(what: str, paths: Iterable[Path]) -> None:

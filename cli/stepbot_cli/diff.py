@@ -14,6 +14,7 @@ from .caching import say_trouble
 from .columns import wrapped_rows
 from .command import Command, display_options, json_option
 from .counts import counted
+from .descriptions import package_path_option
 from .diagnostic_text import paint, printable
 from .progress import progress_bar
 from .reading import reading_options
@@ -37,6 +38,7 @@ _HEADINGS = ("difference", "what", "how")
 @click.argument("old", type=click.Path(path_type=Path))
 @click.argument("new", type=click.Path(path_type=Path))
 @reading_options
+@package_path_option
 @json_option
 @display_options
 def command(options: "Options", old: Path, new: Path, as_json: bool, display: Display) -> int:

@@ -12,6 +12,7 @@ from stepbot.driving.names import ENGINES, TESTS
 
 from .caching import say_trouble
 from .command import Command, display_options, json_option, names_option
+from .descriptions import package_path_option
 from .drive_table import driven_json, driven_lines
 from .picture_file import require_plots
 from .progress import progress_bar
@@ -53,6 +54,7 @@ def _known(given: tuple[str, ...], known: Collection[str], noun: str) -> tuple[s
     "--plots", type=click.Path(path_type=Path), metavar="DIR", help="Draw the curves of each test, as SVG files in DIR."
 )
 @reading_options
+@package_path_option
 @json_option
 @display_options
 def command(

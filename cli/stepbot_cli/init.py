@@ -12,6 +12,7 @@ from stepbot.diagnostics import Diagnostics, Span
 from .caching import say_trouble
 from .command import Command, display_options, json_option
 from .convert import default_output
+from .descriptions import package_path_option
 from .progress import progress_bar
 from .questions import asked
 from .reading import reading_options
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
 @click.option("--force", is_flag=True, help="Overwrite an existing sidecar.")
 @click.option("-i", "--interactive", is_flag=True, help="Ask for the root link and the types of uncertain joints.")
 @reading_options
+@package_path_option
 @json_option
 @display_options
 def command(

@@ -10,6 +10,7 @@ from stepbot.diagnostics import Diagnostics, Span
 
 from .caching import say_trouble
 from .command import Command, display_options, json_option
+from .descriptions import package_path_option
 from .joint_positions import joint_option, position_words, read_positions
 from .picture_file import checked_picture_name, picture_lines, require_packages, write_picture
 from .progress import progress_bar
@@ -88,6 +89,7 @@ def _view(context: click.Context, option: click.Parameter, text: str) -> "View":
     help="N x N rays for each pixel; more give less noise.",
 )
 @reading_options
+@package_path_option
 @json_option
 @display_options
 def command(

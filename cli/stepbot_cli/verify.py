@@ -7,6 +7,7 @@ import click
 from stepbot.diagnostics import Diagnostics, Ignore, Span
 
 from .command import Command, display_options, ignore_option, json_option
+from .descriptions import folders_option
 from .engines import limit_options, require_option
 from .joint_table import show_joint_rows
 from .junit import junit_option, write_junit
@@ -25,6 +26,7 @@ from .terminal import Display, show_diagnostics, write_json
 @require_option
 @ignore_option
 @limit_options
+@folders_option
 @junit_option
 @json_option
 @display_options
@@ -35,6 +37,7 @@ def command(
     require: tuple[str, ...],
     timeout: float,
     memory_limit: int | None,
+    package_path: tuple[Path, ...],
     junit: Path | None,
     as_json: bool,
     display: Display,
@@ -53,7 +56,9 @@ def command(
     found.ignore(Ignore(code, Span("stepbot")) for code in ignore)
     with progress_bar(("verify",)) as progress:
         progress("verify")
-        report = verify_files(files, found, require=require, timeout=timeout, memory_limit=memory_limit)
+        report = verify_files(
+            files, found, require=require, timeout=timeout, memory_limit=memory_limit, packages=package_path
+        )
     if strict:
         found.make_strict()
     document = report_document(report, found)

@@ -14,6 +14,7 @@ from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from .caching import say_trouble
 from .command import Command, display_options, json_option
 from .convert import default_output
+from .descriptions import package_path_option
 from .diagnostic_text import printable, summary
 from .progress import progress_bar
 from .reading import reading_options
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 )
 @click.option("--no-verify", is_flag=True, help="Do not load the files in engines.")
 @reading_options
+@package_path_option
 @json_option
 @display_options
 def command(

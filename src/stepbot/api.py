@@ -205,6 +205,7 @@ def verify(
     ignore: Iterable[str] = (),
     timeout: float = DEFAULT_TIMEOUT,
     memory_limit: int | None = None,
+    package_path: Iterable[AnyPath] = (),
 ) -> Verification:
     """Load URDF, SDFormat and MJCF files in all engines and compare the results: ``stepbot verify``.
 
@@ -215,6 +216,7 @@ def verify(
         ignore: Codes of warnings and notes to suppress.
         timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
+        package_path: Folders of the packages that a URDF or SDFormat names in ``package://`` and ``model://``.
 
     Returns:
         The report with every check, and the diagnostics.
@@ -224,7 +226,12 @@ def verify(
     found = Diagnostics()
     found.ignore(Ignore(code, Span("stepbot")) for code in ignore)
     report = verify_files(
-        [Path(file) for file in files], found, require=require, timeout=timeout, memory_limit=memory_limit
+        [Path(file) for file in files],
+        found,
+        require=require,
+        timeout=timeout,
+        memory_limit=memory_limit,
+        packages=tuple(map(Path, package_path)),
     )
     if strict:
         found.make_strict()

@@ -1,15 +1,57 @@
-"""A copy of a description that every engine can read; to be called in a worker process."""
+"""Copies of descriptions that every engine can read; to be called in a worker process."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
+from .observation import EngineRefused
 from .resources import resolve
 from .urdf_chains import ChainNames, with_chains
 from .xml_root import xml_root
 
 Element = Any
 """``lxml.etree._Element``."""
+
+
+class MissingMesh(NamedTuple):
+    """A mesh that a description names, and that does not exist."""
+
+    uri: str
+    line: int
+
+
+def located_copy(file: str, copy: str, packages: Iterable[Path]) -> tuple[MissingMesh, ...]:
+    """Write a copy with absolute paths of meshes, if a mesh is in a package: PyBullet does not search for packages.
+
+    Args:
+        file: A URDF or SDFormat.
+        copy: Path of the copy.
+        packages: Folders of packages.
+
+    Returns:
+        The meshes that were not found, each once, with the first line that names it; empty for a file that is not XML,
+        which engines report.
+    """
+    from lxml import etree
+
+    try:
+        top = xml_root(Path(file))
+    except EngineRefused:
+        return ()
+    named = {uri: element.sourceline or 0 for element, uri in reversed(list(_meshes(top)))}
+    missing = [MissingMesh(uri, line) for uri, line in named.items() if resolve(uri, Path(file), packages) is None]
+    if any(uri.startswith(("package://", "model://")) for uri in named) and len(missing) < len(named):
+        _locate(top, Path(file), packages)
+        Path(copy).write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
+    return tuple(sorted(missing, key=lambda one: (one.line, one.uri)))
+
+
+def _meshes(top: Element) -> Iterator[tuple[Element, str]]:
+    """The elements that name a mesh, and its name."""
+    for element in top.iter("mesh"):
+        uri = element.get("filename", "") or (element.findtext("uri") or "").strip()
+        if uri:
+            yield element, uri
 
 
 def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[str, ChainNames]) -> None:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from stepbot.described.finding import NOT_SHOWN
 from stepbot.described.robot import robot_of_description
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
@@ -55,12 +56,25 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
     return description
 
 
-def described_robot(path: Path, options: Options, found: Diagnostics) -> Robot | None:
-    """The robot of a URDF, SDFormat or MJCF; None after an error. What of it is not shown is reported (SB825)."""
+def described_robot(path: Path, options: Options, found: Diagnostics, *, drawn: bool = True) -> Robot | None:
+    """The robot of a URDF, SDFormat or MJCF; None after an error.
+
+    Args:
+        path: The description.
+        options: Time and memory limits.
+        found: Receives the diagnostics.
+        drawn: Whether it is for a picture, where shapes and joints that are not shown are reported as SB825; otherwise
+            they are errors.
+    """
     description = read_description(path, options, found)
     if description is None or found.has_errors:
         return None
-    described = robot_of_description(description, path.stem, path.name, drawn=True)
+    described = robot_of_description(description, path.stem, path.name, drawn=drawn)
+    if not drawn:
+        lacking = [one for one in described.findings if one.code in NOT_SHOWN]
+        for one in lacking:
+            found.add(one.code, one.text, Span(path.as_posix()))
+        return None if lacking else described.robot
     if described.missing:
         count = len(described.missing)
         message = f"{count} {'detail' if count == 1 else 'details'} of the file not shown"

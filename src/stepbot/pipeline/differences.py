@@ -52,7 +52,14 @@ def differing_sidecars(old: Path, new: Path, options: Options, found: Diagnostic
 
 def differing_robots(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
     """Compare two robot files as engines load them; None after errors."""
-    results = compare_two(old, new, found, timeout=options.timeout, memory_limit=options.memory_limit)
+    results = compare_two(
+        old,
+        new,
+        found,
+        timeout=options.timeout,
+        memory_limit=options.memory_limit,
+        packages=options.package_path,
+    )
     return None if results is None else Differences(old.as_posix(), new.as_posix(), robot_differences(results))
 
 

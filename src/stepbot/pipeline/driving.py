@@ -16,6 +16,7 @@ from stepbot.formats import FORMATS
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
 from stepbot.verification.admission import admitted
+from stepbot.verification.located import located
 
 from .conversion import REPORT, Options
 from .sidecars import SIDECAR_SUFFIXES
@@ -63,7 +64,8 @@ def drive(
                 return None
             target = folder
         progress("drive")
-        return _drive_written(target, engines, demanded, chosen.tests, options, found)
+        copies = Path(kept.enter_context(TemporaryDirectory(dir=run_folder())))
+        return _drive_written(target, engines, demanded, chosen.tests, copies, options, found)
 
 
 def read_demands(path: Path | None, found: Diagnostics) -> Demands | None:
@@ -98,9 +100,15 @@ def _convert(
 
 
 def _drive_written(
-    target: Path, engines: Iterable[str], demanded: Demands, tests: Iterable[str], options: Options, found: Diagnostics
+    target: Path,
+    engines: Iterable[str],
+    demanded: Demands,
+    tests: Iterable[str],
+    copies: Path,
+    options: Options,
+    found: Diagnostics,
 ) -> Driven | None:
-    """Drive a folder, or one file of a folder."""
+    """Drive a folder, or one file of a folder; ``copies`` receives files with absolute paths of meshes in packages."""
     folder = target if target.is_dir() else target.parent
     document = _report(folder, target, found)
     if document is None:
@@ -114,6 +122,10 @@ def _drive_written(
     timeout, memory_limit = options.timeout, options.memory_limit
     if len(admitted(formats, found, timeout=timeout, memory_limit=memory_limit)) < len(formats):
         return None
+    places = located(formats, options.package_path, copies, found, timeout=timeout, memory_limit=memory_limit)
+    if len(places) < len(formats):
+        return None
+    files = {engine: places[path] for engine, path in files.items()}
     try:
         return drive_files(document, files, demanded, found, tests=tests, timeout=timeout, memory_limit=memory_limit)
     except (KeyError, TypeError, ValueError) as error:

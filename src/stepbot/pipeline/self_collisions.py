@@ -38,7 +38,7 @@ def search(
         if target.suffix.lower() in SIDECAR_SUFFIXES:
             robot, wanted = _built(target, options, found)
         else:
-            described = described_robot(target, options, found)
+            described = described_robot(target, options, found, drawn=False)
             if described is None:
                 return None
             robot = described

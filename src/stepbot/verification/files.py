@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import configurations, rates
 from stepbot.robot.model import Link, Robot
 from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.temporary import run_folder
 
 from .admission import admitted
 from .checks import Subject, check_of, checks_without_observation, report_failure, report_unread
@@ -32,6 +34,7 @@ from .correspondence import Correspondence
 from .expectation import CONFIGURATIONS, SECONDS, SEED
 from .folders import is_robot_file
 from .joint_rows import joint_rows
+from .located import located
 from .merged_observation import Gathered, gather
 from .naming import Naming, moved
 from .normalized import normalized
@@ -69,6 +72,7 @@ def verify_files(
     require: Iterable[str] = (),
     timeout: float = DEFAULT_TIMEOUT,
     memory_limit: int | None = None,
+    packages: Iterable[Path] = (),
 ) -> Report:
     """Load every file in every engine that reads it, and compare the observations.
 
@@ -78,10 +82,11 @@ def verify_files(
         require: Engines whose absence is an error.
         timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of each engine; None for no limit.
+        packages: Folders of the packages that the files name, or the folders that contain them.
     """
     required = tuple(require)
     check_required(required, found)
-    asked, outcomes = observed(paths, found, timeout=timeout, memory_limit=memory_limit)
+    asked, outcomes = observed(paths, found, timeout=timeout, memory_limit=memory_limit, packages=tuple(packages))
     check_started(required, outcomes, found)
     checks = judge(outcomes, asked, found)
     versions = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
@@ -104,6 +109,7 @@ def compare_two(
     *,
     timeout: float = DEFAULT_TIMEOUT,
     memory_limit: int | None = None,
+    packages: Iterable[Path] = (),
 ) -> "tuple[Compared, ...] | None":
     """Compare one file with another in everything that engines report of both; None if either cannot be read.
 
@@ -113,9 +119,12 @@ def compare_two(
         found: Receives the errors of files that cannot be read.
         timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of each engine; None for no limit.
+        packages: Folders of the packages that the files name, or the folders that contain them.
     """
     reported = Diagnostics()
-    asked, outcomes = observed((old, new), reported, timeout=timeout, memory_limit=memory_limit, count=1, seconds=0.0)
+    asked, outcomes = observed(
+        (old, new), reported, timeout=timeout, memory_limit=memory_limit, count=1, seconds=0.0, packages=tuple(packages)
+    )
     seen = [seen_by for path in (old, new) if (seen_by := ranked([o for o in outcomes if o.key == _key(path)]))]
     if len(seen) < 2:
         for path in (old, new):
@@ -136,6 +145,7 @@ def observed(
     count: int = CONFIGURATIONS,
     seconds: float = SECONDS,
     renamed: Mapping[str, Renaming] | None = None,
+    packages: Iterable[Path] | None = None,
 ) -> "tuple[Asked, Sequence[Outcome]]":
     """Load every file in every engine that reads it.
 
@@ -147,6 +157,7 @@ def observed(
         count: Number of random configurations.
         seconds: Duration [s] of the passive simulation.
         renamed: By absolute path, the names under which files are compared.
+        packages: Folders of packages; None for files whose meshes every engine finds.
     """
     names = renamed or {}
     formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
@@ -154,6 +165,11 @@ def observed(
         server = started_engine_server()
         start = running.enter_context(server).fork if server is not None else None
         formats = admitted(formats, found, timeout=timeout, memory_limit=memory_limit, start=start)
+        places = {path: path for path in formats}
+        if packages is not None:
+            copies = Path(running.enter_context(TemporaryDirectory(dir=run_folder())))
+            places = located(formats, packages, copies, found, timeout=timeout, memory_limit=memory_limit, start=start)
+            formats = {path: name for path, name in formats.items() if path in places}
         keys = {_key(path): name for path, name in formats.items()}
         engines = running.enter_context(Engines(keys, memory_limit, start))
         observe = in_a_process(timeout, memory_limit, start)
@@ -163,7 +179,7 @@ def observed(
             seen = observe(engine, name.asked(request))
             return seen and name.seen(seen)
 
-        asked = ask(formats, Probe(observe_renamed), count=count, seconds=seconds)  # while the engines start
+        asked = ask(formats, places, Probe(observe_renamed), count=count, seconds=seconds)  # while the engines start
         engines.submit({key: names.get(one.file, _UNCHANGED).asked(one) for key, one in asked.requests.items()})
         return asked, [_renamed(one, names.get(asked.requests[one.key].file)) for one in engines.results(timeout)]
 
@@ -226,18 +242,26 @@ class Asked:
     """The joints of the first file that an engine can load."""
 
 
-def ask(formats: Mapping[Path, str], probe: Probe, *, count: int = CONFIGURATIONS, seconds: float = SECONDS) -> Asked:
+def ask(
+    formats: Mapping[Path, str],
+    places: Mapping[Path, Path],
+    probe: Probe,
+    *,
+    count: int = CONFIGURATIONS,
+    seconds: float = SECONDS,
+) -> Asked:
     """The same poses and motions for all files, in the coordinates of each.
 
     The requests depend on the joints, which one engine per file is asked for first.
 
     Args:
         formats: The files and their formats.
+        places: Where engines find each file.
         probe: Runs that engine.
         count: Number of random configurations.
         seconds: Duration [s] of the passive simulation.
     """
-    probed = {path: seen for path, name in formats.items() if (seen := probe.look(path, name))}
+    probed = {path: seen for path, name in formats.items() if (seen := probe.look(places[path], name))}
     by = {path: probe.correspondence(next(iter(probed.values())), other) for path, other in list(probed.items())[1:]}
     joints = moved(one.naming for one in probed.values())
     drawn = _clear_of_locks(configurations(joints, count, SEED), by.values())
@@ -247,7 +271,7 @@ def ask(formats: Mapping[Path, str], probe: Probe, *, count: int = CONFIGURATION
         corresponds = by.get(path, Correspondence(()))
         names = probed[path].naming if path in probed else Naming(Robot("", (Link(""),), ()))
         requests[_key(path)] = Request(
-            str(openable(path)),
+            str(openable(places[path])),
             name,
             configurations=tuple(corresponds.moved(q) for q in drawn),
             rates=tuple(corresponds.moving(q, one) for q, one in zip(drawn, moving, strict=True)),

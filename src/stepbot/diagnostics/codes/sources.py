@@ -15,8 +15,8 @@ CODES: tuple[Code, ...] = (
         "SB861",
         "error",
         "mesh of the source not readable",
-        "A mesh that the converted file names does not exist, or its type or content cannot be read.",
-        "A link would lose its shape.",
+        "A mesh that a URDF, SDFormat or MJCF names does not exist, or its type or content cannot be read.",
+        "A link would lose its shape: in a conversion, a comparison, a drive test, or the search for self-collisions.",
         "Put the mesh where the file names it, name the folder of its package with `--package-path`, or convert it to STL, "
         "OBJ, PLY, Collada or glTF.",
     ),
