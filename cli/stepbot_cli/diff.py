@@ -28,6 +28,8 @@ SAME, DIFFERENT, COULD_NOT_RUN = 0, 1, 2
 """Exit codes."""
 _STEP = (".step", ".stp", ".p21", ".stpz")
 _SIDECAR = (".yaml", ".yml")
+_SINGLE_SHAPE = "box of "
+"""Beginning of the names of differences in one visual or collision."""
 _HEADINGS = ("difference", "what", "how")
 
 
@@ -61,7 +63,7 @@ def command(options: "Options", old: Path, new: Path, as_json: bool, display: Di
         return exit_code
     show_diagnostics(found, display)
     if differences is not None and not display.quiet:
-        write_result("\n".join(_lines(differences, concise=display.concise)))
+        write_result("\n".join(_lines(differences, display)))
     return exit_code
 
 
@@ -93,19 +95,30 @@ def _record(row: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in row.items() if value not in (None, "")}
 
 
-def _lines(differences: "Differences", *, concise: bool) -> list[str]:
+def _lines(differences: "Differences", display: Display) -> list[str]:
     rows = differences.rows
-    if concise:
+    if display.concise:
         return [printable(": ".join(filter(None, cells))) for cells in map(_cells, rows)]
     names = f"{printable(differences.old)} and {printable(differences.new)}"
     if not rows:
         return [f"no differences between {names}"]
     color = wants_color(sys.stdout)
-    table: Sequence[Sequence[str]] = [_HEADINGS, *(tuple(map(printable, _cells(row))) for row in rows)]
+    single = [] if display.verbose else [row for row in rows if _is_of_another(row.name, rows)]
+    listed = [row for row in rows if row not in single]
+    table: Sequence[Sequence[str]] = [_HEADINGS, *(tuple(map(printable, _cells(row))) for row in listed)]
     head, *body = wrapped_rows(table, screen_width(sys.stdout))
     lines = [paint("  ".join(cells).rstrip(), "1", color) for cells in head]
     lines += ["  ".join(cells).rstrip() for of_row in body for cells in of_row]
-    return [*lines, f"{counted(len(rows), 'difference')} between {names}"]
+    hidden = f", {len(single)} of single shapes (-v lists them)" if single else ""
+    return [*lines, f"{counted(len(rows), 'difference')} between {names}{hidden}"]
+
+
+def _is_of_another(name: str, rows: Sequence[Any]) -> bool:
+    """Whether it is about the box of one visual or collision of a link whose box has a row, too."""
+    if not name.startswith(_SINGLE_SHAPE):
+        return False
+    kind, _, link = name.removeprefix(_SINGLE_SHAPE).partition(" of link ")
+    return any(row.name == f"{kind.partition(' ')[0]} box of link {link}" for row in rows)
 
 
 def _cells(row: Any) -> tuple[str, str, str]:

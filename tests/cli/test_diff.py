@@ -64,6 +64,26 @@ def test_sidecars_are_compared_by_their_robots(lever: Revision, stepbot: Stepbot
     assert found["limits", "upper limit of joint 'hinge'"] == pytest.approx(0.5, abs=1e-12)
     assert found["mass", "mass of link 'arm'"] == pytest.approx(0.002, rel=1e-9)
     assert ("frames", "frame 'tip' is new") in found
+    limit = next(row for row in rows if row["kind"] == "limits")
+    assert (limit["old"], limit["new"], limit["unit"]) == (1.0, 1.5, "rad")
+    assert limit["detail"] == "57.3 -> 85.94 deg (+50 %)"
+
+
+def test_the_table_of_robots(lever: Revision, stepbot: Stepbot) -> None:
+    """A motion is one row; boxes of single shapes are counted where their link has a row, and listed with -v."""
+    shutil.copy("old.step", "lever.step")
+    Path("a.robot.yaml").write_text(LEVER, encoding="utf-8")
+    text = LEVER.replace("lower: -1", "lower: -inf").replace("{type:", "{zero: 10 deg, type:")
+    Path("b.robot.yaml").write_text(text, encoding="utf-8")
+    rows = [row.split("  ") for row in stepbot("diff", "a.robot.yaml", "b.robot.yaml").out.splitlines()]
+    cells = [[cell.strip() for cell in row if cell] for row in rows]
+    assert ["limits", "lower limit of joint 'hinge'", "-57.3 deg -> unlimited"] in cells
+    assert not any("box of visual '" in row[-1] for row in rows)
+    (count,) = (row[0] for row in rows if len(row) == 1)
+    assert count.endswith("of single shapes (-v lists them)")
+    verbose = stepbot("diff", "a.robot.yaml", "b.robot.yaml", "-v").out
+    assert "box of visual '" in verbose
+    assert verbose.count("\n") > len(rows)
 
 
 URDF = """<robot name="arm">

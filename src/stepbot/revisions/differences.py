@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, isnan, nan, pi
 
 from stepbot.engines.observation import Quantity
 from stepbot.verification.compare import Compared
@@ -13,9 +13,10 @@ from .bindings import renamed_node
 from .matching import Certainty, Match, Pair, match
 from .shapes import Motion
 from .snapshot import Snapshot
-from .wording import common_words, moved_words, shape_words, stuff_words
+from .wording import change, common_words, moved_words, shape_words, stuff_words
 
 _EXPECTED = re.compile(r", (\S.*) expected$")
+_SHOWN = {"rad": (180.0 / pi, "deg"), "rad/s": (180.0 / pi, "deg/s"), "m": (1e3, "mm"), "m/s": (1e3, "mm/s")}
 _FOLLOWING = frozenset({Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS})
 """Quantities that differ as a consequence of others."""
 _NO_DIFFERENCE = frozenset({Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS, Quantity.SELF_COLLISION})
@@ -36,10 +37,14 @@ class Difference:
     new_name: str = ""
     """Its current name; empty if unchanged."""
     amount: float | None = None
-    """Distance [m] of a motion, or deviation of a quantity in ``unit``; None without a number."""
+    """Distance [m] of a motion, or deviation of a quantity in ``unit``; None without a finite number."""
     unit: str = ""
     angle: float | None = None
     """Rotation [rad]; None if there is none, or unknown."""
+    old: float | None = None
+    """The old value of a quantity in ``unit``; None if it is not one finite number."""
+    new: float | None = None
+    """The new one."""
 
 
 def step_differences(old: Snapshot, new: Snapshot) -> tuple[Difference, ...]:
@@ -59,21 +64,47 @@ def robot_differences(results: Sequence[Compared]) -> tuple[Difference, ...]:
     compared = [one for one in results if not one.not_run and one.quantity not in _NO_DIFFERENCE]
     failed = [one for one in compared if one.deviations.failures]
     direct = [one for one in failed if one.quantity not in _FOLLOWING]
-    return tuple(
-        _of_robots(one.quantity, deviation) for one in direct or failed for deviation in one.deviations.failures
-    )
+    return tuple(row for one in direct or failed for row in _of_robots(one.quantity, one.deviations.failures))
 
 
-def _of_robots(quantity: Quantity, deviation: Deviation) -> Difference:
-    name = _EXPECTED.sub(r", formerly \1", deviation.where).replace(" is not in the robot", " is new")
-    name = name.removesuffix(" at configuration 1")
+def _of_robots(quantity: Quantity, failures: Iterable[Deviation]) -> Iterator[Difference]:
+    """Differences of one quantity; a distance and an angle at the same place are one difference."""
+    by_place: dict[str, list[Deviation]] = {}
+    for one in failures:
+        name = _EXPECTED.sub(r", formerly \1", one.where).replace(" is not in the robot", " is new")
+        by_place.setdefault(name.removesuffix(" at configuration 1"), []).append(one)
+    for name, found in by_place.items():
+        by_unit = {one.unit: one for one in found}
+        if set(by_unit) == {"m", "rad"} and len(found) == 2:
+            distance, angle = by_unit["m"].amount, by_unit["rad"].amount
+            words = moved_words(Motion(distance, angle))
+            yield Difference(quantity.value, name, words, amount=distance, unit="m", angle=angle)
+        else:
+            yield from (_of_robot(quantity, name, one) for one in found)
+
+
+def _of_robot(quantity: Quantity, name: str, deviation: Deviation) -> Difference:
     if not deviation.unit:
         return Difference(quantity.value, name)
-    if not isfinite(deviation.amount):
-        return Difference(quantity.value, name, "only one has it")
     unit = "" if deviation.unit == "SI" else deviation.unit
-    detail = f"differs by {deviation.amount:.4g} {unit}".rstrip()
-    return Difference(quantity.value, name, detail, amount=deviation.amount, unit=unit)
+    amount = deviation.amount if isfinite(deviation.amount) else None
+    old, new = deviation.values or (nan, nan)
+    if isnan(old) or isnan(new):
+        detail = "only one has it" if amount is None else f"differs by {_value(amount, unit)}"
+        return Difference(quantity.value, name, detail, amount=amount, unit=unit)
+    if amount is None:
+        detail = f"{_value(old, unit)} -> {_value(new, unit)}"
+        finite = (value if isfinite(value) else None for value in (old, new))
+        return Difference(quantity.value, name, detail, "", None, unit, None, *finite)
+    factor, shown = _SHOWN.get(unit, (1.0, unit))
+    detail = change(old * factor, new * factor, shown)
+    return Difference(quantity.value, name, detail, "", amount, unit, None, old, new)
+
+
+def _value(number: float, unit: str) -> str:
+    """A number in units that are usual to read."""
+    factor, shown = _SHOWN.get(unit, (1.0, unit))
+    return f"{number * factor:.4g} {shown}".rstrip() if isfinite(number) else "unlimited"
 
 
 def _common(matched: Match) -> Iterator[Difference]:

@@ -57,7 +57,7 @@ def change(old: float, new: float, unit: str) -> str:
     """Two different numbers, with as many digits as needed, and their difference."""
     digits = next((n for n in range(4, 12) if f"{old:.{n}g}" != f"{new:.{n}g}"), 12)
     share = f" ({100.0 * (new - old) / old:+.3g} %)" if old else ""
-    return f"{old:.{digits}g} -> {new:.{digits}g} {unit}{share}"
+    return f"{old:.{digits}g} -> {new:.{digits}g} {unit}".rstrip() + share
 
 
 def length(value: float) -> str:

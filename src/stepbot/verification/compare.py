@@ -226,8 +226,10 @@ def _compare_frames(deviations: Deviations, reference: Observation, observed: Ob
 def _compare_initial(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     if reference.initial is None or observed.initial is None:
         return
+    kinds = {joint.name: joint.kind for joint in reference.joints}
     for name, position in reference.initial.items():
-        deviations.near(observed.initial.get(name, nan), position, f"initial position of joint '{name}'", "rad or m")
+        unit = "rad or m" if name not in kinds else "m" if kinds[name] == "prismatic" else "rad"
+        deviations.near(observed.initial.get(name, nan), position, f"initial position of joint '{name}'", unit)
 
 
 def _compare_simulation(deviations: Deviations, _reference: Observation, observed: Observation) -> None:

@@ -18,6 +18,8 @@ class Deviation:
     """Empty for a count of differences."""
     where: str
     """Link, joint, configuration."""
+    values: tuple[float, float] | None = None
+    """The expected number and the observed one, in ``unit``; None for other comparisons."""
 
     @property
     def ratio(self) -> float:
@@ -46,9 +48,10 @@ class Deviations:
     untold: list[str] = field(default_factory=list)
     """Values of the quantity that the engine does not report."""
 
-    def near(self, a: float, b: float, where: str, unit: str, scale: float = 0.0) -> None:
+    def near(self, observed: float, expected: float, where: str, unit: str, scale: float = 0.0) -> None:
         """Compare two numbers; equal infinities are equal."""
-        self.off(0.0 if a == b else abs(a - b), where, unit, scale)
+        amount = 0.0 if observed == expected else abs(observed - expected)
+        self.off(amount, where, unit, scale, values=(float(expected), float(observed)))
 
     def off(
         self,
@@ -58,10 +61,12 @@ class Deviations:
         scale: float = 0.0,
         tolerance: Tolerance | None = None,
         whole: float = 0.0,
+        values: tuple[float, float] | None = None,
     ) -> None:
         """Add a deviation that was computed elsewhere."""
         amount = inf if isnan(amount) else float(amount)
-        self.deviations.append(Deviation(amount, (tolerance or self.tolerance).allowed(scale, whole), unit, where))
+        allowed = (tolerance or self.tolerance).allowed(scale, whole)
+        self.deviations.append(Deviation(amount, allowed, unit, where, values))
 
     def equal(self, same: bool, where: str) -> None:
         """Add the result of a comparison without a number; ``where`` describes a failure."""
