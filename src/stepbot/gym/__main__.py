@@ -9,6 +9,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 
+from . import make
 from .training import PLANS, draw, rise, shortened, train
 
 
@@ -23,6 +24,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 2
     start, scores = time.monotonic(), []
     try:
+        if options.task == "reach":
+            environment = make(options.model, "reach", disable_env_checker=True, **plan.options).unwrapped
+            sys.stdout.write(f"tip: {environment.tip_name}\n")
         for score in train(options.model, plan, processes=options.processes):
             scores.append(score)
             sys.stdout.write(f"{score}, {time.monotonic() - start:.0f} s\n")

@@ -33,7 +33,8 @@ class Configurations:
             changed: Positions [rad or m] of joints that differ from it, by name.
 
         Raises:
-            ValueError: A joint is unknown, has several coordinates, or is in a model with closed loops.
+            ValueError: A joint is unknown, has several coordinates, or is in a model with closed loops; a position is
+                beyond the joint's limits.
         """
         self._model = model
         key = index(model, "KEY", keyframe)
@@ -43,6 +44,7 @@ class Configurations:
         if changed and has_loops(model):
             raise ValueError("home=... would open the closed loops of this robot; add a keyframe to the MJCF instead")
         for joint, value in self.changed.items():
+            _check_within_limits(model, joint, value)
             self.q[model.jnt_qposadr[joint]] = value
         self._follow(self.q)
         scalar = self._drawn = _drawn_joints(model)
@@ -192,6 +194,14 @@ def _scalar_joint(model: Model, joint: str) -> int:
             f"home: no hinge or slide '{joint}'; there are {', '.join(name(model, 'JOINT', j) for j in scalar)}"
         )
     return found
+
+
+def _check_within_limits(model: Model, joint: int, position: float) -> None:
+    low, high = model.jnt_range[joint]
+    if model.jnt_limited[joint] and not low <= position <= high:
+        unit = "rad" if joint_kind(model, joint) == "hinge" else "m"
+        at = f"joint '{name(model, 'JOINT', joint)}' at {position:g} {unit}"
+        raise ValueError(f"home: {at} is beyond its limits, {low:.6g} to {high:.6g} {unit}")
 
 
 def diverged(data: Any) -> bool:

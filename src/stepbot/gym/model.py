@@ -129,6 +129,20 @@ def tip_body(model: Model) -> int:
     return int(shared[-1])
 
 
+def tip_frame(model: Model, body: int) -> int | None:
+    """The one named frame of a link, else of the last link before it that has one; None if there is none or a choice.
+
+    Links with at most half of the joints before ``body`` do not count: their frames are mounts, not tools.
+    """
+    for link in reversed(path(model, body)):
+        if 2 * _moving_joints(model, link) <= _moving_joints(model, body):
+            return None
+        frames = frames_of(model, link)
+        if frames:
+            return frames[0] if len(frames) == 1 else None
+    return None
+
+
 def _moving_joints(model: Model, body: int) -> int:
     return sum(joint_kind(model, j) != "free" for one in path(model, body) for j in joints_of(model, one))
 

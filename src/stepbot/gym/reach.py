@@ -10,7 +10,7 @@ from stepbot.engines.mujoco.warnings import collected_warnings
 from stepbot.geometry.spatial import Array
 
 from .environment import Info, RobotEnv
-from .model import Model, frame_names, frames_of, index, name, tip_body
+from .model import Model, frame_names, index, name, tip_body, tip_frame
 from .rendering import Marker
 
 _EFFORT = 0.02
@@ -44,8 +44,9 @@ class Reach(RobotEnv):
 
         Args:
             model: As for :class:`RobotEnv`.
-            tip: Name of a site or body; None for the last link of the chain with most joints (:func:`.model.tip_body`):
-                its one named frame if there is one, else its origin.
+            tip: Name of a site or body; None for the one named frame of the last link of the chain with most joints
+                (:func:`.model.tip_body`), or of a link before it, as of the hand before a jaw; without one, for the
+                link's origin.
             spread: Share of each joint's range, around home, from which targets are drawn.
             tolerance: Distance [m] within which the target is reached.
             options: Arguments of :class:`RobotEnv`.
@@ -68,6 +69,12 @@ class Reach(RobotEnv):
         return np.array(found)
 
     @property
+    def tip_name(self) -> str:
+        """The tip in words: ``site 'tool0'``."""
+        kind, at = ("site", self._site) if self._site >= 0 else ("body", self._body)
+        return f"{kind} '{name(self.model, kind.upper(), at)}'"
+
+    @property
     def target(self) -> Array:
         """Position (3,) [m] of the target in the world."""
         return self._target.copy()
@@ -80,8 +87,7 @@ class Reach(RobotEnv):
                 self._draw_target(random, 1.0)
                 places.append(self.tip)
         if float(np.linalg.norm(places[1] - places[0])) < _RESTING:
-            at = name(self.model, *(("SITE", self._site) if self._site >= 0 else ("BODY", self._body)))
-            raise ValueError(f"no joint moves the tip '{at}'; pass tip=... with another site or body")
+            raise ValueError(f"no joint moves the tip, {self.tip_name}; pass tip=... with another site or body")
 
     def _draw_target(self, random: np.random.Generator, spread: float) -> None:
         body = self._body if self._site < 0 else int(self.model.site_bodyid[self._site])
@@ -119,8 +125,8 @@ def _tip(model: Model, given: str | None) -> tuple[int, int]:
     """Index of the site, or -1 and index of the body."""
     if given is None:
         body = tip_body(model)
-        frames = frames_of(model, body)
-        return (frames[0], -1) if len(frames) == 1 else (-1, body)
+        site = tip_frame(model, body)
+        return (-1, body) if site is None else (site, -1)
     site, body = index(model, "SITE", given), index(model, "BODY", given)
     if site < 0 and body < 0:
         raise ValueError(f"tip: no site or body '{given}'; sites: {', '.join(frame_names(model)) or 'none'}")

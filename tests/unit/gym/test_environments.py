@@ -313,13 +313,23 @@ TWO_ARMS = """<mujoco><worldbody>
 </worldbody><actuator><motor joint="l" ctrlrange="-1 1"/></actuator></mujoco>"""
 
 
+def test_the_frame_before_a_jaw_is_the_tip(tmp_path: Path) -> None:
+    """Without a frame at the last link, the one before it is the tip; a frame of the first links is a mount."""
+    jaw = '<body name="jaw" pos="0.1 0 0"><joint name="bite" range="0 1" limited="true"/><geom size="0.01"/></body>'
+    site = f'<site name="tool" pos="{FORE} 0 0"/>'
+    hand = stepbot.gym.make(written(tmp_path, ARM.replace(site, site + jaw))).unwrapped
+    assert hand.tip_name == "site 'tool'"
+    mount = ARM.replace(site, jaw).replace('<body name="fore"', f'{site}<body name="fore"')
+    assert stepbot.gym.make(written(tmp_path, mount)).unwrapped.tip_name == "body 'jaw'"
+
+
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [
         ("", {}, "MuJoCo does not compile"),
         (ARM.partition("<actuator>")[0] + "</mujoco>", {}, "no actuators.*add `actuators` to the sidecar"),
         (ARM, {"tip": "tol"}, "no site or body 'tol'; sites: tool"),
-        (ARM, {"tip": "upper"}, "no joint moves the tip 'upper'"),
+        (ARM, {"tip": "upper"}, "no joint moves the tip, body 'upper'"),
         (TWO_ARMS, {}, "Pass tip=..., one of left, right"),
         (ARM, {"task": "stand"}, "needs a floating base"),
         (BOX.replace('<geom name="floor" type="plane" size="0 0 1"/>', ""), {"task": "stand"}, "no floor to stand on"),
@@ -328,6 +338,8 @@ TWO_ARMS = """<mujoco><worldbody>
         (ARM, {"observe": "pixels"}, "unknown choice of observations 'pixels'"),
         (ARM, {"camera": "eye"}, "no camera 'eye'"),
         (ARM, {"home": {"wrist": 1.0}}, "no hinge or slide 'wrist'; there are shoulder, elbow"),
+        (ARM, {"home": {"elbow": 2.1}}, "joint 'elbow' at 2.1 rad is beyond its limits, -2 to 2 rad"),
+        (ARM, {"home": {"elbow": float("nan")}}, "joint 'elbow' at nan rad"),
         (ARM, {"spread": 0.0}, "spread must be in"),
         (ARM, {"frame_skip": 0}, "frame_skip must be at least 1"),
         (ARM.replace("shoulder/velocity", "else"), {}, "joint 'shoulder' has no velocity limit.*max_speed"),

@@ -128,7 +128,8 @@ def test_command_trains_and_reports_errors(tmp_path: Path, capsys: pytest.Captur
     short = ["--iterations", "1", "--processes", "1", "--option", "max_episode_steps=2"]
     assert main([path, *short]) == 0
     lines = capsys.readouterr().out.splitlines()
-    assert [line.partition(":")[0] for line in lines] == [
+    assert lines[0] == "tip: site 'tool'"
+    assert [line.partition(":")[0] for line in lines[1:]] == [
         "iteration    0",
         "iteration    1",
         "return of the same episodes",
