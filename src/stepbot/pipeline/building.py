@@ -5,11 +5,12 @@ from dataclasses import replace
 from functools import partial
 
 from stepbot.assemble import UNREVISED, Built, build_robot
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, Span
 from stepbot.revisions.lock_path import lock_path
 from stepbot.robot.shared_meshes import share_meshes
 from stepbot.robot.validity import check_robot
 from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.subjects import subject
 from stepbot.step.assembly import Assembly
 
 from .conversion import Options
@@ -38,5 +39,17 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
     if built is None:
         return None
     built = replace(built, robot=share_meshes(built.robot))
-    check_robot(built.robot, found, sidecar.span(), assembly.unit)
+    check_robot(built.robot, found, sidecar.span(), assembly.unit, places=_places(sidecar))
     return built
+
+
+def _places(sidecar: Sidecar) -> dict[str, Span]:
+    """The places of the robot's elements in the sidecar, by the subjects of messages."""
+    document = sidecar.document
+    sections = ("links", "joints", "closures", "frames", "actuators", "sensors")
+    keys = [(section, name) for section in sections for name in getattr(document, section)]
+    places = {subject(key): sidecar.key_span(*key) for key in keys}
+    for link in document.links:
+        for key in ("inertial", "collision"):
+            places[f"{subject(('links', link))}: {key}"] = sidecar.key_span("links", link, key)
+    return places

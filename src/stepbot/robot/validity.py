@@ -7,14 +7,14 @@ valid numbers, names and tree run only if these are valid, so that one fault is 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import isinf
+from types import MappingProxyType
 
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.geometry.inertia import MassProperties
-from stepbot.geometry.poses import Poses, bounds_at
-from stepbot.geometry.spatial import Array, Pose, Vector3, bounds, join_bounds, vector3
-from stepbot.geometry.sums import exact_sum
+from stepbot.geometry.poses import Poses
+from stepbot.geometry.spatial import Pose
 
 from .closures import closure_gap
 from .extremes import FARTHEST, GREATEST
@@ -22,11 +22,8 @@ from .kinematics import initial_configuration, link_poses, mimic_relation, rigid
 from .model import (
     Actuator,
     Base,
-    Box,
     Collision,
-    Cylinder,
     Frame,
-    Geometry,
     Joint,
     JointKind,
     Limit,
@@ -35,15 +32,11 @@ from .model import (
     MeshAsset,
     MeshRef,
     Robot,
-    Sphere,
     Visual,
 )
+from .scale import check_scale
 from .sensors import Sensor, SensorKind
 
-LARGEST = 20.0
-"""Size [m] above which the unit is questionable."""
-LIGHTEST = 1e-3
-"""Mass [kg] below which the unit is questionable."""
 CLOSURE_DISTANCE = 1e-6
 """Maximum gap [m] of a closure as drawn."""
 CLOSURE_ANGLE = 1e-3
@@ -54,12 +47,17 @@ _UNIT_SLACK = 1e-9
 _TRIANGLE_SLACK = 1e-6
 
 _Named = Actuator | Collision | Frame | Joint | Link | LoopClosure | MeshAsset | Sensor | Visual
-_Extent = tuple[Vector3, Vector3]
 Report = Callable[..., None]
 
 
 def check_robot(
-    robot: Robot, found: Diagnostics, span: Span | None = None, unit: str = "", *, massless_between: bool = False
+    robot: Robot,
+    found: Diagnostics,
+    span: Span | None = None,
+    unit: str = "",
+    *,
+    massless_between: bool = False,
+    places: Mapping[str, Span] = MappingProxyType({}),
 ) -> None:
     """Report properties that no physical robot can have.
 
@@ -69,11 +67,12 @@ def check_robot(
         span: Where the robot is described; None for its source as a whole.
         unit: Length unit of the robot's source, named if the robot is very large or very light.
         massless_between: Whether links without mass and shape may stand between joints, as in other descriptions.
+        places: Where elements are described, such as ``link 'arm'`` and ``link 'arm': inertial``; else at ``span``.
     """
     place = span if span is not None else Span(robot.source or robot.name)
 
-    def report(code: str, message: str, *, help: Iterable[str] = (), notes: Iterable[str] = ()) -> None:
-        found.add(code, message, place, help=help, notes=notes)
+    def report(code: str, message: str, *, help: Iterable[str] = (), about: str = "") -> None:
+        found.add(code, message, places.get(about or message.partition(": ")[0], place), help=help)
 
     sound = [check(robot, report) for check in (_check_names, _check_references, _check_numbers)]
     if all(sound) and _check_tree(robot, report) and _check_mimics(robot, report):
@@ -81,7 +80,7 @@ def check_robot(
         _check_masses(robot, report, massless_between=massless_between)
         for rule in (_check_closures, _check_contacts):
             rule(robot, report)
-        _check_scale(robot, report, unit)
+        check_scale(robot, report, unit)
 
 
 def _check_names(robot: Robot, report: Report) -> bool:
@@ -226,6 +225,7 @@ def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> No
                 "SB509",
                 f"link '{link.name}': {fault}",
                 help=("correct its `inertial`; solids without one are open or self-intersecting: repair them in CAD",),
+                about=f"link '{link.name}': inertial",
             )
 
 
@@ -304,33 +304,6 @@ def _check_contacts(robot: Robot, report: Report) -> None:
             report("SB418", message, help=("give the link a `collision`, or remove the sensor",))
 
 
-def _check_scale(robot: Robot, report: Report, unit: str) -> None:
-    """A robot of milligrams or of tens of metres was probably drawn in another unit than its file declares."""
-    remedy = f"check the length unit of {robot.source or 'its source'}" + (f" ({unit})" if unit else "")
-    total = exact_sum(link.mass_properties.mass for link in robot.links)
-    if 0.0 < total < LIGHTEST:
-        report("SB510", f"robot '{robot.name}': mass of {total * 1e3:.3g} g; {remedy}")
-    size = _size(robot)
-    if size > LARGEST:
-        report("SB420", f"robot '{robot.name}': size of {size:.3g} m; {remedy}")
-
-
-def _size(robot: Robot) -> float:
-    """Longest edge [m] of the robot's bounding box as drawn; 0 without visuals."""
-    poses = link_poses(robot, initial_configuration(robot))
-    extents = {asset.name: asset.mesh.bounds for asset in robot.meshes if len(asset.mesh.vertices)}
-    boxes = [
-        bounds(np.concatenate(bounds_at(_corners(*extent), X_LG.seen_from(poses[link.name]))))
-        for link in robot.links
-        for geometry, X_LG in (*link.visual_poses.items(), *link.collision_poses.items())
-        if (extent := _extent(geometry, extents)) is not None
-    ]
-    if not boxes:
-        return 0.0
-    low, high = join_bounds(boxes)
-    return max(top - bottom for bottom, top in zip(low, high, strict=True))
-
-
 def _rigid_groups(robot: Robot) -> Iterator[list[Link]]:
     """Links connected by fixed joints, the one nearest to the root first."""
     groups: dict[str, list[Link]] = {}
@@ -371,21 +344,3 @@ def _numbers(robot: Robot) -> Iterator[tuple[str, list[float]]]:
     for link in robot.links:
         m = link.mass_properties
         yield f"link '{link.name}'", [m.mass, *np.array(m.inertia).reshape(-1).tolist()]
-
-
-def _extent(geometry: Geometry, of_meshes: Mapping[str, _Extent]) -> _Extent | None:
-    """Lowest and highest corner [m] of a geometry in its own frame; None if it is empty."""
-    if isinstance(geometry, MeshRef):
-        return of_meshes.get(geometry.name)
-    if isinstance(geometry, Box):
-        half = np.array(geometry.size) / 2
-    else:
-        domes = 0.0 if isinstance(geometry, Cylinder) else geometry.radius
-        straight = 0.0 if isinstance(geometry, Sphere) else geometry.length / 2
-        half = np.array([geometry.radius, geometry.radius, straight + domes])
-    return vector3(-half), vector3(half)
-
-
-def _corners(low: Vector3, high: Vector3) -> Array:
-    """Corners (8, 3) of a box."""
-    return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])

@@ -14,6 +14,8 @@ from stepbot.robot.model import (
     Actuator,
     ActuatorKind,
     Base,
+    Box,
+    Collision,
     Frame,
     Joint,
     JointKind,
@@ -175,6 +177,26 @@ def test_a_doubtful_unit_is_named(fault: str, size: str) -> None:
     (warning,) = found
     assert warning.severity == "warning"
     assert warning.message.endswith(f"{size}; check the length unit of arm.step (inch)")
+
+
+def test_a_size_due_to_collision_shapes_is_no_doubt_of_the_unit() -> None:
+    """The links are named whose shapes are large, and the first is the place of the warning."""
+    huge = Link("b", SOLID, collisions=(Collision("c", Box((25.0, 1.0, 1.0))),))
+    robot = _pair(links=(replace(SEEN, collisions=(Collision("s", Box((0.5, 0.5, 0.5))),)), huge), meshes=(_mesh(0.3),))
+    found, place = Diagnostics(), Span("arm.robot.yaml", 4, 5)
+    check_robot(robot, found, unit="mm", places={"link 'b': collision": place})
+    (warning,) = found
+    assert (warning.code, warning.span) == ("SB420", place)
+    assert warning.message == "robot 'pair': size of 25 m, 0.3 m without the collision shapes of 'b'"
+
+
+def test_faults_are_reported_where_their_element_is_described() -> None:
+    """An impossible inertia at the `inertial`, limits at the joint, else the source as a whole."""
+    found = Diagnostics()
+    robot = _pair(_hinge(limit=Limit(1, -1)), links=(Link("a", SOLID), Link("b", MassProperties(1.0))))
+    places = {"link 'b': inertial": Span("arm.robot.yaml", 7, 3), "joint 'j'": Span("arm.robot.yaml", 9, 3)}
+    check_robot(robot, found, Span("arm.robot.yaml"), places=places)
+    assert [(d.code, d.span.line) for d in found] == [("SB416", 9), ("SB509", 7)]
 
 
 SOUND: dict[str, Robot] = {

@@ -153,7 +153,8 @@ CODES = (
         "robot larger than 20 m",
         "The robot is larger than 20 m in the assembled pose.",
         "Few robots are that large. A wrong length unit in the STEP file scales everything by a factor of 25 or 1000.",
-        "Check the unit of the CAD export. If the size is correct, no action is needed.",
+        "Check the unit of the CAD export, or the dimensions of collision shapes where the message names them. If the size is "
+        "correct, no action is needed.",
     ),
     Code(
         "SB421",
