@@ -285,6 +285,17 @@ def test_fix_rewrites_only_globs_of_one(glob: str, becomes: str | None, lever: R
         assert run.code == 0
 
 
+def test_a_glob_that_matched_several_names_all_of_them(lever: Revision, stepbot: Stepbot) -> None:
+    """In a list the remedy is a list; a key of `parts` cannot be one, so that each component gets a rule."""
+    rewrite(**{"[base]": '[plate, "**/M*"]', "links:": 'parts:\n  "**/M3": {density: 7800}\nlinks:'})
+    lever.rename({"M3": "bolt"}).write(Path("lever.step"))
+    found = json.loads(stepbot("check", "--step", "--json", "lever.robot.yaml").out)["diagnostics"]
+    of_globs = {one["message"].split(": ")[0]: one["help"] for one in found if one["code"] == "SB310"}
+    bolts = ", ".join(f'"base/bolt#{n}"' for n in range(1, 5))
+    assert f"write {bolts}" in of_globs["link 'base'"]
+    assert f"write a rule for each of {bolts}" in of_globs["parts rule '**/M3'"]
+
+
 def test_fix_follows_a_link(lever: Revision, stepbot: Stepbot) -> None:
     """A symbolic link to a sidecar remains a link; its target is rewritten."""
     if not hasattr(os, "symlink"):

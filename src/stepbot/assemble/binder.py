@@ -1,9 +1,9 @@
 """Resolves the sidecar's component paths in the assembly and reports unresolved ones at their place in the sidecar."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
-from stepbot.diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.sidecar.document import Document
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.subjects import subject
@@ -48,9 +48,15 @@ class Binder:
         """Components that match a path or glob, in file order; empty after a diagnostic."""
         return self._look_up(pattern, keys, one=False)
 
-    def one(self, pattern: str, keys: Keys) -> int | None:
-        """The only component that matches a path or glob; None after a diagnostic."""
-        indices = self._look_up(pattern, keys, one=True)
+    def one(self, pattern: str, keys: Keys, other_names: Iterable[str] = ()) -> int | None:
+        """The only component that matches a path or glob; None after a diagnostic.
+
+        Args:
+            pattern: The path or glob.
+            keys: Its place in the sidecar.
+            other_names: Names of other elements that are valid there, in remedies.
+        """
+        indices = self._look_up(pattern, keys, one=True, other_names=other_names)
         return indices[0] if indices else None
 
     def report(
@@ -89,13 +95,19 @@ class Binder:
         """Canonical path of a component."""
         return self.assembly.components[index].path
 
-    def _look_up(self, pattern: str, keys: Keys, *, one: bool) -> tuple[int, ...]:
+    def _look_up(self, pattern: str, keys: Keys, *, one: bool, other_names: Iterable[str] = ()) -> tuple[int, ...]:
         if pattern in self.revised.bound:
             return self.revised.bound[pattern]
         binding = self.paths.find_one(pattern) if one else self.paths.find(pattern)
         if binding.problem == "unknown":
             message = f"no component {_named(pattern)} in {self.assembly.source}"
-            self.report("SB301", keys, message, help=(*self.sidecar.quoting_hints(*keys), *binding.help))
+            near = did_you_mean(pattern, other_names)
+            self.report(
+                "SB301",
+                keys,
+                message,
+                help=tuple(dict.fromkeys((*self.sidecar.quoting_hints(*keys), *near, *binding.help))),
+            )
         elif binding.problem == "ambiguous":
             several = f"{len(binding.candidates)} components"
             notes = listed(tuple(map(quoted, binding.candidates)))

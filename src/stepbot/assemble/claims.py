@@ -118,13 +118,13 @@ def _report_empty_claim(
 ) -> None:
     bodies = [index for index in below if _can_be_taken(binder, index)]
     if not bodies:
-        why = "it contains no body"
+        why, help = "it contains no body", "remove the path, or name a component with bodies (`stepbot inspect`)"
     elif all(of[index].ignored for index in bodies):
-        why = "`parts` ignores it"
+        why, help = "`parts` ignores it", "remove the path, or the rule with `ignore: true` under `parts`"
     else:
-        why = "more specific claims take all of it"
+        why, help = "more specific claims take all of it", "remove the path, or the more specific paths"
     pattern = binder.document.links[link].parts[position]
-    binder.report("SB306", ("links", link, "parts", position), f"'{pattern}' adds no part to the link: {why}")
+    binder.report("SB306", ("links", link, "parts", position), f"'{pattern}' adds no part to the link: {why}", (help,))
 
 
 def _report_unclaimed(binder: Binder, left: list[int], incomplete: list[str]) -> None:

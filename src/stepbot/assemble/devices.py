@@ -63,7 +63,11 @@ def tune_actuators(robot: Robot, sidecar: Sidecar, found: Diagnostics) -> Robot:
         unit = "N" if robot.joint_by_name[actuator.joint].kind is JointKind.PRISMATIC else "N m"
         message = f"actuator '{actuator.name}': its effort limit of {effort:g} {unit} does not hold the joint"
         span = sidecar.span("actuators", actuator.name)
-        found.add("SB464", f"{message}, whose weight is {weight:.3g} {unit} in the drawn pose", span)
+        help = (
+            f"correct the effort limit or the masses: holding takes more than {weight:.3g} {unit}",
+            "or set `kp` and `kv` if a spring or a counterweight carries the joint",
+        )
+        found.add("SB464", f"{message}, whose weight is {weight:.3g} {unit} in the drawn pose", span, help=help)
 
     return tuned(robot, too_weak)
 

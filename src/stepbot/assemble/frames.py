@@ -5,7 +5,7 @@ fixed to the parent. The child's frame coincides with J at q = 0, so as drawn it
 frame is the assembly's, unless the sidecar gives another, or the directions that point up and forward.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from stepbot.geometry.directions import rotation_of
@@ -157,10 +157,11 @@ class Frames:
     def _reference(self, name: str, keys: Keys) -> Pose | None:
         if name == ASSEMBLY:
             return IDENTITY
-        return self.link(name) if name in self._binder.document.links else self._component(name, keys)
+        links = self._binder.document.links
+        return self.link(name) if name in links else self._component(name, keys, (ASSEMBLY, *links))
 
-    def _component(self, pattern: str, keys: Keys) -> Pose | None:
-        index = self._binder.one(pattern, keys)
+    def _component(self, pattern: str, keys: Keys, other_names: Iterable[str] = ()) -> Pose | None:
+        index = self._binder.one(pattern, keys, other_names)
         return None if index is None else self._binder.assembly.components[index].X_WC
 
     def _center(self, pattern: str, keys: Keys) -> Pose | None:
@@ -205,7 +206,13 @@ class Frames:
             return None  # the link's parts are unknown; the unresolved path has been reported
         for link, word in zip(wanted.links, words, strict=True):
             if not self._claims.parts_of(link):
-                self._binder.report("SB405", wanted.keys, f"{word} has no parts, so `auto` cannot find an axis")
+                message = f"{word} has no parts, so `auto` cannot find an axis"
+                help = (
+                    f"add `parts` to {word}, or name a component of the other link with a cylindrical face: "
+                    "`origin: {axis_of: PATH}`",
+                    "or give coordinates: `origin: {xyz: [0, 0, 0]}`",
+                )
+                self._binder.report("SB405", wanted.keys, message, help=help)
                 return None
         a, b = (self._link_faces(link) for link in wanted.links)
         if wanted.is_rigid and origin.radius is None and origin.near is None:

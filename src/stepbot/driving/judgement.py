@@ -15,7 +15,7 @@ _REMEDIES = {
     "travel error": "raise kp, or the joint's effort limit if the motor is at it",
     "angle drift": "raise kv, or lower kp: the joint does not come to rest",
     "travel drift": "raise kv, or lower kp: the joint does not come to rest",
-    "loop opening": "lower the efforts, or stiffen the closures under `simulation` in the sidecar",
+    "loop opening": "lower the efforts, or shorten the time step in the sidecar: `simulation: {timestep: 0.5 ms}`",
     "energy gain": "shorten the time step, or look for tiny masses and inertias behind large ones",
     "slip": "raise kp of the gripper's actuator: it decides the gripping force",
     "penetration": "give the colliding links collision shapes with faces, not edges",

@@ -2,7 +2,7 @@
 
 from collections.abc import Hashable, Iterable, Sequence
 
-from stepbot.assemble.binder import listed
+from stepbot.assemble.binder import LISTED, listed
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.sidecar.component_paths import PathPlace
 from stepbot.sidecar.subjects import subject
@@ -14,6 +14,8 @@ from .matching import Certainty, Pair
 from .wording import moved_words, shape_words
 
 _OFFERED = 5
+_NAMED = 3
+"""Maximum number of components that a message names."""
 
 Group = Sequence[BrokenPath]
 
@@ -93,15 +95,25 @@ def _new(group: Group) -> str:
     broken = group[0]
     if broken.node:
         return f"'{broken.node[1]}'"
-    return f"'{broken.replacement}'" if broken.replacement else " and ".join(f"'{path}'" for path in broken.new[:3])
+    if broken.replacement:
+        return f"'{broken.replacement}'"
+    if len(broken.new) > _NAMED:
+        return f"{len(broken.new)} components"
+    return " and ".join(f"'{path}'" for path in broken.new)
 
 
 def _spelled(group: Group) -> list[str]:
     broken = group[0]
     if len(group) > 1:
         shown = [f"{quoted(one.pattern)}: write {quoted(one.replacement)}" for one in group if one.replacement]
-        return shown[:_OFFERED]
-    return [f"write {', '.join(map(quoted, [broken.replacement] if broken.replacement else broken.new[:_OFFERED]))}"]
+        more = len(shown) - _OFFERED
+        return [*shown[:_OFFERED], *([f"and {more} more in the same way"] if more > 0 else [])]
+    if broken.replacement or len(broken.new) == 1:
+        return [f"write {quoted(broken.replacement or broken.new[0])}"]
+    if len(broken.new) > LISTED:
+        return [f"write a glob that matches these {len(broken.new)} components; `stepbot inspect` lists them"]
+    paths = ", ".join(map(quoted, broken.new))
+    return [f"write a rule for each of {paths}" if any(place.is_key for place in broken.places) else f"write {paths}"]
 
 
 def _evidence(compared: Comparison, group: Group) -> str:

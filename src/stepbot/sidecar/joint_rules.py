@@ -1,6 +1,7 @@
 """Check the keys of joints by joint type: valid and required keys, units, and order of limits."""
 
-from math import inf
+from collections.abc import Iterable
+from math import inf, pi
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.sums import exact_sum
@@ -9,9 +10,10 @@ from stepbot.robot.model import JointKind
 from .document import JointSection
 from .joint_settings import ONE_FREEDOM, Setting, joint_settings, position_dimension, settings_of
 from .located import Sidecar
+from .quantities import JointValue
 from .subjects import subject
 from .tree import Keys
-from .units import Dimension
+from .units import ANGLE, Dimension
 
 WITH_AXIS = (
     JointKind.REVOLUTE,
@@ -173,13 +175,28 @@ def _check_assembled_position(
         return
     bound, limit, side = ("lower", lower, "below") if q < lower.value else ("upper", upper, "above")
     given = "zero" in joint.model_fields_set
-    assembled = sidecar.written("joints", name, "zero") if given else f"0 {position.unit}"
-    message = (
-        f"joint '{name}': assembled position {assembled} is {side} the {bound} limit {sidecar.written(*limit.keys)}"
-    )
+    zero: Keys = ("joints", name, "zero")
+    assembled = _with_unit(sidecar, zero, joint.zero, position) if given else positions([0.0], position)
+    reached = _with_unit(sidecar, limit.keys, limit, position)
+    message = f"joint '{name}': assembled position {assembled} is {side} the {bound} limit {reached}"
     help = ["set `zero` to the position of the joint as modelled in CAD (default 0); limits are measured from q = 0"]
-    keys: Keys = ("joints", name, "zero") if given else limit.keys
+    keys = zero if given else limit.keys
     found.add("SB457", message, sidecar.span(*keys), help=[] if given else help)
+
+
+def _with_unit(sidecar: Sidecar, keys: Keys, given: JointValue | Setting, position: Dimension) -> str:
+    """A position as written; one without a unit in SI units, and in degrees or millimetres."""
+    written = sidecar.written(*keys)
+    if given.dimension is not None:
+        return written
+    value = given.value
+    return f"{written} {position.unit}" + (f" ({positions([value], position)})" if value else "")
+
+
+def positions(values: Iterable[float], dimension: Dimension) -> str:
+    """Positions [SI] for a message, in degrees or millimetres: ``-90 to 90 deg``."""
+    scale, unit = (180.0 / pi, "deg") if dimension is ANGLE else (1e3, "mm")
+    return f"{' to '.join(f'{scale * value:.6g}' for value in values)} {unit}"
 
 
 def _check_second_axis(sidecar: Sidecar, name: str, joint: JointSection, found: Diagnostics) -> None:

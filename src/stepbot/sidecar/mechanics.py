@@ -6,7 +6,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.robot.model import JointKind
 
 from .connections import rings
-from .joint_rules import WITH_AXIS
+from .joint_rules import WITH_AXIS, positions
 from .joint_settings import ONE_FREEDOM, joint_limits, position_dimension
 from .located import Sidecar
 
@@ -45,24 +45,28 @@ def _check_positions(sidecar: Sidecar, name: str, found: Diagnostics) -> None:
     assert position is not None
     if not {joint.zero.dimension, mimic.offset.dimension} <= {None, position}:
         return
-    unit = position.unit
     own, leading = joint_limits(document, name), joint_limits(document, mimic.joint)
     ends = [mimic.multiplier * q + mimic.offset.value for q in (leading.lower, leading.upper)]
+    place = sidecar.key_span("joints", name, "mimic")
     if all(map(isfinite, ends)) and leading.lower < leading.upper and own.lower < own.upper:
         low, high = min(ends), max(ends)
         if low < own.lower - _TOLERANCE or high > own.upper + _TOLERANCE:
             message = (
-                f"joint '{name}': mimic of joint '{mimic.joint}' ranges from {low:.6g} to {high:.6g} {unit}, "
-                f"beyond its limits {own.lower:.6g} to {own.upper:.6g} {unit}"
+                f"joint '{name}': mimic of joint '{mimic.joint}' ranges from {positions((low, high), position)}, "
+                f"beyond its limits {positions((own.lower, own.upper), position)}"
             )
-            found.add("SB460", message, sidecar.key_span("joints", name, "mimic"))
-    assembled, follows = joint.zero.value, mimic.multiplier * document.joints[mimic.joint].zero.value
-    if abs(assembled - follows - mimic.offset.value) > _TOLERANCE:
+            help = [f"narrow the limits of joint '{mimic.joint}', widen these, or correct `multiplier` and `offset`"]
+            found.add("SB460", message, place, help=help)
+    assembled = joint.zero.value
+    follows = mimic.multiplier * document.joints[mimic.joint].zero.value + mimic.offset.value
+    if abs(assembled - follows) > _TOLERANCE:
         message = (
-            f"joint '{name}': assembled position is {assembled:.6g} {unit}, but the mimic of joint '{mimic.joint}' "
-            f"gives {follows + mimic.offset.value:.6g} {unit}"
+            f"joint '{name}': assembled position is {positions([assembled], position)}, but the mimic of joint "
+            f"'{mimic.joint}' gives {positions([follows], position)}"
         )
-        found.add("SB461", message, sidecar.key_span("joints", name, "mimic"))
+        offset = positions([mimic.offset.value + assembled - follows], position)
+        help = [f"set `zero` of both joints to their positions as modelled in CAD, or `offset: {offset}` in `mimic`"]
+        found.add("SB461", message, place, help=help)
 
 
 def check_closures(sidecar: Sidecar, found: Diagnostics) -> None:

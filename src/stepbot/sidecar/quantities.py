@@ -111,6 +111,7 @@ def _finite(
 ) -> Parser:
     """Parser of a finite number of at least ``low``, more than ``above`` and a magnitude of at most ``high``."""
     greatest = high or (FARTHEST if dimension is units.LENGTH else GREATEST)
+    unit = "" if dimension is units.RATIO else f" {dimension.unit}"
 
     def parse(value: Any) -> float:
         number = float(_quantity(value, dimension))
@@ -118,11 +119,11 @@ def _finite(
             raise fault("SB125", f"{number:g} is not finite")
         if number < low or number <= above:
             bound = f"at least {low:g}" if number < low else f"greater than {above:g}"
-            raise fault("SB125", f"{number:g} {dimension.unit} is out of range: {dimension.name} must be {bound}")
+            raise fault("SB125", f"{number:g}{unit} is out of range: {dimension.name} must be {bound}")
         if abs(number) > greatest:
             hint = f"a number without a unit is in {dimension.unit}; example with a unit: {dimension.example}"
-            bound = f"{greatest:g} {dimension.unit}"
-            raise fault("SB125", f"{number:g} {dimension.unit} exceeds the maximum of {bound}", hint)
+            hints = [hint] if unit else ["1 is 100 %"] if greatest == 1.0 else []
+            raise fault("SB125", f"{number:g}{unit} exceeds the maximum of {greatest:g}{unit}", *hints)
         return number
 
     return parse

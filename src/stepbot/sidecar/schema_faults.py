@@ -8,14 +8,17 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.robot.model import JointKind
 
 from .fields import descriptions, is_origin, keys_below, keys_of, sections_at, top_level_keys_with
+from .joint_settings import position_dimension, settings_of
 from .origins import FORMS
 from .quantities import described
 from .remedies import remedy, written
 from .section import NOT_IN_FILE_NAMES, NOT_IN_NAMES
 from .subjects import subject
 from .tree import Keys, Listing, Mapping, Scalar, Tree, child, key_span, span, way
+from .units import Dimension, UnitError, read_quantity
 from .vocabulary import ALSO_CALLED, NOT_SAID_SO, likely_meant, meant_by
 
 _FIRST_LINES = {
@@ -24,6 +27,8 @@ _FIRST_LINES = {
     "step": "add the path of the STEP file, relative to the sidecar, at the top, for example `step: arm.step`",
 }
 """Remedies for missing top-level keys."""
+_GAINS = {"kp": "stiffness", "kv": "damping"}
+"""Settings of a joint with the dimensions of an actuator's gains."""
 _LONGEST_SNIPPET = 60
 """Maximum length of a value in a snippet."""
 
@@ -81,7 +86,11 @@ def _fault(error: ErrorDetails, keys: Keys, root: Tree) -> _Fault | None:
     kind, context = str(error["type"]), error.get("ctx", {})
     value = way(root, keys)[-1]
     if kind.startswith("SB"):
+        if kind == "SB124" and (exact := _fault_of_unit(keys, value, root)):
+            return exact
         snippet = remedy(keys, value) if kind in ("SB122", "SB123") else ""
+        if not snippet and context["text"].startswith(("expected a number", "expected an integer")):
+            snippet = _one_of_list(keys, value)
         return _Fault(kind, context["text"], (*filter(None, [snippet]), *context["help"]))
     if kind == "extra_forbidden":
         return _unknown_key(error["loc"], keys, root)
@@ -180,8 +189,12 @@ def _wrong_word(error: ErrorDetails, keys: Keys, value: Tree) -> _Fault:
     if keys[-1] == "limits":
         help = ("write {lower: ..., upper: ...}, or `todo` as a placeholder",)
         return _Fault("SB123", f"expected a mapping or `todo`, not {_shown(value)}", help)
+    if keys[:-1] == ("self_collision", "exclude"):
+        help = ("it takes kinds of pairs, not links: `exclude: [always]`, `[always, never]` or `[]`",)
+        return _Fault("SB123", f"expected one of {_words(error)}, not {_shown(value)}", help)
     if not isinstance(value, Scalar):
-        return _Fault("SB122", f"expected one of {_words(error)}, not {_shown(value)}")
+        help = (_one_of_list(keys, value) or f"choices: {_words(error)}",)
+        return _Fault("SB122", f"expected one of {_words(error)}, not {_shown(value)}", help)
     if keys[-1] == "auto":
         return _Fault("SB123", "the only valid value is true; remove `auto` to use another form of origin")
     words = [word.strip("'") for word in _words(error).split(", ")]
@@ -213,10 +226,12 @@ def _shape_without_type(value: Tree) -> _Fault:
     return _Fault("SB123", f"invalid shape type: {_shown(kind)}", (*near, f"choices: {shapes}"))
 
 
-def _wrong_count(keys: Keys, value: Tree) -> _Fault:
+def _wrong_count(keys: Keys, value: Tree) -> _Fault | None:
     if keys == ("links",):
         return _Fault("SB121", "no links are defined", ("add at least one link: `base: {rest: true}`",))
-    count = f", not {len(value.values)}" if hasattr(value, "values") else ""
+    if isinstance(value, Listing) and len(value.values) == 2:
+        return None  # one of the two is of a wrong type, which is reported
+    count = f", not {len(value.values)}" if isinstance(value, Listing) else ""
     return _Fault("SB122", f"expected two component paths{count}", ('mate: ["first", "second"]',))
 
 
@@ -237,7 +252,11 @@ def _wrong_type(kind: str, keys: Keys, value: Tree, error: ErrorDetails) -> _Fau
 
 
 def _type_hint(kind: str, keys: Keys, value: Tree) -> tuple[str, ...]:
+    if keys == ("self_collision", "exclude"):
+        return ("write `exclude: [always]`, `[always, never]` or `[]`: kinds of pairs, not links",)
     if snippet := remedy(keys, value):
+        return (snippet,)
+    if kind == "string_type" and (snippet := _one_of_list(keys, value)):
         return (snippet,)
     if isinstance(value, Scalar):
         if kind == "string_type":
@@ -252,6 +271,39 @@ def _type_hint(kind: str, keys: Keys, value: Tree) -> tuple[str, ...]:
         names = len(keys) < 2 or kind == "dict_type"
         return ("write `name: {key: value}` for each",) if names else ("write `key: value` lines, or {key: value}",)
     return ()
+
+
+def _one_of_list(keys: Keys, value: Tree) -> str:
+    """Remedy for a list in place of a single value: the first of its values; empty for anything else."""
+    if not isinstance(value, Listing) or not value.values or not isinstance(value.values[0], Scalar):
+        return ""
+    first = written(value.values[0])
+    single = f"`{first}`" if isinstance(keys[-1], int) else f"`{keys[-1]}: {first}`"
+    return f"write {single}" if len(value.values) == 1 else f"one value only, such as {single}"
+
+
+def _fault_of_unit(keys: Keys, value: Tree, root: Tree) -> _Fault | None:
+    """A wrong unit of a value whose dimension depends on the type of its joint; None where that is unknown."""
+    dimension = _dimension(keys, root)
+    if dimension is None or not isinstance(value, Scalar):
+        return None
+    try:
+        read_quantity(value.text, dimension)
+    except UnitError as failure:
+        return _Fault("SB124", str(failure), failure.hints)
+    return None
+
+
+def _dimension(keys: Keys, root: Tree) -> Dimension | None:
+    """The dimension of a joint's or an actuator's value, by the type of the joint; None if unknown."""
+    name: Tree | None = way(root, (*keys[:2], "joint"))[-1] if keys[0] == "actuators" else None
+    joint = name.text if isinstance(name, Scalar) else str(keys[1]) if keys[0] == "joints" else ""
+    kind = way(root, ("joints", joint, "type"))[-1]
+    if not isinstance(kind, Scalar) or kind.text not in list(JointKind):
+        return None
+    if keys[-1] in ("zero", "offset"):
+        return position_dimension(JointKind(kind.text))
+    return settings_of(JointKind(kind.text)).get(_GAINS.get(str(keys[-1]), str(keys[-1])))
 
 
 def _shown(value: Tree) -> str:

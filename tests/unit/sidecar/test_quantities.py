@@ -91,6 +91,8 @@ def test_value(kind: Any, value: Any, result: Any) -> None:
         (quantities.JointFriction, -1, "SB125", "at least 0"),
         (quantities.JointSpeed, "3 kg", "SB124", "angular speed [rad/s] or speed [m/s]"),
         (quantities.RelativeOrLength, "0 %", "SB125", "greater than 0"),
+        (quantities.StepShare, 1.5, "SB125", "1.5 exceeds the maximum of 1"),
+        (quantities.StepShare, 0, "SB125", "0 is out of range: ratio must be greater than 0"),
     ],
 )
 def test_refusal(kind: Any, value: Any, code: str, message: str) -> None:

@@ -43,6 +43,12 @@ def findings(text: str) -> list[Diagnostic]:
         ("type: revolute", 'axis: "(0, 0, -1)", type: revolute', "axis: [0, 0, -1]"),
         ("type: revolute", "origin: {xyz: 0 0 0.1}, type: revolute", "xyz: [0, 0, 0.1]"),
         ("parent: base", "parent: {link: base}", "parent: base"),
+        ("parent: base", "parent: [base]", "parent: base"),
+        ("type: revolute", "type: [revolute]", "type: revolute"),
+        ("type: revolute", "type: revolute, zero: [30 deg]", "zero: 30 deg"),
+        ("  forearm: {parts: [forearm]}", "  forearm: {parts: [[forearm]]}", "forearm"),
+        ("joints:", "self_collision: {exclude: [[base, forearm]]}\njoints:", "exclude: [always]"),
+        ("joints:", "self_collision: {exclude: [base, forearm]}\njoints:", "exclude: [always]"),
         ("  elbow: {", "  elbow:{", "elbow: {type: revolute"),
         ("limits: {lower: -1, upper: 1}", "lower: -1, limits: {upper: 1}", "limits: {lower: -1}"),
         ("  base: {rest: true}", "  base: {rest: true, mass: 5}", "inertial: {mass: 5}"),
@@ -55,6 +61,46 @@ def test_snippet_is_what_to_write(right: str, wrong: str, pasted: str) -> None:
     found = findings(ARM.replace(right, wrong))
     snippets = [snippet for d in found for line in d.help for snippet in SNIPPET.findall(line)]
     assert any(snippet.startswith(pasted) for snippet in snippets), [d.help for d in found]
+
+
+@pytest.mark.parametrize(
+    ("joint", "expected"),
+    [
+        ("type: revolute, limits: {lower: 0, upper: 115 kg}", "angle [rad]"),
+        ("type: prismatic, limits: {lower: 0, upper: 1 rad}", ""),
+        ("type: prismatic, limits: {lower: 0, upper: 1 kg}", "length [m]"),
+        ("type: revolute, zero: 1 kg, limits: {lower: 0, upper: 1}", "angle [rad]"),
+        ("type: revolute, dynamics: {damping: 1 kg}, limits: {lower: 0, upper: 1}", "damping [N*m*s/rad]"),
+        ("type: twisting, limits: {lower: 0, upper: 1 kg}", "angle [rad] or length [m]"),
+    ],
+)
+def test_a_wrong_unit_names_what_the_joint_takes(joint: str, expected: str) -> None:
+    """The type of the joint decides between angle and length, where it is known."""
+    elbow = "type: revolute, parent: base, child: forearm, limits: {lower: -1, upper: 1}"
+    found = [d for d in findings(ARM.replace(elbow, f"{joint}, parent: base, child: forearm")) if d.code == "SB124"]
+    assert [d.message.partition("expected ")[2] for d in found] == ([expected] if expected else [])
+
+
+def test_a_wrong_unit_of_a_gain_names_what_its_joint_takes() -> None:
+    """Gains have the dimensions of their joint's stiffness and damping."""
+    text = ARM + "actuators: {motor: {joint: elbow, kind: position, kp: 5 kg}}\n"
+    (fault,) = findings(text)
+    assert fault.message.endswith("wrong unit 'kg': expected stiffness [N*m/rad]")
+
+
+def test_positions_of_a_message_have_one_unit() -> None:
+    """Degrees beside a plain number in radians, and for positions that were computed."""
+    limits = "limits: {lower: -1, upper: 1}"
+    outside = findings(ARM.replace(limits, "zero: 20, limits: {lower: 0, upper: 100 deg}"))
+    assert "position 20 rad (1145.92 deg) is above the upper limit 100 deg" in outside[0].message
+    outside = findings(ARM.replace(limits, "limits: {lower: 0.5, upper: 100 deg}"))
+    assert "position 0 deg is below the lower limit 0.5 rad (28.6479 deg)" in outside[0].message
+    text = ARM.replace("  forearm: {", "  hand: {parts: [hand]}\n  forearm: {")
+    wrist = "type: revolute, parent: forearm, child: hand, limits: {lower: 0, upper: 45 deg}, mimic: {joint: elbow}"
+    text += f"  wrist: {{{wrist}}}\n"
+    (beyond,) = findings(text)
+    assert "ranges from -57.2958 to 57.2958 deg, beyond its limits 0 to 45 deg" in beyond.message
+    assert beyond.help
 
 
 def test_missing_version_is_one_line() -> None:

@@ -10,8 +10,7 @@ CODES = (
         "A path or glob in the sidecar does not match any component of the STEP file.",
         "The part may have been renamed in CAD, or the path may be misspelled. The setting has no component to apply "
         "to.",
-        "Use the suggestion in the help, or look up the path with `stepbot inspect`, which prints every path ready to "
-        "paste. A glob is matched from the root: `**/M3*` matches screws at any depth.",
+        "Look up the path with `stepbot inspect`, which prints every path ready to paste. A glob is matched from the root: `**/M3*` matches screws at any depth.",
     ),
     Code(
         "SB302",
@@ -53,7 +52,7 @@ CODES = (
         "path has no effect",
         "All components that a path matches are ignored, have no geometry, or are assigned by more specific paths.",
         "The path has no effect on the link.",
-        "Remove the path, or the conflicting `ignore` rule.",
+        "Remove the path, the conflicting `ignore` rule, or the more specific paths.",
     ),
     Code(
         "SB308",

@@ -43,7 +43,8 @@ CODES = (
         "link has no components",
         "`auto` searches for an axis shared by the components of two links, and one of the links has no components.",
         "There are no faces to search.",
-        "Use another form of origin.",
+        "Add `parts` to the link, or define the origin without its faces: `axis_of` a component of the other link, `component`, `center` "
+        "or coordinates.",
     ),
     Code(
         "SB406",

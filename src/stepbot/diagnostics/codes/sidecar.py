@@ -130,7 +130,7 @@ CODES = (
         "wrong type",
         "The value has the wrong type, such as a number in place of a name, or a string in place of a list.",
         "YAML derives the type from the notation: `parent: 7` is a number, and `rest: yes` is a string.",
-        "Write the value in the form given in the message. Quote names that look like numbers.",
+        "Write the value in the form given in the message.",
     ),
     Code(
         "SB123",

@@ -353,10 +353,19 @@ class ComponentPaths:
             if cased:
                 return (f"upper and lower case differ: '{cased[0]}'",)
             same = [name for name in self._by_name if name.casefold() == word.casefold()]
-            return tuple(f"did you mean '{name}'?" for name in same[:1]) or did_you_mean(word, self._by_name)
+            return tuple(f"did you mean '{name}'?" for name in same[:1]) or did_you_mean(word, self._distinct(word))
         last = segments[-1]
         places = [c.path for c in self._components[1:] if self._matches(last, c.index)] if last.name.strip(_ANY) else []
         return tuple(f"did you mean {quoted(path)}?" for path in places[:3])
+
+    def _distinct(self, word: str) -> list[str]:
+        """Names of different components; of two for the same ones, that of an occurrence if the word looks like one."""
+        numbered = ":" in word
+        names = sorted(self._by_name, key=lambda name: (":" in name) != numbered)  # stable: products come first
+        of: dict[tuple[int, ...], str] = {}
+        for name in names:
+            of.setdefault(tuple(self._by_name[name]), name)
+        return list(of.values())
 
 
 def _skip_across(states: int, segments: Sequence[_Segment]) -> int:

@@ -172,6 +172,16 @@ def test_unknown_paths_get_help(pattern: str, hint: str) -> None:
     assert any(hint in text for text in binding.help), binding.help
 
 
+def test_suggestions_name_each_component_once() -> None:
+    """A product and its only occurrence are one suggestion; the one with a number, if the path has one."""
+    paths = ComponentPaths(_tree((".", "arm", "arm:1"), (".", "palm", "palm:1"), (".", "palm", "palm:2")))
+    assert paths.find("amr").help == ("did you mean 'arm'?",)
+    (help,) = paths.find("amr:1").help
+    assert "'arm:1'" in help
+    assert "'arm'" not in help
+    assert paths.find("plam").help == ("did you mean 'palm' or 'palm:2' or 'palm:1'?",)
+
+
 def test_a_single_part_matches_two_stars() -> None:
     """In an assembly of a single part a glob matches the part."""
     root = Component(0, -1, "", ".", "bracket", "bracket", 1, body=0)
