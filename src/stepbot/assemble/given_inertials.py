@@ -1,11 +1,13 @@
 """Checks the ``inertial`` of links against their geometry: what is given must be possible for a mass within it."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from math import fsum
 
 import numpy as np
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.extremes import DENSEST
 from stepbot.robot.inertial_doubts import inertial_doubts
 from stepbot.robot.kinematics import rigid_bodies
 from stepbot.robot.model import Joint, Link
@@ -20,7 +22,7 @@ _UNDRAWN = "if the maker publishes this value, or the CAD omits a heavy part, ig
 def report_given_inertials(
     binder: Binder, claims: Claims, links: Sequence[Link], joints: Sequence[Joint], X_WL: Mapping[str, Pose]
 ) -> None:
-    """Warn about each given com and inertia that no mass within the link's geometry has.
+    """Warn about each given mass, com and inertia that nothing within the link's geometry has.
 
     The geometry is that of all solids and surfaces of the link and of the links fixed to it: descriptions often draw
     on one link what they weigh on another. Links without geometry are not checked.
@@ -28,11 +30,14 @@ def report_given_inertials(
     body_of = rigid_bodies(links[0].name, joints)
     for link in links:
         section = binder.document.links[link.name].inertial
-        if section is None or (section.com is None and section.inertia is None):
+        if section is None:
+            continue
+        members = [name for name in binder.document.links if body_of[name] == body_of[link.name]]
+        _check_density(binder, link.name, section.mass, _volume(binder, claims, members))
+        if section.com is None and section.inertia is None:
             continue
         if inertia_fault(link.mass_properties) or not link.mass_properties.mass:
             continue  # an error of its own
-        members = [name for name in binder.document.links if body_of[name] == body_of[link.name]]
         points = _points(binder, claims, members, X_WL[link.name].inverse())
         _check(binder, link.name, link.mass_properties, points)
 
@@ -41,6 +46,26 @@ def _check(binder: Binder, name: str, properties: MassProperties, points: Array)
     for doubt in inertial_doubts(properties, points):
         ignored = f"{_UNDRAWN}`ignore_findings: [{{code: {doubt.code}, reason: ...}}]`"
         binder.report(doubt.code, ("links", name, "inertial"), doubt.message, help=(doubt.remedy, ignored))
+
+
+def _check_density(binder: Binder, name: str, mass: float, volume: float | None) -> None:
+    """Warn of a mass that no material has in this volume (SB521)."""
+    if not volume or mass <= DENSEST * volume:
+        return
+    message = f"{mass:.6g} kg in {1e6 * volume:.3g} cm^3 is {mass / volume:.3g} kg/m^3, more than any material has"
+    grams = f"if the unit is g, write `{mass:.6g} g`; numbers without a unit are kilograms"
+    ignored = f"{_UNDRAWN}`ignore_findings: [{{code: SB521, reason: ...}}]`"
+    help = (grams, ignored) if 1e-3 * mass <= DENSEST * volume else (ignored,)
+    binder.report("SB521", ("links", name, "inertial", "mass"), message, help=help)
+
+
+def _volume(binder: Binder, claims: Claims, links: Iterable[str]) -> float | None:
+    """Volume [m^3] of all solids of links; None with other bodies, whose thickness is unknown."""
+    components, bodies = binder.assembly.components, binder.assembly.bodies
+    drawn = [components[index].body for link in links for index in claims.parts_of(link)]
+    exact = [bodies[body].exact for body in drawn if body >= 0]
+    volumes = [one.volume for one in exact if one is not None]
+    return fsum(volumes) if len(volumes) == len(exact) else None
 
 
 def _points(binder: Binder, claims: Claims, links: Iterable[str], X_LW: Pose) -> Array:

@@ -8,7 +8,7 @@ from stepbot.robot.sensors import PLACED, SEEING, SensorKind
 
 from .devices import ActuatorSection, GainsSection, SensorSection
 from .joint_rules import check_unit
-from .joint_settings import ONE_FREEDOM, settings_of
+from .joint_settings import ONE_FREEDOM, joint_settings, settings_of
 from .located import Sidecar
 from .motion import LimitsSection
 
@@ -21,6 +21,8 @@ _BOUNDS = {
 }
 """Valid limits by actuator kind: of its input, and of its effort."""
 
+_ROUNDED = 1e-3
+"""Relative difference of limits that are the same: 1.571 and 90 deg."""
 _KINDS_WITH: dict[str, tuple[SensorKind, ...]] = {
     "origin": PLACED,
     "fov": SEEING,
@@ -31,7 +33,7 @@ _KINDS_WITH: dict[str, tuple[SensorKind, ...]] = {
 
 
 def check_actuators(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report, actuator by actuator, SB121, SB125, SB137, SB138, SB456 and SB459."""
+    """Report, actuator by actuator, SB121, SB125, SB137, SB138, SB145, SB456 and SB459."""
     document = sidecar.document
     driven: dict[tuple[str, ActuatorKind], str] = {}
     for name, actuator in document.actuators.items():
@@ -54,6 +56,23 @@ def check_actuators(sidecar: Sidecar, found: Diagnostics) -> None:
             found.add("SB459", message, place, help=["remove one of the actuators, or change its kind"])
         else:
             _check_units(sidecar, name, actuator, joint.type, found)
+            _check_wider(sidecar, name, actuator, found)
+
+
+def _check_wider(sidecar: Sidecar, name: str, actuator: ActuatorSection, found: Diagnostics) -> None:
+    """Report limits that have no effect, since those of the joint are narrower (SB145)."""
+    own = joint_settings(sidecar.document, actuator.joint)
+    for field in _BOUNDS[actuator.kind]:
+        bound, of_joint = getattr(actuator.limits, field), own.get(field)
+        if bound is None or of_joint is None:
+            continue
+        beyond = (bound.value - of_joint.value) * (-1.0 if field == "lower" else 1.0)
+        if beyond > _ROUNDED * abs(of_joint.value):
+            keys = ("actuators", name, "limits", field)
+            given, applies = sidecar.written(*keys), sidecar.written(*of_joint.keys)
+            message = f"actuator '{name}': {field} {given} is beyond that of joint '{actuator.joint}', {applies}"
+            remedy = f"raise the limit of the joint, which applies, or remove `{field}` here"
+            found.add("SB145", message, sidecar.span(*keys), help=[remedy])
 
 
 def _check_units(sidecar: Sidecar, name: str, actuator: ActuatorSection, kind: JointKind, found: Diagnostics) -> None:

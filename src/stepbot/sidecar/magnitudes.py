@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator
-from math import isfinite
+from math import isfinite, tau
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.robot.extremes import DENSEST
@@ -19,6 +19,12 @@ _MOST_RADIANS = 20.0
 _MOST_ROTATION = 6.5
 """One turn: roll, pitch and yaw are never larger."""
 _MOST_METRES = 10.0
+_FASTEST = {True: 10.0, False: 30.0}
+"""[m/s] of joints that slide, [rad/s] of others: faster than the joints of robots other than wheels and propellers."""
+_STRONGEST = {True: 20_000.0, False: 3_000.0}
+"""[N] of joints that slide, [N m] of others: above those of large industrial arms."""
+_COARSEST = 0.2
+"""Share of a solid's diagonal, at which a mesh resembles it no longer."""
 _LIGHTEST = 25.0
 """[kg/m^3]: lighter than most foams, and above the densest metal in g/cm^3."""
 _SPARSEST = 5.0
@@ -34,14 +40,23 @@ def check_magnitudes(sidecar: Sidecar, found: Diagnostics) -> None:
         for field, setting in joint_settings(sidecar.document, name).items():
             if field in ("lower", "upper", "spring_reference") and field in settings_of(joint.type):
                 _check_position(sidecar, joint.type, setting.keys, found)
-        _check_position(sidecar, joint.type, ("joints", name, "zero"), found)
-        _check_position(sidecar, joint.type, ("joints", name, "mimic", "offset"), found)
+            elif field in ("velocity", "effort") and field in settings_of(joint.type):
+                _check_rate(sidecar, joint.type, setting.keys, found)
+        _check_position(sidecar, joint.type, ("joints", name, "zero"), found, _MOST_ROTATION)
+        _check_position(sidecar, joint.type, ("joints", name, "mimic", "offset"), found, _MOST_ROTATION)
+    for name, actuator in sidecar.document.actuators.items():
+        driven = sidecar.document.joints.get(actuator.joint)
+        if driven is not None:
+            _check_rate(sidecar, driven.type, ("actuators", name, "limits", "velocity"), found)
+            _check_rate(sidecar, driven.type, ("actuators", name, "limits", "effort"), found)
     for keys, number in _plain_numbers(sidecar.root, ()):
         named = [key for key in keys if isinstance(key, str)]
         if named[-1] == "rpy" and abs(number) > _MOST_ROTATION:
             _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", found)
         elif named[-1] in _LENGTHS and abs(number) > _MOST_METRES:
             _report(sidecar, keys, f"{number:g} m is implausibly large", "mm", "m", found)
+        elif named[-1] == "tolerance" and number > _COARSEST:
+            _report(sidecar, keys, f"{number:g} is {number:.0%} of each solid's diagonal", "mm", "m", found)
         elif named[-1] == "density" and 0.0 < number < _LIGHTEST:
             _report(sidecar, keys, f"{number:g} kg/m^3 is less than the density of foam", "g/cm^3", "kg/m^3", found)
 
@@ -87,14 +102,30 @@ def _other_unit(written: str, unit: str, scale: float) -> str:
     return f"if the unit is {unit}, write `{number[0]} {unit}`" if number and plausible else ""
 
 
-def _check_position(sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostics) -> None:
+def _check_position(
+    sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostics, most: float = _MOST_RADIANS
+) -> None:
     number = sidecar.plain_number(*keys)
     if number is None or not isfinite(number):
         return
     if kind is JointKind.PRISMATIC and abs(number) > _MOST_METRES:
         _report(sidecar, keys, f"{number:g} m is implausibly large", "mm", "m", found)
-    elif kind is not JointKind.PRISMATIC and abs(number) > _MOST_RADIANS:
+    elif kind is not JointKind.PRISMATIC and abs(number) > most:
         _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", found)
+
+
+def _check_rate(sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostics) -> None:
+    """Report a velocity or an effort that no joint of a robot has."""
+    number, slides = sidecar.plain_number(*keys), kind is JointKind.PRISMATIC
+    if number is None or not isfinite(number):
+        return
+    if keys[-1] == "effort" and number > _STRONGEST[slides]:
+        own, other = ("N", "mN") if slides else ("N*m", "N*mm")
+        _report(sidecar, keys, f"{number:g} {own} is implausibly strong", other, own, found)
+    elif keys[-1] == "velocity" and number > _FASTEST[slides]:
+        own, other = ("m/s", "mm/s") if slides else ("rad/s", "deg/s")
+        speed = f"{number:g} {own}" + ("" if slides else f" = {number * 60.0 / tau:.0f} rpm")
+        _report(sidecar, keys, f"{speed} is implausibly fast", other, own, found)
 
 
 def _report(sidecar: Sidecar, keys: Keys, message: str, other: str, own: str, found: Diagnostics) -> None:
@@ -104,7 +135,7 @@ def _report(sidecar: Sidecar, keys: Keys, message: str, other: str, own: str, fo
 
 
 def _turns(radians: float) -> str:
-    return f"{abs(radians) / 6.283185307179586:.1f} turns"
+    return f"{abs(radians) / tau:.1f} turns"
 
 
 def _plain_numbers(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, float]]:

@@ -69,7 +69,7 @@ def test_inertia_in_another_unit(tmp_path: Path) -> None:
     assert code == "SB520"
 
 
-@pytest.mark.parametrize(("kind", "codes"), [("fixed", []), ("continuous", ["SB518"])])
+@pytest.mark.parametrize(("kind", "codes"), [("fixed", []), ("continuous", ["SB521", "SB518"])])
 def test_geometry_of_links_fixed_to_it_counts(tmp_path: Path, kind: str, codes: list[str]) -> None:
     """What is drawn on a link fixed to it counts as its geometry; what is beyond a moving joint does not."""
     shop = Workshop()
@@ -85,6 +85,17 @@ def test_geometry_of_links_fixed_to_it_counts(tmp_path: Path, kind: str, codes: 
     found = Diagnostics()
     build(shop, tmp_path, text, found)
     assert [one.code for one in found] == codes
+
+
+def test_mass_too_large_for_the_volume(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Grams without a unit: 55 kg in a box of 24 cm^3; the remedy has the unit."""
+    shop = Workshop()
+    shop.box("a", size=(20, 30, 40))
+    assert build(shop, tmp_path, "    links: {base: {rest: true, inertial: {mass: 55}}}\n", found) is not None
+    (doubt,) = found
+    words = "55 kg in 24 cm^3 is 2.29e+06 kg/m^3, more than any material has"
+    assert (doubt.code, doubt.message) == ("SB521", f"link 'base': {words}")
+    assert doubt.help[0] == "if the unit is g, write `55 g`; numbers without a unit are kilograms"
 
 
 def test_a_link_without_geometry_is_not_checked(tmp_path: Path) -> None:

@@ -127,7 +127,7 @@ def test_links_that_are_given_their_mass_are_left_alone(tmp_path: Path, found: R
     shop = Workshop()
     shop.box("a")
     shop.box("b", X_PC=at(5, 0, 0))
-    build(shop, tmp_path, "    links: {base: {rest: true, inertial: {mass: 1}}}\n", found)
+    build(shop, tmp_path, "    links: {base: {rest: true, inertial: {mass: 10 g}}}\n", found)
     two = """
     links: {base: {rest: true}, arm: {parts: [b]}}
     joints: {j: {type: fixed, parent: base, child: arm, origin: {xyz: [0, 0, 0]}}}

@@ -161,6 +161,13 @@ TURNS = "type: continuous"
         ("type: revolute, limits: {lower: -20, upper: 20}", TURNS, []),
         ("type: revolute, limits: {lower: -21 rad, upper: 21 rad}", TURNS, []),
         ("type: revolute, limits: {lower: -21, upper: 0}", TURNS, ["SB139"]),
+        ("type: continuous, limits: {velocity: 30, effort: 3000}", TURNS, []),
+        ("type: continuous, limits: {velocity: 31}", TURNS, ["SB139"]),
+        ("type: continuous, limits: {velocity: 31 rad/s, effort: 16500 N*m}", TURNS, []),
+        ("type: continuous, limits: {effort: 16500}", TURNS, ["SB139"]),
+        ("type: prismatic, limits: {lower: 0, upper: 1, velocity: 45, effort: 16500}", TURNS, ["SB139"]),
+        ("type: continuous, zero: 20", TURNS, ["SB139"]),
+        ("type: continuous, zero: 20 rad", TURNS, []),
     ],
 )
 def test_rules_of_joints(elbow: str, wrist: str, expected: list[str]) -> None:

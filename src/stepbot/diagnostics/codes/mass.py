@@ -195,11 +195,11 @@ CODES = (
         "SB521",
         "warning",
         "mass too large for the volume",
-        "A `mass` under `parts` gives its components a density above 25000 kg/m^3. Osmium, the densest element, has 22590 "
-        "kg/m^3.",
+        "A `mass` under `parts`, or in the `inertial` of a link, gives its components a density above 25000 kg/m^3. Osmium, "
+        "the densest element, has 22590 kg/m^3.",
         "The unit is probably wrong: numbers without a unit are kilograms, and a servo of 55 kg makes the robot a thousand "
         "times too heavy. Or the mass is that of several components, and each of them gets all of it.",
         "Write the mass with its unit: `55 g`. A mass is that of each component that the path matches. If a solid stands "
-        "for something heavier, keep the mass with `ignore_findings: [{code: SB521, reason: ...}]` in its rule.",
+        "for something heavier, keep the mass with `ignore_findings: [{code: SB521, reason: ...}]` in its rule or link.",
     ),
 )

@@ -314,4 +314,12 @@ CODES = (
         "Together they define the axes of the robot's base: z is up and x is forward.",
         "Choose `forward` among the other two axes, or omit it. The default is x, or y if `up` is x or -x.",
     ),
+    Code(
+        "SB145",
+        "warning",
+        "actuator limit beyond the limit of its joint",
+        "A limit of an actuator is wider than that of the joint that it drives.",
+        "The limit of the joint applies; that of the actuator has no effect.",
+        "Raise the limit of the joint if the motor has more, or remove the actuator's: it is meant to narrow the joint's.",
+    ),
 )
