@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 from functools import wraps
+from itertools import takewhile
+from pathlib import Path
 from typing import Any
 
 import click
@@ -22,6 +24,8 @@ class Command(click.Command):
             click.UsageError: The arguments are invalid.
         """
         given = list(args)
+        if words := _formats_apart(args):
+            raise click.UsageError(f"formats are separated by commas: `-f {','.join(words)}`", ctx)
         try:
             return super().parse_args(ctx, args)
         except click.NoSuchOption as error:
@@ -54,6 +58,18 @@ def _place_in_sidecar(option: str) -> str:
     key = option.lstrip("-").replace("-", "_")
     places = ", ".join(f"`{name}`" for name in top_level_keys_with(key))
     return f"`{key}` is set in the sidecar, under {places}" if places else ""
+
+
+def _formats_apart(args: list[str]) -> list[str]:
+    """The formats of ``-f urdf mjcf``, which are separated by spaces; empty for any other arguments."""
+    option = next((n for n, arg in enumerate(args) if arg in ("-f", "--format")), len(args))
+    if not args[option + 2 :]:
+        return []
+    from stepbot.formats import FORMATS
+
+    known = {name for one in FORMATS.values() for name in (one.name, *one.aliases)}
+    apart = list(takewhile(lambda arg: arg.casefold() in known and not Path(arg).exists(), args[option + 2 :]))
+    return [args[option + 1], *apart] if apart else []
 
 
 def _is_step(argument: str) -> bool:

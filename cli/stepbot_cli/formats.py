@@ -7,18 +7,23 @@ from typing import TYPE_CHECKING
 import click
 
 from .command import Command, json_option
-from .terminal import screen_width, write_json, write_result
+from .terminal import WIDEST_TEXT, screen_width, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.formats import Format
 
 _INDENT = " " * 7
+_MADE_FROM_THEM = (
+    "`stepbot convert --ros2 NAME` makes the folder a ROS 2 package: URDF, xacro, launch files, ros2_control, MoveIt",
+    "`stepbot convert --gazebo` makes the folder a Gazebo model: SDFormat, model.config",
+    "`import stepbot.gym` makes Gymnasium environments from an MJCF (docs/learning.md)",
+)
 
 
 @click.command(cls=Command, epilog="Example: stepbot formats --json")
 @json_option
 def command(as_json: bool) -> int:
-    """List the output formats, with the limitations of each."""
+    """List the output formats, with the limitations of each, and what is made from them."""
     from stepbot.formats import FORMATS
     from stepbot.formats.features import Level
 
@@ -35,16 +40,17 @@ def command(as_json: bool) -> int:
         ):
             features = [feature.value for feature, support in written.expresses.items() if support.level is level]
             if features:
-                write_result("\n".join(_indented(f"{title}: {'; '.join(features)}")))
+                write_result("\n".join(_wrapped(f"{title}: {'; '.join(features)}")))
+    write_result("")
+    for what in _MADE_FROM_THEM:
+        write_result("\n".join(_wrapped(what, "", "  ")))
     return 0
 
 
-def _indented(text: str) -> list[str]:
-    """Lines as wide as the screen; one line for a pipe."""
-    width = screen_width(sys.stdout)
-    if width is None:
-        return [_INDENT + text]
-    return textwrap.wrap(text, width, initial_indent=_INDENT, subsequent_indent=_INDENT + "  ", break_on_hyphens=False)
+def _wrapped(text: str, first: str = _INDENT, further: str = f"{_INDENT}  ") -> list[str]:
+    """Lines as wide as the screen; 100 characters for a pipe."""
+    width = screen_width(sys.stdout) or WIDEST_TEXT
+    return textwrap.wrap(text, width, initial_indent=first, subsequent_indent=further, break_on_hyphens=False)
 
 
 def _described(written: "Format") -> dict[str, object]:

@@ -106,11 +106,12 @@ def command(
         write_json({**document, "diagnostics": found, "exit_code": found.exit_code})
     else:
         show_diagnostics(found, display)
-        if inspection.assembly is not None:
+        silent = display.quiet or display.concise
+        if inspection.assembly is not None and not silent:
             choice = Choice(depth, glob, folded=not (unfold or features))
             verbose = display.verbose
             write_result(_text(inspection, between, choice, features=features, tree=tree, verbose=verbose))
-        if picture is not None and drawn is not None:
+        if picture is not None and drawn is not None and not silent:
             write_result("\n".join(picture_lines(picture, drawn, labels=True)))
     return found.exit_code
 

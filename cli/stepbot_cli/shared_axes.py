@@ -5,9 +5,13 @@ from dataclasses import dataclass
 
 import click
 
+from stepbot.diagnostics import did_you_mean
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.axes import AxisLine, NearMiss, axis_faces, choose, mates, near_misses, selectors
 from stepbot.step.structure.paths import ComponentPaths, quoted
+
+_SHOWN = 12
+"""Maximum number of components in a remedy."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,7 @@ def shared_axes(assembly: Assembly, links: Mapping[str, tuple[int, ...]], a: str
         click.BadParameter: A name matches nothing, or more than one component.
     """
     paths = ComponentPaths(assembly.components)
-    faces_a, faces_b = (axis_faces(assembly, _components(paths, links, name)) for name in (a, b))
+    faces_a, faces_b = (axis_faces(assembly, _components(assembly, paths, links, name)) for name in (a, b))
     found = mates(faces_a, faces_b)
     start = "{auto: true" if a in links and b in links else f"{{mate: [{quoted(a)}, {quoted(b)}]"
     misses = near_misses(faces_a, faces_b)
@@ -55,14 +59,26 @@ def shared_axes(assembly: Assembly, links: Mapping[str, tuple[int, ...]], a: str
     )
 
 
-def _components(paths: ComponentPaths, links: Mapping[str, tuple[int, ...]], name: str) -> list[int]:
+def _components(
+    assembly: Assembly, paths: ComponentPaths, links: Mapping[str, tuple[int, ...]], name: str
+) -> list[int]:
     if name in links:
         return list(links[name])
     binding = paths.find_one(name)
-    if binding.problem:
-        known = [*binding.candidates, *binding.help]
-        raise click.BadParameter(f"'{name}' is {binding.problem}; {'; '.join(known)}", param_hint="--between")
-    return paths.below(binding.topmost)
+    if not binding.problem:
+        return paths.below(binding.topmost)
+    known = [*binding.candidates, *binding.help]
+    if binding.problem == "unknown":
+        known = list(dict.fromkeys((*did_you_mean(name, links), *known))) or _all_names(assembly, links)
+    raise click.BadParameter(f"'{name}' is {binding.problem}; {'; '.join(known)}", param_hint="--between")
+
+
+def _all_names(assembly: Assembly, links: Mapping[str, tuple[int, ...]]) -> list[str]:
+    """The links and the components below the root, where no name is similar."""
+    top = [quoted(component.path) for component in assembly.components if component.parent == 0]
+    more = f" and {len(top) - _SHOWN} more (`stepbot inspect`)" if len(top) > _SHOWN else ""
+    listed = [f"components below the root: {', '.join(top[:_SHOWN])}{more}"] if top else []
+    return [*([f"links: {', '.join(links)}"] if links else []), *listed]
 
 
 def _words(links: Mapping[str, tuple[int, ...]], name: str) -> str:

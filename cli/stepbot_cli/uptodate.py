@@ -22,7 +22,7 @@ from .descriptions import description_options
 from .metadata_options import metadata_options
 from .progress import progress_bar
 from .reading import reading_options
-from .terminal import Display, show_diagnostics, write_json
+from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -84,17 +84,21 @@ def command(
     found = Diagnostics()
     paths = find_sidecars(sidecars or (Path(),), found)
     filled = output_folders(Path()) if output is None else {}
+    compared = 0
     with progress_bar() as progress:
         for path in paths:
             folders = filled.get(path.resolve()) or [_folder(output or "{name}", robot_name(path), path)]
             for folder in folders:
                 asked = options._replace(output=folder, gazebo=model_of(folder, formats) if gazebo else "")
                 check_up_to_date(path, asked, found, exclude=exclude, progress=progress)
+                compared += 1
     say_trouble(options.cache, found)
     if as_json:
         write_json({"files": [path.as_posix() for path in paths], "diagnostics": found, "exit_code": found.exit_code})
     else:
         show_diagnostics(found, display, as_result=True)
+        if not (found.has_errors or display.quiet or display.concise):
+            write_result(f"ok: {compared} output folder{'' if compared == 1 else 's'} up to date")
     return found.exit_code
 
 

@@ -253,6 +253,24 @@ def test_between_links_of_a_sidecar(arm: Path, stepbot: Stepbot) -> None:
     assert "origin: {auto: true" in run.out
 
 
+def test_between_names_what_there_is(arm: Path, stepbot: Stepbot) -> None:
+    """Where no name is similar, the links and the components below the root are listed."""
+    assert 'components below the root: "base", "shoulder", "forearm"' in " ".join(
+        stepbot("inspect", "arm2.step", "--between", "qwerty", "base").err.split()
+    )
+    of_sidecar = stepbot("inspect", "arm2.robot.yaml", "--between", "qwerty", "base").err
+    assert "links: base, upper_arm, forearm, left_finger, right_finger" in " ".join(of_sidecar.split())
+    assert "did you mean 'upper_arm'?" in stepbot("inspect", "arm2.robot.yaml", "--between", "uper_arm", "base").err
+
+
+def test_quiet_prints_no_results(arm: Path, stepbot: Stepbot) -> None:
+    """As in the other commands; JSON is printed anyway."""
+    for option in ("-q", "--concise"):
+        run = stepbot("inspect", "arm2.step", option)
+        assert (run.code, run.out, run.err) == (0, "", "")
+    assert json.loads(stepbot("inspect", "arm2.step", "-q", "--json").out)["exit_code"] == 0
+
+
 def test_between_unknown_names(arm: Path, stepbot: Stepbot) -> None:
     """An unknown name is a usage error with similar names."""
     run = stepbot("inspect", "arm2.step", "--between", "base", "shulder")

@@ -17,7 +17,10 @@ def test_formats_are_those_that_are_found(stepbot: Stepbot) -> None:
     """`formats` lists every writer with its file, aliases and limitations."""
     run = stepbot("formats")
     assert run.code == 0
-    assert [line.split()[0] for line in run.out.splitlines() if not line.startswith(" ")] == list(FORMATS)
+    formats, _, made_from_them = run.out.partition("\n\n")
+    assert [line.split()[0] for line in formats.splitlines() if not line.startswith(" ")] == list(FORMATS)
+    assert max(map(len, formats.splitlines())) <= 100
+    assert all(what in made_from_them for what in ("--ros2", "--gazebo", "stepbot.gym"))
     assert "alias sdformat" in run.out
     assert "not written, with a diagnostic" in run.out
 

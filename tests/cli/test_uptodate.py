@@ -40,6 +40,15 @@ def test_changed_files_are_reported(written: Path, stepbot: Stepbot) -> None:
     assert not (written / "arm2.sdf").exists(), "it writes nothing"
 
 
+def test_success_is_one_line(written: Path, stepbot: Stepbot) -> None:
+    """Current files are reported as such, unless errors and warnings alone are asked for."""
+    command = ("uptodate", "-o", "out/{name}")
+    assert stepbot(*command).out == "ok: 1 output folder up to date\n"
+    assert stepbot(*command, "-q").out == ""
+    (written / "arm2.sdf").unlink()
+    assert "ok:" not in stepbot(*command).out
+
+
 def test_edited_sidecar_and_left_over_mesh(written: Path, stepbot: Stepbot) -> None:
     """The current sidecar is compared, and files of an earlier run are reported."""
     sidecar = Path("arm2.robot.yaml")
@@ -189,7 +198,7 @@ def test_other_engines_make_no_difference(written: Path, stepbot: Stepbot) -> No
     there["checks"] = [check for check in proven["checks"] if check["engine"] == engine]
     report.write_text(json.dumps(there), encoding="utf-8")
     run = stepbot("uptodate")
-    assert (run.code, run.out) == (0, "")
+    assert (run.code, run.out) == (0, "ok: 1 output folder up to date\n")
     there["robot"]["mass"] *= 1.001
     report.write_text(json.dumps(there), encoding="utf-8")
     run = stepbot("uptodate")

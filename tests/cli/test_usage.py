@@ -24,6 +24,8 @@ from .conftest import Stepbot
         (["library", "exprot", "ur5e"], "stepbot library", "did you mean 'export'?"),
         (["explain", "SB000"], "stepbot explain", "unknown code 'SB000'"),
         (["convert", "a.yaml", "--no-verify", "--require", "mujoco"], "stepbot convert", "--require"),
+        (["convert", "a.yaml", "-f", "urdf", "mjcf", "sdf"], "stepbot convert", "commas: `-f urdf,mjcf,sdf`"),
+        (["batch", "-o", "out", "--format", "urdf", "mujoco", "a.yaml"], "stepbot batch", "commas: `-f urdf,mujoco`"),
         (["convert", "a.yaml", "-f", "ros2"], "stepbot convert", "a ROS 2 package is written by `--ros2 NAME`"),
         (["convert", "a.yaml", "-f", "gymnasium"], "stepbot convert", "`-f mjcf`, then `python -m stepbot.gym`"),
         (["convert", "a.yaml", "-f", "isaac-sim"], "stepbot convert", "it reads OpenUSD: `-f usd`"),

@@ -7,6 +7,7 @@ from . import FORMAT
 
 _NAME = re.compile(r"[a-z][a-z0-9_]+")
 """https://ros.org/reps/rep-0144.html."""
+_ENDING = "_description"
 _RELATIVE = b'filename="meshes/'
 """As the writer writes it; in the text of any attribute the quote would be escaped."""
 
@@ -27,7 +28,7 @@ def package_of(package: str, ros2: str, formats: Collection[str], prefix: str = 
 
     Args:
         package: Name of the package of the URDF's meshes; empty for none.
-        ros2: Name of the ROS 2 package without ``_description``; empty for none.
+        ros2: Name of the ROS 2 package, with or without ``_description`` at its end; empty for none.
         formats: Names of the formats to write.
         prefix: Written before ``package`` and ``ros2`` in messages.
 
@@ -40,7 +41,7 @@ def package_of(package: str, ros2: str, formats: Collection[str], prefix: str = 
         return ""
     if FORMAT.name not in formats:
         raise ValueError(f"{prefix}{'package' if package else 'ros2'} needs the format urdf")
-    return f"{package_named(ros2)}_description" if ros2 else package_named(package)
+    return f"{package_named(ros2.removesuffix(_ENDING))}{_ENDING}" if ros2 else package_named(package)
 
 
 def with_package(urdf: bytes, package: str) -> bytes:

@@ -48,6 +48,10 @@ _OTHER_FILES = (
     (b"%PDF", "a PDF", "export the assembly as STEP (AP214 or AP242)"),
 )
 
+_DESCRIPTIONS = {b"robot": "URDF", b"sdf": "SDFormat", b"mujoco": "MJCF"}
+"""Names of formats by the first element of their files."""
+_DESCRIPTION = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:<\?.*?\?>\s*|<!--.*?-->\s*)*<(robot|sdf|mujoco)\b", re.DOTALL)
+
 
 @dataclass(frozen=True)
 class Header:
@@ -185,6 +189,9 @@ def _report_not_step(beginning: bytes, place: str, found: Diagnostics) -> None:
         ((kind, remedy) for magic, kind, remedy in _OTHER_FILES if beginning.startswith(magic)),
         ("", "a STEP file begins with the line `ISO-10303-21;`"),
     )
+    if root := _DESCRIPTION.match(beginning):
+        kind = f"a robot description ({_DESCRIPTIONS[root[1]]})"
+        remedy = f"`stepbot view {place}` shows it, `stepbot verify {place}` loads it in engines"
     if len(beginning) > 80 and beginning[72:73] == b"S" and b"\n" in beginning[79:83]:
         kind, remedy = "IGES", "IGES has no assembly tree: export the assembly as STEP (AP214 or AP242)"
     what = f"is {kind}, not a STEP file" if kind else "is not a STEP file"
