@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import pi, radians
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
@@ -29,22 +30,61 @@ pxr = pytest.importorskip("pxr", reason="usd-core is not installed")
 
 from pxr import Sdf, Usd, UsdGeom, UsdPhysics, UsdShade, UsdUtils, UsdValidation  # noqa: E402
 
+_FOLDERS: list[TemporaryDirectory[str]] = []
+"""Folders of open stages, which map binary layers into memory."""
+
 
 def stage_of(robot: Robot) -> Any:
     """The stage of a robot's file."""
-    content, _ = render(robot, "usd", Diagnostics()).values()
-    layer = Sdf.Layer.CreateAnonymous(".usda")
-    assert layer.ImportFromString(content.decode())
-    return Usd.Stage.Open(layer)
+    _FOLDERS.append(TemporaryDirectory())
+    return Usd.Stage.Open(str(written(robot, Path(_FOLDERS[-1].name))))
+
+
+def written(robot: Robot, folder: Path) -> Path:
+    """A robot's main file, after its files were written to a folder."""
+    files = render(robot, "usd", Diagnostics())
+    for path, content in files.items():
+        (folder / path).parent.mkdir(exist_ok=True)
+        (folder / path).write_bytes(content)
+    return folder / next(iter(files))
 
 
 @every_robot
-def test_usds_validators_find_nothing(name: str) -> None:
-    """All validators that come with USD, those of UsdPhysics among them, have nothing to report."""
+def test_usds_validators_find_nothing(name: str, tmp_path: Path) -> None:
+    """All validators that come with USD, those of UsdPhysics among them, have nothing to report on any file."""
+    written(ROBOTS[name](), tmp_path)
     registry = UsdValidation.ValidationRegistry()
     context = UsdValidation.ValidationContext(registry.GetOrLoadAllValidators())
-    errors = context.Validate(stage_of(ROBOTS[name]()))
-    assert [f"{error.GetName()}: {error.GetMessage()}" for error in errors] == []
+    for file in tmp_path.rglob("*.usd*"):
+        errors = context.Validate(Usd.Stage.Open(str(file)))
+        assert [f"{error.GetName()}: {error.GetMessage()}" for error in errors] == []
+
+
+@pytest.mark.skipif(
+    not hasattr(UsdUtils, "ComplianceChecker"), reason="usd-core 26.11 replaces ComplianceChecker by UsdValidation"
+)
+@every_robot
+def test_usds_compliance_checker_finds_nothing(name: str, tmp_path: Path) -> None:
+    """What `usdchecker` runs has no error, no warning and no check that fails."""
+    written(ROBOTS[name](), tmp_path)
+    for file in tmp_path.rglob("*.usd*"):
+        checker = UsdUtils.ComplianceChecker()
+        checker.CheckCompliance(str(file))
+        assert [*checker.GetErrors(), *checker.GetFailedChecks(), *checker.GetWarnings()] == []
+
+
+@every_robot
+def test_text_has_no_long_arrays(name: str) -> None:
+    """Validators want arrays of more than 64 values in binary layers."""
+    stage = stage_of(ROBOTS[name]())
+    arrays = [
+        spec
+        for prim in stage.Traverse()
+        for attribute in prim.GetAttributes()
+        for spec in attribute.GetPropertyStack(Usd.TimeCode.Default())
+        if spec.typeName.isArray and spec.layer.GetFileFormat().formatId == "usda"
+    ]
+    assert [spec.path for spec in arrays if len(spec.default or ()) > 64] == []
 
 
 def test_units_and_axis_are_declared() -> None:
@@ -83,9 +123,9 @@ def test_a_mesh_is_in_the_file_once() -> None:
     robot = one_link()
     (visual, *_), (collision, *_) = robot.root.visuals, robot.root.collisions
     link = replace(robot.root, visuals=(visual, replace(visual, name="again")), collisions=(collision,))
-    content, _ = render(replace(robot, links=(link,)), "usd", Diagnostics()).values()
-    assert content.count(b"point3f[] points") == 1
     stage = stage_of(replace(robot, links=(link,)))
+    (layer,) = (layer for layer in stage.GetUsedLayers() if layer.realPath.endswith(".usdc"))
+    assert layer.ExportToString().count("point3f[] points") == 1
     assert len(stage.GetPrototypes()) == 1
     meshes = [prim for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()) if prim.IsA(UsdGeom.Mesh)]
     assert len(meshes) == 3
@@ -146,11 +186,10 @@ def test_a_floating_robot_has_no_joint_to_the_world() -> None:
     assert stage_of(two_link_arm()).GetPrimAtPath("/two_link_arm/joints/world_joint")
 
 
-def test_the_file_is_complete(tmp_path: Path) -> None:
-    """It refers to no other file."""
-    for path, content in render(two_link_arm(), "usd", Diagnostics()).items():
-        (tmp_path / path).write_bytes(content)
-    for file, layers in (("two_link_arm.usda", 1), ("two_link_arm.scene.usda", 2)):
+def test_the_files_are_complete(tmp_path: Path) -> None:
+    """The robot refers to its meshes, the scene to the robot, and none to anything else."""
+    written(two_link_arm(), tmp_path)
+    for file, layers in (("meshes/two_link_arm.usdc", 1), ("two_link_arm.usda", 2), ("two_link_arm.scene.usda", 3)):
         found, assets, unresolved = UsdUtils.ComputeAllDependencies(str(tmp_path / file))
         assert (len(found), assets, unresolved) == (layers, [], [])
 
@@ -158,9 +197,7 @@ def test_the_file_is_complete(tmp_path: Path) -> None:
 @pytest.mark.parametrize("build", [two_link_arm, odd_names])
 def test_the_scene_has_the_robot_gravity_and_a_floor(build: Callable[[], Robot], tmp_path: Path) -> None:
     """The robot of the scene is that of its file, for validators, for the reader, and for UsdPhysics."""
-    for path, content in render(build(), "usd", Diagnostics()).items():
-        (tmp_path / path).write_bytes(content)
-    file = str(tmp_path / f"{build().name}.scene.usda")
+    file = str(written(build(), tmp_path).with_name(f"{build().name}.scene.usda"))
     stage = Usd.Stage.Open(file)
     context = UsdValidation.ValidationContext(UsdValidation.ValidationRegistry().GetOrLoadAllValidators())
     assert [error.GetMessage() for error in context.Validate(stage)] == []
@@ -199,9 +236,8 @@ def test_a_joint_drawn_beyond_half_a_turn_is_read_back(tmp_path: Path) -> None:
     """Poses do not tell full turns apart: the reader reports the turn that is expected, or else the nearest to 0."""
     robot = two_link_arm()
     elbow = replace(robot.joints[1], limit=Limit(-4.0, 4.0), drawn_position=3.5)
-    content, _ = render(replace(robot, joints=(robot.joints[0], elbow)), "usd", Diagnostics()).values()
-    (tmp_path / "arm.usda").write_bytes(content)
-    request = Request(str(tmp_path / "arm.usda"), "usd", simulate=0.0)
+    file = written(replace(robot, joints=(robot.joints[0], elbow)), tmp_path)
+    request = Request(str(file), "usd", simulate=0.0)
     observe = engine_of("usd").observer.observe
     assert observe(request).initial == pytest.approx({"shoulder": 0.0, "elbow": 3.5 - 2.0 * pi}, abs=1e-6)
     expected = observe(replace(request, initial={"elbow": 3.5})).initial

@@ -1,7 +1,7 @@
 """stepbot's reader of OpenUSD: files with changed values, and conventions of other programs."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cache
 from math import pi
@@ -27,10 +27,9 @@ pytest.importorskip("pxr", reason="usd-core is not installed")
 
 
 @cache
-def original(build: Callable[[], Robot]) -> tuple[str, Observation, Request]:
-    """The text of a robot's file, the expected observation, and the request, which is for a few configurations."""
+def original(build: Callable[[], Robot]) -> tuple[dict[str, bytes], Observation, Request]:
+    """A robot's files, the expected observation, and the request, which is for a few configurations."""
     robot = lower(build(), FORMATS["usd"], Diagnostics())
-    content, _ = render(build(), "usd", Diagnostics()).values()
     request = Request(
         "",
         "usd",
@@ -40,15 +39,23 @@ def original(build: Callable[[], Robot]) -> tuple[str, Observation, Request]:
         closures=robot.closures,
         rates=rates(robot, 3),
     )
-    return content.decode(), observe_robot(robot, request), request
+    return render(build(), "usd", Diagnostics()), observe_robot(robot, request), request
+
+
+def written(files: Mapping[str, bytes], folder: Path) -> Path:
+    """The main one of the files, after they were written to a folder."""
+    for path, content in files.items():
+        (folder / path).parent.mkdir(exist_ok=True)
+        (folder / path).write_bytes(content)
+    return folder / next(iter(files))
 
 
 def changed(build: Callable[[], Robot], folder: Path, pattern: str, new: str) -> set[Quantity]:
     """The quantities that differ after the first match of a pattern in a robot's file is replaced."""
-    text, expected, request = original(build)
-    edited, count = re.subn(pattern, new, text, count=1, flags=re.DOTALL)
+    files, expected, request = original(build)
+    file = written(files, folder)
+    edited, count = re.subn(pattern, new, file.read_text(encoding="utf-8"), count=1, flags=re.DOTALL)
     assert count == 1, pattern
-    file = folder / "robot.usda"
     file.write_text(edited, encoding="utf-8")
     return failures(expected, look("usd", replace(request, file=str(file))))
 
@@ -115,9 +122,8 @@ def test_closures_about_any_axis(axis: tuple[float, float, float], tmp_path: Pat
     R = Pose.from_xyz_rpy((0, 0, 0), (0.4, -0.2, 0.3))
     (pin,) = robot.closures
     turned = replace(pin, X_AF=pin.X_AF @ R, X_BF=pin.X_BF @ R, axis=axis)
-    content, _ = render(replace(robot, closures=(turned,)), "usd", Diagnostics()).values()
-    (tmp_path / "robot.usda").write_bytes(content)
-    seen = look("usd", Request(str(tmp_path / "robot.usda"), "usd", closures=(turned,), simulate=0.0))
+    file = written(render(replace(robot, closures=(turned,)), "usd", Diagnostics()), tmp_path)
+    seen = look("usd", Request(str(file), "usd", closures=(turned,), simulate=0.0))
     (closure,) = seen.closures or ()
     assert closure.axis == pytest.approx(axis, abs=1e-6)
     for found, expected in ((closure.X_AF, turned.X_AF), (closure.X_BF, turned.X_BF)):
@@ -261,13 +267,13 @@ def test_mimics_of_reversed_joints(sign: float, tmp_path: Path) -> None:
 
 
 def test_a_scene_refers_to_a_file_with_an_at_sign(tmp_path: Path) -> None:
-    """The scene of a robot with `@` in its name, which delimits paths in USD, has the robot."""
+    """The scene of a robot with `@` in its name, which delimits paths in USD, has the robot and its meshes."""
     from pxr import Usd
 
-    for path, data in render(replace(two_link_arm(), name="arm@2"), "usd", Diagnostics()).items():
-        (tmp_path / path).write_bytes(data)
+    written(render(replace(two_link_arm(), name="arm@2"), "usd", Diagnostics()), tmp_path)
     stage = Usd.Stage.Open(str(tmp_path / "arm@2.scene.usda"))
     assert stage.GetPrimAtPath("/World/arm_2/forearm")
+    assert stage.GetPrimAtPath("/World/arm_2/forearm/collisions/forearm_collision_1").GetAttribute("points").Get()
 
 
 @pytest.mark.parametrize(

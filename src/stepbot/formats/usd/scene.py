@@ -24,7 +24,7 @@ def scene(robot: Robot, main: str) -> bytes:
     sky.set("float inputs:intensity", single(_SKY))
     names = Names(child.name for child in world.children)
     world.add(Prim("", names.of(robot.name), metadata=[f"prepend references = {asset_path(f'./{main}')}"]))
-    return layer(['defaultPrim = "World"', "kilogramsPerUnit = 1", "metersPerUnit = 1", 'upAxis = "Z"'], world)
+    return layer(world)
 
 
 def _floor(height: float) -> Prim:

@@ -1,23 +1,17 @@
-"""Geometry and materials: native shapes, and meshes that are in the file once each.
+"""Geometry and materials: native shapes, and meshes that are in a file of their own.
 
 Visuals with a mesh are instances of it. Collisions refer to it without being instances, because physics attributes
 cannot be changed inside of one. Their purpose is ``guide``, which renderers do not draw.
 """
 
-import numpy as np
-
 from stepbot.geometry.colors import linear_from_srgb
-from stepbot.geometry.fixed_point import fixed_point_lines
-from stepbot.geometry.mesh import GRID_DECIMALS, GRID_PER_METRE
-from stepbot.geometry.mesh_bytes import unit_normals
-from stepbot.geometry.spatial import IDENTITY, Array, Pose
+from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.model import (
     Box,
     Capsule,
     Collision,
     Cylinder,
     Geometry,
-    MeshAsset,
     MeshRef,
     Rgba,
     Robot,
@@ -27,13 +21,12 @@ from stepbot.robot.model import (
 
 from ..lowering.shapes import concave_meshes, upright
 from ..xml import number
+from .meshes import MESH, MeshLayer
 from .names import Names, named
 from .usda import Prim, doubles, single, singles
 
-MESH = "mesh"
-"""Name of the mesh in the prim of an asset."""
-_PLACE_DECIMALS, _COLOR_DECIMALS, _NORMAL_DECIMALS = 12, 9, 6
-"""Decimals of positions [m] and quaternions, of linear colours, and of normals: the same on all machines."""
+_PLACE_DECIMALS, _COLOR_DECIMALS = 12, 9
+"""Decimals of positions [m] and quaternions, and of linear colours: the same on all machines."""
 
 
 class Library:
@@ -47,28 +40,21 @@ class Library:
             top: Path of its prim.
         """
         self._concave = concave_meshes(robot)
-        names = Names()
-        self._meshes = {asset.name: names.of(asset.name) for asset in robot.meshes}
-        self._assets = robot.mesh_by_name
+        self._meshes = MeshLayer(robot)
         self._colors: dict[Rgba, str] = {}
-        self._used: set[str] = set()
         self._top = top
 
     def prims(self) -> list[Prim]:
-        """The meshes and materials that are in use."""
-        meshes = Prim("Scope", "meshes", specifier="class")
-        meshes.children = [
-            _asset(self._assets[name], identifier) for name, identifier in self._meshes.items() if name in self._used
-        ]
+        """The materials that are in use, in their scope."""
         materials = Prim("Scope", "materials")
         materials.children = [_material(f"{self._top}/materials", *one) for one in self._colors.items()]
-        return [scope for scope in (meshes, materials) if scope.children]
+        return [materials] if materials.children else []
 
     def visual(self, visual: Visual, names: Names) -> Prim:
         """A visual."""
         if isinstance(visual.geometry, MeshRef):
             prim = named("Xform", visual.name, names)
-            prim.metadata += ["instanceable = true", f"prepend references = <{self._mesh(visual.geometry)}>"]
+            prim.metadata += ["instanceable = true", self._meshes.reference(visual.geometry)]
         else:
             prim = _primitive(visual.geometry, visual.name, names)
         prim.schemas.append("MaterialBindingAPI")
@@ -81,7 +67,7 @@ class Library:
         """A collision."""
         if isinstance(collision.geometry, MeshRef):
             prim = named("Mesh", collision.name, names)
-            prim.metadata.append(f"prepend references = <{self._mesh(collision.geometry)}/{MESH}>")
+            prim.metadata.append(self._meshes.reference(collision.geometry, MESH))
             prim.schemas += ["PhysicsCollisionAPI", "PhysicsMeshCollisionAPI", "NewtonMeshCollisionAPI"]
             concave = collision.geometry.name in self._concave
             prim.set("uniform token physics:approximation", '"convexDecomposition"' if concave else '"convexHull"')
@@ -91,10 +77,6 @@ class Library:
         prim.set("uniform token purpose", '"guide"')
         place(prim, upright(collision), scale=_scale(collision.geometry))
         return prim
-
-    def _mesh(self, mesh: MeshRef) -> str:
-        self._used.add(mesh.name)
-        return f"{self._top}/meshes/{self._meshes[mesh.name]}"
 
 
 def place(prim: Prim, X: Pose, *, scale: str = "") -> None:
@@ -139,29 +121,6 @@ def _primitive(geometry: Geometry, name: str, names: Names) -> Prim:
             raise TypeError("a mesh is not a primitive")
     prim.set("float3[] extent", f"[{singles(-x for x in half)}, {singles(half)}]")
     return prim
-
-
-def _asset(asset: MeshAsset, identifier: str) -> Prim:
-    """A mesh, to be referred to: triangles with flat faces, on the grid of the mesh files."""
-    mesh = asset.mesh
-    prim = Prim("Mesh", MESH)
-    nanometres = np.rint(mesh.vertices * GRID_PER_METRE).astype(np.int64)
-    low, high = (nanometres.min(axis=0), nanometres.max(axis=0)) if len(nanometres) else (np.zeros(3), np.zeros(3))
-    corners = ((corner / GRID_PER_METRE).tolist() for corner in (low, high))
-    prim.set("float3[] extent", f"[{', '.join(map(singles, corners))}]")
-    prim.set("int[] faceVertexCounts", f"[{', '.join(['3'] * len(mesh.faces))}]")
-    prim.set("int[] faceVertexIndices", f"[{', '.join(map(str, mesh.faces.ravel().tolist()))}]")
-    prim.set("normal3f[] normals", _triples(np.rint(unit_normals(mesh) * 10**_NORMAL_DECIMALS), _NORMAL_DECIMALS))
-    prim.properties[-1] += ' (interpolation = "uniform")'
-    prim.set("point3f[] points", _triples(nanometres.astype(np.float64), GRID_DECIMALS))
-    prim.set("uniform token subdivisionScheme", '"none"')
-    return Prim("Xform", identifier, children=[prim])
-
-
-def _triples(rows: Array, decimals: int) -> str:
-    """An array of triples, from integers (n, 3) in units of the last decimal."""
-    lines = fixed_point_lines("", rows.astype(np.int64), decimals).decode().splitlines()
-    return "[" + ", ".join(f"({', '.join(line.split())})" for line in lines) + "]"
 
 
 def _material(scope: str, rgba: Rgba, identifier: str) -> Prim:

@@ -4,13 +4,18 @@ Most attributes of UsdPhysics and UsdGeom have single precision. Their numbers a
 reads back as the same single; those of double precision as the same double.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from stepbot.robot.model import Robot
+from stepbot.version import __version__
+
 from ..xml import number
 
+UNITS: Mapping[str, float | str] = {"kilogramsPerUnit": 1.0, "metersPerUnit": 1.0, "upAxis": "Z"}
+"""Metadata of all layers."""
 _INDENT = "    "
 
 
@@ -22,8 +27,6 @@ class Prim:
     """``Xform``, ``Mesh``; empty for none."""
     name: str
     """A valid identifier, unique among its siblings."""
-    specifier: str = "def"
-    """``def``, or ``class`` for an abstract prim that others refer to."""
     schemas: list[str] = field(default_factory=list)
     """Applied API schemas."""
     metadata: list[str] = field(default_factory=list)
@@ -42,14 +45,26 @@ class Prim:
         self.properties.append(f"{declaration} = {value}")
 
 
-def layer(metadata: Sequence[str], top: Prim) -> bytes:
-    """The bytes of a layer with one root prim."""
+def layer(top: Prim, doc: str = "") -> bytes:
+    """The bytes of a layer with one root prim, its default one.
+
+    Args:
+        top: The root prim.
+        doc: What the layer is.
+    """
+    metadata = [f"defaultPrim = {quoted(top.name)}", *([f"doc = {quoted(doc)}"] if doc else [])]
+    metadata += [f"{key} = {quoted(one) if isinstance(one, str) else number(one)}" for key, one in UNITS.items()]
     lines = ["#usda 1.0", "(", *(_INDENT + line for line in metadata), ")", "", *_lines(top, "")]
     return ("\n".join(lines) + "\n").encode()
 
 
+def written_by(robot: Robot) -> str:
+    """The documentation of a robot's layers."""
+    return f"Written by stepbot {__version__}{f' from {robot.source}' if robot.source else ''}."
+
+
 def _lines(prim: Prim, indent: str) -> Iterable[str]:
-    words = [prim.specifier, *([prim.type] if prim.type else []), quoted(prim.name)]
+    words = ["def", *([prim.type] if prim.type else []), quoted(prim.name)]
     schemas = [f"prepend apiSchemas = [{', '.join(map(quoted, prim.schemas))}]"] if prim.schemas else []
     inside = [*schemas, *prim.metadata]
     yield indent + " ".join(words) + (" (" if inside else "")

@@ -1,7 +1,7 @@
 """OpenUSD with UsdPhysics: https://openusd.org/release/api/usd_physics_page_front.html.
 
-One text file, written without USD's own library (decision 0029): links below the robot's prim, side by side, in the
-drawn pose; joints, meshes and materials in scopes of their own.
+A text file, and a binary one for the meshes, written without USD's own library (decisions 0029 and 0037): links below
+the robot's prim, side by side, in the drawn pose; joints and materials in scopes of their own.
 """
 
 from stepbot.geometry.principal_axes import principal_axes
@@ -9,16 +9,16 @@ from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import initial_configuration, link_poses, without_contacts
 from stepbot.robot.model import Frame, Link, Robot
 from stepbot.robot.standing import standing_height
-from stepbot.version import __version__
 
 from ..companion import Companion
 from ..features import Feature, exact, lowered, reported
 from . import FORMAT
 from .joints import joints
+from .meshes import MeshLayer
 from .names import Names, named
 from .scene import scene
 from .shapes import Library, place
-from .usda import Prim, layer, quoted, single, singles
+from .usda import Prim, layer, single, singles, written_by
 
 _SENSORS = reported("SB743", "sensors are omitted")
 EXPRESSES = {
@@ -27,12 +27,12 @@ EXPRESSES = {
     Feature.INERTIA: exact("`PhysicsMassAPI` with principal moments and axes, in single precision"),
     Feature.MASSLESS: lowered("SB741", "links without mass get 1e-6 kg, those without inertia 1e-9 kg m^2"),
     Feature.MASSLESS_BODY: exact("as any link without mass"),
-    Feature.MESH: exact("`Mesh` in the same file, once for all links; visuals are instances"),
-    Feature.STL_VISUAL: exact("in the same file"),
-    Feature.DAE_VISUAL: exact("in the same file"),
-    Feature.GLB_VISUAL: exact("in the same file"),
-    Feature.STL_COLLISION: exact("in the same file"),
-    Feature.OTHER_COLLISION: exact("in the same file"),
+    Feature.MESH: exact("`Mesh` in `meshes/<robot>.usdc`, once for all links; visuals are instances"),
+    Feature.STL_VISUAL: exact("in `meshes/<robot>.usdc`"),
+    Feature.DAE_VISUAL: exact("in `meshes/<robot>.usdc`"),
+    Feature.GLB_VISUAL: exact("in `meshes/<robot>.usdc`"),
+    Feature.STL_COLLISION: exact("in `meshes/<robot>.usdc`"),
+    Feature.OTHER_COLLISION: exact("in `meshes/<robot>.usdc`"),
     Feature.SHAPE: exact("`Cube` with a scale, `Cylinder`, `Sphere`"),
     Feature.CAPSULE: exact("`Capsule`"),
     Feature.FLAT_COLLISION: reported(
@@ -98,7 +98,7 @@ EXPRESSES = {
     Feature.RESERVED_NAME: exact("any name as `displayName`"),
 }
 
-_SCOPES = ("joints", "meshes", "materials")
+_SCOPES = ("joints", "materials")
 """Scopes beside the links."""
 
 
@@ -129,20 +129,14 @@ def render(robot: Robot) -> bytes:
     if robot.joints or robot.base == "fixed":
         top.add(joints(robot, path, paths))
     top.children += library.prims()
-    origin = f" from {robot.source}" if robot.source else ""
-    metadata = [
-        f"defaultPrim = {quoted(top.name)}",
-        f"doc = {quoted(f'Written by stepbot {__version__}{origin}.')}",
-        "kilogramsPerUnit = 1",
-        "metersPerUnit = 1",
-        'upAxis = "Z"',
-    ]
-    return layer(metadata, top)
+    return layer(top, written_by(robot))
 
 
-def companions(_robot: Robot) -> tuple[Companion, ...]:
-    """No files beside the main one."""
-    return ()
+def companions(robot: Robot) -> tuple[Companion, ...]:
+    """The file of the meshes, if there are any."""
+    meshes = MeshLayer(robot)
+    content = meshes.content()
+    return () if content is None else (Companion(meshes.path, "", robot, content),)
 
 
 def scenes(robot: Robot) -> dict[str, bytes]:
