@@ -86,6 +86,14 @@ def test_prims_attributes_and_metadata_are_read_back(tmp_path: Path) -> None:
         assert not prim.GetAttribute("points").IsCustom()
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_numbers_must_be_finite(value: float) -> None:
+    """Meshes with NaN are faults of the program."""
+    points = np.array([[0.0, value, 0.0]], np.float32)
+    with pytest.raises(ValueError, match="NaN"):
+        crate({}, "", CratePrim("Mesh", "a", (CrateAttribute("points", "point3f[]", points),)))
+
+
 def test_text_of_the_layer_is_what_usd_writes_for_it(tmp_path: Path) -> None:
     """A layer that USD writes in its binary format has the same text as ours."""
     points = RANDOM.normal(size=(500, 3)).astype(np.float32)

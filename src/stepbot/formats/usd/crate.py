@@ -62,6 +62,9 @@ def crate(metadata: Mapping[str, str | float], doc: str, top: CratePrim) -> byte
         metadata: Numbers and tokens of the layer, such as ``metersPerUnit``.
         doc: Its documentation.
         top: The root prim.
+
+    Raises:
+        ValueError: A number is not finite.
     """
     return _Crate(metadata, doc, top).content()
 
@@ -137,6 +140,8 @@ class _Crate:
     def _array(self, values: Singles | Ints) -> int:
         """An array; one without elements has no place in the file."""
         kind = _VEC3F if values.ndim == 2 else _INT
+        if not np.isfinite(values).all():
+            raise ValueError("NaN and infinity cannot be written")
         if not len(values):
             return kind << 48 | _ARRAY
         count = struct.pack("<Q", len(values))
