@@ -80,7 +80,8 @@ def command(
     if strict:
         found.make_strict()
     if robot is not None and robot.self_collision is not None and srdf is not None and not found.has_errors:
-        write_file(srdf, srdf_of(robot.name, robot.self_collision, robot.source), found)
+        content = srdf_of(robot.name, robot.self_collision, robot.source, excluded=robot.excluded_contacts)
+        write_file(srdf, content, found)
     say_trouble(options.cache, found)
     searched = None if robot is None else robot.self_collision
     if as_json:

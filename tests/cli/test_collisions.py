@@ -88,6 +88,20 @@ def test_classes_and_srdf(stepbot: Stepbot, plates: Path) -> None:
     assert {"never 2 pairs", "adjacent 3 pairs"} <= set(rows)
 
 
+def test_excluded_contacts_of_the_sidecar(stepbot: Stepbot, plates: Path) -> None:
+    """A pair that somebody excludes is in MJCF and in the SRDF, without a search and with one, and not warned of."""
+    assert "SB810" in stepbot("convert", "plates.robot.yaml", "-o", "plain").err
+    (plates / "plates.robot.yaml").write_text(SIDECAR + "excluded_contacts: [[upper, lower]]\n", encoding="utf-8")
+    run = stepbot("convert", "plates.robot.yaml", "-o", "out", "-f", "urdf,mjcf")
+    assert run.code == 0, run.err
+    assert "SB810" not in run.err
+    assert frozenset(("lower", "upper")) in excludes(plates / "out" / "plates.xml")
+    assert ("lower", "upper", "User") in disabled(plates / "out" / "plates.srdf")
+    searched = stepbot("collisions", "plates.robot.yaml", "--samples", "20", "--srdf", "plates.srdf")
+    assert "SB620" not in searched.err
+    assert disabled(plates / "plates.srdf") >= {("lower", "upper", "Always")}
+
+
 def test_strict_turns_the_warning_into_an_error(stepbot: Stepbot, plates: Path) -> None:
     """With --strict the warning ends the run with exit code 1, and no SRDF is written."""
     run = stepbot("collisions", "plates.robot.yaml", "--samples", "20", "--strict", "--srdf", "plates.srdf")

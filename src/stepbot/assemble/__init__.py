@@ -47,6 +47,7 @@ from .devices import (
     tune_actuators,
 )
 from .double_counting import DoubleCounting
+from .excluded_contacts import without_contacts_of
 from .far_axes import report_far_axes
 from .fitted_collisions import FittedCollisions, wait_for
 from .frames import Frames
@@ -147,6 +148,7 @@ def build_robot(
         metadata=build_metadata(document),
         mesh_formats=build_mesh_formats(document),
     )
+    robot = without_contacts_of(robot, sidecar, found)
     robot = tune_actuators(robot, sidecar, found)
     robot, simplified = SimplifiedVisualMeshes(binder, cache, process, timeout).of(robot)
     double_counting = DoubleCounting(binder, claims, weighed, cache=cache, process=process)

@@ -24,7 +24,7 @@ class Feature(StrEnum):
     CONCAVE_COLLISION = "non-convex collision mesh"
     COLOR = "colour and opacity"
     NEIGHBOURS = "no contact between adjacent links"
-    EXCLUDED_CONTACT = "no contact between links that always overlap, or never"
+    EXCLUDED_CONTACT = "no contact between excluded pairs of links"
     FIXED = "fixed joint"
     REVOLUTE = "revolute joint"
     CONTINUOUS = "continuous joint"

@@ -1,6 +1,6 @@
 """Which links of a robot can overlap: searched in a worker process, for a conversion or for its own sake."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -50,8 +50,9 @@ def search(
     except StepbotError as error:
         found.extend(error.diagnostics)
         return None
+    stated = set(map(frozenset, robot.excluded_contacts))
     for pair in robot.self_collision.of_class(PairClass.SOMETIMES) if robot.self_collision else ():
-        if pair.first == 0:
+        if pair.first == 0 and pair.links not in stated:
             message = f"links '{pair.link_a}' and '{pair.link_b}' overlap{_by(pair)} in the drawn pose"
             found.add("SB810", message, Span(robot.source or robot.name))
     return None if robot.self_collision is None else robot
@@ -97,14 +98,15 @@ def with_self_collision(robot: Robot, wanted: SelfCollisionSection, options: Opt
         return robot
     exclude = tuple(PairClass(kind.value) for kind in dict.fromkeys(wanted.exclude))
     searched = replace(searched, exclude=exclude)
-    _report(searched, wanted.samples, span, found)
+    _report(searched, wanted.samples, frozenset(map(frozenset, robot.excluded_contacts)), span, found)
     return replace(robot, self_collision=searched)
 
 
-def _report(searched: SelfCollision, wanted: int, span: Span, found: Diagnostics) -> None:
+def _report(searched: SelfCollision, wanted: int, stated: Set[frozenset[str]], span: Span, found: Diagnostics) -> None:
+    """Report missing samples, and pairs that always overlap, except those that somebody has excluded."""
     if searched.samples < wanted:
         found.add("SB621", f"self-collision searched in {searched.samples:,} of {wanted:,} poses", span)
-    for pair in searched.of_class(PairClass.ALWAYS):
+    for pair in (one for one in searched.of_class(PairClass.ALWAYS) if one.links not in stated):
         poses = "the drawn pose" if searched.samples == 1 else f"all {searched.samples:,} poses"
         excluded = "; their contacts are excluded" if PairClass.ALWAYS in searched.exclude else ""
         drawn = f",{_by(pair)} as drawn" if pair.depth is not None else ""

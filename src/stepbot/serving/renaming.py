@@ -8,11 +8,10 @@ from stepbot.sidecar.document import Document, ExplicitOrigin
 from stepbot.sidecar.editing import Change, Put, Rename
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.origins import Origin
+from stepbot.sidecar.tree import Keys
 
 from .local_server import Refused
 from .questions import Json, text
-
-Keys = tuple[str, ...]
 
 _NAMED = ("links", "joints", "closures", "frames")
 """Sections of the sidecar whose entries need different names."""
@@ -79,6 +78,9 @@ def _links(document: Document) -> Iterator[tuple[Keys, str | None]]:
         yield ("closures", name, "link_a"), closure.link_a
         yield ("closures", name, "link_b"), closure.link_b
         yield from _relative(("closures", name, "origin"), closure.origin)
+    for index, pair in enumerate(document.excluded_contacts):
+        for side, link in enumerate(pair):
+            yield ("excluded_contacts", index, side), link
     for section, placed in (("frames", document.frames), ("sensors", document.sensors)):
         for name, one in placed.items():
             yield (section, name, "link"), one.link

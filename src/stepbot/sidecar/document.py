@@ -34,7 +34,7 @@ from .quantities import (
     RelativeOrLength,
 )
 from .section import ComponentPath, MaterialName, Name, RobotName, Section
-from .self_collision import SelfCollisionSection
+from .self_collision import LinkPair, SelfCollisionSection
 from .shapes import (
     BoxShape,
     CapsuleShape,
@@ -309,6 +309,8 @@ class Document(Section):
     """Time step, integrator and stiffness of closures, for formats and engines that have them."""
     self_collision: SelfCollisionSection | None = None
     """Search for the links that can overlap: MJCF excludes pairs that always do, and an SRDF lists all pairs."""
+    excluded_contacts: tuple[LinkPair, ...] = ()
+    """Pairs of links, `[link_a, link_b]`, without contacts between them, in addition to adjacent links."""
     metadata: MetadataSection = MetadataSection()
     """Maintainer, licence, version and description, for packages of ROS 2, Gazebo and Webots."""
     ignore_findings: IgnoredFindings = ()

@@ -14,14 +14,17 @@ from .tree import Keys
 
 _MOST_LISTED = 12
 
+_WITH_PATH = ("joints", "closures", "root", "defaults", "excluded_contacts")
+"""Sections with several references in one element."""
 _ON_JOINTS = (SensorKind.JOINT, SensorKind.FORCE_TORQUE)
 _ON_LINKS = tuple(kind for kind in SensorKind if kind is not SensorKind.JOINT)
 
 
 def check_references(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB128, SB130 to SB134 and SB136."""
+    """Report SB128, SB130 to SB134, SB136 and SB146."""
     document = sidecar.document
     _check_links(sidecar, found)
+    _check_pairs(sidecar, found)
     for name, joint in document.joints.items():
         if joint.mimic is not None:
             _check_joint(sidecar, ("joints", name, "mimic", "joint"), joint.mimic.joint, found)
@@ -44,6 +47,8 @@ def _check_links(sidecar: Sidecar, found: Diagnostics) -> None:
         named += [(("joints", name, "parent"), joint.parent), (("joints", name, "child"), joint.child)]
     for name, closure in document.closures.items():
         named += [(("closures", name, "link_a"), closure.link_a), (("closures", name, "link_b"), closure.link_b)]
+    for index, pair in enumerate(document.excluded_contacts):
+        named += [(("excluded_contacts", index, side), link) for side, link in enumerate(pair)]
     named += [(("frames", name, "link"), frame.link) for name, frame in document.frames.items()]
     named += [(("sensors", name, "link"), sensor.link) for name, sensor in document.sensors.items()]
     for keys, link in named:
@@ -53,6 +58,20 @@ def _check_links(sidecar: Sidecar, found: Diagnostics) -> None:
         if link == "world":
             help = ("the world is not a link; `base: fixed` fixes the root link to the world",)
         found.add("SB130", f"{_user(keys)}: unknown link '{link}'", sidecar.span(*keys), help=help)
+
+
+def _check_pairs(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report pairs of a link with itself, and those that are listed twice."""
+    first: dict[frozenset[str], int] = {}
+    for index, pair in enumerate(sidecar.document.excluded_contacts):
+        keys = ("excluded_contacts", index)
+        if pair[0] == pair[1]:
+            what = f"both links are '{pair[0]}'; shapes of one link never touch"
+        elif first.setdefault(frozenset(pair), index) != index:
+            what = f"the same links as excluded_contacts[{first[frozenset(pair)]}]"
+        else:
+            continue
+        found.add("SB146", f"{subject(keys)}: {what}", sidecar.span(*keys), help=["remove the pair"])
 
 
 def _check_joint(sidecar: Sidecar, keys: Keys, joint: str, found: Diagnostics) -> None:
@@ -136,7 +155,7 @@ def _origins_of_one_link(document: Document) -> list[tuple[Keys, Origin | None]]
 
 def _user(keys: Keys) -> str:
     """The subject of a message about a reference; names which of its two links is meant, if it has two."""
-    return subject(keys if keys[0] in ("joints", "closures", "root", "defaults") else keys[:2])
+    return subject(keys if keys[0] in _WITH_PATH else keys[:2])
 
 
 def _candidates(name: str, names: Collection[str], what: str) -> tuple[str, ...]:

@@ -190,7 +190,7 @@ def _wrong_word(error: ErrorDetails, keys: Keys, value: Tree) -> _Fault:
         help = ("write {lower: ..., upper: ...}, or `todo` as a placeholder",)
         return _Fault("SB123", f"expected a mapping or `todo`, not {_shown(value)}", help)
     if keys[:-1] == ("self_collision", "exclude"):
-        help = ("it takes kinds of pairs, not links: `exclude: [always]`, `[always, never]` or `[]`",)
+        help = (_KINDS_OF_PAIRS,)
         return _Fault("SB123", f"expected one of {_words(error)}, not {_shown(value)}", help)
     if not isinstance(value, Scalar):
         help = (_one_of_list(keys, value) or f"choices: {_words(error)}",)
@@ -235,6 +235,9 @@ def _wrong_count(keys: Keys, value: Tree) -> _Fault | None:
     return _Fault("SB122", f"expected two component paths{count}", ('mate: ["first", "second"]',))
 
 
+_KINDS_OF_PAIRS = (
+    "write `exclude: [always]`, `[always, never]` or `[]`; `excluded_contacts: [[link_a, link_b]]` excludes one pair"
+)
 _TYPES = {
     "string_type": "a string",
     "bool_type": "true or false",
@@ -253,7 +256,7 @@ def _wrong_type(kind: str, keys: Keys, value: Tree, error: ErrorDetails) -> _Fau
 
 def _type_hint(kind: str, keys: Keys, value: Tree) -> tuple[str, ...]:
     if keys == ("self_collision", "exclude"):
-        return ("write `exclude: [always]`, `[always, never]` or `[]`: kinds of pairs, not links",)
+        return (_KINDS_OF_PAIRS,)
     if snippet := remedy(keys, value):
         return (snippet,)
     if kind == "string_type" and (snippet := _one_of_list(keys, value)):

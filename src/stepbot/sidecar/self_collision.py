@@ -3,13 +3,13 @@
 from enum import StrEnum
 from typing import Annotated
 
-from pydantic import AfterValidator, WithJsonSchema
+from pydantic import AfterValidator, BeforeValidator, WithJsonSchema
 
 from stepbot.robot.self_collision import DEFAULT_SAMPLES, MOST_SAMPLES
 
 from .counts import Count
-from .quantities import fault
-from .section import Section
+from .quantities import fault, two
+from .section import Name, Section
 
 
 def _sample_count(value: int) -> int:
@@ -21,6 +21,10 @@ def _sample_count(value: int) -> int:
 SampleCount = Annotated[
     Count, AfterValidator(_sample_count), WithJsonSchema({"type": "integer", "minimum": 1, "maximum": MOST_SAMPLES})
 ]
+
+
+LinkPair = Annotated[tuple[Name, Name], BeforeValidator(two)]
+"""Two links."""
 
 
 class ExcludedPairs(StrEnum):

@@ -190,7 +190,9 @@ def _self_collision(
         lines = getattr(error, "last_lines", ())
         found.add("SB817", f"self-collision: {str(error).splitlines()[0]}", span, notes=lines)
         return (), Check("", "", engine, quantity, Status.NOT_RUN, why=str(error).splitlines()[0])
-    reported = robot.self_collision.excluded if robot.self_collision is not None else frozenset()  # with SB620
+    reported = frozenset(map(frozenset, robot.excluded_contacts))
+    if robot.self_collision is not None:
+        reported |= robot.self_collision.excluded  # with SB620
     for a, b, depth in (one for one in overlaps if frozenset(one[:2]) not in reported):
         deep = "" if depth is None else f" by {depth * 1e3:.3g} mm"
         found.add("SB810", f"links '{a}' and '{b}' overlap{deep} in the drawn pose", span)

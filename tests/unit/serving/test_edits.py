@@ -137,6 +137,7 @@ actuators:
 sensors:
   encoder: {type: joint, joint: elbow}
   imu: {type: imu, link: base}
+excluded_contacts: [[base, hand]]
 """
 
 

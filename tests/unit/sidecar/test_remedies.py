@@ -91,8 +91,8 @@ def test_a_wrong_unit_of_a_gain_names_what_its_joint_takes() -> None:
 def test_positions_of_a_message_have_one_unit() -> None:
     """Degrees beside a plain number in radians, and for positions that were computed."""
     limits = "limits: {lower: -1, upper: 1}"
-    outside = findings(ARM.replace(limits, "zero: 20, limits: {lower: 0, upper: 100 deg}"))
-    assert "position 20 rad (1145.92 deg) is above the upper limit 100 deg" in outside[0].message
+    outside = findings(ARM.replace(limits, "zero: 5, limits: {lower: 0, upper: 100 deg}"))
+    assert "position 5 rad (286.479 deg) is above the upper limit 100 deg" in outside[0].message
     outside = findings(ARM.replace(limits, "limits: {lower: 0.5, upper: 100 deg}"))
     assert "position 0 deg is below the lower limit 0.5 rad (28.6479 deg)" in outside[0].message
     text = ARM.replace("  forearm: {", "  hand: {parts: [hand]}\n  forearm: {")

@@ -322,4 +322,13 @@ CODES = (
         "The limit of the joint applies; that of the actuator has no effect.",
         "Raise the limit of the joint if the motor has more, or remove the actuator's: it is meant to narrow the joint's.",
     ),
+    Code(
+        "SB146",
+        "warning",
+        "excluded pair of links without effect",
+        "A pair in `excluded_contacts` is one link twice, is listed twice, or is of links that a joint or a closure connects, "
+        "directly or through fixed joints.",
+        "It changes nothing: contacts between these are excluded in any case.",
+        "Remove the pair, or correct its names.",
+    ),
 )

@@ -23,7 +23,14 @@ ZERO = "zero"
 """Name of the state with all joints at q = 0, where their limits allow it."""
 
 
-def srdf(name: str, found: SelfCollision | None, source: str, robot: Robot | None = None) -> bytes:
+def srdf(
+    name: str,
+    found: SelfCollision | None,
+    source: str,
+    robot: Robot | None = None,
+    *,
+    excluded: Sequence[tuple[str, str]] = (),
+) -> bytes:
     """The SRDF of a robot: ``disable_collisions`` for adjacent pairs, and those that overlap always or never.
 
     Without a search, of adjacent pairs and those that the robot's source excludes.
@@ -34,6 +41,7 @@ def srdf(name: str, found: SelfCollision | None, source: str, robot: Robot | Non
         source: File name that the robot was built from.
         robot: The robot as the URDF expresses it, for its groups, their drawn pose, and how its root is connected with
             the world; None for pairs alone.
+        excluded: Pairs of links that somebody excluded.
     """
     top = root("robot", source, name=name)
     if robot is not None:
@@ -43,9 +51,8 @@ def srdf(name: str, found: SelfCollision | None, source: str, robot: Robot | Non
         disabled = {(one.link_a, one.link_b): REASONS[one.kind] for one in found.pairs if one.kind in REASONS}
     elif robot is not None:
         disabled = dict.fromkeys(sorted(tuple(sorted(pair)) for pair in neighbours(robot)), REASONS[PairClass.ADJACENT])
-    if robot is not None:
-        known = {frozenset(pair) for pair in disabled}
-        disabled |= {pair: _STATED for pair in robot.excluded_contacts if frozenset(pair) not in known}
+    known = {frozenset(pair) for pair in disabled}
+    disabled |= {pair: _STATED for pair in excluded if frozenset(pair) not in known}
     for (a, b), reason in disabled.items():
         element(top, "disable_collisions", link1=a, link2=b, reason=reason)
     return document(top)

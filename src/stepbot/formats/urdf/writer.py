@@ -138,7 +138,9 @@ def companions(robot: Robot) -> tuple[Companion, ...]:
     """An SRDF, if it is known which links can overlap, or some must not touch."""
     if robot.self_collision is None and not robot.excluded_contacts:
         return ()
-    return (Companion(f"{robot.name}.srdf", "", robot, srdf(robot.name, robot.self_collision, robot.source, robot)),)
+    excluded = robot.excluded_contacts
+    content = srdf(robot.name, robot.self_collision, robot.source, robot, excluded=excluded)
+    return (Companion(f"{robot.name}.srdf", "", robot, content),)
 
 
 def scenes(_robot: Robot) -> dict[str, bytes]:
