@@ -62,8 +62,8 @@ def command(
     """Draft a sidecar from STEP: links, joints and densities, each guess with its evidence.
 
     Joints are those of --from, or else the kinematic pairs in STEP, or else inferred from shapes and names. Uncertain
-    lines are marked REVIEW. Unknown limits are `todo`. The draft passes `check --step` and can be converted without
-    changes.
+    lines are marked REVIEW. Unknown limits and densities are `todo`. The draft passes `check --step` and can be
+    converted without changes.
     """
     from stepbot.pipeline.drafted_sidecar import write_draft
     from stepbot.pipeline.drafting import draft_step

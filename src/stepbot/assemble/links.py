@@ -8,6 +8,7 @@ import numpy as np
 from stepbot.geometry.inertia import Bodies, MassProperties, without_residue
 from stepbot.geometry.poses import Poses
 from stepbot.geometry.spatial import Pose
+from stepbot.geometry.sums import exact_sum
 from stepbot.report.record import MeasuredBody
 from stepbot.robot.model import ComponentMass, Link
 from stepbot.sidecar.document import InertialSection
@@ -18,7 +19,7 @@ from .binder import Binder, listed
 from .claims import Claims
 from .collisions import Collisions, Placed
 from .fitted_collisions import FittedCollisions
-from .material_assignment import MaterialAssignment
+from .material_assignment import PLACEHOLDER, PLACEHOLDER_DENSITY, MaterialAssignment
 from .visuals import visuals
 
 
@@ -43,12 +44,17 @@ class Links:
         self._collisions = Collisions(binder, self.assets, fitted)
 
     def report_unknown_masses(self) -> None:
-        """One error for all components with a missing mass, and one for each link without a centre of mass."""
-        unknown = []
+        """One error for all components with a missing mass, and one for each link without a centre of mass.
+
+        Components with the placeholder density are one warning.
+        """
+        unknown: list[int] = []
+        guessed: list[int] = []
         for name, section in self._binder.document.links.items():
             weighed = [index for index in self._parts[name] if index in self._masses]
             if section.inertial is None:
                 unknown += [index for index in weighed if self._masses[index].mass is None]
+                guessed += [index for index in weighed if self._masses[index].origin == PLACEHOLDER]
             elif not is_complete(section.inertial) and not weighed:
                 self._binder.report(
                     "SB503",
@@ -56,6 +62,8 @@ class Links:
                     "com and inertia cannot be computed: its parts have no volume",
                     help=("give `com` and `inertia` with `mass`",),
                 )
+        if guessed:
+            self._report_placeholder(sorted(guessed))
         if unknown:
             paths = tuple(quoted(self._binder.path(index)) for index in sorted(unknown))
             count = f"{len(paths)} components have" if len(paths) > 1 else f"component {paths[0]} has"
@@ -75,6 +83,21 @@ class Links:
                 ),
                 notes=listed(paths),
             )
+
+    def _report_placeholder(self, guessed: list[int]) -> None:
+        paths = tuple(quoted(self._binder.path(index)) for index in guessed)
+        count = f"{len(paths)} components have" if len(paths) > 1 else f"component {paths[0]} has"
+        mass = exact_sum(self._masses[index].mass or 0.0 for index in guessed)
+        self._binder.report(
+            "SB522",
+            ("defaults", "density"),
+            f"{count} the placeholder `todo` as density: {PLACEHOLDER_DENSITY:g} kg/m^3, {mass:.3g} kg in total",
+            help=(
+                "write the density of their material: `defaults: {density: 1240 kg/m^3}`",
+                f"or of one component: `parts: {{{paths[0]}: {{density: 1240 kg/m^3}}}}`, or its weighed `mass`",
+            ),
+            notes=listed(paths),
+        )
 
     def build(self, name: str, X_WL: Pose) -> Link:
         """Build one link, whose frame as drawn is X_WL."""

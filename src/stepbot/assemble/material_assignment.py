@@ -5,7 +5,7 @@ density and colour of that material, unless the rule sets one of them itself. Fo
 density comes from the sidecar's ``materials``.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,12 @@ from stepbot.step.assembly import BodyKind, Component
 from stepbot.step.structure.paths import quoted
 
 from .binder import Binder, listed
+from .shadowed_rules import ShadowedRules
+
+PLACEHOLDER_DENSITY = 1000.0
+"""Density [kg/m^3] of `todo`: between plastics and light metals, and easy to recognize."""
+PLACEHOLDER = "defaults: todo"
+"""Source of a density that is not known yet."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,7 @@ def assign_materials(binder: Binder) -> MaterialAssignments:
     document, components = binder.document, binder.assembly.components
     rules = list(document.parts.items())
     first = {field: np.full(len(components), -1) for field in _SETS}
+    shadowed = ShadowedRules(binder)
     given: dict[int, GivenMass] = {}
     for i, (pattern, rule) in enumerate(rules):
         named = binder.all(pattern, ("parts", pattern))
@@ -67,8 +74,10 @@ def assign_materials(binder: Binder) -> MaterialAssignments:
         covered[binder.paths.below(named)] = True
         for field, sets in _SETS.items():
             if sets(rule, document):
+                shadowed.note(i, field, first[field][covered])
                 first[field][covered & (first[field] < 0)] = i
         if rule.mass is not None:
+            shadowed.note(i, "mass", [_rule_of_mass(rules, given.get(index)) for index in named])
             for index in named:
                 given.setdefault(index, GivenMass(rule.mass, pattern))
     found = tuple(
@@ -79,9 +88,15 @@ def assign_materials(binder: Binder) -> MaterialAssignments:
         )
         for component in components
     )
+    shadowed.report()
     _warn_of_uniform_density(binder, found)
     _note_unlisted_materials(binder, found)
     return MaterialAssignments(found, given)
+
+
+def _rule_of_mass(rules: Sequence[tuple[str, PartRule]], given: GivenMass | None) -> int:
+    """The number of the rule that gives a mass; -1 for none."""
+    return -1 if given is None else next(i for i, (pattern, _) in enumerate(rules) if pattern == given.pattern)
 
 
 def default_color(document: Document) -> Rgba | None:
@@ -133,6 +148,8 @@ def _density(component: Component, named: tuple[str, PartRule] | None, document:
     if name and (density := _material(document, name).density) is not None:
         return density, f"material '{name}' in the STEP"
     defaults = document.defaults
+    if defaults.density == "todo":
+        return PLACEHOLDER_DENSITY, PLACEHOLDER
     default = defaults.density if defaults.density is not None else _material(document, defaults.material).density
     return default, "defaults" if default is not None else ""
 
@@ -165,7 +182,7 @@ def _note_unlisted_materials(binder: Binder, found: tuple[MaterialAssignment, ..
             BodyKind.SOLID,
             BodyKind.TESSELLATED,
         )
-        if solid and name and found[component.index].density_origin == "defaults":
+        if solid and name and found[component.index].density_origin in ("defaults", PLACEHOLDER):
             unlisted.setdefault(name, []).append(component.index)
     if unlisted and document.step_density is StepDensity.USE:
         count = sum(map(len, unlisted.values()))

@@ -20,8 +20,6 @@ from .yaml_lines import angles, comment, flow, lengths, listed, number
 
 SCHEMA_FILE = "robot-1.schema.json"
 """Name of the schema in the first line, for editors."""
-_DEFAULT_DENSITY = 1000.0
-"""[kg/m^3]; between plastics and light metals, and easy to recognize as a placeholder."""
 _COLLISION = "collision: auto"
 """Sidecars without this key keep their meaning, a hull for each component; new ones get fitted shapes."""
 _OFFERED = 12
@@ -142,8 +140,8 @@ def _defaults(draft: Draft) -> list[str]:
     if unknown:
         lines += comment(f"REVIEW: materials without a known density, which use `defaults`: {', '.join(unknown)}")
     if unknown or "" in draft.without_density:
-        reason = "placeholder for parts without a density: weigh one, or use their material's"
-        lines += [f"defaults: {{density: {number(_DEFAULT_DENSITY)} kg/m^3, {_COLLISION}}}  # REVIEW: {reason}"]
+        reason = "parts without a density have 1000 kg/m^3 until then: weigh one, or use their material's"
+        lines += [f"defaults: {{density: todo, {_COLLISION}}}  # REVIEW: {reason}"]
     else:
         lines += [f"defaults: {{{_COLLISION}}}"]
     return [*lines, ""]

@@ -24,6 +24,7 @@ from .quantities import (
     CodePage,
     Color,
     Density,
+    DensityOrTodo,
     Inertia,
     JointPosition,
     JointValue,
@@ -79,8 +80,8 @@ class Defaults(Section):
 
     material: MaterialName | None = None
     """One of `materials`."""
-    density: Density | None = None
-    """Density [kg/m^3]."""
+    density: DensityOrTodo | None = None
+    """Density [kg/m^3]; `todo` if it is not known yet: 1000 kg/m^3, with a warning (SB522)."""
     color: Color | None = None
     """Colour of components without a colour in the STEP."""
     collision: Derived | None = None

@@ -7,7 +7,7 @@ An invalid value raises an error with the diagnostic code as its type, and the m
 import math
 import re
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BeforeValidator, PlainValidator, WithJsonSchema
 from pydantic_core import PydanticCustomError
@@ -290,6 +290,11 @@ Mass = Annotated[
 ]
 Density = Annotated[
     float, BeforeValidator(_finite(units.DENSITY, above=0.0)), quantity_schema(units.DENSITY, exclusiveMinimum=0)
+]
+DensityOrTodo = Annotated[
+    float | Literal["todo"],
+    BeforeValidator(lambda value: value if value == "todo" else _finite(units.DENSITY, above=0.0)(value)),
+    quantity_schema(units.DENSITY, word="todo", exclusiveMinimum=0),
 ]
 Inertia = Annotated[float, BeforeValidator(_finite(units.INERTIA)), quantity_schema(units.INERTIA)]
 Pitch = Annotated[float, BeforeValidator(_finite(units.PITCH)), quantity_schema(units.PITCH)]

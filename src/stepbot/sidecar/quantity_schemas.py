@@ -12,12 +12,15 @@ CHANNELS = {"type": "array", "items": {"type": "number", "minimum": 0, "maximum"
 HEX_COLOR = {"type": "string", "pattern": "^#([0-9a-fA-F]{3,4}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})$"}
 
 
-def quantity_schema(*dimensions: Dimension, **bounds: float) -> WithJsonSchema:
-    """A quantity: a number in SI units, or a string with the unit."""
+def quantity_schema(*dimensions: Dimension, word: str = "", **bounds: float) -> WithJsonSchema:
+    """A quantity: a number in SI units, or a string with the unit; or one word, if given."""
     examples = [dimension.example for dimension in dimensions]
     quoted = ", ".join(dict.fromkeys(f"`{example}`" for example in examples))
     described = f"{units.described(*dimensions)}: a number without a unit is SI; with a unit: {quoted}."
-    return WithJsonSchema({**_number_or_text(**bounds), "description": described, "examples": examples})
+    forms = _number_or_text(**bounds)
+    if word:
+        forms["anyOf"].append({"const": word})
+    return WithJsonSchema({**forms, "description": described, "examples": examples})
 
 
 def vector_schema(dimension: Dimension) -> WithJsonSchema:

@@ -63,6 +63,64 @@ def test_each_field_comes_from_the_first_rule_that_sets_it(tmp_path: Path) -> No
     assert sum(v.mass for v in sources.values()) == pytest.approx(7240 * CUBE)
 
 
+def _of_code(code: str, found: Diagnostics) -> list[tuple[str, tuple[str, ...]]]:
+    return [(one.message, one.help) for one in found if one.code == code]
+
+
+def test_rules_below_a_general_glob_are_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Each names the fields without effect and the rule that has set them; a rule with some effect is not shadowed."""
+    shop = Workshop()
+    for name in ("a", "b", "c"):
+        shop.box(name)
+    text = """
+    parts:
+      c: {mass: 5 g}
+      "*": {density: 2000, visual: true}
+      a: {density: 500, color: "#ff0000"}
+      b: {density: 2000, visual: true}
+      c#1: {mass: 7 g}
+"""
+    build(shop, tmp_path, text + ONE, found)
+    (density, mass) = _of_code("SB309", found)
+    assert density[0] == "parts rule 'a': 'density' without effect: set by '*' above"
+    assert density[1] == ("of several rules the first holds: move this rule above '*', or remove it",)
+    assert mass[0] == "parts rule 'c#1': 'mass' without effect: set by 'c' above"
+
+
+def test_specific_rules_above_a_glob_are_no_fault(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """The glob holds for the rest; if there is none, it changes nothing unless it says otherwise."""
+    shop = Workshop()
+    shop.box("a")
+    shop.box("b")
+    build(shop, tmp_path, "    parts: {a: {density: 500}, '*': {density: 2000}}\n" + ONE, found)
+    assert _of_code("SB309", found) == []
+    build(shop, tmp_path, "    parts: {a: {density: 5}, b: {density: 5}, '*': {density: 5}}\n" + ONE, found)
+    assert _of_code("SB309", found) == []
+
+
+def test_a_density_to_do_is_a_warning_until_it_is_given(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Components with a density of their own, and links with an inertial, do not need it."""
+    shop = Workshop()
+    shop.box("a")
+    shop.box("arm", density=7850)
+    robot = built(shop, tmp_path, "    defaults: {density: todo}\n" + TWO)
+    assert {k: (v.density, v.origin) for k, v in _sources(robot).items()} == {
+        "a": (1000.0, "defaults: todo"),
+        "arm": (7850.0, "STEP"),
+    }
+    build(shop, tmp_path, "    defaults: {density: todo}\n" + TWO, found)
+    ((message, help),) = _of_code("SB522", found)
+    assert (
+        message
+        == 'defaults.density: component "a" has the placeholder `todo` as density: 1000 kg/m^3, 0.001 kg in total'
+    )
+    assert help
+    for given in ("{a: {density: 500}}", "{a: {mass: 5 g}}"):
+        known = Diagnostics()
+        build(shop, tmp_path, f"    defaults: {{density: todo}}\n    parts: {given}\n" + TWO, known)
+        assert _of_code("SB522", known) == []
+
+
 def test_own_density_beats_the_material_of_the_same_rule(tmp_path: Path) -> None:
     """In one rule, a density takes precedence over a material."""
     shop = Workshop()

@@ -97,7 +97,7 @@ def test_drawn_position_outside_of_the_range_is_reviewed(tmp_path: Path) -> None
     draft = drafted(replace(HINGE, bounds=(0.5, 1.0)))
     assert "range" in draft.joints[0].review
     _, found = built(draft, tmp_path, shop())
-    assert [one.code for one in found] == ["SB463"]
+    assert [one.code for one in found] == ["SB463", "SB522"]
 
 
 def test_placements_in_the_frame_of_the_assembly_are_taken_as_such() -> None:

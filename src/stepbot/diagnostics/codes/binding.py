@@ -63,4 +63,13 @@ CODES = (
         "contact.",
         "Set `collision: none` for it under `parts` to suppress the warning, or give the link primitive shapes.",
     ),
+    Code(
+        "SB309",
+        "warning",
+        "rule shadowed by earlier rules",
+        "Rules above this one in `parts` set the same field on all components that it matches, to other values.",
+        "Of several rules that set a field of a component, the first one in the file holds. A general glob above specific rules "
+        "turns them off, and the masses of the robot are those of the glob.",
+        "Write specific rules above general ones.",
+    ),
 )

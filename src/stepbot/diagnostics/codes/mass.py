@@ -202,4 +202,13 @@ CODES = (
         "Write the mass with its unit: `55 g`. A mass is that of each component that the path matches. If a solid stands "
         "for something heavier, keep the mass with `ignore_findings: [{code: SB521, reason: ...}]` in its rule or link.",
     ),
+    Code(
+        "SB522",
+        "warning",
+        "placeholder density",
+        "Components have the density of `defaults: {density: todo}`, the placeholder written by `stepbot init`: 1000 kg/m^3.",
+        "Steel is eight times as dense. Masses and inertias decide which motors suffice, and how a simulated robot moves; every check "
+        "of the files passes, because all have the same masses.",
+        "Replace `todo` by the density of the material, or give densities or weighed masses under `parts`.",
+    ),
 )
