@@ -14,6 +14,7 @@ from .names import check_names
 from .orientation import check_orientation
 from .references import check_references
 from .text import file_name
+from .unit_rules import check_joint_units
 
 _CHECKS = (
     check_names,
@@ -21,6 +22,7 @@ _CHECKS = (
     check_connections,
     check_orientation,
     check_joints,
+    check_joint_units,
     check_mimics,
     check_closures,
     check_actuators,

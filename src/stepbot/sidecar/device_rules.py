@@ -7,10 +7,10 @@ from stepbot.robot.model import ActuatorKind, JointKind
 from stepbot.robot.sensors import PLACED, SEEING, SensorKind
 
 from .devices import ActuatorSection, GainsSection, SensorSection
-from .joint_rules import check_unit
 from .joint_settings import ONE_FREEDOM, joint_settings, settings_of
 from .located import Sidecar
 from .motion import LimitsSection
+from .unit_rules import check_unit
 
 _GAINS = {ActuatorKind.POSITION: ("kp", "kv"), ActuatorKind.VELOCITY: ("kv",), ActuatorKind.MOTOR: ()}
 _NEEDED_GAIN = {ActuatorKind.POSITION: "kp", ActuatorKind.VELOCITY: "kv"}

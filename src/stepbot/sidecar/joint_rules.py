@@ -11,7 +11,6 @@ from .document import JointSection
 from .joint_settings import ONE_FREEDOM, Setting, joint_settings, position_dimension, settings_of
 from .located import Sidecar
 from .quantities import JointValue
-from .subjects import subject
 from .tree import Keys
 from .units import ANGLE, Dimension
 
@@ -39,11 +38,10 @@ _TOLERANCE = 1e-9
 
 
 def check_joints(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report, joint by joint, SB121, SB125, SB137, SB138, SB455 to SB457, SB462 and SB463."""
+    """Report, joint by joint, SB121, SB125, SB137, SB455 to SB457, SB462 and SB463."""
     for name, joint in sidecar.document.joints.items():
         settings = joint_settings(sidecar.document, name)
         _check_keys(sidecar, name, joint, settings, found)
-        _check_units(sidecar, name, joint, settings, found)
         if "lower" in settings_of(joint.type):
             _check_limits(sidecar, name, joint, settings, found)
         if joint.type is JointKind.UNIVERSAL and joint.axis2 is not None:
@@ -78,44 +76,6 @@ def _check_keys(
         example = {"pitch": "pitch: 2 mm/rev", "axis2": "axis2: x"}[required]
         message = f"joint '{name}': missing key '{required}', required for type {joint.type}"
         found.add("SB121", message, sidecar.key_span("joints", name), help=[f"example: `{example}`"])
-
-
-def _check_units(
-    sidecar: Sidecar, name: str, joint: JointSection, settings: dict[str, Setting], found: Diagnostics
-) -> None:
-    known = settings_of(joint.type)
-    for field, setting in settings.items():
-        if field in known:
-            check_unit(sidecar, f"joint '{name}'", joint.type, setting.dimension, known[field], setting.keys, found)
-    position = position_dimension(joint.type)
-    if position is not None:
-        keys: Keys = ("joints", name, "zero")
-        check_unit(sidecar, f"joint '{name}'", joint.type, joint.zero.dimension, position, keys, found)
-        if joint.mimic is not None:
-            keys = ("joints", name, "mimic", "offset")
-            check_unit(sidecar, f"joint '{name}'", joint.type, joint.mimic.offset.dimension, position, keys, found)
-
-
-def check_unit(
-    sidecar: Sidecar,
-    who: str,
-    kind: JointKind,
-    written: Dimension | None,
-    needed: Dimension,
-    keys: Keys,
-    found: Diagnostics,
-) -> None:
-    """Report SB138 if the unit of a value does not match the joint type."""
-    if written is None or written == needed:
-        return
-    a = "an" if needed.name[0] in "aeiou" else "a"
-    key = keys[-1] if keys[0] != "joint_defaults" else f"{keys[-1]} of {subject(keys[:2])}"
-    written_as = sidecar.written(*keys)
-    message = f"{who}: {key}: '{written_as}' is not {a} {needed.name} [{needed.unit}], required for a {kind} joint"
-    help = [f"example: {needed.example}"]
-    if keys[0] == "joint_defaults":
-        help.append(f"or set `{keys[-1]}` on {who} itself")
-    found.add("SB138", message, sidecar.span(*keys), help=help)
 
 
 def _check_limits(

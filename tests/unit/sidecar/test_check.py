@@ -75,6 +75,29 @@ def test_one_joint_less_is_found(tree: tuple[int, list[tuple[int, int]]], data: 
     assert codes(robot(links, joints)) == ["SB453"]
 
 
+def test_wrong_units_of_one_cause_are_one_error() -> None:
+    """A joint whose values all have units of another type, and a default of several joints; else one for each value."""
+    values = "limits: {lower: -90 deg, upper: 90 deg, effort: 2 N*m}, zero: 5 deg"
+    links = "links: {a: {rest: true}, b: {parts: [b]}, c: {parts: [c]}}\n"
+    text = f"version: 1\nrobot: r\nstep: r.step\n{links}joints:\n"
+    text += "  j: {type: prismatic, parent: a, child: b, VALUES}\n"
+    (fault,) = checked(text.replace("VALUES", values).replace(", c: {parts: [c]}", ""))
+    assert fault.message == "joint 'j': the units of 4 values do not match its type prismatic"
+    assert (fault.span.line, len(fault.notes), fault.help) == (
+        6,
+        4,
+        ("change the type to revolute, or correct the values",),
+    )
+    mixed = values.replace("90 deg, e", "90 mm, e")
+    several = checked(text.replace("VALUES", mixed).replace(", c: {parts: [c]}", ""))
+    assert [d.code for d in several] == ["SB138"] * 3
+    text = text.replace("VALUES", "limits: {lower: 0, upper: 1}")
+    text += "  k: {type: prismatic, parent: b, child: c, limits: {lower: 0, upper: 1}}\n"
+    (fault,) = checked(text + "joint_defaults: {'*': {limits: {effort: 2 N*m}}}\n")
+    assert fault.message.startswith("joint default '*': effort: '2 N*m' is not a force [N], required for 2 prismatic")
+    assert fault.notes == ("joints: 'j', 'k'",)
+
+
 def test_disconnected_links_are_notes_of_the_joint_that_causes_them() -> None:
     """A joint with a wrong child is the error; what it leaves disconnected is a note. Further links are errors."""
     (cause,) = checked(robot(3, [(0, 1), (0, 0)]))
