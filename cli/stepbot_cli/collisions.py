@@ -17,7 +17,7 @@ from .descriptions import package_path_option
 from .diagnostic_text import printable
 from .progress import progress_bar
 from .reading import reading_options
-from .terminal import Display, show_diagnostics, write_json, write_result
+from .terminal import Display, show_diagnostics_of_use, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -89,7 +89,7 @@ def command(
         name = None if robot is None else robot.name
         write_json({"robot": name, "self_collision": pairs, "diagnostics": found, "exit_code": found.exit_code})
         return found.exit_code
-    show_diagnostics(found, display)
+    show_diagnostics_of_use(found, display)
     if robot is not None and searched is not None and not (display.quiet or display.concise):
         write_result("\n".join(_lines(robot.name, searched, verbose=display.verbose)))
     return found.exit_code

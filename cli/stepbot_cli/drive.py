@@ -17,7 +17,7 @@ from .drive_table import driven_json, driven_lines
 from .picture_file import require_plots
 from .progress import progress_bar
 from .reading import reading_options
-from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
+from .terminal import Display, screen_width, show_diagnostics_of_use, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
@@ -92,7 +92,7 @@ def command(
             }
         )
         return found.exit_code
-    show_diagnostics(found, display)
+    show_diagnostics_of_use(found, display)
     if driven is not None and not (display.quiet or display.concise):
         write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
     return found.exit_code

@@ -15,7 +15,7 @@ from .joint_positions import joint_option, position_words, read_positions
 from .picture_file import checked_picture_name, picture_lines, require_packages, write_picture
 from .progress import progress_bar
 from .reading import reading_options
-from .terminal import Display, show_diagnostics, write_json, write_result
+from .terminal import Display, show_diagnostics_of_use, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.pictures.camera import View
@@ -206,7 +206,7 @@ def _report(
         }
         write_json({**document, "diagnostics": found, "exit_code": found.exit_code})
         return found.exit_code
-    show_diagnostics(found, display)
+    show_diagnostics_of_use(found, display)
     if picture is not None and written and not display.quiet:
         write_result("\n".join(picture_lines(path, picture, sheet.labels)))
     return found.exit_code

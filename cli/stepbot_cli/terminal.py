@@ -102,6 +102,21 @@ def show_diagnostics(found: Iterable[Diagnostic], display: Display = _DEFAULT, *
     _write(stream, diagnostic_text.screen(diagnostics, ignored=ignored, color=color, width=width, counts=counts))
 
 
+def show_diagnostics_of_use(found: Diagnostics, display: Display) -> None:
+    """Print diagnostics of a command that builds a robot to use it.
+
+    Notes about sidecar, STEP file and robot are those of ``check`` and ``convert``; only ``--verbose`` repeats them.
+    """
+    shown = Diagnostics()
+    shown.extend(one for one in found if display.verbose or one.severity != "note" or not _is_of_conversion(one.code))
+    shown.add_ignored(found.ignored)
+    show_diagnostics(shown, display)
+
+
+def _is_of_conversion(code: str) -> bool:
+    return "SB100" <= code < "SB620" or code.startswith("SB7")
+
+
 def _write(stream: TextIO, text: str) -> None:
     stream.write(text if text.endswith("\n") else text + "\n")
     stream.flush()

@@ -43,7 +43,7 @@ def rendered(stepbot: Stepbot, *arguments: str) -> dict[str, Any]:
 def test_a_sidecar_gives_a_picture_of_its_robot(arm: Path, stepbot: Stepbot) -> None:
     """The file is named after the sidecar and has the size of the option; every link has a place in it."""
     run = stepbot("render", "arm2.robot.yaml", *SMALL)
-    assert (run.code, run.out) == (0, "arm2.png\n")
+    assert (run.code, run.out, run.err) == (0, "arm2.png\n", "")
     picture = Image.open(BytesIO((arm / "arm2.png").read_bytes()))
     assert (picture.size, picture.mode) == ((200, 150), "RGB")
     document = rendered(stepbot, "arm2.robot.yaml", *SMALL, "-o", "again.png")

@@ -2,12 +2,14 @@
 
 import io
 import json
+import re
 import sys
 
 import pytest
 
+from stepbot.diagnostics import Diagnostics, Span
 from stepbot_cli.progress import progress_bar
-from stepbot_cli.terminal import wants_color, write_json
+from stepbot_cli.terminal import Display, show_diagnostics_of_use, wants_color, write_json
 
 
 class Terminal(io.StringIO):
@@ -42,6 +44,20 @@ def test_no_color_is_obeyed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("NO_COLOR")
     monkeypatch.setenv("TERM", "dumb")
     assert not wants_color(Terminal())
+
+
+def test_commands_that_use_a_robot_do_not_repeat_the_notes_of_check(capsys: pytest.CaptureFixture[str]) -> None:
+    """Warnings, and notes about the command itself, are printed; -v prints all."""
+    found = Diagnostics()
+    for code in ("SB505", "SB706", "SB621", "SB006", "SB502"):
+        found.add(code, f"about {code}", Span("arm.robot.yaml"))
+    show_diagnostics_of_use(found, Display(concise=True))
+    brief = capsys.readouterr().err
+    assert re.findall(r"SB\d{3}(?=\])", brief) == ["SB621", "SB006", "SB502"]
+    show_diagnostics_of_use(found, Display(verbose=True))
+    full = capsys.readouterr().err
+    assert "SB505" in full
+    assert "SB706" in full
 
 
 def test_progress_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
