@@ -68,15 +68,17 @@ def command(options: "Options", old: Path, new: Path, as_json: bool, display: Di
 
 
 def _kind(old: Path, new: Path) -> str:
-    """The type of both: ``step``, ``sidecar`` or ``robot``."""
+    """The type of both: ``step``, ``sidecar`` or ``robot``. A missing path without a suffix has that of the other."""
     kinds = []
     for path in (old, new):
         suffix = path.suffix.lower()
+        if not (suffix or path.exists()):
+            continue
         is_step, is_sidecar = suffix in _STEP, suffix in _SIDECAR
         kinds.append("robot" if path.is_dir() else "step" if is_step else "sidecar" if is_sidecar else "robot")
-    if kinds[0] != kinds[1]:
+    if len(set(kinds)) > 1:
         raise click.UsageError(f"cannot compare a {kinds[0]} with a {kinds[1]}: '{old}' and '{new}'")
-    return kinds[0]
+    return kinds[0] if kinds else "robot"
 
 
 def _compared(kind: str, old: Path, new: Path, options: "Options", found: Diagnostics) -> "Differences | None":
