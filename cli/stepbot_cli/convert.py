@@ -280,11 +280,11 @@ def _show_summary(summary: "Summary") -> None:
 def _show_in_full(report: "Results") -> None:
     """Print the results, the evidence for each joint, the collision shapes of each link, and each engine."""
     from stepbot.report.collision_words import collision_summary
-    from stepbot.report.mass_words import mass_summary
+    from stepbot.report.mass_words import mass_summary, mass_words
 
     show_joint_rows(report.joint_table, verbose=True)
     if report.masses:
-        _show_filled(mass_summary(report.masses))
+        _show_filled(mass_summary(report.masses), *(f"  {link}: {mass_words(m)}" for link, m in report.masses.items()))
     if shapes := report.collision_shapes:
         links = (f"  {one.link}: {collision_summary([one]).partition(': ')[2]}" for one in shapes)
         _show_filled(collision_summary(shapes), *links)

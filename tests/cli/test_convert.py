@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -238,3 +239,13 @@ def test_same_bytes_wherever_and_however(arm: Path, stepbot: Stepbot) -> None:
         run = subprocess.run(command, cwd=folder, env={**os.environ, **environment}, capture_output=True, check=False)
         assert run.returncode == 0, run.stderr.decode()
     assert snapshot(arm / "here") == snapshot(arm / "there")
+
+
+def test_verbose_lists_the_mass_of_each_link(stepbot: Stepbot, arm: Path) -> None:
+    """With -v each link has its mass, as in the report."""
+    run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--no-verify", "-v")
+    links = json.loads((arm / "out" / "report.json").read_bytes())["robot"]["links"]
+    masses = {one["name"]: one["mass"] for one in links}
+    listed = dict(re.findall(r"^  (\w+): ([\d.]+ k?g)$", run.out, re.MULTILINE))
+    grams = {name: float(text.split()[0]) * (1e3 if text.endswith("kg") else 1.0) for name, text in listed.items()}
+    assert grams == {name: pytest.approx(1e3 * mass, rel=5e-3) for name, mass in masses.items()}
