@@ -6,7 +6,8 @@ tile, on the same surface only (interleaved sampling, Keller and Heidrich 2001).
 numpy and Embree render the same picture each time; on others it may differ in last bits.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,10 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array
+from stepbot.runtime.cores import core_count
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.worker import Worker
 
 from .camera import Camera
 from .camera import unit_vectors as _unit
 
+Band = tuple[int, int]
+"""The first row, and the row after the last one."""
 PAPER = np.array((0.93, 0.93, 0.94))
 """Linear colour of floor and background."""
 BACKGROUND = -1
@@ -32,6 +38,9 @@ _NEAR = 2e-4
 """Distance of the start of a ray from its surface, relative to the size of the scene."""
 _ROWS = 24
 """Rows of the picture that are rendered at once."""
+_RAYS_OF_A_PROCESS = 1_000_000
+"""Rays from the camera that take much longer than the start of a process."""
+_DRAW = "stepbot.pictures.raytrace:draw_bands"
 _TILE = 5
 """Pixels along the edge of the tile that shares its light rays."""
 _SAME_DIRECTION, _SAME_PLANE = 0.9, 1e-3
@@ -62,13 +71,29 @@ class Renderer:
 
         embree = EmbreeScene()
         TriangleMesh(embree, scene.vertices.astype(np.float32), scene.triangles)
-        self._camera = camera
+        self._scene, self._camera = scene, camera
         self._caster = _Caster(scene, embree, camera)
 
     def picture(self, samples: int) -> NDArray[np.uint8]:
-        """The picture, shape (height, width, 3), sRGB; ``samples`` squared rays for each pixel."""
-        rows = [self._caster.rows(first, last, samples) for first, last in _bands(self._camera.height)]
-        return _encoded(np.concatenate(rows))
+        """The picture, shape (height, width, 3), sRGB; ``samples`` squared rays for each pixel, on all cores.
+
+        Raises:
+            WorkerDied: A process that draws a part of it ended.
+        """
+        bands = list(_bands(self._camera.height))
+        rays = self._camera.width * self._camera.height * samples**2
+        count = max(1, min(core_count(), rays // _RAYS_OF_A_PROCESS))
+        shares = [bands[number::count] for number in range(count)]
+        rows: dict[int, NDArray[np.uint8]] = {}
+        with ExitStack() as running:
+            workers = [
+                running.enter_context(Worker(_DRAW)).submit(self._scene, self._camera, samples, share)
+                for share in shares[1:]
+            ]
+            rows |= self._caster.bands(shares[0], samples)
+            for worker in workers:
+                rows |= worker.result(DEFAULT_TIMEOUT)
+        return np.concatenate([rows[first] for first, _ in bands])
 
     def triangles(self) -> NDArray[np.int32]:
         """The triangle that is visible in the middle of each pixel, shape (height, width); else ``BACKGROUND``."""
@@ -80,7 +105,12 @@ class Renderer:
         return self._caster.hides(points, slack)
 
 
-def _bands(height: int) -> Iterator[tuple[int, int]]:
+def draw_bands(scene: Scene, camera: Camera, samples: int, bands: Sequence[Band]) -> dict[int, NDArray[np.uint8]]:
+    """Some rows of a picture in sRGB, by the first row of each band; to be called in a process of its own."""
+    return Renderer(scene, camera)._caster.bands(bands, samples)
+
+
+def _bands(height: int) -> Iterator[Band]:
     for first in range(0, height, _ROWS):
         yield first, min(first + _ROWS, height)
 
@@ -99,6 +129,10 @@ class _Caster:
         right, _, _ = camera.axes
         level = np.cross((0.0, 0.0, 1.0), right)
         self._sun = _unit(x * right + y * level + z * np.array((0.0, 0.0, 1.0)))
+
+    def bands(self, bands: Sequence[Band], samples: int) -> dict[int, NDArray[np.uint8]]:
+        """Bands of rows in sRGB, by their first rows."""
+        return {first: _encoded(self.rows(first, last, samples)) for first, last in bands}
 
     def rows(self, first: int, last: int, samples: int) -> Array:
         """Linear colours of the rows from ``first`` to ``last``, shape (last - first, width, 3)."""
@@ -274,20 +308,37 @@ def _averaged(light: Array, points: Array, normals: Array, width: int) -> Array:
         width: Pixels of a row.
     """
     margin = _TILE // 2
-    around = ((margin, margin), (margin, margin), (0, 0))
-    grids = [np.asarray(values, np.float32).reshape(-1, width, values.shape[1]) for values in (light, points, normals)]
-    height = len(grids[0])
-    values, places, ups = (np.pad(grid, around) for grid in grids)
-    total, count = np.zeros_like(grids[0]), np.zeros((height, width, 1), np.float32)
-    offset = np.einsum("yxi,yxi->yx", grids[1], grids[2])
+    shown = np.flatnonzero(normals.any(axis=1).reshape(-1, width).any(axis=0))
+    averaged = np.zeros((len(light) // width, width, light.shape[1]))
+    if not shown.size:
+        return averaged.reshape(light.shape)
+    columns = slice(int(shown[0]), int(shown[-1]) + 1)
+    planes = [
+        [
+            np.ascontiguousarray(values[:, axis].reshape(-1, width)[:, columns], np.float32)
+            for axis in range(values.shape[1])
+        ]
+        for values in (light, points, normals)
+    ]
+    height, across = planes[0][0].shape
+    values, places, ups = ([np.pad(plane, margin) for plane in of_pixels] for of_pixels in planes)
+    normal, offset = planes[2], _inner(planes[1], planes[2])
+    totals, count = [np.zeros_like(plane) for plane in planes[0]], np.zeros((height, across), np.float32)
     for dy, dx in np.ndindex(_TILE, _TILE):
-        window = np.s_[dy : dy + height, dx : dx + width]
-        same = np.einsum("yxi,yxi->yx", ups[window], grids[2]) > _SAME_DIRECTION
-        same &= np.abs(np.einsum("yxi,yxi->yx", places[window], grids[2]) - offset) < _SAME_PLANE
-        total += np.where(same[..., None], values[window], 0.0)
-        count += same[..., None]
-    averaged: Array = (total / np.maximum(count, 1.0)).reshape(light.shape).astype(np.float64)
-    return averaged
+        window = np.s_[dy : dy + height, dx : dx + across]
+        same = _inner([up[window] for up in ups], normal) > _SAME_DIRECTION
+        same &= np.abs(_inner([place[window] for place in places], normal) - offset) < _SAME_PLANE
+        for total, value in zip(totals, values, strict=True):
+            total += value[window] * same
+        count += same
+    averaged[:, columns] = np.stack(totals, axis=2) / np.maximum(count, 1.0)[..., None]
+    return averaged.reshape(light.shape)
+
+
+def _inner(a: Sequence[NDArray[np.float32]], b: Sequence[NDArray[np.float32]]) -> NDArray[np.float32]:
+    """Inner products of vectors whose components are arrays of their own, which is faster than arrays of vectors."""
+    product: NDArray[np.float32] = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+    return product
 
 
 def _spread(number: int | NDArray[np.int64], dimensions: int) -> Array:

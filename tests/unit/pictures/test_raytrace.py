@@ -8,9 +8,11 @@ import trimesh
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, Pose
+from stepbot.pictures import raytrace
 from stepbot.pictures.camera import TANGENT, VIEWS, View, camera_of
 from stepbot.pictures.raytrace import BACKGROUND, Renderer
 from stepbot.pictures.scene import OwnedScene, Shape, Subject, scene_of
+from stepbot.runtime.worker import Worker
 
 GREY = np.array((0.5, 0.5, 0.5))
 WIDTH, HEIGHT = 320, 240
@@ -103,3 +105,16 @@ def test_a_scene_gives_the_same_pixels_again() -> None:
     camera = camera_of(found.scene.vertices, VIEWS["corner"], 80, 60)
     first, second = (Renderer(found.scene, camera).picture(2) for _ in range(2))
     np.testing.assert_array_equal(first, second)
+
+
+def test_processes_draw_the_same_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A picture whose bands three processes draw is that of one process."""
+    found = owned_scene(shape(trimesh.creation.icosphere(2, radius=0.3)), view=VIEWS["corner"])
+    camera = camera_of(found.scene.vertices, VIEWS["corner"], 160, 120)
+    alone = Renderer(found.scene, camera).picture(1)
+    monkeypatch.setattr(raytrace, "_RAYS_OF_A_PROCESS", 160 * 40)
+    monkeypatch.setattr(raytrace, "core_count", lambda: 8)
+    started = []
+    monkeypatch.setattr(raytrace, "Worker", lambda function: started.append(function) or Worker(function))
+    np.testing.assert_array_equal(Renderer(found.scene, camera).picture(1), alone)
+    assert len(started) == 2
