@@ -54,7 +54,7 @@ def test_warnings_are_counted_where_the_page_lists_them(capsys: pytest.CaptureFi
     found = Diagnostics()
     for name in ("a", "b"):
         found.add("SB305", f"part '{name}'", Span("arm.step"))
-    found.add("SB001", "sidecar: file not found", Span("arm.robot.yaml"))
+    found.add("SB001", "file not found", Span("arm.robot.yaml"))
     _say(found, "http://127.0.0.1:1/x/", as_json=False, display=Display())
     out, err = capsys.readouterr()
     assert "SB001" in err

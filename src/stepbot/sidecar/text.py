@@ -28,7 +28,7 @@ def read_text(path: Path, found: Diagnostics) -> str | None:
         with path.open("rb") as stream:
             content = stream.read(LARGEST_FILE + 1)
     except OSError as failure:
-        found.add("SB001", f"sidecar: {_reason(path, failure)}", whole, help=_meant(path))
+        found.add("SB001", _reason(path, failure), whole, help=_meant(path))
         return None
     if content.lstrip()[:12] == b"ISO-10303-21":
         help = [

@@ -43,7 +43,7 @@ def test_what_cannot_be_read(make: str | None, reason: str, tmp_path: Path, foun
     assert read_text(path, found) is None
     (diagnostic,) = found
     assert diagnostic.code == "SB001"
-    assert diagnostic.message == f"sidecar: {reason}"
+    assert diagnostic.message == reason
     assert diagnostic.span.file == path.as_posix()
 
 
