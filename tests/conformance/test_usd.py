@@ -12,8 +12,11 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines import engine_of
 from stepbot.engines.observation import Request
+from stepbot.formats import FORMATS
+from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import render
 from stepbot.formats.usd.usda import quoted, single
+from stepbot.robot.metadata import Metadata
 from stepbot.robot.model import Base, Limit, Robot
 from tests.robots import (
     ROBOTS,
@@ -60,16 +63,17 @@ def test_usds_validators_find_nothing(name: str, tmp_path: Path) -> None:
         assert [f"{error.GetName()}: {error.GetMessage()}" for error in errors] == []
 
 
-@pytest.mark.skipif(
-    not hasattr(UsdUtils, "ComplianceChecker"), reason="usd-core 26.11 replaces ComplianceChecker by UsdValidation"
-)
-@every_robot
-def test_usds_compliance_checker_finds_nothing(name: str, tmp_path: Path) -> None:
-    """What `usdchecker` runs has no error, no warning and no check that fails."""
-    written(ROBOTS[name](), tmp_path)
-    for file in tmp_path.rglob("*.usd*"):
+def test_usds_compliance_checker_finds_nothing(tmp_path: Path) -> None:
+    """What `usdchecker` ran before UsdValidation has no error, no warning and no check that fails in any file."""
+    if not hasattr(UsdUtils, "ComplianceChecker"):
+        pytest.skip("usd-core 26.11 has UsdValidation in place of ComplianceChecker")
+    for build in ROBOTS.values():
+        written(build(), tmp_path)
+    files = [str(file) for file in tmp_path.rglob("*.usd*")]
+    assert len(files) > 2 * len(ROBOTS)
+    for file in files:
         checker = UsdUtils.ComplianceChecker()
-        checker.CheckCompliance(str(file))
+        checker.CheckCompliance(file)
         assert [*checker.GetErrors(), *checker.GetFailedChecks(), *checker.GetWarnings()] == []
 
 
@@ -152,6 +156,80 @@ def test_colours_are_linear_materials() -> None:
     (seen,) = [one.GetInput("diffuseColor").Get() for one in surfaces if one.GetInput("diffuseColor").Get()[2] < 0.3]
     for channel, linear in zip(orange, seen, strict=False):
         assert linear == pytest.approx(((channel + 0.055) / 1.055) ** 2.4 if channel > 0.04045 else channel / 12.92)
+
+
+@pytest.mark.parametrize("opacity", [1.0, 0.25])
+def test_visuals_have_the_colour_of_their_material(opacity: float) -> None:
+    """Viewers without materials, such as Newton's, draw the display colour."""
+    robot = two_link_arm()
+    links = [
+        replace(link, visuals=tuple(replace(one, rgba=(*one.rgba[:3], opacity)) for one in link.visuals))
+        for link in robot.links
+    ]
+    stage = stage_of(replace(robot, links=tuple(links)))
+    meshes = [prim for prim in Usd.PrimRange.Stage(stage, Usd.TraverseInstanceProxies()) if prim.IsA(UsdGeom.Gprim)]
+    drawn = [prim for prim in meshes if UsdGeom.Imageable(prim).ComputePurpose() == "default"]
+    assert len(drawn) == sum(len(link.visuals) for link in links)
+    for prim in drawn:
+        material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()
+        shader = material.ComputeSurfaceSource()[0]
+        (color,) = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor").Get()
+        assert color == shader.GetInput("diffuseColor").Get()
+        transparent = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayOpacity")
+        assert list(transparent.Get() or [1.0]) == [opacity] == [shader.GetInput("opacity").Get()]
+
+
+def targets(prim: Any, name: str) -> list[Any]:
+    """The prims of a relationship of Isaac Sim's robot schema, which must be prepended."""
+    relationship = prim.GetRelationship(f"isaac:physics:{name}")
+    assert not any(spec.targetPathList.isExplicit for spec in relationship.GetPropertyStack())
+    return [prim.GetStage().GetPrimAtPath(path) for path in relationship.GetTargets()]
+
+
+@every_robot
+def test_isaac_sims_schema_lists_links_and_joints(name: str) -> None:
+    """All links, the base first, and the joints of the articulation, the one to the world first, have its schemas."""
+    robot = lower(ROBOTS[name](), FORMATS["usd"], Diagnostics())
+    stage = stage_of(ROBOTS[name]())
+    top = stage.GetDefaultPrim()
+    assert "IsaacRobotAPI" in top.GetPrimTypeInfo().GetAppliedAPISchemas()
+    links = targets(top, "robotLinks")
+    assert [prim.GetDisplayName() or prim.GetName() for prim in links] == [link.name for link in robot.links]
+    assert {prim for prim in stage.Traverse() if prim.HasAPI(UsdPhysics.RigidBodyAPI)} == set(links)
+    assert {prim for prim in stage.Traverse() if applies(prim, "IsaacLinkAPI")} == set(links)
+    joints = targets(top, "robotJoints")
+    fixed = robot.base is Base.FIXED
+    assert [not UsdPhysics.Joint(prim).GetBody0Rel().GetTargets() for prim in joints[:1]] == [fixed] * bool(joints)
+    named = [prim.GetDisplayName() or prim.GetName() for prim in joints[int(fixed) :]]
+    assert named == [joint.name for joint in robot.joints]
+    assert {prim for prim in stage.Traverse() if applies(prim, "IsaacJointAPI")} == set(joints)
+    assert not any(UsdPhysics.Joint(prim).GetExcludeFromArticulationAttr().Get() for prim in joints)
+    assert top.GetAttribute("isaac:robotType").Get() == ("Manipulator" if fixed else None)
+    sites = [prim for prim in stage.Traverse() if applies(prim, "IsaacSiteAPI")]
+    assert len(sites) == len(robot.frames)
+
+
+def applies(prim: Any, schema: str) -> bool:
+    """Whether a prim has a schema that USD itself does not know."""
+    return schema in prim.GetPrimTypeInfo().GetAppliedAPISchemas()
+
+
+def test_isaac_sims_schema_has_the_names_and_the_metadata() -> None:
+    """Names that are no identifiers, and who made the robot."""
+    stated = Metadata("Ada", "ada@example.com", "Apache-2.0", "1.2.3", 'An "odd" one')
+    robot = replace(odd_names(), metadata=stated, source="odd.step")
+    stage = stage_of(robot)
+    top = stage.GetDefaultPrim()
+    values = {name: top.GetAttribute(f"isaac:{name}").Get() for name in ("license", "version", "description", "source")}
+    assert list(values.values()) == ["Apache-2.0", "1.2.3", 'An "odd" one', "odd.step"]
+    for relation, attribute, named in (
+        ("robotLinks", "isaac:nameOverride", robot.links),
+        ("robotJoints", "isaac:NameOverride", robot.joints),
+    ):
+        seen = [prim.GetAttribute(attribute).Get() or prim.GetName() for prim in targets(top, relation)]
+        assert [name for name in seen if name != "world_joint"] == [one.name for one in named]
+    plain = stage_of(two_link_arm())
+    assert not plain.GetDefaultPrim().HasAttribute("isaac:license")
 
 
 def test_names_are_identifiers_that_keep_the_name() -> None:

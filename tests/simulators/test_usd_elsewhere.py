@@ -1,13 +1,14 @@
 """OpenUSD files of library robots in NVIDIA's validators, and beside those of converters that others wrote."""
 
 import json
+import os
+import re
 import shutil
 import subprocess
 import venv
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -26,23 +27,29 @@ ASSET_VALIDATOR = ("omniverse-asset-validator[usd]>=1.18,<2",)
 SIMREADY_VALIDATOR = ("simready-validate>=2026.8", "simready-foundation-tier-core>=2026.8")
 CONVERTERS = ("mujoco-usd-converter>=0.8,<0.9", "urdf-usd-converter>=0.3.4,<0.4")
 """They come with a USD library of their own, so that they need an environment of their own."""
-PROFILE = ("Robot-Body", "2.1.0")
+PROFILE = "Robot-Body"
+PACKAGING = {"FET_000_STANDARD", "FET_000_ISAAC", "FET_100_ISAAC"}
+"""Optional features about folders, thumbnails, dates and layers of an asset library."""
+OTHER_PROGRAMS = {
+    *("FET_000_PHYSX", "FET_000_NEWTON", "FET_000_MUJOCO", "FET_003_MUJOCO", "FET_004_MUJOCO", "FET_004_ROBOT_MUJOCO"),
+    *("FET_022_MUJOCO", "FET_025_ROS", "FET_006_MDL", "FET_006_OPENPBR"),
+}
+"""Optional features that are variants for one runtime each, schemas of MuJoCo, ROS bridges of Isaac Sim, and materials
+beside those of USD."""
+PASSIVE = {"FET_022_NEWTON"}
+"""An optional feature that wants a drive in every joint that moves: the elbows of the delta robot have no motor."""
+ISAAC_SCHEMAS = ("IsaacRobotAPI", "IsaacLinkAPI", "IsaacJointAPI", "IsaacSiteAPI")
+ROBOT_SCHEMA = """
+from enum import Enum
+from types import SimpleNamespace
 
-SIMREADY = """
-import json, sys
-import simready.validate as validate
-validate.initialize(rules_and_requirements_paths=[], features_paths=[], profiles_paths=[])
-asked = validate.AssetValidationConfig(asset_path=sys.argv[1], profile_id=sys.argv[2], profile_version=sys.argv[3])
-result = validate.validate_asset(asked)
-print(json.dumps({name: one["passed"] for name, one in result.features_summary.items()}))
+Classes = Enum("Classes", {"ROBOT_API": "IsaacRobotAPI", "LINK_API": "IsaacLinkAPI", "JOINT_API": "IsaacJointAPI"})
+Relations = SimpleNamespace(
+    ROBOT_LINKS=SimpleNamespace(name="isaac:physics:robotLinks"),
+    ROBOT_JOINTS=SimpleNamespace(name="isaac:physics:robotJoints"),
+)
 """
-PHYSICAL = {
-    "FET_001_STANDARD", "FET_003_STANDARD", "FET_003_PHYSX", "FET_003_NEWTON", "FET_004_STANDARD", "FET_004_PHYSX",
-    "FET_004_NEWTON", "FET_004_ROBOT_NEWTON", "FET_022_STANDARD", "FET_022_PHYSX", "FET_022_ISAAC", "FET_023_ISAAC",
-    "FET_024_STANDARD", "FET_024_PHYSX", "FET_024_NEWTON",
-}  # fmt: skip
-"""Features of the profile about the scene, rigid bodies, colliders, driven joints and the articulation. The others are
-about folders, thumbnails, metadata and layers of an asset library, variants for each runtime, and MuJoCo's schemas."""
+"""Names of Isaac Sim's module that SimReady's rules import; without it they end with an error, and count as passed."""
 
 
 Converted = Callable[[str], Path]
@@ -91,13 +98,6 @@ def converters(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return python_with(CONVERTERS, tmp_path_factory.mktemp("converters"))
 
 
-def said(python: Path, program: str, *arguments: str) -> Any:
-    """What a program prints last, as JSON."""
-    command = [str(python), "-c", program, *arguments]
-    run = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300)
-    return json.loads(run.stdout.splitlines()[-1])
-
-
 def usd_in(folder: Path) -> Path:
     """The OpenUSD file in a folder."""
     (file,) = (file for file in folder.glob("*.usda") if not file.name.endswith(".scene.usda"))
@@ -136,13 +136,92 @@ def is_other_file(name: str) -> bool:
     return "." in name and Path(name).suffix not in {".usda", ".usdc"}
 
 
+@pytest.fixture(scope="module")
+def isaac_sim(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, str]:
+    """An environment in which USD has the names of Isaac Sim's schemas, for the rules about them."""
+    folder = tmp_path_factory.mktemp("isaac_sim")
+    package = folder / "usd" / "schema" / "isaac"
+    package.mkdir(parents=True)
+    (package / "robot_schema.py").write_text(ROBOT_SCHEMA, encoding="utf-8")
+    kind = {"bases": ["UsdAPISchemaBase"], "schemaKind": "singleApplyAPI"}
+    types = {name: {**kind, "alias": {"UsdSchemaBase": name}, "schemaIdentifier": name} for name in ISAAC_SCHEMAS}
+    plugin = {"Name": "isaac", "Type": "resource", "Root": ".", "ResourcePath": ".", "LibraryPath": ""}
+    content = {"Plugins": [{**plugin, "Info": {"Types": types}}]}
+    (folder / "plugInfo.json").write_text(json.dumps(content), encoding="utf-8")
+    classes = "\n".join(f'class "{name}"\n{{\n}}\n' for name in ISAAC_SCHEMAS)
+    (folder / "generatedSchema.usda").write_text(f"#usda 1.0\n\n{classes}", encoding="utf-8")
+    return {**os.environ, "PYTHONPATH": str(folder), "PXR_PLUGINPATH_NAME": str(folder)}
+
+
+def simready_says(python: Path, file: Path, env: Mapping[str, str], *options: str) -> tuple[bool, dict[str, str]]:
+    """Whether a file passes the profile by SimReady's command, and what is said of each feature that it lacks."""
+    command = [str(python.with_name("simready-validate")), "--profile", PROFILE, *options, str(file)]
+    run = subprocess.run(command, env=dict(env), capture_output=True, text=True, check=False, timeout=300)
+    verdict = re.search(rf"\[(PASSED|FAILED)\] {PROFILE} v", run.stdout)
+    assert verdict, run.stdout + run.stderr
+    lacking = dict(re.findall(r"^ +(FET_\w+): (.*)$", run.stdout, re.MULTILINE))
+    assert (run.returncode == 0) is (verdict[1] == "PASSED")
+    return verdict[1] == "PASSED", lacking
+
+
 @pytest.mark.parametrize("robot", ROBOTS)
-def test_physics_of_simready_robots(robot: str, converted: Converted, simready: Path) -> None:
-    """Every physical feature of SimReady's profile of robots passes; Newton's wants a drive in passive joints, too."""
-    passed = said(simready, SIMREADY, str(usd_in(converted(robot))), *PROFILE)
-    assert set(passed) >= PHYSICAL
-    assert [name for name in sorted(PHYSICAL) if not passed[name]] == []
-    assert passed["FET_022_NEWTON"] is (robot == "universal_robots_ur5e")  # the elbows of the delta robot are passive
+def test_simready_robots_of_isaac_sim(
+    robot: str, converted: Converted, simready: Path, isaac_sim: Mapping[str, str]
+) -> None:
+    """The files pass the profile of robots as they are, and have its features of Isaac Sim but for the packaging."""
+    passed, lacking = simready_says(simready, usd_in(converted(robot)), isaac_sim, "--version", "2.0.0")
+    assert (passed, set(lacking)) == (True, PACKAGING)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_simready_robots_that_are_published(
+    robot: str, converted: Converted, simready: Path, isaac_sim: Mapping[str, str], tmp_path: Path
+) -> None:
+    """They pass its newest version with what a publisher adds: a thumbnail, a date, and an entry in Wikidata."""
+    folder = tmp_path / name_of(robot)
+    shutil.copytree(converted(robot), folder)
+    file = usd_in(folder)
+    passed, lacking = simready_says(simready, file, isaac_sim)
+    assert (passed, {name for name, text in lacking.items() if text.startswith("failing")}) == (
+        False,
+        {"FET_033_STANDARD"},
+    )
+    names = ("author", "asset_name", "asset_type", "asset_license", "category", "source_file", "usd_date_generated")
+    stated = {**dict.fromkeys(names, "stated"), "qcode": "Q11012", "rigid_body_count": 7, "mass": 1.0}
+    file.with_suffix(".json").write_text(json.dumps({**stated, "asset_extents": [1.0, 1.0, 1.0]}), encoding="utf-8")
+    thumbnail = folder / ".thumbs" / "256x256" / f"{file.name}.png"
+    thumbnail.parent.mkdir(parents=True)
+    thumbnail.write_bytes(b"\x89PNG\r\n")
+    passed, lacking = simready_says(simready, file, isaac_sim)
+    assert passed
+    assert set(lacking) - PASSIVE == PACKAGING | OTHER_PROGRAMS
+    assert PASSIVE.isdisjoint(lacking) is (robot == "universal_robots_ur5e")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "feature", "rule"),
+    [
+        ("IsaacRobotAPI", "OtherAPI", "FET_021_ISAAC", "RC.007"),
+        ("IsaacJointAPI", "OtherAPI", "FET_022_ISAAC", "DJ.008"),
+        ("IsaacLinkAPI", "OtherAPI", "FET_022_ISAAC", "DJ.009"),
+        ("prepend rel isaac:physics", "rel isaac:physics", "FET_022_ISAAC", "DJ.010"),
+        ('"Manipulator"', '"Default"', "FET_021_ISAAC", "RC.008"),
+        ("/delta/joints/world_joint>, <", "", "FET_021_ISAAC", "RC.009"),
+    ],
+)
+def test_simready_notices_faults(
+    old: str, new: str, feature: str, rule: str, converted: Converted, simready: Path, isaac_sim: Mapping[str, str],
+    tmp_path: Path,
+) -> None:  # fmt: skip
+    """The rules about Isaac Sim's schemas reject files without them, so that they do look."""
+    folder = tmp_path / "delta"
+    shutil.copytree(converted("stepbot_delta"), folder)
+    file = usd_in(folder)
+    text = file.read_text(encoding="utf-8")
+    assert old in text
+    file.write_text(text.replace(old, new), encoding="utf-8")
+    _, lacking = simready_says(simready, file, isaac_sim, "--version", "2.0.0")
+    assert rule in lacking.get(feature, ""), lacking
 
 
 def look(file: Path) -> Observation:

@@ -13,6 +13,7 @@ from stepbot.robot.actuators import actuator_limit
 from stepbot.robot.kinematics import initial_configuration
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointKind, LoopClosure, Robot
 
+from .isaac import mark_joint
 from .names import Names, named
 from .usda import Prim, quoted, single, singles
 
@@ -40,6 +41,7 @@ def joints(robot: Robot, top: str, paths: Mapping[str, str]) -> Prim:
     drawn = initial_configuration(robot)
     for joint in robot.joints:
         prim = scope.add(_joint(joint, identifiers[joint.name], paths))
+        mark_joint(prim, joint.name)
         if joint.kind is not JointKind.FIXED:
             _passive(prim, joint)
             leader = f"{top}/joints/{identifiers[joint.mimic.joint]}" if joint.mimic else ""
@@ -51,6 +53,7 @@ def joints(robot: Robot, top: str, paths: Mapping[str, str]) -> Prim:
         scope.add(_closure(closure, names, paths))
     if robot.base is Base.FIXED:
         fixed = scope.add(Prim("PhysicsFixedJoint", names.of(_WORLD_JOINT)))
+        mark_joint(fixed, fixed.name)
         fixed.set("rel physics:body1", f"<{paths[robot.root.name]}>")
         _frames(fixed, IDENTITY, IDENTITY)
     return scope

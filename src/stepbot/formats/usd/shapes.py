@@ -60,6 +60,9 @@ class Library:
         prim.schemas.append("MaterialBindingAPI")
         color = self._colors.setdefault(visual.rgba, f"color_{len(self._colors) + 1}")
         prim.set("rel material:binding", f"<{self._top}/materials/{color}>")
+        prim.set("color3f[] primvars:displayColor", f"[{_linear(visual.rgba)}]")  # for viewers without materials
+        if visual.rgba[3] != 1.0:
+            prim.set("float[] primvars:displayOpacity", f"[{single(visual.rgba[3])}]")
         place(prim, upright(visual), scale=_scale(visual.geometry))
         return prim
 
@@ -127,9 +130,14 @@ def _material(scope: str, rgba: Rgba, identifier: str) -> Prim:
     """A material with one colour; USD's colours are linear, those of CAD programs are sRGB."""
     shader = Prim("Shader", "surface")
     shader.set("uniform token info:id", '"UsdPreviewSurface"')
-    shader.set("color3f inputs:diffuseColor", singles(round(linear_from_srgb(c), _COLOR_DECIMALS) for c in rgba[:3]))
+    shader.set("color3f inputs:diffuseColor", _linear(rgba))
     shader.set("float inputs:opacity", single(rgba[3]))
     shader.properties.append("token outputs:surface")
     material = Prim("Material", identifier, children=[shader])
     material.set("token outputs:surface.connect", f"<{scope}/{identifier}/surface.outputs:surface>")
     return material
+
+
+def _linear(rgba: Rgba) -> str:
+    """The colour of a material as a linear one."""
+    return singles(round(linear_from_srgb(c), _COLOR_DECIMALS) for c in rgba[:3])

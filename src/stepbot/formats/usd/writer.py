@@ -7,12 +7,13 @@ the robot's prim, side by side, in the drawn pose; joints and materials in scope
 from stepbot.geometry.principal_axes import principal_axes
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import initial_configuration, link_poses, without_contacts
-from stepbot.robot.model import Frame, Link, Robot
+from stepbot.robot.model import Base, Frame, Link, Robot
 from stepbot.robot.standing import standing_height
 
 from ..companion import Companion
 from ..features import Feature, exact, lowered, reported
 from . import FORMAT
+from .isaac import mark_link, mark_robot, mark_site, marked_joints
 from .joints import joints
 from .meshes import MeshLayer
 from .names import Names, named
@@ -122,12 +123,15 @@ def render(robot: Robot) -> bytes:
     X_RL, standing = link_poses(robot, drawn), Pose.of(position=(0.0, 0.0, standing_height(robot, drawn)))
     for link in robot.links:
         prim = top.add(named("Xform", link.name, names, identifiers[link.name]))
+        mark_link(prim, link.name)
         _body(prim, link)
         _filter(prim, link, robot, paths)
         place(prim, standing @ X_RL[link.name])
         _content(prim, link, robot, library)
-    if robot.joints or robot.base == "fixed":
-        top.add(joints(robot, path, paths))
+    joined = []
+    if robot.joints or robot.base is Base.FIXED:
+        joined = marked_joints(top.add(joints(robot, path, paths)))
+    mark_robot(top, robot, list(paths.values()), [f"{path}/joints/{name}" for name in joined])
     top.children += library.prims()
     return layer(top, written_by(robot))
 
@@ -183,5 +187,6 @@ def _content(prim: Prim, link: Link, robot: Robot, library: Library) -> None:
 
 def _frame(frame: Frame, names: Names) -> Prim:
     prim = named("Xform", frame.name, names)
+    mark_site(prim)
     place(prim, frame.X_LF)
     return prim
