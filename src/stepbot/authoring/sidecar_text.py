@@ -71,7 +71,7 @@ def _introduction(draft: Draft) -> list[str]:
     basis = f"--from {one_line(draft.source)}`" if draft.source else "` from the STEP: shapes, contacts, names"
     lines = [
         f"# Drafted by `stepbot init{' ' * bool(draft.source)}{basis}. A score from 0 to 1 ranks the evidence.",
-        "# Check each REVIEW, fill in each `limits: todo`, then run `stepbot check --step` and `stepbot convert`.",
+        "# Check each REVIEW, fill in each `todo`, then run `stepbot check --step` and `stepbot convert`.",
     ]
     for note in draft.notes:
         lines += comment(f"Note: {note}")

@@ -8,8 +8,8 @@ from stepbot.formats import FORMATS
 
 SCENES = (".drake.sdf", *(written.scene for written in FORMATS.values() if written.scene))
 """Ends of the names of files that contain the robot of a main file once more."""
-_MANIFEST = "package.xml"
-"""Manifest of a ROS package, with the suffix of an MJCF."""
+_BEGINNING = 4096
+"""Number of bytes in which the first element of a file is."""
 _SHOWN = 5
 """Maximum number of files that a remedy lists."""
 
@@ -24,8 +24,19 @@ def main_files(folder: Path) -> list[Path]:
 
 def _main_files(paths: Iterable[Path]) -> list[Path]:
     order = {written.suffix: place for place, written in enumerate(FORMATS.values())}
-    named = (path for path in paths if path.suffix in order and not path.name.endswith((*SCENES, _MANIFEST)))
-    return sorted(filter(Path.is_file, named), key=lambda path: (order[path.suffix], path.as_posix()))
+    named = (path for path in paths if path.suffix in order and not path.name.endswith(SCENES))
+    return sorted(filter(_is_robot, named), key=lambda path: (order[path.suffix], path.as_posix()))
+
+
+def _is_robot(path: Path) -> bool:
+    """Whether a file of a robot's suffix may be one; of XML files, such as manifests, those with MJCF's element."""
+    if path.suffix != ".xml":
+        return path.is_file()
+    try:
+        with path.open("rb") as file:
+            return b"<mujoco" in file.read(_BEGINNING)
+    except OSError:
+        return False
 
 
 def is_robot_file(path: Path, found: Diagnostics) -> bool:

@@ -106,7 +106,7 @@ def test_text_is_the_smallest_that_says_all() -> None:
     assert sidecar_text(replace(DRAFT, without_density=()), "cad/robot.step") == (
         "# yaml-language-server: $schema=robot-1.schema.json\n"
         "# Drafted by `stepbot init` from the STEP: shapes, contacts, names. A score from 0 to 1 ranks the evidence.\n"
-        "# Check each REVIEW, fill in each `limits: todo`, then run `stepbot check --step` and `stepbot convert`.\n"
+        "# Check each REVIEW, fill in each `todo`, then run `stepbot check --step` and `stepbot convert`.\n"
         "version: 1\n"
         "robot: test\n"
         "step: cad/robot.step\n"

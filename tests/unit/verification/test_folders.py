@@ -21,7 +21,7 @@ def test_a_folder_is_reported_with_its_robot_files(tmp_path: Path, monkeypatch: 
     monkeypatch.chdir(tmp_path)
     (tmp_path / "out" / "meshes").mkdir(parents=True)
     for name in ("arm.xml", "arm.scene.xml", "package.xml", "arm.sdf", "arm.world.sdf", "arm.urdf", "meshes/a.obj"):
-        (tmp_path / "out" / name).touch()
+        (tmp_path / "out" / name).write_text("<package/>" if name == "package.xml" else "<mujoco/>", encoding="utf-8")
     message, help = _reported(Path("out"))
     assert message == "is a folder, not a file"
     assert help == ("use a file in it: 'out/arm.urdf', 'out/arm.sdf', 'out/arm.xml'",)
