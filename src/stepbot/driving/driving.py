@@ -15,7 +15,7 @@ from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 
 from .judgement import Status, Verdict, judge
 from .limits import Demands
-from .mechanism import finger_candidates, limbs_of, mechanism_of, wheels_of
+from .mechanism import finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
 from .names import ENGINES, TESTS
 from .plan import reasons
 from .survey import Survey
@@ -101,7 +101,8 @@ class _Drive:
     def survey(self) -> Survey | None:
         """The poses and grasps; None if MuJoCo cannot load the file."""
         file = str(openable(self._files["mujoco"])) if "mujoco" in self._files else ""
-        fingers = finger_candidates(self._mechanism)
+        pairs = finger_candidates(self._mechanism)
+        fingers = (*pairs, *jaw_candidates(self._mechanism, pairs))
         with Worker(_SURVEY, memory_limit=self._memory_limit) as worker:
             worker.submit(file, self._mechanism, fingers, self._demands.mass)
             survey: Survey | None = self._result("mujoco", worker)

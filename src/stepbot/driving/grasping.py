@@ -12,7 +12,7 @@ from itertools import product
 import numpy as np
 
 from stepbot.engines.mujoco.simulation import MujocoSimulation
-from stepbot.engines.simulation import Cube, Mechanism, Setup
+from stepbot.engines.simulation import Cube, Mechanism, Motor, Setup
 from stepbot.geometry.spatial import Array, Pose, unit
 from stepbot.robot.posing import NotReached, posed
 
@@ -22,8 +22,10 @@ SHORTEST_STROKE = 0.01
 """Change [m] of the gap from which two links count as fingers."""
 WIDEST = 0.04
 """Largest edge [m] of a cube."""
-_FACE = 1.5e-3
+FACE = 1.5e-3
 """Depth [m] of the faces that grip: vertices behind the nearest point by less belong to them."""
+_TOUCHING = 1e-6
+"""Depth [m] up to which the cube does not touch the robot."""
 _POSITIONS = 21
 _FAR = 1.0
 
@@ -54,7 +56,7 @@ def find_grasp(file: str, mechanism: Mechanism, fingers: Fingers, mass: float) -
         mass: Mass [kg] of the cube.
     """
     room = _Room(file, mechanism, fingers)
-    path = room.path()
+    path = path_of(mechanism, fingers, _POSITIONS) if room.has_shapes else []
     if len(path) < 2:
         return "a link without collision shapes, or a motor without limits"
     gaps = [room.gap(q)[0] for q in path]
@@ -72,37 +74,53 @@ def find_grasp(file: str, mechanism: Mechanism, fingers: Fingers, mass: float) -
         X_HC = room.cube_pose(path[near], path[max(0, near - 1)])
         if X_HC is None:
             why = "the faces nearest to each other are not opposite each other"
-        elif room.blocked(path[0], X_HC, edge):
-            why = f"a cube of {1e3 * edge:.0f} mm between them touches the open hand"
         else:
-            joint = room.joint
-            return Grasp(fingers, Cube(edge, mass), X_HC, path[0], path[-1][joint], (narrowest, widest))
+            grasp = Grasp(fingers, Cube(edge, mass), X_HC, path[0], path[-1][room.joint], (narrowest, widest))
+            if not overlap(file, mechanism, grasp):
+                return grasp
+            why = f"a cube of {1e3 * edge:.0f} mm between them touches the open hand"
         edge *= 0.7
     return why
+
+
+def path_of(mechanism: Mechanism, fingers: Fingers, count: int) -> list[dict[str, float]]:
+    """Configurations over the range of the fingers' motors, as far as the loops allow; none without limits."""
+    motors = _motors(mechanism, fingers)
+    limit = motors[0].limit
+    if not np.isfinite([limit.lower, limit.upper]).all():
+        return []
+    found = []
+    for q in np.linspace(limit.lower, limit.upper, count).tolist():
+        try:
+            found.append(posed(mechanism.robot, {motor.joint: q for motor in motors}))
+        except NotReached:
+            continue
+    return found
+
+
+def _motors(mechanism: Mechanism, fingers: Fingers) -> list[Motor]:
+    return [motor for motor in mechanism.motors if motor.name in fingers.motors]
+
+
+def overlap(file: str, mechanism: Mechanism, grasp: Grasp) -> float:
+    """Depth [m] of the cube in the robot while the fingers are open; 0 if it does not touch it."""
+    simulation = MujocoSimulation(file, mechanism, Setup(held=True, cube=grasp.cube))
+    simulation.reset(grasp.open)
+    allowed = simulation.penetration()
+    simulation.place_cube(simulation.pose(grasp.fingers.hand) @ grasp.X_HC)
+    depth = simulation.penetration() - allowed
+    return depth if depth > _TOUCHING else 0.0
 
 
 class _Room:
     """The robot without a floor, to measure gaps."""
 
     def __init__(self, file: str, mechanism: Mechanism, fingers: Fingers) -> None:
-        self._file, self._mechanism, self._fingers = file, mechanism, fingers
+        self._fingers = fingers
         self._simulation = MujocoSimulation(file, mechanism, Setup(held=True))
         self._sides = [self._simulation.solids(side) for side in (fingers.one, fingers.other)]
-        self._motors = [motor for motor in mechanism.motors if motor.name in fingers.motors]
-        self.joint = self._motors[0].joint
-
-    def path(self) -> list[dict[str, float]]:
-        """Configurations over the range of the motors, as far as the loops allow."""
-        limit = self._motors[0].limit
-        if not np.isfinite([limit.lower, limit.upper]).all() or not all(self._sides):
-            return []
-        found = []
-        for q in np.linspace(limit.lower, limit.upper, _POSITIONS).tolist():
-            try:
-                found.append(posed(self._mechanism.robot, {motor.joint: q for motor in self._motors}))
-            except NotReached:
-                continue
-        return found
+        self.has_shapes = all(self._sides)
+        self.joint = _motors(mechanism, fingers)[0].joint
 
     def gap(self, q: Mapping[str, float]) -> tuple[float, Array]:
         """Distance [m] of the two sides, and the nearest points (2, 3)."""
@@ -143,13 +161,5 @@ class _Room:
     def _face(self, side: list[int], x: Array, end: Array, sign: float) -> Array:
         """Vertices of a side that face the other."""
         points = self._points(side)
-        chosen: Array = points[sign * (points @ x - end @ x) > -_FACE]
+        chosen: Array = points[sign * (points @ x - end @ x) > -FACE]
         return chosen if len(chosen) else end.reshape(1, 3)
-
-    def blocked(self, q: Mapping[str, float], X_HC: Pose, edge: float) -> bool:
-        """Whether the cube touches the robot while the fingers are open."""
-        simulation = MujocoSimulation(self._file, self._mechanism, Setup(held=True, cube=Cube(edge, 0.1)))
-        simulation.reset(q)
-        allowed = simulation.penetration()
-        simulation.place_cube(simulation.pose(self._fingers.hand) @ X_HC)
-        return simulation.penetration() > allowed + 1e-6

@@ -1,8 +1,9 @@
-"""What a robot can do, found in its model: motors, wheels, limbs, and pairs of links that may be fingers."""
+"""What a robot can do, found in its model: motors, wheels, limbs, and links that may be fingers or jaws."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
+from math import inf, pi
 from typing import Any
 
 import numpy as np
@@ -53,6 +54,8 @@ class Fingers:
     other: frozenset[str]
     hand: str
     """The link that the fingers move on."""
+    fixed: bool = False
+    """Whether the other group is the hand itself: ``one`` is a single jaw."""
 
 
 def mechanism_of(robot: Robot, constraints: tuple[Mapping[str, Any], ...]) -> Mechanism:
@@ -158,6 +161,37 @@ def finger_candidates(mechanism: Mechanism) -> tuple[Fingers, ...]:
     return tuple(found)
 
 
+def jaw_candidates(mechanism: Mechanism, pairs: Iterable[Fingers]) -> tuple[Fingers, ...]:
+    """Links that may be single jaws: at the end of the tree, moved on the link that carries them by a motor of no pair.
+
+    A jaw turns by at most half a turn: farther, and it would come out on the other side of its hand. Links of closed
+    loops are parts of a mechanism, no jaws.
+
+    Args:
+        mechanism: The robot.
+        pairs: The pairs of links that may be fingers.
+    """
+    robot = mechanism.robot
+    rigid = rigid_bodies(robot.root.name, robot.joints)
+    tips = _tips(robot, rigid)
+    paired = {motor for pair in pairs for motor in pair.motors}
+    looped = {rigid[link] for closure in robot.closures for link in (closure.link_a, closure.link_b)}
+    found: dict[Fingers, None] = {}
+    for motor in mechanism.motors:
+        joint = robot.joint_by_name[motor.joint]
+        bounded = motor.limit.upper - motor.limit.lower <= (pi if motor.angular else inf)
+        alone = motor.kind is ActuatorKind.POSITION and motor.name not in paired and rigid[joint.child] not in looped
+        if alone and bounded and _is_tip(joint.child, tips, rigid):
+            jaw, hand = (_together(rigid, rigid[link]) for link in (joint.child, joint.parent))
+            found[Fingers((motor.name,), jaw, hand, joint.parent, fixed=True)] = None
+    return tuple(found)
+
+
+def _together(rigid: Mapping[str, str], name: str) -> frozenset[str]:
+    """The links of a rigid body."""
+    return frozenset(link for link, body in rigid.items() if body == name)
+
+
 def _is_tip(link: str, tips: Mapping[str, frozenset[str]], rigid: Mapping[str, str]) -> bool:
     """Whether nothing moves below a link."""
     return tips[link] == {link} or all(rigid[tip] == rigid[link] for tip in tips[link])
@@ -174,8 +208,7 @@ def _pairs(
     groups = [sorted({rigid[tip] for tip in tips[joint.child]}) for joint in (one, other)]
     for a in groups[0]:
         for b in groups[1]:
-            sides = [frozenset(link for link, group in rigid.items() if group == name) for name in (a, b)]
-            yield Fingers(motors, sides[0], sides[1], hand)
+            yield Fingers(motors, _together(rigid, a), _together(rigid, b), hand)
 
 
 def _tips(robot: Robot, rigid: Mapping[str, str]) -> dict[str, frozenset[str]]:

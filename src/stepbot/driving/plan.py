@@ -47,6 +47,9 @@ def reasons(
 
 
 def _no_grasp(survey: Survey) -> str:
-    if survey.misses:
-        return "; ".join(f"{motor}: {why}" for motor, why in survey.misses.items())
-    return "no two links that a motor closes on each other; a single jaw, which closes on its own hand, is not tested"
+    if not survey.misses:
+        return "no two links that a motor closes on each other, and no link that could close on the one that carries it"
+    motors: dict[str, list[str]] = {}
+    for motor, why in survey.misses.items():
+        motors.setdefault(why, []).append(motor)
+    return "; ".join(f"{', '.join(names)}: {why}" for why, names in motors.items())

@@ -16,6 +16,7 @@ from stepbot.robot.model import ActuatorKind
 from stepbot.robot.posing import NotReached, posed
 
 from .grasping import Grasp, find_grasp
+from .jaws import find_jaw_grasp
 from .mechanism import Fingers
 
 SEED = 20261122
@@ -63,7 +64,7 @@ class Survey:
     """Share of the ranges of all bounded joints that the sweeps cover, on average; 1 without bounded joints."""
     grasps: tuple[Grasp, ...]
     misses: Mapping[str, str]
-    """Why no cube can be gripped, for the first motor of each pair of links that may be fingers."""
+    """Why no cube can be gripped, for the first motor of each pair of links that may be fingers, or of each jaw."""
 
 
 def survey(file: str, mechanism: Mechanism, fingers: tuple[Fingers, ...], mass: float) -> Survey:
@@ -72,13 +73,16 @@ def survey(file: str, mechanism: Mechanism, fingers: tuple[Fingers, ...], mass: 
     Args:
         file: The MJCF; empty for a robot without one, whose contacts are not known and that grips nothing.
         mechanism: The robot.
-        fingers: Links that may be fingers.
+        fingers: Links that may be fingers or jaws.
         mass: Mass [kg] of the cube to grip.
     """
     place = _Place(file, mechanism)
     sweeps = tuple(place.sweep(motor) for motor in place.servos)
     shares = [share for motor, sweep in zip(place.servos, sweeps, strict=True) for share in _share(motor, sweep)]
-    tried = {pair: find_grasp(file, mechanism, pair, mass) for pair in (fingers if file else ())}
+    tried = {
+        pair: (find_jaw_grasp if pair.fixed else find_grasp)(file, mechanism, pair, mass)
+        for pair in (fingers if file else ())
+    }
     return Survey(
         poses=tuple(place.poses()),
         steps=tuple(move for motor in place.servos for move in place.step(motor)),

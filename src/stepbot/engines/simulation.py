@@ -12,6 +12,8 @@ from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot import dynamics
 from stepbot.robot.model import ActuatorKind, Limit, Mimic, Robot
 
+DOWN = (0.0, 0.0, -1.0)
+"""Direction of gravity."""
 GRAVITY = -dynamics.GRAVITY[2]
 """Acceleration [m/s^2] downwards in every test."""
 FRICTION = 1.0
@@ -130,8 +132,14 @@ class Simulation(Protocol):
     def place_cube(self, X_WC: Pose) -> None:
         """Place the cube at rest, without weight."""
 
-    def let_go(self) -> None:
-        """Give the cube its weight."""
+    def fix_cube(self, link: str) -> None:
+        """Fix the cube to a link where it is, until :meth:`free_cube`."""
+
+    def free_cube(self) -> None:
+        """Let the cube move."""
+
+    def let_go(self, down: Array) -> None:
+        """Give the cube its weight, in a direction (3,) in the world."""
 
     def cube(self) -> Pose:
         """Pose of the cube in the world."""

@@ -4,14 +4,14 @@ from dataclasses import replace
 
 import pytest
 
-from stepbot.driving.mechanism import finger_candidates, limbs_of, mechanism_of, wheels_of
+from stepbot.driving.mechanism import finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
 from stepbot.driving.names import TESTS
 from stepbot.driving.plan import reasons
 from stepbot.driving.survey import Survey
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointKind, Limit, Link, Robot
 from tests.robots import ROBOTS
-from tests.unit.driving.workbench import VERTICAL, body, gripper, one_joint
+from tests.unit.driving.workbench import VERTICAL, body, clamp, gripper, one_joint
 
 NOTHING = Survey((), (), (), 1.0, (), {})
 
@@ -68,6 +68,17 @@ def test_every_test_that_does_not_apply_has_a_reason() -> None:
 def test_fingers_that_grip_nothing_are_named_with_the_reason() -> None:
     """A robot without fingers has a general reason, one whose fingers cannot grip has that of each pair."""
     mechanism = mechanism_of(one_joint(VERTICAL), ())
-    assert "single jaw" in reasons(mechanism, NOTHING, None, (), mjcf=True)["grip"]
-    surveyed = replace(NOTHING, misses={"thumb": "too short", "index": "not opposite"})
-    assert reasons(mechanism, surveyed, None, (), mjcf=True)["grip"] == "thumb: too short; index: not opposite"
+    assert "no two links" in reasons(mechanism, NOTHING, None, (), mjcf=True)["grip"]
+    surveyed = replace(NOTHING, misses={"thumb": "too short", "index": "not opposite", "ring": "too short"})
+    assert reasons(mechanism, surveyed, None, (), mjcf=True)["grip"] == "thumb, ring: too short; index: not opposite"
+
+
+def test_jaws_are_at_the_end_of_the_tree() -> None:
+    """A jaw is a candidate with the hand that carries it; fingers, and links that turn further, are not."""
+    mechanism = mechanism_of(clamp(1.0), ())
+    (jaw,) = jaw_candidates(mechanism, finger_candidates(mechanism))
+    assert (jaw.one, jaw.other) == (frozenset({"jaw"}), frozenset({"base", "hand"}))
+    assert (jaw.hand, jaw.fixed, jaw.motors) == ("hand", True, ("motor",))
+    for robot in (gripper(10.0), one_joint(VERTICAL, 100.0, 10.0)):
+        mechanism = mechanism_of(robot, ())
+        assert jaw_candidates(mechanism, finger_candidates(mechanism)) == ()

@@ -1,11 +1,11 @@
 """Robots with closed-form behaviour, written as files and driven in an engine."""
 
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.driving.mechanism import finger_candidates, limbs_of, mechanism_of, wheels_of
+from stepbot.driving.mechanism import finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
 from stepbot.driving.stage import Stage
 from stepbot.driving.survey import survey
 from stepbot.engines.mujoco.simulation import MujocoSimulation
@@ -13,7 +13,7 @@ from stepbot.engines.pybullet.simulation import PybulletSimulation
 from stepbot.engines.simulation import Setup, Simulation
 from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
-from stepbot.geometry.spatial import Pose
+from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.report.document import report_bytes
 from stepbot.report.record import Content, Report, WrittenFile
 from stepbot.robot.model import (
@@ -84,6 +84,34 @@ def gripper(effort: float) -> Robot:
     return Robot("gripper", tuple(links), joints, actuators=(motor,))
 
 
+def clamp(effort: float, *, slides: bool = False, X_BH: Pose = IDENTITY) -> Robot:
+    """A jaw that closes on a plate of its hand, both 40 x 80 mm: turned about a hinge, or slid.
+
+    The plates are 24 mm apart and parallel at q = 0; the jaw closes towards negative positions.
+
+    Args:
+        effort: Limit [N m] or [N] of the motor.
+        slides: Whether the joint is prismatic.
+        X_BH: Pose of the hand on its base.
+    """
+    plate = Box((0.01, 0.04, 0.08))
+    fixed = Collision("fixed", plate, Pose.of(position=(-0.005, 0.0, 0.08)))
+    moving = Collision("moving", plate, Pose.of(position=(0.005, 0.0, 0.08)))
+    hand = Link("hand", body(0.2), collisions=(fixed,))
+    jaw = Link("jaw", body(0.05, (0.005, 0.0, 0.08), 5e-5), collisions=(moving,))
+    kind, axis = (JointKind.PRISMATIC, (1.0, 0.0, 0.0)) if slides else (JointKind.REVOLUTE, HORIZONTAL)
+    limit = Limit(-0.022, 0.03, velocity=0.2) if slides else Limit(-0.25, 1.2, velocity=4.0)
+    dynamics = JointDynamics(damping=1.0, armature=0.1) if slides else JointDynamics(damping=0.02, armature=0.002)
+    X_HJ = Pose.of(position=(0.024, 0.0, 0.0))
+    joints = (
+        Joint("mount", JointKind.FIXED, "base", "hand", X_BH),
+        Joint("close", kind, "hand", "jaw", X_HJ, axis, limit=replace(limit, effort=effort), dynamics=dynamics),
+    )
+    kp, kv = (2000.0, 50.0) if slides else (20.0, 0.5)
+    motor = Actuator("motor", "close", ActuatorKind.POSITION, kp=kp, kv=kv)
+    return Robot("clamp", (Link("base", body(1.0)), hand, jaw), joints, actuators=(motor,))
+
+
 def files_of(robot: Robot, folder: Path) -> dict[str, Path]:
     """The MJCF and the URDF of a robot, written."""
     paths = {}
@@ -114,7 +142,9 @@ def stage_of(robot: Robot, engine: str, folder: Path) -> Stage:
     def opened(setup: Setup) -> Simulation:
         return kind(str(files[engine]), mechanism, setup)
 
-    poses = survey(str(files["mujoco"]), mechanism, finger_candidates(mechanism), 0.2)
+    pairs = finger_candidates(mechanism)
+    fingers = (*pairs, *jaw_candidates(mechanism, pairs))
+    poses = survey(str(files["mujoco"]), mechanism, fingers, 0.2)
     return Stage(opened, mechanism, poses, wheels_of(mechanism), limbs_of(mechanism))
 
 

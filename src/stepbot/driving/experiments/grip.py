@@ -1,11 +1,11 @@
-"""Grip: the fingers close on a cube without weight, which then gets its weight."""
+"""Grip: fingers, or a jaw and its hand, close on a cube without weight, which then gets its weight."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
 from stepbot.engines.simulation import Setup, Simulation
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, Pose
 
 from ..grasping import Grasp
 from ..results import Plot, Result, largest, thinned
@@ -13,6 +13,10 @@ from ..stage import MM, Gaps, Stage, run
 
 _CLOSE = 1.5
 """Time [s] to close and come to rest."""
+_SETTLE = 0.5
+"""Time [s] for a cube between jaw and hand, without weight, to come to rest on both."""
+_STEEP = 0.7
+"""Cosine of the angle between gravity and the direction in which fingers close from which the cube would lie on one."""
 SECONDS = 5.0
 """Time [s] for which the cube is held."""
 
@@ -39,18 +43,36 @@ def experiment(stage: Stage) -> Result:
 def _gripped(stage: Stage, simulation: Simulation, grasp: Grasp, gaps: Gaps) -> Array:
     """Close the fingers; returns where the cube is in them as it gets its weight."""
     simulation.reset(grasp.open)
-    simulation.place_cube(simulation.pose(grasp.fingers.hand) @ grasp.X_HC)
+    hand = grasp.fingers.hand
+    simulation.place_cube(simulation.pose(hand) @ grasp.X_HC)
+    if grasp.fingers.fixed:  # a jaw that comes from one side would knock a free cube away
+        simulation.fix_cube(hand)
     targets: Mapping[str, float] = {**stage.targets(grasp.open), **dict.fromkeys(grasp.fingers.motors, grasp.closed)}
     simulation.command(targets)
     for _ in run(simulation, _CLOSE):
         gaps.measure(simulation)
+    if grasp.fingers.fixed:
+        simulation.free_cube()
+        for _ in run(simulation, _SETTLE):
+            gaps.measure(simulation)
     start = _in_fingers(simulation, grasp)
-    simulation.let_go()
+    simulation.let_go(_down(simulation.cube()))
     return start
 
 
+def _down(X_WC: Pose) -> Array:
+    """Direction (3,) of the cube's weight: downwards, or along its y axis where gravity would press it on a finger.
+
+    A cube that lies on a finger is held without any force.
+    """
+    closing, across = X_WC.R[:, 0], X_WC.R[:, 1]
+    return np.array((0.0, 0.0, -1.0) if abs(closing[2]) < _STEEP else across)
+
+
 def _in_fingers(simulation: Simulation, grasp: Grasp) -> Array:
-    """Position (3,) of the cube from the middle of the two fingers, in the frame of one."""
+    """Position (3,) of the cube from the middle of the two fingers, in the frame of one; of a jaw, in the hand."""
+    if grasp.fingers.fixed:
+        return (simulation.pose(grasp.fingers.hand).inverse() @ simulation.cube()).p
     one, other = (simulation.pose(min(side)) for side in (grasp.fingers.one, grasp.fingers.other))
     middle = 0.5 * (one.p + other.p)
     return np.array(one.R.T @ (simulation.cube().p - middle))

@@ -11,7 +11,7 @@ from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.model import Base
 
 from ..observation import EngineRefused
-from ..simulation import FRICTION, HEIGHT, Mechanism, Setup
+from ..simulation import DOWN, FRICTION, GRAVITY, HEIGHT, Mechanism, Setup
 from .compiled import Compiled
 from .shapes import geom_bounds
 
@@ -20,6 +20,8 @@ FORMAT = "mjcf"
 SCENE = ".scene.xml"
 """Suffix of the scene beside the robot's file, whose floor is used if it is there."""
 _CUBE = "stepbot/cube"
+_FIXED = "stepbot/cube on "
+"""Start of the name of the weld that fixes the cube to a link."""
 
 
 def _ignore(_warning: str) -> None:
@@ -145,6 +147,22 @@ class MujocoSimulation:
         distance = self._engine.mj_geomDistance(self.model, self.data, one, other, most, ends)
         return float(distance), ends.reshape(2, 3)
 
+    def nearest(self, point: Array, geoms: list[int], most: float) -> tuple[float, Array]:
+        """Distance [m] of a point (3,) to the nearest of some geoms, up to ``most``, and the nearest point (3,).
+
+        The cube is moved there as a probe, and is a point from then on.
+        """
+        probe = int(self.model.body_geomadr[self._id("BODY", _CUBE)])
+        self.model.geom_size[probe] = 0.0
+        self.data.geom_xpos[probe] = point
+        found, near = most, point
+        ends = np.zeros(6)
+        for geom in geoms:
+            distance = float(self._engine.mj_geomDistance(self.model, self.data, probe, geom, found, ends))
+            if distance < found:
+                found, near = distance, ends[3:].copy()
+        return found, near
+
     def energy(self) -> tuple[float, float]:  # noqa: D102
         # A step leaves the poses of its start: potential and kinetic energy are to be of the same instant.
         self._engine.mj_kinematics(self.model, self.data)
@@ -169,10 +187,24 @@ class MujocoSimulation:
         dof = int(self.model.jnt_dofadr[self.model.body_jntadr[body]])
         self.data.qvel[dof : dof + 6] = 0.0
         self.model.body_gravcomp[body] = 1.0
+        self.data.xfrc_applied[body] = 0.0
         self._engine.mj_forward(self.model, self.data)
 
-    def let_go(self) -> None:  # noqa: D102
-        self.model.body_gravcomp[self._id("BODY", _CUBE)] = 0.0
+    def fix_cube(self, link: str) -> None:  # noqa: D102
+        weld = self._id("EQUALITY", _FIXED + link)
+        X_LC = self.pose(link).inverse() @ self.cube()
+        self.model.eq_data[weld, :10] = [0.0, 0.0, 0.0, *X_LC.position, *X_LC.quaternion]
+        self.data.eq_active[weld] = 1
+
+    def free_cube(self) -> None:  # noqa: D102
+        for link in self._mechanism.robot.links:
+            weld = self._id("EQUALITY", _FIXED + link.name)
+            self.data.eq_active[weld] = 0
+
+    def let_go(self, down: Array) -> None:  # noqa: D102
+        cube = self._id("BODY", _CUBE)
+        self.model.body_gravcomp[cube] = 0.0
+        self.data.xfrc_applied[cube, :3] = GRAVITY * self.model.body_mass[cube] * (down - DOWN)
 
     def cube(self) -> Pose:  # noqa: D102
         return self._body_pose(self._id("BODY", _CUBE))
@@ -196,16 +228,7 @@ def _spec(engine: Any, file: str, mechanism: Mechanism, setup: Setup) -> Any:
             name="stepbot/floor", type=engine.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], friction=[FRICTION, 0.005, 0.0001]
         )
     if setup.held and mechanism.robot.base is Base.FLOATING:
-        step = float(spec.option.timestep)
-        spec.add_equality(
-            name="stepbot/stand",
-            type=engine.mjtEq.mjEQ_WELD,
-            objtype=engine.mjtObj.mjOBJ_BODY,
-            name1=mechanism.robot.root.name,
-            name2="world",
-            solref=[2.0 * step, 1.0],
-            solimp=[0.99, 0.999, 0.0001, 0.5, 2.0],
-        )
+        _weld(engine, spec, "stepbot/stand", mechanism.robot.root.name, "world")
     if setup.cube is not None:
         body = spec.worldbody.add_body(name=_CUBE, pos=[0.0, 0.0, -HEIGHT], gravcomp=1.0)
         body.add_freejoint()
@@ -216,4 +239,20 @@ def _spec(engine: Any, file: str, mechanism: Mechanism, setup: Setup) -> Any:
             mass=setup.cube.mass,
             friction=[FRICTION, 0.005, 0.0001],
         )
+        for link in mechanism.robot.links:
+            weld = _weld(engine, spec, _FIXED + link.name, link.name, _CUBE)
+            weld.active = False
     return spec
+
+
+def _weld(engine: Any, spec: Any, name: str, one: str, other: str) -> Any:
+    """An equality that holds one body on another."""
+    return spec.add_equality(
+        name=name,
+        type=engine.mjtEq.mjEQ_WELD,
+        objtype=engine.mjtObj.mjOBJ_BODY,
+        name1=one,
+        name2=other,
+        solref=[2.0 * float(spec.option.timestep), 1.0],
+        solimp=[0.99, 0.999, 0.0001, 0.5, 2.0],
+    )

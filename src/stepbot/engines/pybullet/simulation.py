@@ -18,7 +18,7 @@ from stepbot.robot.pybullet_closures import add_constraints
 
 from ..captured_output import printed
 from ..observation import EngineRefused
-from ..simulation import FRICTION, GRAVITY, HEIGHT, Mechanism, Motor, Setup
+from ..simulation import DOWN, FRICTION, GRAVITY, HEIGHT, Mechanism, Motor, Setup
 from .body import Body, body_of, pose
 from .motion import release
 
@@ -33,8 +33,9 @@ _FINE_STEP = 5e-4
 energy in a second with steps of 2, 1 and 0.5 ms."""
 _ITERATIONS = 50
 _COUPLED_ITERATIONS = 200
-"""Solver iterations per step with loops, and on a floor: coupled constraints and contacts converge one by one. With 50,
-rollers of mecanum wheels lose a tenth of the way."""
+"""Solver iterations per step with loops, on a floor, and with a cube: coupled constraints and contacts converge one by
+one. With 50, rollers of mecanum wheels lose a tenth of the way, and a cube turns out of the grip of a jaw and its hand.
+"""
 _CLAMPED = 100.0
 """Speed [rad/s], [m/s] beyond which PyBullet clamps a joint, whatever the file says."""
 _UNLIMITED = 1e4
@@ -59,9 +60,10 @@ class PybulletSimulation:
         self.seconds, self.steps = 0.0, 0
         self._client = engine.connect(engine.DIRECT)
         engine.setGravity(0.0, 0.0, -GRAVITY)
+        coupled = mechanism.constraints or setup.floor or setup.cube is not None
         engine.setPhysicsEngineParameter(
             fixedTimeStep=self.timestep,
-            numSolverIterations=_COUPLED_ITERATIONS if mechanism.constraints or setup.floor else _ITERATIONS,
+            numSolverIterations=_COUPLED_ITERATIONS if coupled else _ITERATIONS,
             deterministicOverlappingPairs=1,
         )
         floating = mechanism.robot.base is Base.FLOATING
@@ -85,8 +87,9 @@ class PybulletSimulation:
         self._allow_speeds()
         self._push: Array | None = None
         self._efforts: dict[str, float] = {}
-        self._floor = self._cube = -1
-        self._weightless = True
+        self._floor = self._cube = self._fixed = -1
+        self._lift = np.zeros(3)
+        """Force (3,) [N] on the cube: against its weight, or to turn its weight into another direction."""
         self._add_scene()
         self.reset(mechanism.home)
         self._join()
@@ -209,10 +212,9 @@ class PybulletSimulation:
         if self._push is not None:
             place = body.X_WI(-1).position
             engine.applyExternalForce(body.id, -1, self._push.tolist(), place, engine.WORLD_FRAME)
-        if self._cube >= 0 and self._weightless and self._setup.cube is not None:
+        if np.any(self._lift):
             place = engine.getBasePositionAndOrientation(self._cube)[0]
-            lift = [0.0, 0.0, GRAVITY * self._setup.cube.mass]
-            engine.applyExternalForce(self._cube, -1, lift, place, engine.WORLD_FRAME)
+            engine.applyExternalForce(self._cube, -1, self._lift.tolist(), place, engine.WORLD_FRAME)
         engine.stepSimulation()
         self.seconds += perf_counter() - start
         self.steps += 1
@@ -266,10 +268,35 @@ class PybulletSimulation:
     def place_cube(self, X_WC: Pose) -> None:  # noqa: D102
         self._engine.resetBasePositionAndOrientation(self._cube, X_WC.position, _xyzw(X_WC))
         self._engine.resetBaseVelocity(self._cube, [0, 0, 0], [0, 0, 0])
-        self._weightless = True
+        self._turn_weight(np.zeros(3))
 
-    def let_go(self) -> None:  # noqa: D102
-        self._weightless = False
+    def fix_cube(self, link: str) -> None:  # noqa: D102
+        index = self._index[link]
+        X_IC = self._body.X_WI(index).inverse() @ self.cube()
+        self._fixed = self._engine.createConstraint(
+            self._body.id,
+            index,
+            self._cube,
+            -1,
+            self._engine.JOINT_FIXED,
+            [0, 0, 0],
+            X_IC.position,
+            [0, 0, 0],
+            _xyzw(X_IC),
+        )
+
+    def free_cube(self) -> None:  # noqa: D102
+        if self._fixed >= 0:
+            self._engine.removeConstraint(self._fixed)
+            self._fixed = -1
+
+    def let_go(self, down: Array) -> None:  # noqa: D102
+        self._turn_weight(down)
+
+    def _turn_weight(self, down: Array) -> None:
+        """Let the cube's weight act in a direction (3,); nowhere for zeros."""
+        if self._setup.cube is not None:
+            self._lift = GRAVITY * self._setup.cube.mass * (down - DOWN)
 
     def cube(self) -> Pose:  # noqa: D102
         return pose(*self._engine.getBasePositionAndOrientation(self._cube))
