@@ -146,7 +146,7 @@ class _Crate:
             return kind << 48 | _ARRAY
         count = struct.pack("<Q", len(values))
         if kind == _INT and len(values) >= _LEAST_COMPRESSED:
-            return self._stored(kind, count + _integers(values.tolist())) | _ARRAY | _COMPRESSED
+            return self._stored(kind, count + _integers(values.astype(np.int32))) | _ARRAY | _COMPRESSED
         return self._stored(kind, count + values.astype("<f4" if kind == _VEC3F else "<i4").tobytes()) | _ARRAY
 
     def _stored(self, kind: int, content: bytes) -> int:
@@ -215,7 +215,7 @@ def _counted(values: Sequence[int]) -> bytes:
     return struct.pack("<Q", len(values)) + _integers(values)
 
 
-def _integers(values: Sequence[int]) -> bytes:
+def _integers(values: Sequence[int] | Ints) -> bytes:
     """The size of packed integers, and them: the most frequent difference, two bits for the size of each, and those."""
     numbers = np.asarray(values, dtype=np.int64)
     steps = np.diff(numbers, prepend=0).astype(np.int32)  # modulo 2**32, as the reader adds them
