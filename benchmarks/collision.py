@@ -1,14 +1,12 @@
-"""Collision geometry: pieces against CoACD's on the same solids, time and memory of a set, and steps per second.
+"""Collision geometry: pieces against CoACD's on the same solids, time and memory of a set.
 
 Each solid of a STEP file is decomposed by stepbot, to 0.975 of its pieces' hulls in at most 256 pieces, and by CoACD
-with its defaults; both in processes of their own, one after the other. The robots of the library are converted with a
-hull for each part and with ``auto``, and both are stepped in turn in MuJoCo.
+with its defaults; both in processes of their own, one after the other.
 """
 
 import json
 import multiprocessing
 import resource
-import statistics
 import time
 from collections.abc import Callable
 from importlib.util import find_spec
@@ -109,27 +107,6 @@ def _measured(decompose: Callable[[Body], list[TriMesh]], body: Body, answers: A
     shapes = tuple(PlacedShape(piece, IDENTITY) for piece in pieces)
     (score,) = collision_scores([Unscored((PlacedSolid(body.mesh, IDENTITY),), 0.0, shapes)])
     answers.put((float(len(pieces)), score.iou or 0.0, seconds, peak))
-
-
-def compare_steps(first: Path, second: Path, rounds: int = 7, steps: int = 2000) -> str:
-    """Steps per second of two MJCF files of one robot under random torques, in turn; the median of their ratios."""
-    import mujoco
-
-    models = [mujoco.MjModel.from_xml_path(str(path)) for path in (first, second)]
-    rates = [[_rate(mujoco, model, steps, seed) for model in models] for seed in range(rounds)]
-    before, after = (statistics.median(rate[k] for rate in rates) for k in (0, 1))
-    ratio = statistics.median(rate[1] / rate[0] for rate in rates)
-    return f"{before:,.0f} and {after:,.0f} steps/s: {ratio:.2f} x"
-
-
-def _rate(mujoco: Any, model: Any, steps: int, seed: int) -> float:
-    data, random = mujoco.MjData(model), np.random.default_rng(seed)
-    start = time.process_time()
-    for step in range(steps):
-        if step % 50 == 0:
-            data.qfrc_applied[:] = random.uniform(-10.0, 10.0, model.nv)
-        mujoco.mj_step(model, data)
-    return steps / (time.process_time() - start)
 
 
 def shapes_of(report: Path) -> str:

@@ -12,6 +12,7 @@ python -m benchmarks inference                          links and joints from pl
 python -m benchmarks drafting STEP                      copies of an assembly in a row: links, joints and stops
 python -m benchmarks collision STEP                     convex pieces of its solids, by stepbot and by CoACD
 python -m benchmarks steps SIDECAR...                   hulls of parts against ``auto``, in MuJoCo
+python -m benchmarks steps MJCF MJCF...                 files of one robot against the first of them, in MuJoCo
 python -m benchmarks gym reach MJCF                     steps per second of its environments, one and sixteen
 python -m benchmarks smoke                              all of it on something small: does it still run?
 
@@ -37,7 +38,7 @@ from stepbot.step.reader import read_assembly
 from . import contenders as who
 from . import gate
 from .assemblies import ASSEMBLIES, Assembly, generate
-from .collision import compare_pieces, compare_steps, shapes_of
+from .collision import compare_pieces, shapes_of
 from .comparison import compare
 from .contenders import ROOT, Case, Contender
 from .environments import environment_speeds
@@ -45,6 +46,7 @@ from .inference import corpus_folder, measure, page_with_table, read_for_inferen
 from .inference_time import drafting_time
 from .report import write_report
 from .results import keep, table
+from .stepping import compare_steps
 from .timing import CommandFailed, timed
 
 _STEP = re.compile(r"^step: *[\"']?([^\"'#\n]+?)[\"']? *(?:#.*)?$", re.MULTILINE)
@@ -108,8 +110,9 @@ def _parser() -> argparse.ArgumentParser:
     pieces = commands.add_parser("collision", help="convex pieces of solids, by stepbot and by CoACD")
     pieces.add_argument("step", type=Path)
     pieces.set_defaults(run=_collision)
-    stepped = commands.add_parser("steps", help="MuJoCo's steps per second with hulls of parts and with `auto`")
-    stepped.add_argument("sidecars", nargs="+", type=Path, metavar="SIDECAR")
+    stepped = commands.add_parser("steps", help="MuJoCo's steps per second with hulls and `auto`, or of MJCF files")
+    stepped.add_argument("files", nargs="+", type=Path, metavar="SIDECAR|MJCF")
+    stepped.add_argument("-n", "--rounds", type=int, default=7, metavar="N", help="[default: 7]")
     stepped.set_defaults(run=_steps)
     learned = commands.add_parser("gym", help="steps per second of environments of stepbot.gym")
     learned.add_argument("task", choices=("reach", "stand"))
@@ -174,17 +177,23 @@ def _collision(options: argparse.Namespace, _: Path) -> None:
 
 
 def _steps(options: argparse.Namespace, folder: Path) -> None:
-    for sidecar in options.sidecars:
-        files = []
+    written = [file for file in options.files if file.suffix == ".xml"]
+    if len(written) == 1:
+        raise SystemExit("steps: nothing to compare with; name two MJCF files of one robot")
+    for sidecar in options.files:
+        if sidecar in written:
+            continue
+        files = {}
         for shape in ("hull", "auto"):
             made = with_collision(sidecar, shape, folder)
             output = folder / f"{sidecar.stem}-{shape}"
             report = convert(made, Options(output, formats=("mjcf",), verify=False))
             assert not report.diagnostics.has_errors, [str(one) for one in report.diagnostics]
-            (mjcf,) = (path for path in output.glob("*.xml") if not path.name.endswith(".scene.xml"))
-            files.append(mjcf)
+            (files[shape],) = (path for path in output.glob("*.xml") if not path.name.endswith(".scene.xml"))
             print(f"{sidecar.name}, {shape}: {shapes_of(output / 'report.json')}")
-        print(f"{sidecar.name}: {compare_steps(*files)}")
+        print("\n".join(compare_steps(files, options.rounds)), flush=True)
+    if written:
+        print("\n".join(compare_steps({str(path): path for path in written}, options.rounds)), flush=True)
 
 
 def _gym(options: argparse.Namespace, _: Path) -> None:
