@@ -17,7 +17,7 @@ from .judgement import Status, Verdict, judge
 from .limits import Demands
 from .mechanism import finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
 from .names import ENGINES, TESTS
-from .plan import reasons
+from .plan import reasons, ungripped
 from .survey import Survey
 from .worker import Assignment
 
@@ -33,7 +33,7 @@ class Driven:
     """Name of the robot."""
     verdicts: tuple[Verdict, ...] = ()
     inapplicable: Mapping[str, str] = field(default_factory=dict)
-    """Tests that do not apply, each with its reason."""
+    """Tests that do not apply, each with its reason; ``grip of MOTOR`` where one gripper of several is not tested."""
 
 
 def drive_files(
@@ -79,7 +79,8 @@ def drive_files(
             for engine, file in files.items()
         }
     )
-    return Driven(robot.name, verdicts, {test: reason for test, reason in why.items() if reason})
+    inapplicable = {test: reason for test, reason in why.items() if reason}
+    return Driven(robot.name, verdicts, {**inapplicable, **ungripped(survey)})
 
 
 class _Drive:

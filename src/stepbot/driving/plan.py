@@ -46,6 +46,17 @@ def reasons(
     }
 
 
+def ungripped(survey: Survey) -> Mapping[str, str]:
+    """Where a robot that grips a cube elsewhere grips none, ``grip of MOTOR``, each with its reason.
+
+    A motor that grips with two of its links is left out: links of a linkage move relative to each other without being
+    fingers.
+    """
+    gripping = {motor for grasp in survey.grasps for motor in grasp.fingers.motors}
+    missed = survey.misses.items() if survey.grasps else ()
+    return {f"grip of {motor}": why for motor, why in missed if motor not in gripping}
+
+
 def _no_grasp(survey: Survey) -> str:
     if not survey.misses:
         return "no two links that a motor closes on each other, and no link that could close on the one that carries it"

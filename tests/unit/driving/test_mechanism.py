@@ -4,10 +4,12 @@ from dataclasses import replace
 
 import pytest
 
+from stepbot.driving.grasping import Grasp
 from stepbot.driving.mechanism import finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
 from stepbot.driving.names import TESTS
-from stepbot.driving.plan import reasons
+from stepbot.driving.plan import reasons, ungripped
 from stepbot.driving.survey import Survey
+from stepbot.engines.simulation import Cube
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointKind, Limit, Link, Robot
 from tests.robots import ROBOTS
@@ -71,6 +73,15 @@ def test_fingers_that_grip_nothing_are_named_with_the_reason() -> None:
     assert "no two links" in reasons(mechanism, NOTHING, None, (), mjcf=True)["grip"]
     surveyed = replace(NOTHING, misses={"thumb": "too short", "index": "not opposite", "ring": "too short"})
     assert reasons(mechanism, surveyed, None, (), mjcf=True)["grip"] == "thumb, ring: too short; index: not opposite"
+
+
+def test_grippers_without_a_grip_are_named_beside_those_that_grip() -> None:
+    """The reason of a gripper is not lost if another one grips; that of another pair of links of the same motor is."""
+    (jaw,) = jaw_candidates(mechanism_of(clamp(1.0), ()), ())
+    grasp = Grasp(jaw, Cube(0.02, 0.2), Pose(), {}, 0.0, (0.0, 0.05))
+    misses = {"motor": "not opposite", "other_motor": "too short"}
+    assert ungripped(replace(NOTHING, grasps=(grasp,), misses=misses)) == {"grip of other_motor": "too short"}
+    assert ungripped(replace(NOTHING, misses=misses)) == {}
 
 
 def test_jaws_are_at_the_end_of_the_tree() -> None:
