@@ -9,6 +9,8 @@ from stepbot_cli import main
 from tests.library.conftest import LIBRARY, ROBOTS, Converted
 
 PASSED = re.compile(r"\d+ passed")
+GRIPPING = {"abb_yumi", "franka_hand", "kuka_youbot", "robotiq_2f85", "stepbot_arm2", "stepbot_desk_arm"}
+"""Robots that grip a cube."""
 QUICK = ("stepbot_four_bar",)
 """Robots whose tests take seconds."""
 
@@ -27,6 +29,7 @@ def test_robot_passes_its_drive_tests(robot: str, converted: Converted, capsys: 
     assert code == 0
     assert {one["engine"] for one in document["tests"]} == {"mujoco", "pybullet"}
     assert all(one["status"] == "passed" for one in document["tests"])
+    assert ("grip" in {one["test"] for one in document["tests"]}) == (robot in GRIPPING)
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
 
 
