@@ -114,7 +114,7 @@ def show_diagnostics_of_use(found: Diagnostics, display: Display) -> None:
 
 
 def _is_of_conversion(code: str) -> bool:
-    return "SB100" <= code < "SB620" or code.startswith("SB7")
+    return "SB1" <= code < "SB620" or code.startswith("SB7")
 
 
 def _write(stream: TextIO, text: str) -> None:

@@ -51,7 +51,8 @@ def write(robot: Robot, path: Path) -> Folder:
         lowered = lower(robot, format_named(name), Diagnostics())
         written[name] = Written(path / next(iter(files)), lowered)
         for beside in format_named(name).writer.companions(lowered):
-            written[beside.format] = Written(path / beside.path, beside.robot)
+            if beside.format:  # not an SRDF or a file of meshes, which is no robot of its own
+                written[beside.format] = Written(path / beside.path, beside.robot)
     return Folder(robot, path, written)
 
 

@@ -28,13 +28,14 @@ threading.Thread.start = start_thread
 print(start_process(lambda: 2))
 """
 WHILE_THE_PROCESS_STARTS = """
-import os, signal, threading
+import os, signal, threading, time
 from stepbot.runtime.processes import start_process
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in the background of a shell
 done = threading.Event()
 
 def start():
+    time.sleep(0.1)  # CPython takes no notice of a signal on its way into a wait, only within it
     os.kill(os.getpid(), signal.SIGINT)
     return done.wait()
 
