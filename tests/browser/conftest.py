@@ -116,5 +116,6 @@ def edited(robot_library: Path, tmp_path: Path, cache: Path, page: Page) -> Iter
         return session
 
     yield serve
+    page.open("about:blank")  # which would report a connection that closes during a request
     for session in running:
         session.close()
