@@ -116,6 +116,6 @@ def edited(robot_library: Path, tmp_path: Path, cache: Path, page: Page) -> Iter
         return session
 
     yield serve
-    page.open("about:blank")  # which would report a connection that closes during a request
+    page.driver.get("about:blank")  # it would report a connection that closes while it asks
     for session in running:
         session.close()
