@@ -2,7 +2,7 @@
 
 The converting process needs neither, and continues meanwhile. manifold3d uses all cores through threads that a forked
 process does not inherit: a fork after its first use would wait for them forever. This process forks only as long as it
-has no threads: collision shapes, which are requested before overlaps, are fitted on all cores.
+has no threads.
 """
 
 import sys

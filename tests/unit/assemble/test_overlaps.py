@@ -5,10 +5,12 @@ import signal
 import sys
 from collections.abc import Mapping
 from dataclasses import replace
+from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from stepbot.assemble.binder import Binder
 from stepbot.assemble.claims import claim
@@ -21,9 +23,10 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_worker import MESH_WORKER
 from stepbot.geometry.solids.manifolds import Solid
-from stepbot.geometry.solids.overlapping import Overlaps
+from stepbot.geometry.solids.overlapping import Candidate, Group, Overlaps, Search, overlaps_of
+from stepbot.geometry.spatial import Pose
 from stepbot.runtime.cache import Cache
-from stepbot.runtime.worker import Worker
+from stepbot.runtime.worker import Worker, call_isolated
 from tests.conftest import ReadDiagnostics
 from tests.unit.assemble.workshop import Workshop, at, build, sidecar
 
@@ -306,3 +309,25 @@ def test_the_death_of_the_worker_is_reported(tmp_path: Path, found: ReadDiagnost
     (error,) = found
     assert (error.code, error.severity) == ("SB902", "error")
     assert "the process that intersects solids ended: killed by SIGKILL" in error.message
+
+
+def test_many_pairs_are_intersected_in_processes() -> None:
+    """Balls in a row, intersected in forked processes and in this one: the same to the last digit, as lenses are."""
+    radius, step, count = 0.01, 0.008, 5
+    ball = trimesh.creation.icosphere(4, radius=radius)
+    pairs = [(i, j) for i in range(count) for j in range(i + 1, count) if (j - i) * step < 2.0 * radius]
+    groups = tuple(
+        Group((i, j), Pose.of(position=((j - i) * step, 0.0, 0.0)), ball.volume, (Candidate("row", i, j, 1.0, 1.0),))
+        for i, j in pairs
+    )
+    meshes = {i: TriMesh.of(ball.vertices, ball.faces) for i in range(count)}
+    poses = {i: Pose.of(position=(i * step, 0.0, 0.0)) for i in range(count)}
+    search = Search(("row",), groups, meshes, poses, 10_000_000)
+    assert sum(2 * len(ball.faces) for _ in pairs) > 20_000, "else no process is started"
+    here = overlaps_of(search)["row"]
+    there = call_isolated(MESH_WORKER, "overlaps", search)["row"]
+    assert here == there
+    assert len(here.pairs) == len(pairs) == 7
+    lenses = {n: pi / 12.0 * (4.0 * radius + n * step) * (2.0 * radius - n * step) ** 2 for n in (1, 2)}
+    for pair in here.pairs:
+        assert pair.volume == pytest.approx(lenses[pair.second - pair.first], rel=0.02)

@@ -146,6 +146,11 @@ class Intersection:
     """[m^3]."""
     _solids: dict[int, Solid]
 
+    @property
+    def mesh(self) -> TriMesh:
+        """Its surface."""
+        return TriMesh.of(*_arrays(self._manifold))
+
     @cached_property
     def noise(self) -> float:
         """Volume [m^3] that two solids with such faces may share although they only touch.
@@ -164,11 +169,14 @@ class Intersection:
         return float(areas @ (depths + 0.5 * TOUCHING))
 
 
-def union_volume(parts: Sequence[tuple[Intersection, Pose]]) -> float:
-    """Volume [m^3] of the union of several intersections, each given in A and placed by X_WA."""
+def union_volume(parts: Sequence[tuple[TriMesh, Pose]]) -> float:
+    """Volume [m^3] of the union of closed meshes, each given in A and placed by X_WA."""
     import manifold3d
 
-    placed = [part._manifold.transform(X_WA.matrix[:3]) for part, X_WA in parts]
+    placed = []
+    for mesh, X_WA in parts:
+        closed = manifold3d.Manifold(manifold3d.Mesh64(mesh.vertices.copy(), mesh.faces.astype(np.uint64)))
+        placed.append(closed.transform(X_WA.matrix[:3]))
     return float(manifold3d.Manifold.batch_boolean(placed, manifold3d.OpType.Add).volume())
 
 

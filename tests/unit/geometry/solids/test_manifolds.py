@@ -129,7 +129,7 @@ def test_union_counts_once() -> None:
     """The union of two intersections that overlap by half has the volume of three halves."""
     cube = _box(1, 1, 1)
     common = cube.intersection(cube, IDENTITY)
-    assert union_volume([(common, IDENTITY), (common, Pose.of(position=(0.5, 0, 0)))]) == pytest.approx(1.5)
+    assert union_volume([(common.mesh, IDENTITY), (common.mesh, Pose.of(position=(0.5, 0, 0)))]) == pytest.approx(1.5)
 
 
 def test_voids_are_filled() -> None:
