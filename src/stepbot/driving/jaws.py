@@ -239,8 +239,8 @@ class _Hand:
         lift = max(0.0, *(-gap for gap, (y, z) in zip(back, grid, strict=True) if max(abs(y), abs(z)) <= half))
         near = min(FACE, _NEAR * ball.edge)
         slack = near + half * tan(radians(ball.wedge))
-        shares = [sum(gap + lift <= near for gap in back), sum(gap - lift <= slack for gap in front)]
-        return _Place(ball, lift, min(shares) / len(grid))
+        covered = [np.count_nonzero(np.add(back, lift) <= near), np.count_nonzero(np.subtract(front, lift) <= slack)]
+        return _Place(ball, lift, min(covered) / len(grid))
 
     def _cube_pose(self, ball: _Ball) -> Pose:
         """Pose of the cube in the hand: x from the hand to the jaw, z away from the jaw's joint."""
