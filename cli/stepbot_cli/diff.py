@@ -105,22 +105,23 @@ def _lines(differences: "Differences", display: Display) -> list[str]:
     if not rows:
         return [f"no differences between {names}"]
     color = wants_color(sys.stdout)
-    single = [] if display.verbose else [row for row in rows if _is_of_another(row.name, rows)]
-    listed = [row for row in rows if row not in single]
+    of_links = set() if display.verbose else {row.name for row in rows}
+    listed = [row for row in rows if _link_box(row.name) not in of_links]
     table: Sequence[Sequence[str]] = [_HEADINGS, *(tuple(map(printable, _cells(row))) for row in listed)]
     head, *body = wrapped_rows(table, screen_width(sys.stdout))
     lines = [paint("  ".join(cells).rstrip(), "1", color) for cells in head]
     lines += ["  ".join(cells).rstrip() for of_row in body for cells in of_row]
-    hidden = f", {len(single)} of single shapes (-v lists them)" if single else ""
+    single = len(rows) - len(listed)
+    hidden = f", {single} of single shapes (-v lists them)" if single else ""
     return [*lines, f"{counted(len(rows), 'difference')} between {names}{hidden}"]
 
 
-def _is_of_another(name: str, rows: Sequence[Any]) -> bool:
-    """Whether it is about the box of one visual or collision of a link whose box has a row, too."""
+def _link_box(name: str) -> str:
+    """Of a difference in the box of one visual or collision, the name of the same in its link; empty of others."""
     if not name.startswith(_SINGLE_SHAPE):
-        return False
+        return ""
     kind, _, link = name.removeprefix(_SINGLE_SHAPE).partition(" of link ")
-    return any(row.name == f"{kind.partition(' ')[0]} box of link {link}" for row in rows)
+    return f"{kind.partition(' ')[0]} box of link {link}"
 
 
 def _cells(row: Any) -> tuple[str, str, str]:

@@ -134,7 +134,9 @@ def test_a_missing_engine_is_exit_code_2(folder: Path, stepbot: Stepbot, monkeyp
 
 def test_a_time_limit_ends_a_drive(folder: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
     """A drive that takes too long is reported with the engine."""
-    monkeypatch.setattr("stepbot.pipeline.driving.admitted", lambda formats, *others, **more: formats)
+    monkeypatch.setattr(
+        "stepbot.pipeline.driving.located", lambda formats, *others, **more: {path: path for path in formats}
+    )
     run = stepbot("drive", "gripper", "--engine", "mujoco", "--timeout", "0.01", "--json")
     document = json.loads(run.out)
     assert run.code == 1

@@ -10,6 +10,8 @@ from stepbot.sidecar.located import Sidecar
 
 def without_contacts_of(robot: Robot, sidecar: Sidecar, found: Diagnostics) -> Robot:
     """The robot with the sidecar's excluded pairs; those of adjacent links are reported (SB146)."""
+    if not sidecar.document.excluded_contacts:
+        return robot
     adjacent, pairs = neighbours(robot), dict[tuple[str, str], int]()
     for index, pair in enumerate(sidecar.document.excluded_contacts):
         pairs.setdefault((min(pair), max(pair)), index)

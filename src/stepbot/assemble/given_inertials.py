@@ -1,14 +1,12 @@
 """Checks the ``inertial`` of links against their geometry: what is given must be possible for a mass within it."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from math import fsum
 
 import numpy as np
 
-from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Array, Pose
-from stepbot.robot.extremes import DENSEST
-from stepbot.robot.inertial_doubts import inertial_doubts
+from stepbot.geometry.sums import exact_sum
+from stepbot.robot.inertial_doubts import Doubt, density_doubt, inertial_doubts
 from stepbot.robot.kinematics import rigid_bodies
 from stepbot.robot.model import Joint, Link
 from stepbot.robot.validity import inertia_fault
@@ -33,39 +31,31 @@ def report_given_inertials(
         if section is None:
             continue
         members = [name for name in binder.document.links if body_of[name] == body_of[link.name]]
-        _check_density(binder, link.name, section.mass, _volume(binder, claims, members))
+        heavy = density_doubt(section.mass, _volume(binder, claims, members))
+        if heavy is not None:
+            _report(binder, link.name, heavy, "mass")
         if section.com is None and section.inertia is None:
             continue
         if inertia_fault(link.mass_properties) or not link.mass_properties.mass:
             continue  # an error of its own
         points = _points(binder, claims, members, X_WL[link.name].inverse())
-        _check(binder, link.name, link.mass_properties, points)
+        for doubt in inertial_doubts(link.mass_properties, points):
+            _report(binder, link.name, doubt)
 
 
-def _check(binder: Binder, name: str, properties: MassProperties, points: Array) -> None:
-    for doubt in inertial_doubts(properties, points):
-        ignored = f"{_UNDRAWN}`ignore_findings: [{{code: {doubt.code}, reason: ...}}]`"
-        binder.report(doubt.code, ("links", name, "inertial"), doubt.message, help=(doubt.remedy, ignored))
+def _report(binder: Binder, link: str, doubt: Doubt, *key: str) -> None:
+    ignored = f"{_UNDRAWN}`ignore_findings: [{{code: {doubt.code}, reason: ...}}]`"
+    help = tuple(filter(None, (doubt.remedy, ignored)))
+    binder.report(doubt.code, ("links", link, "inertial", *key), doubt.message, help=help)
 
 
-def _check_density(binder: Binder, name: str, mass: float, volume: float | None) -> None:
-    """Warn of a mass that no material has in this volume (SB521)."""
-    if not volume or mass <= DENSEST * volume:
-        return
-    message = f"{mass:.6g} kg in {1e6 * volume:.3g} cm^3 is {mass / volume:.3g} kg/m^3, more than any material has"
-    grams = f"if the unit is g, write `{mass:.6g} g`; numbers without a unit are kilograms"
-    ignored = f"{_UNDRAWN}`ignore_findings: [{{code: SB521, reason: ...}}]`"
-    help = (grams, ignored) if 1e-3 * mass <= DENSEST * volume else (ignored,)
-    binder.report("SB521", ("links", name, "inertial", "mass"), message, help=help)
-
-
-def _volume(binder: Binder, claims: Claims, links: Iterable[str]) -> float | None:
-    """Volume [m^3] of all solids of links; None with other bodies, whose thickness is unknown."""
+def _volume(binder: Binder, claims: Claims, links: Iterable[str]) -> float:
+    """Volume [m^3] of all solids of links; 0 with other bodies, whose thickness is unknown."""
     components, bodies = binder.assembly.components, binder.assembly.bodies
     drawn = [components[index].body for link in links for index in claims.parts_of(link)]
     exact = [bodies[body].exact for body in drawn if body >= 0]
     volumes = [one.volume for one in exact if one is not None]
-    return fsum(volumes) if len(volumes) == len(exact) else None
+    return exact_sum(volumes) if len(volumes) == len(exact) else 0.0
 
 
 def _points(binder: Binder, claims: Claims, links: Iterable[str], X_LW: Pose) -> Array:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 from stepbot.geometry.sums import exact_sum
 from stepbot.report.record import MeasuredBody
-from stepbot.robot.extremes import DENSEST
+from stepbot.robot.inertial_doubts import density_doubt
 from stepbot.robot.model import ComponentMass
 from stepbot.step.structure.paths import subtree_ends
 
@@ -87,19 +87,13 @@ class _Sharing:
 
     def _report_density(self, given: GivenMass, mass: float, volume: float) -> None:
         """Warn, once for each rule, of a mass that no material has in this volume: grams without a unit."""
-        if volume <= 0.0 or mass <= DENSEST * volume or given.pattern in self._heavy:
+        doubt = density_doubt(mass, volume)
+        if doubt is None or given.pattern in self._heavy:
             return
         self._heavy.add(given.pattern)
-        grams = 1e-3 * mass <= DENSEST * volume
-        self._binder.report(
-            "SB521",
-            ("parts", given.pattern, "mass"),
-            f"{mass:.6g} kg in {1e6 * volume:.3g} cm^3 is {mass / volume:.3g} kg/m^3, more than any material has",
-            help=(
-                *([f"if the unit is g, write `{mass:.6g} g`; numbers without a unit are kilograms"] if grams else []),
-                "a mass is that of each component that the path matches, with everything below it",
-            ),
-        )
+        whole = "a mass is that of each component that the path matches, with everything below it"
+        help = tuple(filter(None, (doubt.remedy, whole)))
+        self._binder.report(doubt.code, ("parts", given.pattern, "mass"), doubt.message, help=help)
 
     def _topmost(self, start: int, end: int, beside: str = "") -> list[int]:
         """Topmost components with a given mass in a range of indices, without those of the rule ``beside``."""

@@ -90,10 +90,14 @@ class Renderer:
                 running.enter_context(Worker(_DRAW)).submit(self._scene, self._camera, samples, share)
                 for share in shares[1:]
             ]
-            rows |= self._caster.bands(shares[0], samples)
+            rows |= self.bands(shares[0], samples)
             for worker in workers:
                 rows |= worker.result(DEFAULT_TIMEOUT)
         return np.concatenate([rows[first] for first, _ in bands])
+
+    def bands(self, bands: Sequence[Band], samples: int) -> dict[int, NDArray[np.uint8]]:
+        """Bands of rows in sRGB, by their first rows."""
+        return {first: _encoded(self._caster.rows(first, last, samples)) for first, last in bands}
 
     def triangles(self) -> NDArray[np.int32]:
         """The triangle that is visible in the middle of each pixel, shape (height, width); else ``BACKGROUND``."""
@@ -107,7 +111,7 @@ class Renderer:
 
 def draw_bands(scene: Scene, camera: Camera, samples: int, bands: Sequence[Band]) -> dict[int, NDArray[np.uint8]]:
     """Some rows of a picture in sRGB, by the first row of each band; to be called in a process of its own."""
-    return Renderer(scene, camera)._caster.bands(bands, samples)
+    return Renderer(scene, camera).bands(bands, samples)
 
 
 def _bands(height: int) -> Iterator[Band]:
@@ -129,10 +133,6 @@ class _Caster:
         right, _, _ = camera.axes
         level = np.cross((0.0, 0.0, 1.0), right)
         self._sun = _unit(x * right + y * level + z * np.array((0.0, 0.0, 1.0)))
-
-    def bands(self, bands: Sequence[Band], samples: int) -> dict[int, NDArray[np.uint8]]:
-        """Bands of rows in sRGB, by their first rows."""
-        return {first: _encoded(self.rows(first, last, samples)) for first, last in bands}
 
     def rows(self, first: int, last: int, samples: int) -> Array:
         """Linear colours of the rows from ``first`` to ``last``, shape (last - first, width, 3)."""

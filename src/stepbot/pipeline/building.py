@@ -2,7 +2,7 @@
 
 import os.path
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 
 from stepbot.assemble import UNREVISED, Built, build_robot
 from stepbot.diagnostics import Diagnostics, Span
@@ -39,7 +39,7 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
     if built is None:
         return None
     built = replace(built, robot=share_meshes(built.robot))
-    check_robot(built.robot, found, sidecar.span(), assembly.unit, places=_places(sidecar))
+    check_robot(built.robot, found, sidecar.span(), assembly.unit, places=cache(partial(_places, sidecar)))
     return built
 
 

@@ -136,8 +136,7 @@ def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
 
     found, failed = conversion.diagnostics, failed_output(output)
     if not found.has_errors:
-        _report_replaced(conversion.files, output, found)
-        _report_earlier(conversion.files, output, found)
+        _report_others(conversion.files, output, found)
     try:
         write_atomically(conversion.files, failed if found.has_errors else output, sidecar, found, conversion.hashes)
     except StepbotError as error:
@@ -148,32 +147,22 @@ def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:
     return conversion
 
 
-def _report_replaced(files: Mapping[str, bytes], output: Path, found: Diagnostics) -> None:
-    """Warn where robots share a folder, which has one report (SB022)."""
-    from stepbot.runtime.output import other_robots
+def _report_others(files: Mapping[str, bytes], output: Path, found: Diagnostics) -> None:
+    """Report what earlier runs left in the folder.
 
-    others = other_robots(files, output)
-    if not others or REPORT not in files or not (output / REPORT).exists():
-        return
-    names = ", ".join(f"'{name}'" for name in others)
-    found.add(
-        "SB022",
-        f"the folder has files of {names}, too, and {REPORT} is of one robot",
-        Span((output / REPORT).as_posix()),
-        help=("convert each robot into a folder of its own: `-o FOLDER`",),
-    )
+    Warn where robots share it, since it has one report (SB022); note files of the robot in formats that this run does
+    not write (SB023).
+    """
+    from stepbot.runtime.output import beside
 
-
-def _report_earlier(files: Mapping[str, bytes], output: Path, found: Diagnostics) -> None:
-    """Report files of the robot that an earlier run wrote in formats that this one does not write (SB023)."""
-    from stepbot.runtime.output import earlier_files
-
-    if not (earlier := earlier_files(files, output)):
-        return
-    names = ", ".join(f"'{name}'" for name in earlier)
-    found.add(
-        "SB023",
-        f"{names}: from an earlier conversion, not written again",
-        Span(output.as_posix()),
-        help=("convert without `-f`, remove the files, or choose another folder: `-o FOLDER`",),
-    )
+    others = beside(files, output)
+    if others.robots and REPORT in files and (output / REPORT).exists():
+        names = ", ".join(f"'{name}'" for name in others.robots)
+        message = f"the folder has files of {names}, too, and {REPORT} is of one robot"
+        help = "convert each robot into a folder of its own: `-o FOLDER`"
+        found.add("SB022", message, Span((output / REPORT).as_posix()), help=(help,))
+    if others.files:
+        names = ", ".join(f"'{name}'" for name in others.files)
+        help = "convert without `-f`, remove the files, or choose another folder: `-o FOLDER`"
+        message = f"{names}: from an earlier conversion, not written again"
+        found.add("SB023", message, Span(output.as_posix()), help=(help,))

@@ -15,8 +15,7 @@ from stepbot.driving.names import ENGINES
 from stepbot.formats import FORMATS
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
-from stepbot.verification.admission import admitted
-from stepbot.verification.located import located
+from stepbot.verification.admission import located
 
 from .conversion import REPORT, Options
 from .sidecars import SIDECAR_SUFFIXES
@@ -120,8 +119,6 @@ def _drive_written(
         return None
     formats = {path: ENGINES[engine] for engine, path in files.items()}
     timeout, memory_limit = options.timeout, options.memory_limit
-    if len(admitted(formats, found, timeout=timeout, memory_limit=memory_limit)) < len(formats):
-        return None
     places = located(formats, options.package_path, copies, found, timeout=timeout, memory_limit=memory_limit)
     if len(places) < len(formats):
         return None

@@ -17,6 +17,8 @@ from stepbot.geometry.inertia_bounds import (
 )
 from stepbot.geometry.spatial import Array
 
+from .extremes import DENSEST
+
 _MOMENTS = ("ixx", "iyy", "izz")
 
 
@@ -25,9 +27,19 @@ class Doubt:
     """A value that is hardly that of a body."""
 
     code: str
-    """SB518, SB519 or SB520."""
+    """SB518 to SB521."""
     message: str
     remedy: str
+    """Empty if there is none."""
+
+
+def density_doubt(mass: float, volume: float) -> Doubt | None:
+    """The doubt about a mass [kg] that no material has in a volume [m^3]: often grams without a unit."""
+    if volume <= 0.0 or mass <= DENSEST * volume:
+        return None
+    message = f"{mass:.6g} kg in {1e6 * volume:.3g} cm^3 is {mass / volume:.3g} kg/m^3, more than any material has"
+    grams = f"if the unit is g, write `{mass:.6g} g`; numbers without a unit are kilograms"
+    return Doubt("SB521", message, grams if 1e-3 * mass <= DENSEST * volume else "")
 
 
 def inertial_doubts(properties: MassProperties, points: Array) -> Iterator[Doubt]:

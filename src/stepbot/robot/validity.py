@@ -7,7 +7,6 @@ valid numbers, names and tree run only if these are valid, so that one fault is 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from math import isinf
-from types import MappingProxyType
 
 import numpy as np
 
@@ -57,7 +56,7 @@ def check_robot(
     unit: str = "",
     *,
     massless_between: bool = False,
-    places: Mapping[str, Span] = MappingProxyType({}),
+    places: Callable[[], Mapping[str, Span]] = dict,
 ) -> None:
     """Report properties that no physical robot can have.
 
@@ -67,12 +66,13 @@ def check_robot(
         span: Where the robot is described; None for its source as a whole.
         unit: Length unit of the robot's source, named if the robot is very large or very light.
         massless_between: Whether links without mass and shape may stand between joints, as in other descriptions.
-        places: Where elements are described, such as ``link 'arm'`` and ``link 'arm': inertial``; else at ``span``.
+        places: Gives where elements are described, such as ``link 'arm'`` and ``link 'arm': inertial``; others are at
+            ``span``. It is called for faults alone.
     """
     place = span if span is not None else Span(robot.source or robot.name)
 
     def report(code: str, message: str, *, help: Iterable[str] = (), about: str = "") -> None:
-        found.add(code, message, places.get(about or message.partition(": ")[0], place), help=help)
+        found.add(code, message, places().get(about or message.partition(": ")[0], place), help=help)
 
     sound = [check(robot, report) for check in (_check_names, _check_references, _check_numbers)]
     if all(sound) and _check_tree(robot, report) and _check_mimics(robot, report):

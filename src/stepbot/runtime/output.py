@@ -132,16 +132,22 @@ def _discard(folder: Path) -> None:
         return
 
 
-def other_robots(files: Mapping[str, bytes], folder: Path) -> tuple[str, ...]:
-    """Robots whose files an earlier run wrote into a folder, other than that of ``files``, sorted."""
-    return tuple(sorted({_robot_of(name) for name in _of_others(top_files(files), read_manifest(folder), folder)}))
+class Beside(NamedTuple):
+    """What earlier runs wrote into a folder, beside the files of this one."""
+
+    robots: tuple[str, ...]
+    """Other robots, sorted."""
+    files: tuple[str, ...]
+    """Files of the same robot at the top of the folder, sorted."""
 
 
-def earlier_files(files: Mapping[str, bytes], folder: Path) -> tuple[str, ...]:
-    """Files of the same robot at the top of a folder that an earlier run wrote and this one does not, sorted."""
-    ours = set(map(_robot_of, top_files(files)))
-    others = (name for name in read_manifest(folder) if name not in files and not name.endswith(".json"))
-    return tuple(sorted(name for name in others if _robot_of(name) in ours and (folder / name).exists()))
+def beside(files: Mapping[str, bytes], folder: Path) -> Beside:
+    """What earlier runs wrote into a folder, beside ``files``, and what is still there."""
+    before, own = read_manifest(folder), top_files(files)
+    ours = set(map(_robot_of, own))
+    others = (name for name in before if name not in files and not name.endswith(".json"))
+    same = (name for name in others if _robot_of(name) in ours and (folder / name).exists())
+    return Beside(tuple(sorted(set(map(_robot_of, _of_others(own, before, folder))))), tuple(sorted(same)))
 
 
 def stamp(folder: Path) -> None:

@@ -27,14 +27,13 @@ from stepbot.robot.model import Link, Robot
 from stepbot.runtime.limits import DEFAULT_TIMEOUT
 from stepbot.runtime.temporary import run_folder
 
-from .admission import admitted
+from .admission import admitted, located
 from .checks import Subject, check_of, checks_without_observation, report_failure, report_unread
 from .compare import Compared, compare
 from .correspondence import Correspondence
 from .expectation import CONFIGURATIONS, SECONDS, SEED
 from .folders import is_robot_file
 from .joint_rows import joint_rows
-from .located import located
 from .merged_observation import Gathered, gather
 from .naming import Naming, moved
 from .normalized import normalized
@@ -164,12 +163,13 @@ def observed(
     with ExitStack() as running:
         server = started_engine_server()
         start = running.enter_context(server).fork if server is not None else None
-        formats = admitted(formats, found, timeout=timeout, memory_limit=memory_limit, start=start)
-        places = {path: path for path in formats}
-        if packages is not None:
+        if packages is None:
+            formats = admitted(formats, found, timeout=timeout, memory_limit=memory_limit, start=start)
+            places = {path: path for path in formats}
+        else:
             copies = Path(running.enter_context(TemporaryDirectory(dir=run_folder())))
             places = located(formats, packages, copies, found, timeout=timeout, memory_limit=memory_limit, start=start)
-            formats = {path: name for path, name in formats.items() if path in places}
+            formats = {path: formats[path] for path in places}
         keys = {_key(path): name for path, name in formats.items()}
         engines = running.enter_context(Engines(keys, memory_limit, start))
         observe = in_a_process(timeout, memory_limit, start)

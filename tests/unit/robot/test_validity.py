@@ -184,7 +184,7 @@ def test_a_size_due_to_collision_shapes_is_no_doubt_of_the_unit() -> None:
     huge = Link("b", SOLID, collisions=(Collision("c", Box((25.0, 1.0, 1.0))),))
     robot = _pair(links=(replace(SEEN, collisions=(Collision("s", Box((0.5, 0.5, 0.5))),)), huge), meshes=(_mesh(0.3),))
     found, place = Diagnostics(), Span("arm.robot.yaml", 4, 5)
-    check_robot(robot, found, unit="mm", places={"link 'b': collision": place})
+    check_robot(robot, found, unit="mm", places=lambda: {"link 'b': collision": place})
     (warning,) = found
     assert (warning.code, warning.span) == ("SB420", place)
     assert warning.message == "robot 'pair': size of 25 m, 0.3 m without the collision shapes of 'b'"
@@ -195,7 +195,7 @@ def test_faults_are_reported_where_their_element_is_described() -> None:
     found = Diagnostics()
     robot = _pair(_hinge(limit=Limit(1, -1)), links=(Link("a", SOLID), Link("b", MassProperties(1.0))))
     places = {"link 'b': inertial": Span("arm.robot.yaml", 7, 3), "joint 'j'": Span("arm.robot.yaml", 9, 3)}
-    check_robot(robot, found, Span("arm.robot.yaml"), places=places)
+    check_robot(robot, found, Span("arm.robot.yaml"), places=lambda: places)
     assert [(d.code, d.span.line) for d in found] == [("SB416", 9), ("SB509", 7)]
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stepbot.engines.simulation import Setup, Simulation
+from stepbot.engines.simulation import DOWN, Setup, Simulation
 from stepbot.geometry.spatial import Array, Pose
 
 from ..grasping import Grasp
@@ -66,7 +66,7 @@ def _down(X_WC: Pose) -> Array:
     A cube that lies on a finger is held without any force.
     """
     closing, across = X_WC.R[:, 0], X_WC.R[:, 1]
-    return np.array((0.0, 0.0, -1.0) if abs(closing[2]) < _STEEP else across)
+    return np.array(DOWN if abs(closing[2]) < _STEEP else across)
 
 
 def _in_fingers(simulation: Simulation, grasp: Grasp) -> Array:
