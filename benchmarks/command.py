@@ -4,6 +4,7 @@ python -m benchmarks generate definitions -o FOLDER     one of the large assembl
 python -m benchmarks cold SIDECAR|STEP...               against the bare script, other converters, an earlier stepbot
 python -m benchmarks check SIDECAR|STEP...              the start and unchanged input against ``import click``
 python -m benchmarks batch DIR|LIST                     all robots below a folder or on a list, on one core and on two
+python -m benchmarks memory DIR|LIST                    memory of a batch of 1,000 copies over time
 python -m benchmarks cores SIDECAR...                   the bare script twice, in turn and at once: what two cores give
 python -m benchmarks scaling                            ever more definitions, ever more occurrences
 python -m benchmarks gate --against REVISION            processor time of the working tree against a tag's
@@ -44,12 +45,13 @@ from .contenders import ROOT, Case, Contender
 from .environments import environment_speeds
 from .inference import corpus_folder, measure, page_with_table, read_for_inference
 from .inference_time import drafting_time
+from .many_robots import batch_memory, distinct_copies, memory_table
+from .named_step import NAMED
 from .report import write_report
 from .results import keep, table
 from .stepping import compare_steps
 from .timing import CommandFailed, timed
 
-_STEP = re.compile(r"^step: *[\"']?([^\"'#\n]+?)[\"']? *(?:#.*)?$", re.MULTILINE)
 _PROBE = "\nframes:\n  benchmark_probe: {{link: {link}, origin: {{xyz: [0, 0, 0.001]}}}}\n"
 _DEFAULT_SHAPE = re.compile(r",? *collision: \w+")
 _LINK = re.compile(r"^links:.*\n(?:\s*#.*\n)*  ([\w.-]+|\"[^\"]+\"):", re.MULTILINE)
@@ -91,6 +93,11 @@ def _parser() -> argparse.ArgumentParser:
     many.add_argument("robots", type=Path, metavar="DIR|LIST")
     many.add_argument("--dask", action="store_true", help="Dask clusters of one, two and four workers too")
     _common(many, _batch)
+    held = commands.add_parser("memory", help="memory of a batch of many distinct copies over time")
+    held.add_argument("robots", type=Path, metavar="DIR|LIST")
+    held.add_argument("--count", type=int, default=1000, metavar="N", help="number of copies [default: 1000]")
+    held.add_argument("-j", "--jobs", type=int, default=2, metavar="N", help="processes [default: 2]")
+    held.set_defaults(run=_memory)
     scaled = commands.add_parser("scaling", help="time and memory over the size")
     scaled.add_argument("--only", choices=sorted(SCALES), help="more of this alone")
     _common(scaled, _scaling)
@@ -210,6 +217,11 @@ def _batch(options: argparse.Namespace, folder: Path) -> None:
     _compare(options, case, contenders)
 
 
+def _memory(options: argparse.Namespace, folder: Path) -> None:
+    copies = distinct_copies(options.robots.resolve(), options.count, folder / "copies")
+    print(memory_table(batch_memory(copies, folder / "made", options.jobs)), flush=True)
+
+
 def _scaling(options: argparse.Namespace, folder: Path) -> None:
     for kind, sizes in SCALES.items():
         for assembly in sizes if options.only in (None, kind) else ():
@@ -285,9 +297,9 @@ def drafted(step: Path, folder: Path) -> Path:
 def with_collision(sidecar: Path, shape: str, folder: Path) -> Path:
     """A copy of a sidecar whose shapes are all derived as ``shape``."""
     text = sidecar.read_text(encoding="utf-8")
-    named = _STEP.search(text)
+    named = NAMED.search(text)
     assert named is not None
-    text = _STEP.sub(f"step: {json.dumps(str((sidecar.parent / named[1].strip()).resolve()))}", text)
+    text = NAMED.sub(f"step: {json.dumps(str((sidecar.parent / named[1].strip()).resolve()))}", text)
     made = folder / shape / sidecar.name
     made.parent.mkdir(exist_ok=True)
     document = _DEFAULT_SHAPE.sub("", text).replace("defaults: {", f"defaults: {{collision: {shape}, ", 1)
@@ -298,7 +310,7 @@ def with_collision(sidecar: Path, shape: str, folder: Path) -> Path:
 def case_of(sidecar: Path, step: Path | None, folder: Path) -> Case:
     """A case whose sidecar has a named frame to move."""
     text = sidecar.read_text(encoding="utf-8")
-    named = _STEP.search(text)
+    named = NAMED.search(text)
     if step is None and named is None:
         raise SystemExit(f"{sidecar}: names no STEP")
     case = Case.of(sidecar, step or sidecar.parent / named[1], folder)

@@ -81,14 +81,27 @@ def peak_memory(command: Sequence[str], folder: Path, environment: Mapping[str, 
     Raises:
         CommandFailed: Its exit code is not 0.
     """
+    return max(memory for _, memory in memory_samples(command, folder, environment))
+
+
+def memory_samples(
+    command: Sequence[str], folder: Path, environment: Mapping[str, str], between: float = _BETWEEN_SAMPLES
+) -> list[tuple[float, float]]:
+    """Elapsed times [s], and the memory [MiB] of a command and its processes then, as :func:`peak_memory` counts it.
+
+    Raises:
+        CommandFailed: Its exit code is not 0.
+    """
+    samples = [(0.0, 0.0)]
     with tempfile.TemporaryFile() as output:
+        start = time.perf_counter()
         process = subprocess.Popen(command, cwd=folder, env=environment, stdout=output, stderr=output)
-        peak = 0.0
         while process.poll() is None:
-            peak = max(peak, sum(map(_proportional_set_size, _tree(process.pid))))
-            time.sleep(_BETWEEN_SAMPLES)
+            memory = sum(map(_proportional_set_size, _tree(process.pid))) / 1024.0
+            samples.append((time.perf_counter() - start, memory))
+            time.sleep(between)
         _check(command, process.returncode, output)
-    return peak / 1024.0
+    return samples
 
 
 def _check(command: Sequence[str], code: int, output: "tempfile._TemporaryFileWrapper[bytes]") -> None:
