@@ -34,7 +34,7 @@ class AxisAccuracy:
         """Whether the axis that the draft writes is within 1e-6 m and 1e-6 rad of the true one."""
         hinge = arc.hinge
         child = hinge.a if self._link_of[hinge.a] == arc.child else hinge.b
-        return _agree(self._origins.of(hinge, child)[1], joint)
+        return _agree(self._origins.of(hinge, child).axis, joint)
 
     def is_drawn(self, joint: TrueJoint) -> bool:
         """Whether the faces that show a true joint have its axis, within the same tolerances, on both of its links.

@@ -77,12 +77,19 @@ def _confidence(one: Any) -> dict[str, Any]:
 
 def _geometry(one: "DraftJoint | DraftClosure") -> dict[str, Any]:
     direction = None if one.direction is None else list(one.direction)
-    return {"point": list(one.point), "direction": direction, **_confidence(one), "review": one.is_reviewed}
+    return {
+        "point": list(one.point),
+        "direction": direction,
+        **_confidence(one),
+        "review": one.is_reviewed,
+        "doubt": one.doubt,
+    }
 
 
 def _connection(one: "DraftJoint | DraftClosure", name: str, ends: str, *, verbose: bool) -> list[str]:
     mark = "  REVIEW" if one.is_reviewed else ""
-    facts = "; ".join((*([one.review] if one.review else []), *one.confidence.evidence))
+    weak = f"weak: {one.doubt}" if one.doubt else ""
+    facts = "; ".join(filter(None, (one.review, weak, *one.confidence.evidence)))
     if not verbose and len(facts) > _LONGEST_FACTS:
         facts = f"{facts[: _LONGEST_FACTS - 1].rstrip()}…"
     lines = [f"  {printable(name)}: {one.type}, {printable(ends)}, score {one.confidence.score:.2f}{mark}"]

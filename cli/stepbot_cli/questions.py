@@ -51,10 +51,10 @@ def _inferred(draft: "Draft", again: "Again") -> "Draft":
 
 
 def _open_ones(draft: "Draft") -> list[tuple["DraftConnection", str]]:
-    """Joints and closures with a REVIEW mark, and what they connect."""
+    """Joints and closures whose type or links are uncertain, and what they connect."""
     connections: list[tuple[DraftConnection, str]] = [(j, f"{j.parent} -> {j.child}") for j in draft.joints]
     connections += [(c, f"{c.link_a}, {c.link_b}") for c in draft.closures]
-    return [(one, ends) for one, ends in connections if one.is_reviewed]
+    return [(one, ends) for one, ends in connections if one.is_open]
 
 
 def _corrected(draft: "Draft") -> "Draft":
@@ -64,7 +64,7 @@ def _corrected(draft: "Draft") -> "Draft":
     root = _root(draft)
     if root != draft.root:
         draft = rerooted(draft, root)
-    for joint in [one for one in draft.joints if one.is_reviewed]:
+    for joint in [one for one in draft.joints if one.is_open]:
         answer = _motion(joint, f"{joint.parent} -> {joint.child}")
         if answer == 0:
             draft = confirmed(draft, joint.name)

@@ -17,6 +17,8 @@ from tests.unit.step.exchange.test_mechanisms import add_mechanism
 
 from .conftest import Stepbot
 
+LIBRARY = Path(__file__).parents[2] / "robot_library"
+
 
 @pytest.fixture
 def slider(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -184,3 +186,18 @@ def test_pairs_of_a_referenced_file_are_noted(
     assert run.code == 0, run.err
     note = "'bar.step' has kinematic pairs, which were ignored: they are read from the root file only"
     assert note in " ".join((tmp_path / "pair.robot.yaml").read_text(encoding="utf-8").replace("#", "").split())
+
+
+def test_draft_and_check_doubt_the_same_axes(stepbot: Stepbot, tmp_path: Path) -> None:
+    """Where `check` finds the faces on an axis weak, the draft has a REVIEW with the same words, whatever the score."""
+    step, sidecar = LIBRARY / "stepbot_delta" / "delta.step", tmp_path / "delta.robot.yaml"
+    drafted = json.loads(stepbot("init", "--json", str(step), "-o", str(sidecar)).out)
+    (table,) = json.loads(stepbot("check", "--step", "--json", str(sidecar)).out)["joint_tables"].values()
+    doubts = {row["name"]: row["doubt"] for row in table}
+    assert {one["name"]: one["doubt"] for one in (*drafted["joints"], *drafted["closures"])} == doubts
+    doubted = [joint for joint in drafted["joints"] if joint["doubt"]]
+    assert doubted
+    assert all(joint["review"] and joint["score"] >= 0.8 for joint in doubted)
+    unwrapped = sidecar.read_text(encoding="utf-8").replace("\n  #   ", " ")
+    for joint in doubted:
+        assert f"  # REVIEW: weak evidence for its axis: {joint['doubt']}\n" in unwrapped

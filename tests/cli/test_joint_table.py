@@ -62,6 +62,17 @@ def test_weak_evidence_is_marked() -> None:
     [
         (Evidence(Basis.GIVEN, 'numbers, relative to "assembly"'), 'given: numbers, relative to "assembly"'),
         (Evidence(Basis.AXIS, "", (HUB,), selected=True), "axis of bore of radius 10.05 mm, selected by the sidecar"),
+        (
+            replace(
+                FIT, basis=Basis.APART, overlap=-0.002, selected=True, selected_by=(Side("arm", 0.008, bore=True),)
+            ),
+            "bore of radius 8 mm, selected by the sidecar; "
+            "on its axis shaft of radius 10 mm and bore of radius 10.05 mm, 2 mm apart",
+        ),
+        (
+            replace(FIT, selected=True, selected_by=(HUB,)),
+            "shaft of radius 10 mm in bore of radius 10.05 mm, 18 mm engaged, selected by the sidecar",
+        ),
         (Evidence(Basis.FLANGE, "", (HUB, HUB), 0.0), "equal bores of radius 10.05 mm, end to end"),
         (replace(FIT, basis=Basis.TOUCH), "shaft of radius 10 mm and bore of radius 10.05 mm, overlapping by 18 mm"),
         (
@@ -72,7 +83,7 @@ def test_weak_evidence_is_marked() -> None:
 )
 def test_every_basis_has_words(evidence: Evidence, words: str) -> None:
     """Each form of origin has a description."""
-    assert lines_of([replace(SHOULDER, evidence=evidence)], 120)[-1] == f"    {words}"
+    assert lines_of([replace(SHOULDER, evidence=evidence)], 160)[-1] == f"    {words}"
 
 
 def test_joints_without_axis_and_closures() -> None:

@@ -18,6 +18,8 @@ def evidence_of(
     path: Callable[[int], str],
     *,
     selected: bool,
+    radius: float | None = None,
+    confirmed: bool = True,
     direction_only: bool = False,
 ) -> Evidence:
     """Describe how a frame on a line was found.
@@ -28,6 +30,8 @@ def evidence_of(
         words: Description of the line for messages.
         path: Maps a component to its path.
         selected: Whether the sidecar selected the line by a radius or a point.
+        radius: The radius [m] that it was selected by; None if by none.
+        confirmed: Whether a selection is that of a person: if not, weak evidence for it stays a doubt.
         direction_only: Whether parallel lines are equivalent.
     """
     parts = ", ".join(quoted(path(index)) for index in line.components)
@@ -35,24 +39,35 @@ def evidence_of(
     return Evidence(
         line.basis,
         f"{words}, of faces of {parts}: {_placed(line)}",
-        tuple(Side(path(face.component), face.radius, face.bore) for face in line.faces),
+        tuple(_side(face, path) for face in line.faces),
         line.overlap,
         selected,
+        tuple(_side(face, path) for face in faces_of_radius(line, radius)),
         tuple(_rival(other, line) for other in others[:RIVALS]),
-        "" if selected else doubt(line, others),
+        "" if selected and confirmed else doubt(line, others),
     )
 
 
+def faces_of_radius(line: AxisLine, radius: float | None) -> tuple[LineFace, ...]:
+    """The faces on a line that a radius [m] selects it by; none without a radius."""
+    if radius is None:
+        return ()
+    return tuple(face for face in line.members if abs(face.radius - radius) <= DISTANCE_TOLERANCE)
+
+
 def doubt(line: AxisLine, others: Sequence[AxisLine]) -> str:
-    """Why the evidence for a line without a selector is weak; empty if it is strong."""
+    """Why the evidence for a line that no person selected is weak; empty if it is strong."""
+    if line.basis is Basis.APART:
+        a, b = line.faces
+        return f"{face_words(a)} and {face_words(b)} {_along(line)}"
     if line.basis is Basis.TOUCH:
         a, b = line.faces
         if abs(a.radius - b.radius) <= DISTANCE_TOLERANCE and a.bore == b.bore:
             both = f"two {'bores' if a.bore else 'shafts'} of radius {millimetres(a.radius)}"
             return f"{both} {_along(line)}, and no shaft is in a bore"
         if abs(a.radius - b.radius) <= DISTANCE_TOLERANCE:
-            return f"{_face(a)} and {_face(b)} {_along(line)}, but the shaft is not in the bore"
-        return f"{_face(a)} and {_face(b)} {_along(line)}, but their radii do not match"
+            return f"{face_words(a)} and {face_words(b)} {_along(line)}, but the shaft is not in the bore"
+        return f"{face_words(a)} and {face_words(b)} {_along(line)}, but their radii do not match"
     wider = [one for one in others if one.basis is Basis.TOUCH and one.weight >= OUTWEIGHS * line.weight]
     if wider and line.basis is not Basis.AXIS:
         several = f"{len(wider)} axes with wider faces have" if len(wider) > 1 else "an axis with wider faces has"
@@ -64,7 +79,7 @@ def described(line: AxisLine, path: Callable[[int], str]) -> str:
     """A line shared by two sides, for the notes of a message: its faces, how they meet, and its position."""
     if len(line.faces) != 2:
         return _placed(line)
-    sides = " and ".join(f"{_face(face)} of {quoted(path(face.component))}" for face in line.faces)
+    sides = " and ".join(f"{face_words(face)} of {quoted(path(face.component))}" for face in line.faces)
     return f"{sides} {_along(line)}; {_directed(line)}"
 
 
@@ -74,7 +89,12 @@ def radii_of(line: AxisLine) -> str:
     return f"radius {radii}{', ...' if len(line.radii) > 4 else ''} mm"
 
 
-def _face(face: LineFace) -> str:
+def _side(face: LineFace, path: Callable[[int], str]) -> Side:
+    return Side(path(face.component), face.radius, face.bore)
+
+
+def face_words(face: LineFace) -> str:
+    """A face: ``bore of radius 4 mm``."""
     return f"{'bore' if face.bore else 'shaft'} of radius {millimetres(face.radius)}"
 
 

@@ -22,6 +22,7 @@ from stepbot.sidecar.document import (
     MateOrigin,
     Origin,
 )
+from stepbot.sidecar.draft_comments import drafted_reviews
 from stepbot.sidecar.tree import Keys
 from stepbot.step.features.axes import (
     AxisFaces,
@@ -83,6 +84,7 @@ class Frames:
         self._waiting: list[str] = []
         self._evidence: dict[Keys, Evidence] = {}
         self._faces: dict[str, AxisFaces] = {}
+        self._unreviewed: frozenset[str] | None = None
 
     def link(self, name: str) -> Pose | None:
         """X_WL as drawn; None after a diagnostic."""
@@ -271,11 +273,24 @@ class Frames:
         wanted: Wanted,
     ) -> Pose:
         """The frame on a line that was found, and a note that names the line."""
-        selected = origin.radius is not None or origin.near is not None
         self._evidence[wanted.keys] = evidence_of(
-            line, found, words, self._binder.path, selected=selected, direction_only=wanted.direction_only
+            line,
+            found,
+            words,
+            self._binder.path,
+            selected=origin.radius is not None or origin.near is not None,
+            radius=origin.radius,
+            confirmed=not self._is_draft(wanted.keys),
+            direction_only=wanted.direction_only,
         )
         return line_frame(line)
+
+    def _is_draft(self, keys: Keys) -> bool:
+        """Whether an origin is that of a draft, with a REVIEW that nobody has removed."""
+        if self._unreviewed is None:
+            reviews = drafted_reviews(self._binder.sidecar.text)
+            self._unreviewed = frozenset(name for name, review in reviews.items() if review)
+        return keys[0] in ("joints", "closures") and keys[1] in self._unreviewed
 
     def _component_faces(self, index: int) -> AxisFaces:
         return axis_faces(self._binder.assembly, self._binder.assembly.subtree(index))
@@ -317,11 +332,15 @@ class Frames:
             return
         others = [other for other in found if other is not line and other.basis is not Basis.APART]
         shown = [line, *others[:_SHOWN_MISSES]]
+        remedies = [f"origin: {start}{selector(one, found)}}}" for one in (shown[1:] if evidence.selected else shown)]
+        if self._is_draft(wanted.keys):
+            confirm = "its origin is right" if evidence.selected else "one of these is right and in the sidecar"
+            remedies.insert(0, f"if {confirm}, remove the REVIEW comment of the draft above it")
         self._binder.report(
             "SB407",
             wanted.keys,
             f"weak evidence for its axis: {evidence.doubt}",
-            help=tuple(f"origin: {start}{selector(one, found)}}}" for one in shown),
+            help=tuple(remedies),
             notes=tuple(described(one, self._binder.path) for one in shown),
         )
 

@@ -52,7 +52,9 @@ def chosen(draft: Draft, joint: str, alternative: Alternative) -> Draft:
             return one
         sure = Confidence(1.0, (STATED, *alternative.confidence.evidence))
         others = tuple(other for other in one.alternatives if other is not alternative)
-        picked = replace(one, type=alternative.type, confidence=sure, alternatives=others, review="", limits=None)
+        picked = replace(
+            one, type=alternative.type, confidence=sure, alternatives=others, review="", doubt="", limits=None
+        )
         if alternative.point is None or (alternative.point, alternative.direction) == (one.point, one.direction):
             return picked
         rpy = (0.0, 0.0, 0.0) if alternative.direction is None else z_along(alternative.direction)
@@ -73,7 +75,7 @@ def confirmed(draft: Draft, joint: str) -> Draft:
     def sure(one: DraftJoint) -> DraftJoint:
         if one.name != joint:
             return one
-        return replace(one, confidence=Confidence(1.0, (STATED, *one.confidence.evidence)), review="")
+        return replace(one, confidence=Confidence(1.0, (STATED, *one.confidence.evidence)), review="", doubt="")
 
     return replace(draft, joints=tuple(sure(one) for one in draft.joints))
 
@@ -91,6 +93,7 @@ def fixed(draft: Draft, joint: str) -> Draft:
             confidence=Confidence(1.0, (STATED,)),
             alternatives=(other, *one.alternatives),
             review="",
+            doubt="",
             limits=None,
         )
 

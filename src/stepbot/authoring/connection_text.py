@@ -123,6 +123,8 @@ def _evidence(one: DraftConnection) -> list[str]:
     if isinstance(one, DraftJoint) and one.stops_skipped:
         lines += comment(f"stops: pairs of parts not compared, because of their many faces: {one.stops_skipped}", 2)
     reasons = [one.review] if one.review else []
+    if one.doubt:
+        reasons.append(f"weak evidence for its axis: {one.doubt}")
     if isinstance(one, DraftJoint) and one.type is JointKind.SCREW and one.pitch is None:
         reasons.append("unknown pitch: cylindrical until replaced by `type: screw` with a `pitch`")
     if not reasons and one.is_reviewed:

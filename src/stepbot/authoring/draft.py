@@ -141,10 +141,17 @@ class DraftConnection:
     alternatives: tuple[Alternative, ...] = ()
     review: str = ""
     """What to review; empty if the draft needs no review."""
+    doubt: str = ""
+    """Why the faces on its axis are weak evidence, as `check` reports it (SB407); empty if they are strong."""
 
     @property
     def is_reviewed(self) -> bool:
         """Whether its line has a REVIEW mark."""
+        return self.is_open or bool(self.doubt)
+
+    @property
+    def is_open(self) -> bool:
+        """Whether its type or its links are uncertain."""
         return bool(self.review) or not self.confidence.is_sure
 
 

@@ -8,13 +8,13 @@ from stepbot.robot.model import JointKind
 from stepbot.step.assembly import Assembly
 
 from .axis import Axis
-from .draft import Alternative, Confidence, Draft, DraftClosure, DraftJoint, DraftLink
+from .draft import CHOSEN, Alternative, Confidence, Draft, DraftClosure, DraftJoint, DraftLink
 from .evidence import Hinge
-from .facts import NO_FACTS, Facts
+from .facts import NO_FACTS, STATED, Facts
 from .inference import Inferred, infer_from
 from .link_claims import LinkClaims
 from .loops import Arc
-from .origins import Origins
+from .origins import Found, Origins
 from .survey import ALL_SOURCES, Sources, Survey
 
 _OFFERED = 0.3
@@ -88,20 +88,22 @@ class _Drafting:
         return tuple(f"{why}: {_first_of(paths)}" for why, paths in about.items())
 
     def _joint(self, arc: Arc) -> DraftJoint:
-        origin, axis = self._origins.of(arc.hinge, self._child_part(arc))
+        found, confidence, doubt = self._origin(arc)
+        axis = found.axis
         h, child = arc.hinge, self._names[arc.child]
         is_universal = h.type == JointKind.UNIVERSAL and h.axis2 is not None
         return DraftJoint(
             name=f"{child}_joint",
             type=h.type,
-            origin=origin,
+            origin=found.snippet,
             axis="x" if is_universal else "z",
             point=_point(axis),
             direction=_direction(axis),
-            confidence=Confidence(h.score, (h.why,)),
+            confidence=confidence,
             parts=self._paths(h),
             alternatives=self._alternatives(arc),
             review=h.review,
+            doubt=doubt,
             parent=self._names[arc.parent],
             child=child,
             axis2="y" if is_universal else None,
@@ -110,22 +112,31 @@ class _Drafting:
         )
 
     def _closure(self, arc: Arc) -> DraftClosure:
-        origin, axis = self._origins.of(arc.hinge, self._child_part(arc))
-        h = arc.hinge
+        found, confidence, doubt = self._origin(arc)
+        axis, h = found.axis, arc.hinge
         return DraftClosure(
             name=f"{self._names[arc.parent]}_{self._names[arc.child]}",
             type=h.type,
-            origin=origin,
+            origin=found.snippet,
             axis="z",
             point=_point(axis),
             direction=_direction(axis),
-            confidence=Confidence(h.score, (h.why,)),
+            confidence=confidence,
             parts=self._paths(h),
             alternatives=self._alternatives(arc),
             review=h.review,
+            doubt=doubt,
             link_a=self._names[arc.parent],
             link_b=self._names[arc.child],
         )
+
+    def _origin(self, arc: Arc) -> tuple[Found, Confidence, str]:
+        """The origin of a joint, the evidence for it, and the doubt of its faces, unless the user has stated it."""
+        h = arc.hinge
+        found = self._origins.of(h, self._child_part(arc))
+        selected = (f"on the axis of {found.selected_by}",) if found.selected_by else ()
+        is_drafted = h.score >= CHOSEN and not h.why.startswith(STATED)
+        return found, Confidence(h.score, (h.why, *selected)), found.doubt if is_drafted else ""
 
     def _child_part(self, arc: Arc) -> int:
         """The part of a joint's evidence that moves with the child."""

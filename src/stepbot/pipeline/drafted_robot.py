@@ -57,7 +57,7 @@ def evidence_of_draft(draft: Draft) -> dict[str, Json]:
 
 
 def _evidence(one: DraftConnection) -> Json:
-    weak = "weak evidence, to be reviewed" if one.is_reviewed else ""
+    weak = one.doubt or ("weak evidence, to be reviewed" if one.is_reviewed else "")
     return {
         "evidence": "; ".join((f"a guess, score {one.confidence.score:.2f}", *one.confidence.evidence)),
         "doubt": one.review or weak,

@@ -26,20 +26,30 @@ def point_words(point: Vector3) -> str:
 
 def evidence_words(evidence: Evidence) -> str:
     """The evidence for a joint's position, in one phrase; empty for a file's."""
-    selected = ", selected by the sidecar" if evidence.selected else ""
     if evidence.basis is Basis.FILE:
         return ""
     if evidence.basis is Basis.GIVEN:
         return f"given: {evidence.text}"
+    words = _meeting_words(evidence)
+    if not evidence.selected:
+        return words
+    by = dict.fromkeys(map(face_words, evidence.selected_by))
+    if not by or not by.keys().isdisjoint(map(face_words, evidence.sides)):
+        return f"{words}, selected by the sidecar"
+    return f"{' and '.join(by)}, selected by the sidecar; on its axis {words}"
+
+
+def _meeting_words(evidence: Evidence) -> str:
+    """The faces on a line and how they meet."""
     if evidence.basis is Basis.AXIS:
-        return f"axis of {' and '.join(map(face_words, evidence.sides))}{selected}"
+        return f"axis of {' and '.join(map(face_words, evidence.sides))}"
     a, b = sorted(evidence.sides, key=lambda side: side.bore)
     if evidence.basis is Basis.FIT:
-        return f"{face_words(a)} in {face_words(b)}, {in_millimetres(evidence.overlap or 0.0)} mm engaged{selected}"
+        return f"{face_words(a)} in {face_words(b)}, {in_millimetres(evidence.overlap or 0.0)} mm engaged"
     gap = -(evidence.overlap or 0.0)
     if evidence.basis is Basis.FLANGE:
-        return f"equal bores of radius {in_millimetres(a.radius)} mm, {_gap(gap)}{selected}"
-    return f"{face_words(a)} and {face_words(b)}, {_gap(gap)}{selected}"
+        return f"equal bores of radius {in_millimetres(a.radius)} mm, {_gap(gap)}"
+    return f"{face_words(a)} and {face_words(b)}, {_gap(gap)}"
 
 
 def rival_words(rival: Rival) -> str:

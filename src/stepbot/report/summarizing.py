@@ -69,7 +69,8 @@ def _details(row: JointRow, *, verbose: bool) -> Iterator[str]:
     if row.evidence.doubt:
         yield f"weak: {row.evidence.doubt}"
     if verbose:
-        yield from (f"{face_words(side)}: {side.component}" for side in row.evidence.sides)
+        sides = dict.fromkeys((*row.evidence.selected_by, *row.evidence.sides))
+        yield from (f"{face_words(side)}: {side.component}" for side in sides)
         yield from map(rival_words, row.evidence.rivals)
 
 

@@ -69,6 +69,8 @@ class Evidence:
     """Length [m] along the axis on which the two faces overlap; negative for a gap between them."""
     selected: bool = False
     """Whether the sidecar selected among several lines, by `radius` or `near`."""
+    selected_by: tuple[Side, ...] = ()
+    """The faces of the `radius` in the sidecar, if it selected by one."""
     rivals: tuple[Rival, ...] = ()
     """The other lines, the strongest first."""
     doubt: str = ""

@@ -242,6 +242,24 @@ def test_faces_that_touch_but_do_not_fit_are_marked(tmp_path: Path, found: ReadD
     assert made.joint_table[0].evidence.doubt == words
 
 
+def test_a_selector_of_a_draft_is_doubted_until_reviewed(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A radius that a draft wrote counts as a choice once the REVIEW comment is gone; the evidence names its face."""
+    base = [axis((0, 0, 0), radius=1.1, length=4), axis((0, 0, 40), radius=8, bore=False), axis((20, 0, 0))]
+    shop = _two(base, [axis((0, 0, 10), radius=1.4, length=4), axis((20, 0, 0))])
+    joint = "      j: {type: continuous, parent: base, child: arm, origin: {auto: true, radius: 8 mm}}\n"
+    score, review = "      # score 0.95: output of the motor 'm'\n", "      # REVIEW: weak\n"
+    drafted, confirmed = (f"{HEAD}    joints:\n{score}{comment}{joint}" for comment in (review, ""))
+    for text, doubt in ((drafted, "bore of radius 1.1 mm and bore of radius 1.4 mm are 6 mm apart"), (confirmed, "")):
+        made = build_robot(shop.assembly, sidecar(tmp_path, text), lambda: shop.measures, found)
+        assert made is not None
+        (evidence,) = (row.evidence for row in made.joint_table)
+        assert (evidence.selected, evidence.doubt) == (True, doubt)
+        assert [(face.component, face.radius) for face in evidence.selected_by] == [("base", 0.008)]
+    (warned,) = found
+    assert warned.code == "SB407"
+    assert warned.help[0] == "if its origin is right, remove the REVIEW comment of the draft above it"
+
+
 def test_a_fit_beside_a_wider_line_that_touches_is_marked(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A screw in its hole is preferred to a wide line of touching faces, with a warning."""
     base = [axis((0, 0, 0), radius=20), axis((40, 0, 0), radius=2, bore=False)]

@@ -61,10 +61,11 @@ CODES = (
         "SB407",
         "warning",
         "weak evidence for an axis",
-        "The faces on the selected axis overlap or touch but do not fit, or a wider axis has faces in contact.",
+        "The faces on the axis overlap or touch but do not fit, or a wider axis has faces in contact; or `stepbot init` selected "
+        "an axis without a fit, and the joint still has its REVIEW comment.",
         "The axis may be correct, for example where the CAD omits a bearing, or it may be a coincidence.",
         "Check the axis in the joint table. Paste the origin of the correct axis into the sidecar to select it "
-        "explicitly.",
+        "explicitly, and remove the REVIEW comment of a draft.",
     ),
     Code(
         "SB408",

@@ -106,6 +106,8 @@ class AxisLine:
     """How the two sides of a mate meet: fit, flange, touch or apart."""
     overlap: float | None = None
     """For a mate, length [m] along the line that both of ``faces`` cover; negative for a gap between them."""
+    members: tuple[LineFace, ...] = ()
+    """All different faces on it, the widest first."""
 
     @property
     def order(self) -> tuple[int, float]:
@@ -371,7 +373,10 @@ def _axis_line(faces: AxisFaces, rows: Indices, center: Array, direction: Array,
         if not radii or radii[-1] - radius > DISTANCE_TOLERANCE:
             radii.append(radius)
     components = tuple(dict.fromkeys(faces.components[rows].tolist()))
-    return AxisLine(vector3(point), vector3(direction), low, high, tuple(radii), weight, components)
+    members = tuple(
+        dict.fromkeys(_line_face(faces, row) for row in sorted(rows.tolist(), key=lambda r: -faces.radii[r]))
+    )
+    return AxisLine(vector3(point), vector3(direction), low, high, tuple(radii), weight, components, members=members)
 
 
 def _carrier(faces: AxisFaces, rows: Indices) -> tuple[Array, Array]:
