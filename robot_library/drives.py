@@ -27,11 +27,13 @@ _SECONDS = 1800.0
 def driven(folder: Path, output: Path) -> "tuple[Diagnostics, Driven | None]":
     """Drive the files in a robot's output folder, by the limits of the robot."""
     from stepbot.diagnostics import Diagnostics
+    from stepbot.driving.names import ENGINES
     from stepbot.pipeline.driving import DriveOptions, drive
     from stepbot.pipeline.stages import Options
 
     found = Diagnostics()
-    return found, drive(output, Options(output, timeout=_SECONDS), DriveOptions(limits=folder / _LIMITS), found)
+    chosen = DriveOptions(engines=tuple(ENGINES), limits=folder / _LIMITS)
+    return found, drive(output, Options(output, timeout=_SECONDS), chosen, found)
 
 
 def section(driven: "Driven") -> list[str]:

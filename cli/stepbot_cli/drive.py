@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
     from stepbot.pipeline.conversion import Options
 
-_NOTHING: dict[str, Any] = {"robot": None, "tests": [], "inapplicable": {}}
+_NOTHING: dict[str, Any] = {"robot": None, "tests": [], "inapplicable": {}, "not_run": {}}
 
 
 def _known(given: tuple[str, ...], known: Collection[str], noun: str) -> tuple[str, ...]:
@@ -43,7 +43,12 @@ def _known(given: tuple[str, ...], known: Collection[str], noun: str) -> tuple[s
 @names_option(
     "--test", "tests", metavar="TEST,...", help=f"Tests to run, of {', '.join(TESTS)}.  [default: all that apply]"
 )
-@names_option("--engine", "engines", metavar="ENGINE,...", help=f"Engines, of {', '.join(ENGINES)}.  [default: all]")
+@names_option(
+    "--engine",
+    "engines",
+    metavar="ENGINE,...",
+    help=f"Engines, of {', '.join(ENGINES)}; one that is not installed is then an error.  [default: those installed]",
+)
 @click.option(
     "--limits",
     type=click.Path(path_type=Path),
@@ -70,13 +75,14 @@ def command(
     """Move the robot of TARGET by its actuators in MuJoCo and PyBullet, and compare its behaviour with limits.
 
     TARGET is a sidecar, a folder that `stepbot convert` wrote, or an MJCF or URDF in such a folder. The files are
-    driven as they are; a floor or a cube is added around the robot. Tests that do not apply are listed with the reason.
+    driven as they are; a floor or a cube is added around the robot. Tests that do not apply, and an engine that is not
+    installed, are listed with the reason.
     """
     from stepbot.pipeline.driving import DriveOptions, drive
 
     if plots is not None:
         require_plots()
-    chosen = DriveOptions(_known(tests, TESTS, "test"), _known(engines, ENGINES, "engine") or tuple(ENGINES), limits)
+    chosen = DriveOptions(_known(tests, TESTS, "test"), _known(engines, ENGINES, "engine"), limits)
     found = Diagnostics()
     with progress_bar(("read", "build", "write", "drive")) as progress:
         driven = drive(target, options, chosen, found, progress)

@@ -13,40 +13,51 @@ if TYPE_CHECKING:
     from stepbot.driving.judgement import Verdict
     from stepbot.driving.results import Measure
 
-_HEADINGS = ("test", "engine", "result", "worst", "steps/s")
+_HEADINGS = ("test", "engine", "result", "steps/s", "worst")
 
 
 def driven_lines(driven: "Driven", width: int | None, *, verbose: bool = False) -> list[str]:
-    """The verdicts as a table, then the tests that do not apply, then the counts."""
-    texts = [_HEADINGS, *(_cells(verdict) for verdict in driven.verdicts)]
+    """The verdicts as a table, then the tests that do not apply, the engines that did not run, and the counts."""
+    speeds = [_speed(verdict) for verdict in driven.verdicts]
+    digits = max(map(len, (*speeds, _HEADINGS[3])))
+    texts = [_HEADINGS, *(_cells(*one) for one in zip(driven.verdicts, (s.rjust(digits) for s in speeds), strict=True))]
     lines = status_lines(texts, [v.status.value for v in driven.verdicts], width, wants_color(sys.stdout))
     if verbose:
         for verdict in driven.verdicts:
             lines += filled(f"{verdict.test} in {verdict.engine}: {', '.join(_numbers(verdict))}", width)
     for test, reason in driven.inapplicable.items():
         lines += filled(f"{test} does not apply: {printable(reason)}", width)
+    for engine, reason in driven.not_run.items():
+        lines += filled(f"not run in {engine}: {printable(reason)}", width)
     statuses = [verdict.status.value for verdict in driven.verdicts]
-    return [
-        *lines,
-        f"{counted(len(statuses), 'test')}: {statuses.count('passed')} passed, {statuses.count('failed')} failed",
-    ]
+    counts = f"{counted(len(statuses), 'test')}: {statuses.count('passed')} passed, {statuses.count('failed')} failed"
+    absent = f"; not run in {' and '.join(driven.not_run)}" if driven.not_run else ""
+    return [*lines, f"{counts}{absent}"]
 
 
-def _cells(verdict: "Verdict") -> tuple[str, ...]:
-    speed = f"{verdict.result.steps_per_second:,.0f}" if verdict.result else "-"
+def _speed(verdict: "Verdict") -> str:
+    return f"{verdict.result.steps_per_second:,.0f}" if verdict.result else "-"
+
+
+def _cells(verdict: "Verdict", speed: str) -> tuple[str, ...]:
     worst = verdict.worst
     if worst is None or verdict.bounds is None:
         text = verdict.why or "-"
     else:
-        text = f"{_number(worst)}, limit {verdict.bounds[worst.quantity]:g}"
-    return verdict.test, verdict.engine, verdict.status.value, text, speed
+        text = f"{_number(worst)}, limit {_value(verdict.bounds[worst.quantity], worst.quantity)}"
+    return verdict.test, verdict.engine, verdict.status.value, speed, text
 
 
 def _number(measure: "Measure") -> str:
+    place = f" of {printable(measure.where)}" if measure.where else ""
+    return f"{measure.quantity}{place} {_value(measure.value, measure.quantity)}"
+
+
+def _value(value: float, quantity: str) -> str:
+    """A number with the unit of its quantity."""
     from stepbot.driving.limits import UNITS
 
-    place = f" of {printable(measure.where)}" if measure.where else ""
-    return f"{measure.quantity}{place} {measure.value:.3g} {UNITS[measure.quantity]}"
+    return f"{value:.3g} {UNITS[quantity]}".rstrip()
 
 
 def _numbers(verdict: "Verdict") -> list[str]:

@@ -122,14 +122,97 @@ def test_unknown_test_and_engine(folder: Path, stepbot: Stepbot) -> None:
     assert "did you mean 'mujoco'?" in stepbot("drive", "arm", "--engine", "mujoko").err
 
 
-def test_a_missing_engine_is_exit_code_2(folder: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
-    """An engine that cannot run is never left out in silence; the other can be named."""
-    monkeypatch.setattr(engine_of("pybullet"), "available", lambda: "pybullet is not installed")
-    run = stepbot("drive", "arm", "--test", "hold", "--json")
-    (found,) = json.loads(run.out)["diagnostics"]
-    assert (run.code, found["code"], found["message"]) == (2, "SB005", "drive in pybullet: pybullet is not installed")
-    assert found["help"] == ["pip install pybullet", "or drive in the other alone: --engine mujoco"]
-    assert stepbot("drive", "arm", "--test", "hold", "--engine", "mujoco").code == 0
+def missing(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
+    """Some engines are not installed."""
+    for name in names:
+        monkeypatch.setattr(engine_of(name), "available", lambda name=name: f"{name} is not installed")
+
+
+def test_without_pybullet_the_result_says_so(
+    folder: Path, arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An engine that is not installed is not run, never passed; ``convert --drive`` does the same."""
+    missing(monkeypatch, "pybullet")
+    run = stepbot("drive", "gripper", "--test", "hold,grip", "--json")
+    document = json.loads(run.out)
+    assert (run.code, document["diagnostics"]) == (0, [])
+    assert document["not_run"] == {"pybullet": "pybullet is not installed"}
+    assert [(one["test"], one["engine"], one["status"]) for one in document["tests"]] == [
+        ("hold", "mujoco", "passed"),
+        ("grip", "mujoco", "passed"),
+    ]
+    lines = stepbot("drive", "gripper", "--test", "hold,grip").out.splitlines()
+    assert lines[-2:] == [
+        "not run in pybullet: pybullet is not installed",
+        "2 tests: 2 passed, 0 failed; not run in pybullet",
+    ]
+    run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--no-verify", "--drive", "--json")
+    assert json.loads(run.out)["drive"]["not_run"] == {"pybullet": "pybullet is not installed"}
+    assert run.code == 0
+
+
+def test_without_mujoco_nothing_is_gripped(folder: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Poses are chosen without contacts, and the reason why no cube is gripped is MuJoCo's absence."""
+    missing(monkeypatch, "mujoco")
+    run = stepbot("drive", "gripper", "--json")
+    document = json.loads(run.out)
+    assert run.code == 0
+    assert document["not_run"] == {"mujoco": "mujoco is not installed"}
+    assert {one["engine"] for one in document["tests"]} == {"pybullet"}
+    assert document["inapplicable"]["grip"] == "needs the MJCF and MuJoCo, in which grasps are found"
+
+
+@pytest.mark.parametrize(
+    ("absent", "arguments", "missed"),
+    [
+        (("pybullet",), ("arm", "--engine", "pybullet"), ("pybullet",)),
+        (("pybullet",), ("arm", "--engine", "mujoco,pybullet"), ("pybullet",)),
+        (("pybullet",), ("arm/one_joint.urdf",), ("pybullet",)),
+        (("mujoco", "pybullet"), ("arm",), ("mujoco", "pybullet")),
+    ],
+    ids=["demanded", "one of two demanded", "file of that engine", "none installed"],
+)
+def test_an_engine_that_is_needed_is_exit_code_2(
+    folder: Path,
+    stepbot: Stepbot,
+    monkeypatch: pytest.MonkeyPatch,
+    absent: tuple[str, ...],
+    arguments: tuple[str, ...],
+    missed: tuple[str, ...],
+) -> None:
+    """Nothing is driven without a demanded engine, or if no engine is left for the files."""
+    missing(monkeypatch, *absent)
+    run = stepbot("drive", *arguments, "--json")
+    document = json.loads(run.out)
+    assert (run.code, document["tests"]) == (2, [])
+    assert [one["message"] for one in document["diagnostics"]] == [
+        f"drive in {name}: {name} is not installed" for name in missed
+    ]
+    assert {one["code"] for one in document["diagnostics"]} == {"SB005"}
+    assert document["diagnostics"][0]["help"][0] == f"pip install {missed[0]}"
+    other = "or drive in the installed engine: --engine mujoco"
+    assert (other in document["diagnostics"][0]["help"]) == (absent == ("pybullet",))
+
+
+def test_a_file_without_its_other_engine(folder: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """PyBullet drives no MJCF, so that its absence is not worth a word there."""
+    missing(monkeypatch, "pybullet")
+    run = stepbot("drive", "arm/one_joint.xml", "--test", "hold", "--json")
+    assert (run.code, json.loads(run.out)["not_run"]) == (0, {})
+
+
+def test_columns_line_up_and_limits_have_units(folder: Path, stepbot: Stepbot) -> None:
+    """The speeds end below each other, and a limit has the unit of its quantity."""
+    head, *rows, _ = (
+        line
+        for line in stepbot("drive", "gripper", "--engine", "mujoco", "--test", "hold,step,grip").out.splitlines()
+        if "does not apply" not in line
+    )
+    end = head.index("steps/s") + len("steps/s")
+    assert all(row[:end].rstrip() == row[:end] and row[end : end + 2] == "  " for row in rows), rows
+    for row in rows:
+        worst, limit = row.split(", limit ")
+        assert limit.split()[-1] == worst.split()[-1] in ("mm", "rad", "%")
 
 
 def test_a_time_limit_ends_a_drive(folder: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -12,7 +12,7 @@ _DIGITS = 4
 
 
 def driven_document(driven: Driven, *, timed: bool = False) -> dict[str, Any]:
-    """The verdicts and the tests that do not apply.
+    """The verdicts, the tests that do not apply, and the engines that did not run.
 
     Args:
         driven: The tests of a robot.
@@ -22,6 +22,7 @@ def driven_document(driven: Driven, *, timed: bool = False) -> dict[str, Any]:
         "robot": driven.robot,
         "tests": [_verdict(verdict, timed) for verdict in driven.verdicts],
         "inapplicable": dict(driven.inapplicable),
+        "not_run": dict(driven.not_run),
     }
 
 

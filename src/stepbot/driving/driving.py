@@ -34,6 +34,8 @@ class Driven:
     verdicts: tuple[Verdict, ...] = ()
     inapplicable: Mapping[str, str] = field(default_factory=dict)
     """Tests that do not apply, each with its reason; ``grip of MOTOR`` where one gripper of several is not tested."""
+    not_run: Mapping[str, str] = field(default_factory=dict)
+    """Engines that have a file to drive and did not run, each with its reason."""
 
 
 def drive_files(
@@ -142,16 +144,21 @@ class _Drive:
         return None
 
 
-def missing_engines(names: Iterable[str], found: Diagnostics) -> tuple[str, ...]:
-    """The engines that can run here; the others are reported (SB005)."""
-    present = []
-    for name in names:
-        engine = engine_of(name)
-        reason = engine.available()
-        if reason is None:
-            present.append(name)
-            continue
-        others = [other for other in ENGINES if other != name]
-        help = (engine.install or f"pip install {name}", f"or drive in the other alone: --engine {others[0]}")
+def missing_engines(names: Iterable[str]) -> dict[str, str]:
+    """The engines that cannot run here, each with the reason."""
+    reasons = {name: engine_of(name).available() for name in names}
+    return {name: reason for name, reason in reasons.items() if reason is not None}
+
+
+def report_missing_engines(missing: Mapping[str, str], found: Diagnostics) -> None:
+    """Report engines that are needed and cannot run here (SB005).
+
+    Args:
+        missing: The engines, each with the reason.
+        found: Receives SB005.
+    """
+    installed = [name for name in ENGINES if name not in missing_engines(ENGINES)]
+    for name, reason in missing.items():
+        others = (f"or drive in the installed engine: --engine {installed[0]}",) if installed else ()
+        help = (engine_of(name).install or f"pip install {name}", *others)
         found.add("SB005", f"drive in {name}: {reason}", Span("stepbot"), help=help)
-    return tuple(present)

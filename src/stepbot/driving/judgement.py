@@ -32,7 +32,6 @@ class Status(StrEnum):
 
     PASSED = "passed"
     FAILED = "failed"
-    NOT_RUN = "not run"
 
 
 @dataclass(frozen=True)

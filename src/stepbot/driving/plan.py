@@ -20,7 +20,7 @@ def reasons(
         survey: Its poses and grasps.
         wheels: Its wheels.
         limbs: Its limbs.
-        mjcf: Whether there is an MJCF, in which grasps are found.
+        mjcf: Whether MuJoCo drives an MJCF, in which grasps are found.
     """
     kinds = {motor.kind for motor in mechanism.motors}
     driving = {wheel.motor for wheel in wheels.wheels} if wheels else set()
@@ -28,7 +28,7 @@ def reasons(
     servo = "" if ActuatorKind.POSITION in kinds else "no position actuator"
     limited = any(isfinite(motor.limit.effort) for motor in mechanism.motors)
     moving = "" if mechanism.home else "no moving joint"
-    no_grasp = _no_grasp(survey) if mjcf else "needs the MJCF, where grasps are found"
+    no_grasp = _no_grasp(survey) if mjcf else "needs the MJCF and MuJoCo, in which grasps are found"
     return {
         "hold": servo,
         "step": ""

@@ -3,13 +3,13 @@
 import json
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.driving.driving import Driven, drive_files, missing_engines
+from stepbot.driving.driving import Driven, drive_files, missing_engines, report_missing_engines
 from stepbot.driving.limits import Demands, InvalidLimits, demands
 from stepbot.driving.names import ENGINES
 from stepbot.formats import FORMATS
@@ -28,7 +28,8 @@ class DriveOptions:
 
     tests: tuple[str, ...] = ()
     """Tests to run; empty for all that apply."""
-    engines: tuple[str, ...] = tuple(ENGINES)
+    engines: tuple[str, ...] = ()
+    """Engines that have to run; empty for those that are installed."""
     limits: Path | None = None
     """File with an object ``drive``; None for the default limits."""
 
@@ -53,7 +54,9 @@ def drive(
         report_missing(target, found)
         return None
     demanded = read_demands(chosen.limits, found)
-    engines = missing_engines(chosen.engines, found)
+    missing = missing_engines(chosen.engines or ENGINES)
+    if missing and (chosen.engines or len(missing) == len(ENGINES)):
+        report_missing_engines(missing, found)
     if demanded is None or found.has_errors:
         return None
     with ExitStack() as kept:
@@ -64,7 +67,7 @@ def drive(
             target = folder
         progress("drive")
         copies = Path(kept.enter_context(TemporaryDirectory(dir=run_folder())))
-        return _drive_written(target, engines, demanded, chosen.tests, copies, options, found)
+        return _drive_written(target, chosen, missing, demanded, copies, options, found)
 
 
 def read_demands(path: Path | None, found: Diagnostics) -> Demands | None:
@@ -100,9 +103,9 @@ def _convert(
 
 def _drive_written(
     target: Path,
-    engines: Iterable[str],
+    chosen: DriveOptions,
+    missing: Mapping[str, str],
     demanded: Demands,
-    tests: Iterable[str],
     copies: Path,
     options: Options,
     found: Diagnostics,
@@ -112,11 +115,17 @@ def _drive_written(
     document = _report(folder, target, found)
     if document is None:
         return None
+    engines = chosen.engines or tuple(ENGINES)
     files = _files(document, folder, target, engines)
     if not files:
         wanted = " or ".join(_suffix(name) for name in engines)
         found.add("SB833", f"no file {wanted} of the report's robot", Span(target.as_posix()))
         return None
+    not_run = {engine: reason for engine, reason in missing.items() if engine in files}
+    if len(not_run) == len(files):
+        report_missing_engines(not_run, found)
+        return None
+    files = {engine: path for engine, path in files.items() if engine not in not_run}
     formats = {path: ENGINES[engine] for engine, path in files.items()}
     timeout, memory_limit = options.timeout, options.memory_limit
     places = located(formats, options.package_path, copies, found, timeout=timeout, memory_limit=memory_limit)
@@ -124,7 +133,10 @@ def _drive_written(
         return None
     files = {engine: places[path] for engine, path in files.items()}
     try:
-        return drive_files(document, files, demanded, found, tests=tests, timeout=timeout, memory_limit=memory_limit)
+        driven = drive_files(
+            document, files, demanded, found, tests=chosen.tests, timeout=timeout, memory_limit=memory_limit
+        )
+        return replace(driven, not_run=not_run)
     except (KeyError, TypeError, ValueError) as error:
         found.add("SB833", f"{REPORT} is not the report of a robot: {error}", Span((folder / REPORT).as_posix()))
     return None

@@ -43,7 +43,8 @@ CODES = (
         "SB005",
         "error",
         "required engine not available",
-        "`--require` names an engine that is not installed or fails to start.",
+        "`--require`, or `--engine` of `stepbot drive`, names an engine that is not installed or fails to start; or no engine is "
+        "installed that drives the files.",
         "A check that did not run does not count as passed.",
         "Install the engine, or remove the requirement.",
         could_not_run=True,
