@@ -41,8 +41,8 @@ def _speed(verdict: "Verdict") -> str:
 
 def _cells(verdict: "Verdict", speed: str) -> tuple[str, ...]:
     worst = verdict.worst
-    if worst is None or verdict.bounds is None:
-        text = verdict.why or "-"
+    if verdict.why or worst is None or verdict.bounds is None:
+        text = printable(verdict.why) or "-"
     else:
         text = f"{_number(worst)}, limit {_value(verdict.bounds[worst.quantity], worst.quantity)}"
     return verdict.test, verdict.engine, verdict.status.value, speed, text

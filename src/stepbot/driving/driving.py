@@ -18,6 +18,7 @@ from .limits import Demands
 from .mechanism import finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
 from .names import ENGINES, TESTS
 from .plan import reasons, ungripped
+from .remedies import Facts, facts_of
 from .survey import Survey
 from .worker import Assignment
 
@@ -64,7 +65,7 @@ def drive_files(
     """
     robot = robot_of_report(document)
     mechanism = mechanism_of(robot, tuple(document["robot"]["pybullet"]))
-    drive = _Drive(mechanism, files, demands, found, timeout, memory_limit)
+    drive = _Drive(mechanism, files, demands, found, timeout, memory_limit, facts_of(document, robot))
     survey = drive.survey()
     if survey is None:
         return Driven(robot.name)
@@ -96,9 +97,10 @@ class _Drive:
         found: Diagnostics,
         timeout: float,
         memory_limit: int | None,
+        facts: Facts,
     ) -> None:
         self._mechanism, self._files, self._demands, self._found = mechanism, files, demands, found
-        self._timeout, self._memory_limit = timeout, memory_limit
+        self._timeout, self._memory_limit, self._facts = timeout, memory_limit, facts
         self.shown = next(iter(files.values())).name
 
     def survey(self) -> Survey | None:
@@ -128,7 +130,7 @@ class _Drive:
         results = self._result(engine, worker)
         if results is None:
             return [Verdict(engine, test, Status.FAILED, "the engine did not finish") for test in tests]
-        return list(judge(engine, self._files[engine].name, results, self._demands, self._found))
+        return list(judge(engine, self._files[engine].name, results, self._demands, self._found, self._facts))
 
     def _result(self, engine: str, worker: Worker) -> Any:
         """The result of a worker; None after SB832."""

@@ -6,25 +6,9 @@ from enum import StrEnum
 
 from stepbot.diagnostics import Diagnostics, Span
 
-from .limits import UNITS, Demands
+from .limits import UNITS, Bound, Demands
+from .remedies import Facts, fate, grip_remedies, remedy
 from .results import Measure, Result
-
-_REMEDIES = {
-    "overshoot": "raise kv, lower kp, or let stepbot compute both: `gains: auto`",
-    "angle error": "raise kp, or the joint's effort limit if the motor is at it",
-    "travel error": "raise kp, or the joint's effort limit if the motor is at it",
-    "angle drift": "raise kv, or lower kp: the joint does not come to rest",
-    "travel drift": "raise kv, or lower kp: the joint does not come to rest",
-    "loop opening": "lower the efforts, or shorten the time step in the sidecar: `simulation: {timestep: 0.5 ms}`",
-    "energy gain": "shorten the time step, or look for tiny masses and inertias behind large ones",
-    "slip": "raise kp of the gripper's actuator: it decides the gripping force; give hollow jaws `collision: auto`",
-    "penetration": "give the colliding links collision shapes with faces, not edges",
-    "tilt": "lower the centre of mass, or move the wheels or casters apart",
-    "tilt at rest": "check the home pose: all feet are to be on the floor",
-    "sinking": "raise kp of the legs' actuators",
-    "tilt after push": "raise kp and kv of the legs' actuators, or spread the legs in the home pose",
-}
-_REMEDY = "see the test in docs/drive.md; draw its curves with --plots"
 
 
 class Status(StrEnum):
@@ -42,7 +26,7 @@ class Verdict:
     test: str
     status: Status
     why: str = ""
-    """Why it did not run."""
+    """Why there are no numbers, or how a cube was lost."""
     result: Result | None = None
     bounds: Mapping[str, float] | None = None
     """Limit of each quantity that has one."""
@@ -60,7 +44,12 @@ class Verdict:
 
 
 def judge(
-    engine: str, file: str, results: Iterable[Result | str], demands: Demands, found: Diagnostics
+    engine: str,
+    file: str,
+    results: Iterable[Result | str],
+    demands: Demands,
+    found: Diagnostics,
+    facts: Facts | None = None,
 ) -> Iterator[Verdict]:
     """The verdict on each result.
 
@@ -70,6 +59,7 @@ def judge(
         results: Results, or names of tests in which the simulation diverged.
         demands: The limits.
         found: Receives SB830 and SB831.
+        facts: What the robot's report says about remedies.
     """
     span = Span(file)
     for result in results:
@@ -81,16 +71,41 @@ def judge(
         failed = [
             one for one in result.measures if one.quantity in bounds and not one.value <= bounds[one.quantity].value
         ]
+        lost = ""
         for one in failed:
-            bound, unit = bounds[one.quantity], UNITS[one.quantity]
-            place = f" of '{one.where}'" if one.where else ""
-            numbers = f"{one.value:.3g} {unit}, limit {bound.value:g} {unit}"
-            found.add(
-                "SB830",
-                f"{result.test} in {engine}: {one.quantity}{place} is {numbers}",
-                span,
-                help=(_REMEDIES.get(one.quantity, _REMEDY),),
-                notes=(f"the limit: {bound.why}",),
-            )
+            bound = bounds[one.quantity]
+            if one.quantity == "slip" and result.grips:
+                lost = _judge_grips(engine, span, result, bound, facts or Facts(), found)
+                continue
+            message = f"{result.test} in {engine}: {_excess(one, bound)}"
+            found.add("SB830", message, span, help=(remedy(one.quantity),), notes=(f"the limit: {bound.why}",))
         status = Status.FAILED if failed else Status.PASSED
-        yield Verdict(engine, result.test, status, "", result, {name: bound.value for name, bound in bounds.items()})
+        yield Verdict(engine, result.test, status, lost, result, {name: bound.value for name, bound in bounds.items()})
+
+
+def _excess(measure: Measure, bound: Bound) -> str:
+    """A number beyond its limit."""
+    unit = UNITS[measure.quantity]
+    place = f" of '{measure.where}'" if measure.where else ""
+    return f"{measure.quantity}{place} is {measure.value:.3g} {unit}, limit {bound.value:g} {unit}"
+
+
+def _judge_grips(engine: str, span: Span, result: Result, bound: Bound, facts: Facts, found: Diagnostics) -> str:
+    """Report each gripper in which the cube slips (SB830); returns how cubes were lost."""
+    fates = []
+    for grip in result.grips:
+        if grip.slip <= bound.value:
+            continue
+        lost = grip.loss is not None
+        if lost:
+            fates.append(fate(grip))
+        what = fates[-1] if lost else _excess(Measure("slip", grip.slip, grip.joint), bound)
+        notes = () if lost else (f"the limit: {bound.why}",)
+        found.add(
+            "SB830",
+            f"{result.test} in {engine}: {what}",
+            span,
+            help=tuple(grip_remedies(grip, facts, gains=engine == "mujoco")),
+            notes=notes,
+        )
+    return "; ".join(fates)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 
 Series = tuple[tuple[float, ...], tuple[float, ...]]
 """Horizontal and vertical values of a curve."""
@@ -15,6 +16,35 @@ class Measure:
     value: float
     where: str = ""
     """The joint, closure or pose at which it is largest."""
+
+
+class Loss(StrEnum):
+    """How a gripper lost its cube."""
+
+    PUSHED = "pushed out"
+    """Before it had its weight."""
+    FREE = "not held"
+    """It fell freely as it got its weight."""
+    SLIPPED = "slipped out"
+
+
+@dataclass(frozen=True)
+class Grip:
+    """What became of the cube in one gripper."""
+
+    joint: str
+    """The joint of its first motor."""
+    links: frozenset[str]
+    """The links that close on the cube."""
+    edge: float
+    """Edge [m] of the cube."""
+    slip: float
+    """Largest way [mm] of the cube; up to its loss."""
+    effort: float | None
+    """Effort of the first motor on the cube without weight, relative to its limit; None without a limit."""
+    loss: Loss | None = None
+    seconds: float = 0.0
+    """Time [s] from its weight to its loss."""
 
 
 @dataclass(frozen=True)
@@ -34,6 +64,8 @@ class Result:
     test: str
     measures: tuple[Measure, ...]
     plot: Plot
+    grips: tuple[Grip, ...] = ()
+    """Of the grip test."""
     steps: int = 0
     seconds: float = 0.0
     """Time [s] of the engine's steps by the clock: never in a file."""

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from math import atan2, degrees, hypot
+from math import atan2, degrees, hypot, isfinite
 
 import numpy as np
 
@@ -18,6 +18,12 @@ from .survey import Survey
 MM = 1e3
 _LIFT = 1e-4
 """Height [m] at which a robot is placed above the floor."""
+_SHARE = 0.5
+"""Largest commanded speed, relative to the joint's limit."""
+_SPEED = 2.0
+"""Largest commanded speed [rad/s] of a joint without a limit, and of all others."""
+_TRAVEL_SPEED = 0.25
+"""The same [m/s] for sliding joints."""
 
 
 class Diverged(Exception):
@@ -82,6 +88,12 @@ def run(simulation: Simulation, seconds: float) -> Iterator[float]:
     for step in range(1, round(seconds / simulation.timestep) + 1):
         simulation.step()
         yield step * simulation.timestep
+
+
+def cruising_speed(motor: Motor) -> float:
+    """Largest speed [rad/s] or [m/s] at which targets move: half the joint's limit, and no more than a robot needs."""
+    fastest = _SPEED if motor.angular else _TRAVEL_SPEED
+    return min(fastest, _SHARE * motor.limit.velocity) if isfinite(motor.limit.velocity) else fastest
 
 
 def stand(simulation: Simulation, stage: Stage, height: float = 0.0) -> None:

@@ -1,7 +1,7 @@
 """Runs the drive tests of one robot in one engine; in a worker process."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 
 from stepbot.engines.captured_output import printed
@@ -44,7 +44,7 @@ def drive(assignment: Assignment) -> tuple[Result | str, ...]:
             except Diverged:
                 results.append(test)
                 continue
-            results.append(Result(test, result.measures, result.plot, stage.steps, stage.seconds))
+            results.append(replace(result, steps=stage.steps, seconds=stage.seconds))
     return tuple(results)
 
 

@@ -117,6 +117,9 @@ class Simulation(Protocol):
     def speeds(self) -> dict[str, float]:
         """Speed of the same coordinates."""
 
+    def effort(self, joint: str) -> float:
+        """Effort [N m] or [N] of the motor of a joint in the last step."""
+
     def pose(self, link: str) -> Pose:
         """Pose of a link in the world."""
 

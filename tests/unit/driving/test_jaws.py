@@ -3,14 +3,15 @@
 from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
-from math import pi
+from math import pi, sqrt
 from pathlib import Path
 
 import pytest
 
-from stepbot.driving.results import Result
+from stepbot.driving.results import Loss, Result
+from stepbot.engines.simulation import GRAVITY
 from stepbot.geometry.spatial import IDENTITY, Pose
-from stepbot.robot.model import Base, Box, Collision, Robot
+from stepbot.robot.model import Base, Box, Collision, JointDynamics, Robot
 from tests.unit.driving.workbench import ENGINES, clamp, stage_of
 
 LYING = Pose.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, -0.5 * pi, 0.0))
@@ -63,6 +64,39 @@ def test_cube_is_held_by_friction(
     }
     assert measures["slip"] < 2.0 if holds else measures["slip"] > 20.0
     assert measures["penetration"] < 1.0
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_cube_that_nothing_holds_falls_freely(engine: str, tmp_path: Path) -> None:
+    """Without a force it is lost after the time of a free fall over two edges; the rest of the fall is left out."""
+    (grip,) = gripped(clamp(1e-5), engine, tmp_path).grips
+    assert grip.loss is Loss.FREE
+    assert grip.seconds == pytest.approx(sqrt(4.0 * grip.edge / GRAVITY), rel=0.15)
+    assert 2e3 * grip.edge < grip.slip < 2.5e3 * grip.edge
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_effort_on_the_cube(engine: str, tmp_path: Path) -> None:
+    """MuJoCo's motor presses with kp times the rest of its way; PyBullet's, without gains, with all of its effort."""
+    stage = stage_of(clamp(40.0), engine, tmp_path)
+    (grip,) = import_module("stepbot.driving.experiments.grip").experiment(stage).grips
+    assert grip.loss is None
+    assert grip.links == {"base", "hand", "jaw"}
+    assert grip.effort is not None
+    rest = 0.25 + 0.01  # the plates are parallel at 0, where they are as far apart as the cube is wide
+    share = 20.0 * rest / 40.0 if engine == "mujoco" else 1.0
+    assert grip.effort == pytest.approx(share, rel=0.25)
+
+
+def test_a_light_jaw_with_a_strong_motor_does_not_leap_through_the_cube(tmp_path: Path) -> None:
+    """MuJoCo limits no speed: a jaw whose target is at the closed end at once reaches 60 rad/s, 10 mm in a step."""
+    robot = clamp(3.0)
+    mount, close = robot.joints
+    light = replace(close, dynamics=JointDynamics(damping=0.05), limit=replace(close.limit, lower=-0.25, upper=1.9))
+    motors = (replace(robot.actuators[0], kp=50.0, kv=0.1),)
+    (grip,) = gripped(replace(robot, joints=(mount, light), actuators=motors), "mujoco", tmp_path).grips
+    assert grip.loss is None
+    assert grip.slip < 2.0
 
 
 def _without_plate(robot: Robot) -> Robot:

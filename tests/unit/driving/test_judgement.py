@@ -1,9 +1,16 @@
 """Verdicts on the numbers of drive tests, and the remedies of failed ones."""
 
-from stepbot.diagnostics import Diagnostics
+from dataclasses import replace
+
+import pytest
+
+from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.driving.judgement import Status, judge
 from stepbot.driving.limits import demands
-from stepbot.driving.results import Measure, Plot, Result
+from stepbot.driving.remedies import Facts, facts_of
+from stepbot.driving.results import Grip, Loss, Measure, Plot, Result
+from stepbot.robot.model import JointDynamics
+from tests.unit.driving.workbench import clamp
 
 
 def test_the_remedy_of_an_open_loop_is_one_that_the_sidecar_allows() -> None:
@@ -15,3 +22,67 @@ def test_the_remedy_of_an_open_loop_is_one_that_the_sidecar_allows() -> None:
     (one,) = found
     assert one.code == "SB830"
     assert "`simulation: {timestep:" in one.help[0]
+
+
+SLIPPED = Grip("close", frozenset({"jaw", "hand"}), 0.011, 23.0, 0.04, Loss.SLIPPED, 0.49)
+
+
+def judged(grip: Grip, facts: Facts, engine: str = "mujoco") -> Diagnostic:
+    """The diagnostic on one gripper."""
+    found = Diagnostics()
+    measures = (Measure("slip", grip.slip, grip.joint), Measure("penetration", 0.2, grip.joint))
+    (verdict,) = judge(
+        engine, "arm.xml", [Result("grip", measures, Plot("t", "mm", {}), (grip,))], demands({}), found, facts
+    )
+    assert verdict.status is Status.FAILED
+    (one,) = found
+    assert bool(verdict.why) == (grip.loss is not None)
+    assert verdict.why in one.message
+    return one
+
+
+@pytest.mark.parametrize(
+    ("loss", "message"),
+    [
+        (Loss.SLIPPED, "the cube of 11 mm slipped out of the grip of 'close' and fell, 0.49 s after it got its weight"),
+        (Loss.FREE, "the cube of 11 mm fell freely as it got its weight: 'close' did not hold it"),
+        (Loss.PUSHED, "the cube of 11 mm was pushed out of the grip of 'close' before it got its weight"),
+        (None, "slip of 'close' is 23 mm, limit 2 mm"),
+    ],
+)
+def test_a_lost_cube_is_no_slip(loss: Loss | None, message: str) -> None:
+    """A cube that fell has no slip to compare with a limit: the message says how and when it was lost."""
+    one = judged(replace(SLIPPED, loss=loss), Facts())
+    assert one.message == f"grip in mujoco: {message}"
+    assert one.notes == (
+        ("the limit: an object that slips by 2 mm in 5 s is lost in a minute",) if loss is None else ()
+    )
+    assert ("direction and the limits" in one.help[0]) == (loss is Loss.FREE)
+
+
+def test_remedies_of_a_grip_are_possible() -> None:
+    """Computed gains cannot be raised beside `gains: auto`, and jaws that have `collision: auto` need no other."""
+    computed = judged(SLIPPED, Facts(computed=frozenset({"close"}), light=frozenset({"close"})))
+    assert "4 % of its effort limit" in computed.help[0]
+    assert "armature" in computed.help[1]
+    assert computed.help[2] == "`gains: auto` sets kp: write `kp` and `kv` in its place"
+    given = judged(SLIPPED, Facts(filled=frozenset({"jaw", "foot"})))
+    assert len(given.help) == 2
+    assert given.help[0].startswith("raise kp")
+    assert given.help[1] == "give hollow jaws `collision: auto`: jaw"
+    assert judged(replace(SLIPPED, effort=0.98), Facts()).help == (
+        "raise the effort limit of the joint: the motor presses with all of it",
+    )
+    assert "kp" not in "".join(judged(SLIPPED, Facts(computed=frozenset({"close"})), "pybullet").help)
+
+
+def test_facts_of_a_report() -> None:
+    """Computed gains, shapes that may fill hollows, and motors without the inertia of their rotor."""
+    robot = clamp(1.0)
+    document = {
+        "robot": {"actuators": [{"joint": "close", "computed": {"bandwidth": 5.0}}]},
+        "collision_shapes": [{"link": "jaw", "rule": "hull"}, {"link": "hand", "rule": "auto"}],
+    }
+    assert facts_of(document, robot) == Facts(frozenset({"close"}), frozenset({"jaw"}), frozenset())
+    joints = tuple(replace(joint, dynamics=JointDynamics()) for joint in robot.joints)
+    assert facts_of(document, replace(robot, joints=joints)).light == frozenset({"close"})

@@ -1,22 +1,27 @@
 """Grip: fingers, or a jaw and its hand, close on a cube without weight, which then gets its weight."""
 
-from collections.abc import Mapping
+from dataclasses import replace
+from math import cos, isfinite, pi, sqrt
 
 import numpy as np
 
-from stepbot.engines.simulation import DOWN, Setup, Simulation
+from stepbot.engines.simulation import DOWN, GRAVITY, Setup, Simulation
 from stepbot.geometry.spatial import Array, Pose
 
 from ..grasping import Grasp
-from ..results import Plot, Result, largest, thinned
-from ..stage import MM, Gaps, Stage, run
+from ..results import Grip, Loss, Plot, Result, Series, largest, thinned
+from ..stage import MM, Gaps, Stage, cruising_speed, run
 
 _CLOSE = 1.5
-"""Time [s] to close and come to rest."""
+"""Time [s] to press and come to rest, after the target has reached the closed position."""
 _SETTLE = 0.5
 """Time [s] for a cube between jaw and hand, without weight, to come to rest on both."""
 _STEEP = 0.7
 """Cosine of the angle between gravity and the direction in which fingers close from which the cube would lie on one."""
+_LOST = 2.0
+"""Way of the cube, relative to its edge, from which it is out of the grip."""
+_FREELY = 1.2
+"""Time in which a cube is lost, relative to that of a free fall, up to which nothing has held it."""
 SECONDS = 5.0
 """Time [s] for which the cube is held."""
 
@@ -24,40 +29,71 @@ SECONDS = 5.0
 def experiment(stage: Stage) -> Result:
     """Grip with every gripper, one after the other."""
     gaps, curves = Gaps(stage), {}
-    slips, depths = {}, {}
+    grips: list[Grip] = []
+    depths = {}
     for grasp in stage.survey.grasps:
         with stage.scene(setup=Setup(held=True, cube=grasp.cube)) as simulation:
-            name = stage.motor(grasp.fingers.motors[0]).joint
-            times, slip = [], []
-            start = _gripped(stage, simulation, grasp, gaps)
-            for time in run(simulation, SECONDS):
-                gaps.measure(simulation)
-                times.append(time)
-                slip.append(MM * float(np.linalg.norm(_in_fingers(simulation, grasp) - start)))
-            slips[name], depths[name] = max(slip), MM * simulation.penetration()
-            curves[name] = thinned(times, slip)
+            motor = stage.motor(grasp.fingers.motors[0])
+            _close(stage, simulation, grasp, gaps)
+            effort = abs(simulation.effort(motor.joint)) / motor.limit.effort
+            grip = Grip(
+                motor.joint,
+                grasp.fingers.one | grasp.fingers.other,
+                grasp.cube.edge,
+                slip=0.0,
+                effort=effort if isfinite(motor.limit.effort) else None,
+            )
+            grip, curves[motor.joint] = _held(simulation, grasp, gaps, grip)
+            grips.append(grip)
+            depths[motor.joint] = MM * simulation.penetration()
+    slips = {grip.joint: grip.slip for grip in grips}
     measures = (*largest("slip", slips), *largest("penetration", depths), *gaps.measures())
-    return Result("grip", measures, Plot("time [s]", "slip [mm]", curves))
+    return Result("grip", measures, Plot("time [s]", "slip [mm]", curves), tuple(grips))
 
 
-def _gripped(stage: Stage, simulation: Simulation, grasp: Grasp, gaps: Gaps) -> Array:
-    """Close the fingers; returns where the cube is in them as it gets its weight."""
+def _held(simulation: Simulation, grasp: Grasp, gaps: Gaps, grip: Grip) -> tuple[Grip, Series]:
+    """Let the cube have its weight until it is lost, or the time is over."""
+    lost = _LOST * grasp.cube.edge
+    start = _in_fingers(simulation, grasp)
+    away = simulation.pose(grasp.fingers.hand).inverse() @ simulation.cube()
+    pushed = float(np.linalg.norm(away.p - grasp.X_HC.p))
+    if pushed > lost:
+        return replace(grip, slip=MM * pushed, loss=Loss.PUSHED), ((0.0,), (MM * pushed,))
+    simulation.let_go(_down(simulation.cube()))
+    times, slips = [], []
+    for time in run(simulation, SECONDS):
+        gaps.measure(simulation)
+        times.append(time)
+        slips.append(MM * float(np.linalg.norm(_in_fingers(simulation, grasp) - start)))
+        if slips[-1] > MM * lost:
+            freely = time < _FREELY * sqrt(2.0 * lost / GRAVITY)
+            grip = replace(grip, loss=Loss.FREE if freely else Loss.SLIPPED, seconds=time)
+            break
+    return replace(grip, slip=max(slips)), thinned(times, slips)
+
+
+def _close(stage: Stage, simulation: Simulation, grasp: Grasp, gaps: Gaps) -> None:
+    """Close the fingers on the cube, at the speed at which a robot closes them.
+
+    A target that is at the closed position at once would let a light jaw with a strong motor leap through the cube.
+    """
     simulation.reset(grasp.open)
     hand = grasp.fingers.hand
     simulation.place_cube(simulation.pose(hand) @ grasp.X_HC)
     if grasp.fingers.fixed:  # a jaw that comes from one side would knock a free cube away
         simulation.fix_cube(hand)
-    targets: Mapping[str, float] = {**stage.targets(grasp.open), **dict.fromkeys(grasp.fingers.motors, grasp.closed)}
-    simulation.command(targets)
-    for _ in run(simulation, _CLOSE):
+    targets = stage.targets(grasp.open)
+    motors = [stage.motor(name) for name in grasp.fingers.motors]
+    ways = {motor.name: grasp.closed - grasp.open[motor.joint] for motor in motors}
+    seconds = max(0.5 * pi * abs(ways[motor.name]) / cruising_speed(motor) for motor in motors)
+    for time in run(simulation, seconds + _CLOSE):
+        rest = 0.5 * (1.0 + cos(pi * min(1.0, time / seconds)))
+        simulation.command({**targets, **{name: grasp.closed - rest * way for name, way in ways.items()}})
         gaps.measure(simulation)
     if grasp.fingers.fixed:
         simulation.free_cube()
         for _ in run(simulation, _SETTLE):
             gaps.measure(simulation)
-    start = _in_fingers(simulation, grasp)
-    simulation.let_go(_down(simulation.cube()))
-    return start
 
 
 def _down(X_WC: Pose) -> Array:

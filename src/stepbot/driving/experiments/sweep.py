@@ -1,18 +1,12 @@
 """Sweep: each motor visits both ends of its range and returns home."""
 
-from math import cos, isfinite, pi
+from math import cos, pi
 
 from stepbot.engines.simulation import Motor
 
 from ..results import Measure, Plot, Result, thinned
-from ..stage import Gaps, Stage, by_kind, run
+from ..stage import Gaps, Stage, by_kind, cruising_speed, run
 
-_SHARE = 0.5
-"""Largest commanded speed, relative to the joint's limit."""
-_SPEED = 2.0
-"""Largest commanded speed [rad/s] of a joint without a limit, and of all others."""
-_TRAVEL_SPEED = 0.25
-"""The same [m/s] for sliding joints."""
 _SHORTEST = 0.25
 """Shortest time [s] of one way."""
 _DWELL = 0.5
@@ -34,7 +28,7 @@ def experiment(stage: Stage) -> Result:
             edge = _EDGE * (high - low)
             times, q, errors[motor] = [], [], 0.0
             for end in (low + edge, high - edge, home):
-                seconds = max(_SHORTEST, 0.5 * pi * abs(end - start) / _speed(motor))
+                seconds = max(_SHORTEST, 0.5 * pi * abs(end - start) / cruising_speed(motor))
                 for time in run(simulation, seconds + _DWELL):
                     share = min(1.0, time / seconds)
                     goal = start + 0.5 * (1.0 - cos(pi * share)) * (end - start)
@@ -48,8 +42,3 @@ def experiment(stage: Stage) -> Result:
     covered = Measure("covered range", 100.0 * stage.survey.covered)
     measures = (*by_kind(errors, "angle error", "travel error"), covered, *gaps.measures())
     return Result("sweep", measures, Plot("time [s]", "position [rad, m]", curves))
-
-
-def _speed(motor: Motor) -> float:
-    fastest = _SPEED if motor.angular else _TRAVEL_SPEED
-    return min(fastest, _SHARE * motor.limit.velocity) if isfinite(motor.limit.velocity) else fastest

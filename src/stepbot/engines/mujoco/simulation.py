@@ -111,6 +111,9 @@ class MujocoSimulation:
     def speeds(self) -> dict[str, float]:  # noqa: D102
         return dict(zip(self._joints, self.data.qvel[self._dofs].tolist(), strict=True))
 
+    def effort(self, joint: str) -> float:  # noqa: D102
+        return float(self.data.qfrc_actuator[self.model.jnt_dofadr[self._joints[joint]]])
+
     def pose(self, link: str) -> Pose:  # noqa: D102
         return self._body_pose(self._id("BODY", link))
 

@@ -229,6 +229,9 @@ class PybulletSimulation:
     def speeds(self) -> dict[str, float]:  # noqa: D102
         return {name: state[1] for name, state in zip(self._joints, self._states(), strict=True)}
 
+    def effort(self, joint: str) -> float:  # noqa: D102
+        return float(self._engine.getJointState(self._body.id, self._joints[joint])[3])
+
     def pose(self, link: str) -> Pose:  # noqa: D102
         return self._body.X_WL(self._index[link])
 

@@ -1,0 +1,105 @@
+"""What can be done about a failed drive test, as far as the robot's report and the numbers of the test say."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from stepbot.robot.model import Robot
+
+from .results import Grip, Loss
+
+_REMEDIES = {
+    "overshoot": "raise kv, lower kp, or let stepbot compute both: `gains: auto`",
+    "angle error": "raise kp, or the joint's effort limit if the motor is at it",
+    "travel error": "raise kp, or the joint's effort limit if the motor is at it",
+    "angle drift": "raise kv, or lower kp: the joint does not come to rest",
+    "travel drift": "raise kv, or lower kp: the joint does not come to rest",
+    "loop opening": "lower the efforts, or shorten the time step in the sidecar: `simulation: {timestep: 0.5 ms}`",
+    "energy gain": "shorten the time step, or look for tiny masses and inertias behind large ones",
+    "penetration": "give the colliding links collision shapes with faces, not edges",
+    "tilt": "lower the centre of mass, or move the wheels or casters apart",
+    "tilt at rest": "check the home pose: all feet are to be on the floor",
+    "sinking": "raise kp of the legs' actuators",
+    "tilt after push": "raise kp and kv of the legs' actuators, or spread the legs in the home pose",
+}
+_REMEDY = "see the test in docs/drive.md; draw its curves with --plots"
+_HOLLOW = ("auto", "decompose", "given")
+"""Rules of collision shapes that keep links hollow, or that are not stepbot's."""
+_STRONG = 0.9
+"""Effort, relative to its limit, from which a larger kp gains nothing."""
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What the report of a robot says about remedies."""
+
+    computed: frozenset[str] = frozenset()
+    """Joints whose motors have `gains: auto`."""
+    filled: frozenset[str] = frozenset()
+    """Links whose collision shapes may fill hollows."""
+    light: frozenset[str] = frozenset()
+    """Joints with motors and without armature."""
+
+
+def facts_of(document: Mapping[str, Any], robot: Robot) -> Facts:
+    """The facts of a report.
+
+    Args:
+        document: The parsed ``report.json``.
+        robot: Its robot.
+    """
+    actuators = document["robot"]["actuators"]
+    shapes = document.get("collision_shapes", [])
+    driven = {one["joint"] for one in actuators}
+    return Facts(
+        frozenset(one["joint"] for one in actuators if one.get("computed") is not None),
+        frozenset(one["link"] for one in shapes if one["rule"] not in _HOLLOW),
+        frozenset(j.name for j in robot.joints if j.name in driven and not j.dynamics.armature),
+    )
+
+
+def remedy(quantity: str) -> str:
+    """What usually helps if a quantity is beyond its limit."""
+    return _REMEDIES.get(quantity, _REMEDY)
+
+
+def fate(grip: Grip) -> str:
+    """What became of a cube that was lost."""
+    cube = f"the cube of {1e3 * grip.edge:.0f} mm"
+    if grip.loss is Loss.PUSHED:
+        return f"{cube} was pushed out of the grip of '{grip.joint}' before it got its weight"
+    if grip.loss is Loss.FREE:
+        return f"{cube} fell freely as it got its weight: '{grip.joint}' did not hold it"
+    return f"{cube} slipped out of the grip of '{grip.joint}' and fell, {grip.seconds:.2f} s after it got its weight"
+
+
+def grip_remedies(grip: Grip, facts: Facts, *, gains: bool) -> Iterator[str]:
+    """What can be done about a cube that was lost, or that slipped.
+
+    Args:
+        grip: What became of the cube.
+        facts: What the report says.
+        gains: Whether the motor has the gains of the file, as in MuJoCo; URDF has none.
+    """
+    if grip.loss is Loss.FREE:
+        yield "check the direction and the limits of the joint: the gap has to close to less than the cube"
+    if grip.loss is Loss.PUSHED:
+        yield "let the faces that close be parallel where the cube is between them"
+    if gains and (grip.effort is None or grip.effort < _STRONG):
+        yield from _stiffer(grip, facts)
+    elif grip.effort is not None:
+        yield "raise the effort limit of the joint: the motor presses with all of it"
+    if filled := sorted(facts.filled & grip.links):
+        yield f"give hollow jaws `collision: auto`: {', '.join(filled)}"
+
+
+def _stiffer(grip: Grip, facts: Facts) -> Iterator[str]:
+    """What makes a position motor press harder: its effort is kp times the way to its target."""
+    share = "" if grip.effort is None else f", {100.0 * grip.effort:.0f} % of its effort limit"
+    yield f"raise kp, or let the joint close further: kp times the rest of its range presses on the cube{share}"
+    computed = grip.joint in facts.computed
+    if grip.joint in facts.light:
+        follow = ", which `gains: auto` follows" if computed else ", without which MuJoCo's contacts are soft"
+        yield f"state the inertia of the motor's rotor at the joint, `dynamics: {{armature: ...}}`{follow}"
+    if computed:
+        yield "`gains: auto` sets kp: write `kp` and `kv` in its place"
