@@ -1,6 +1,6 @@
 """Stops found by `init` by collision, against the drawing of a robot."""
 
-from math import radians
+from math import degrees, radians
 from pathlib import Path
 
 import pytest
@@ -24,5 +24,5 @@ def test_jaw_stops_where_its_pads_meet(tmp_path: Path) -> None:
     assert closed.parts == ("gripper_body/pad", "jaw/pad")
     assert opened.position * closed.position < 0.0
     text = sidecar_text(draft, "desk_arm.step")
-    assert f"# stop found by collision at {closed.position:.10g} rad: 'gripper_body/pad' and 'jaw/pad'" in text
+    assert f"# stop found by collision at {degrees(closed.position):.2f} deg: 'gripper_body/pad' and 'jaw/pad'" in text
     assert text.count("    limits: todo\n") == len(draft.joints)

@@ -11,7 +11,7 @@ from stepbot.sidecar.starter import scalar
 from .draft import Alternative, DraftClosure, DraftConnection, DraftJoint, FoundStop
 from .draft_names import DraftNames
 from .origin_text import alternative_origin, origin_text
-from .yaml_lines import angle, axis, comment, flow, lengths, millimetres, number
+from .yaml_lines import angle, axis, comment, flow, lengths, millimetres, number, position
 
 Entries = list[tuple[str, str]]
 
@@ -133,7 +133,7 @@ def _evidence(one: DraftConnection) -> list[str]:
 
 
 def _stop_text(joint: DraftJoint, stop: FoundStop) -> str:
-    at = millimetres(stop.position) if joint.type is JointKind.PRISMATIC else f"{number(stop.position)} rad"
+    at = position(stop.position, slides=joint.type is JointKind.PRISMATIC)
     return f"stop found by collision at {at}: '{stop.parts[0]}' and '{stop.parts[1]}'; a limit may be closer"
 
 

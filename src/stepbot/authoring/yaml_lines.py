@@ -29,6 +29,12 @@ def angle(radians: float) -> str:
     return f"{number(rounded)} deg" if rounded else "0"
 
 
+def position(value: float, *, slides: bool) -> str:
+    """A position of a joint for a comment: of a slide to a micrometre, else to a hundredth of a degree."""
+    rounded = round(value * 1e3, 3) if slides else round(degrees(value), 2)
+    return f"{number(rounded)} {'mm' if slides else 'deg'}"
+
+
 def lengths(point: Vector3) -> str:
     """A point in millimetres: ``[0, 0, 12.5 mm]``."""
     return f"[{', '.join(map(millimetres, point))}]"

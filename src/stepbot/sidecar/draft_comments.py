@@ -3,13 +3,14 @@
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from math import isfinite
+from math import isfinite, radians
 
 _EVIDENCE = re.compile(r" *# (score \d|limits: |stop found by collision |stops: |REVIEW: )")
 _CONTINUED = re.compile(r" *#   \S")
 _REVIEW = re.compile(r" *# REVIEW: (.*)")
 _STOP = re.compile(r" *# stop found by collision at (.*)")
-_POSITION = re.compile(r"(\S+) (rad|mm): (.*?)(?:; a limit may be closer)?$")
+_POSITION = re.compile(r"(\S+) (deg|rad|mm): (.*?)(?:; a limit may be closer)?$")
+_UNITS = {"deg": radians(1.0), "rad": 1.0, "mm": 1e-3}
 _SCORE = re.compile(r" *# score \d")
 _ENTRY = re.compile(r"  (\S.*?):(?: .*)?$")
 
@@ -53,7 +54,7 @@ def drafted_stops(text: str) -> dict[str, tuple[DraftedStop, ...]]:
     """The stops of each joint that still has its score from the draft, in the order of their comments."""
     return {
         name: tuple(
-            DraftedStop(float(found[1]) * (1e-3 if found[2] == "mm" else 1.0), found[3])
+            DraftedStop(float(found[1]) * _UNITS[found[2]], found[3])
             for stop in _texts(written, _STOP)
             if (found := _POSITION.match(stop)) and _is_number(found[1])
         )

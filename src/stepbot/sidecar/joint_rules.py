@@ -1,13 +1,14 @@
 """Check the keys of joints by joint type: valid and required keys, units, and order of limits."""
 
 from collections.abc import Iterable
-from math import inf, pi
+from math import degrees, inf, pi
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import JointKind
 
 from .document import JointSection
+from .draft_comments import DraftedStop, drafted_stops
 from .joint_settings import ONE_FREEDOM, Setting, joint_settings, position_dimension, settings_of
 from .located import Sidecar
 from .quantities import JointValue
@@ -39,10 +40,12 @@ _TOLERANCE = 1e-9
 
 def check_joints(sidecar: Sidecar, found: Diagnostics) -> None:
     """Report, joint by joint, SB121, SB125, SB137, SB455 to SB457, SB462 and SB463."""
+    stops = drafted_stops(sidecar.text)
     for name, joint in sidecar.document.joints.items():
         settings = joint_settings(sidecar.document, name)
         _check_keys(sidecar, name, joint, settings, found)
         if "lower" in settings_of(joint.type):
+            _check_placeholder(sidecar, name, joint, settings, stops.get(name, ()), found)
             _check_limits(sidecar, name, joint, settings, found)
         if joint.type is JointKind.UNIVERSAL and joint.axis2 is not None:
             _check_second_axis(sidecar, name, joint, found)
@@ -84,12 +87,7 @@ def _check_limits(
     lower, upper = settings.get("lower"), settings.get("upper")
     who = f"joint '{name}'"
     missing = [field for field in ("lower", "upper") if field not in settings]
-    if joint.limits == "todo":
-        if missing:
-            message = f"{who}: placeholder `limits: todo`: no {' or '.join(missing)} limit"
-            help = [f"limits: {{lower: {_example(joint.type)[0]}, upper: {_example(joint.type)[1]}}}"]
-            found.add("SB463", message, sidecar.span("joints", name, "limits"), help=help)
-    elif joint.type in _NEED_LIMITS and missing:
+    if joint.limits != "todo" and joint.type in _NEED_LIMITS and missing:
         help = [f"limits: {{lower: {_example(joint.type)[0]}, upper: {_example(joint.type)[1]}}}"]
         if joint.type is JointKind.REVOLUTE:
             help.append("use `type: continuous` for unlimited rotation")
@@ -105,6 +103,20 @@ def _check_limits(
         _report_swapped(sidecar, who, lower, upper, found)
     else:
         _check_assembled_position(sidecar, name, joint, lower, upper, found)
+
+
+def _check_placeholder(
+    sidecar: Sidecar,
+    name: str,
+    joint: JointSection,
+    settings: dict[str, Setting],
+    stops: Iterable[DraftedStop],
+    found: Diagnostics,
+) -> None:
+    missing = [field for field in ("lower", "upper") if field not in settings]
+    if joint.limits == "todo" and missing:
+        message = f"joint '{name}': placeholder `limits: todo`: no {' or '.join(missing)} limit"
+        found.add("SB463", message, sidecar.span("joints", name, "limits"), help=_remedies(joint.type, stops))
 
 
 def _report_swapped(sidecar: Sidecar, who: str, lower: Setting, upper: Setting, found: Diagnostics) -> None:
@@ -169,3 +181,23 @@ def _check_second_axis(sidecar: Sidecar, name: str, joint: JointSection, found: 
 
 def _example(kind: JointKind) -> tuple[str, str]:
     return ("-90 deg", "90 deg") if kind is JointKind.REVOLUTE else ("0", "40 mm")
+
+
+def _remedies(kind: JointKind, stops: Iterable[DraftedStop]) -> list[str]:
+    """Limits to write: the stops that `init` found in either direction, else an example."""
+    slides = kind is JointKind.PRISMATIC
+    positions = [stop.position for stop in stops]
+    found = {
+        "lower": max((q for q in positions if q < 0.0), default=None),
+        "upper": min((q for q in positions if q > 0.0), default=None),
+    }
+    values = [
+        example if (q := found[key]) is None else f"{q * 1e3:.6g} mm" if slides else f"{degrees(q):.6g} deg"
+        for key, example in zip(found, _example(kind), strict=True)
+    ]
+    remedies = [f"limits: {{lower: {values[0]}, upper: {values[1]}}}"]
+    known = [key for key, q in found.items() if q is not None]
+    if known:
+        words = f"{' and '.join(known)} {'are stops' if len(known) > 1 else 'is a stop'}"
+        remedies.append(f"{words} that `init` found by collision; a limit may be closer")
+    return remedies

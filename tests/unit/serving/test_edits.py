@@ -1,5 +1,6 @@
 """What a page may ask an editor for."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -216,6 +217,7 @@ def test_stops_of_the_draft() -> None:
     """Positions and parts are read from the comments; they follow the axis: mirrored with it, gone with another one."""
     both = (DraftedStop(-3.9652, "'base/a' and 'a long name/b'"), DraftedStop(0.7001, "'c' and 'd'"))
     assert drafted_stops(STOPS) == {"turn": both}
+    assert drafted_stops(STOPS.replace("0.7001 rad", "45 deg"))["turn"][1].position == pytest.approx(math.pi / 4)
     slide = STOPS.replace("0.7001 rad", "12.5 mm").replace("type: revolute", "type: prismatic")
     assert drafted_stops(slide)["turn"][1] == DraftedStop(0.0125, "'c' and 'd'")
     assert drafted_stops(STOPS.replace("0.7001 rad", "once rad"))["turn"] == both[:1]

@@ -212,6 +212,43 @@ def test_defaults_fill_limits_that_are_to_do() -> None:
     assert codes(text + "joint_defaults: {'*': {limits: {lower: -1, upper: 1}}}\n") == []
 
 
+@pytest.mark.parametrize(
+    ("kind", "stops", "remedies"),
+    [
+        ("revolute", (), ("limits: {lower: -90 deg, upper: 90 deg}",)),
+        (
+            "revolute",
+            ("-88.17 deg", "219.3 deg"),
+            (
+                "limits: {lower: -88.17 deg, upper: 219.3 deg}",
+                "lower and upper are stops that `init` found by collision; a limit may be closer",
+            ),
+        ),
+        (
+            "prismatic",
+            ("12.5 mm",),
+            (
+                "limits: {lower: 0, upper: 12.5 mm}",
+                "upper is a stop that `init` found by collision; a limit may be closer",
+            ),
+        ),
+    ],
+)
+def test_limits_that_are_to_do_name_the_stops_of_the_draft(
+    kind: str, stops: tuple[str, ...], remedies: tuple[str, ...]
+) -> None:
+    """The remedy has the stops in the comments of the draft, where there are any."""
+    comments = "".join(f"  # stop found by collision at {at}: 'a' and 'b'; a limit may be closer\n" for at in stops)
+    joint = f"  # score 0.95: m\n{comments}  turn:\n    {{type: {kind}, parent: base, child: arm, limits: todo}}\n"
+    text = f"version: 1\nrobot: r\nstep: r.step\nlinks: {{base: {{rest: true}}, arm: {{parts: [a]}}}}\njoints:\n{joint}"
+    found = Diagnostics()
+    sidecar = parse_sidecar(text, Path("r.robot.yaml"), found)
+    assert sidecar is not None
+    check_sidecar(sidecar, found)
+    (placeholder,) = (one for one in found if one.code == "SB463")
+    assert placeholder.help == remedies
+
+
 def test_error_in_a_default_is_reported_at_the_default() -> None:
     """Swapped limits of a default are reported at the default."""
     text = JOINT.format(elbow="type: revolute", wrist=TURNS) + "joint_defaults: {'*': {limits: {lower: 2, upper: 1}}}\n"

@@ -24,6 +24,7 @@ from ..draft import (
 )
 from ..inference import infer_mechanism
 from ..link_claims import LinkClaims
+from ..yaml_lines import position
 from .assignment import Assignment, assign
 from .lines import Lines, distinct
 from .placement import Placement, find_placement
@@ -115,8 +116,10 @@ class _Drafting:
         X_WJ = self._placement.poses[joint.parent] @ joint.X_PC
         confidence, review = self._evidence(child, joint, X_WJ)
         q, limits = self._placement.q.get(child, 0.0), _limits(joint)
+        slides = joint.kind is JointKind.PRISMATIC
         if limits is not None and not limits.lower <= q <= limits.upper:
-            review = f"drawn at {q:.6g}, outside of the described limits {limits.lower:.6g} to {limits.upper:.6g}"
+            q_drawn, *ends = (position(value, slides=slides) for value in (q, limits.lower, limits.upper))
+            review = f"drawn at {q_drawn}, outside of the described limits {' to '.join(ends)}"
             limits = None
         is_universal = joint.kind is JointKind.UNIVERSAL
         has_axis = joint.kind not in (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
