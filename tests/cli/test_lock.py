@@ -2,6 +2,8 @@
 
 import json
 import os
+import re
+import shlex
 import shutil
 import stat
 from pathlib import Path
@@ -236,6 +238,19 @@ def test_fix_rewrites_names_alone(lever: Revision, stepbot: Stepbot) -> None:
     assert "-  arm: {parts: [beam,   'motor' ]}   # drives it, motor" in run.out
     assert "+  arm: {parts: [beam,   'XL 430' ]}   # drives it, motor" in run.out
     assert findings(stepbot) == []
+
+
+def test_the_remedy_of_a_renamed_part_runs_as_printed(lever: Revision, stepbot: Stepbot) -> None:
+    """The command names the revised STEP and the sidecar with their folders, and repairs the sidecar."""
+    Path("new files").mkdir()
+    lever.rename({"motor": "XL430", "motor:1": "XL430:1"}).write(Path("new files/lever.step"))
+    sidecar = str(Path("lever.robot.yaml").resolve())
+    run = stepbot("check", "--step", "new files/lever.step", sidecar)
+    assert (run.code, "SB310" in run.out) == (1, True)
+    printed = re.search(r"= help: `stepbot (.*)` replaces the path", run.out)
+    assert printed is not None
+    assert stepbot(*shlex.split(printed[1])).code == 0
+    assert "XL430" in Path("lever.robot.yaml").read_text(encoding="utf-8")
 
 
 def test_fix_leaves_probable_renamings_alone(lever: Revision, stepbot: Stepbot) -> None:

@@ -168,7 +168,10 @@ def _warn_of_uniform_density(binder: Binder, found: tuple[MaterialAssignment, ..
             "SB502",
             f"{assembly.source}: all {len(definitions)} parts have a density of {density}: probably a CAD default",
             binder.span(("step_density",)),
-            help=("write `step_density: ignore` and `defaults: {material: ...}`, with exceptions in `parts`",),
+            help=(
+                "write `step_density: ignore` and the density of most parts, with exceptions in `parts`; for PLA "
+                "`defaults: {density: 1240 kg/m^3}`",
+            ),
         )
 
 

@@ -4,18 +4,15 @@ Lines are drawn four times as large and averaged, so that they are smooth; text 
 comes with Pillow, so that a picture does not depend on the fonts of a machine.
 """
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from math import hypot
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .anchors import Place
-
-if TYPE_CHECKING:
-    pass
 
 Color = tuple[int, int, int]
 
@@ -23,6 +20,8 @@ _FINER = 4
 _PAPER: Color = (246, 246, 247)
 _HALO = 2
 _ELLIPSIS = "..."
+_TAILS = (0.4, 0.6, 0.8, 0.2)
+"""Shares of the end of a shortened name, until no other name looks the same."""
 _MISSING = "\uffff"
 """A character that no font has."""
 
@@ -90,14 +89,30 @@ class Drawing:
         """Width of a text [px]."""
         return float(self._font.getlength(self.legible(text)))
 
-    def shortened(self, text: str, width: float) -> str:
-        """``text`` in ``width`` pixels, with an ellipsis for its middle: the end often has a number."""
+    def shortened_names(self, widths: Mapping[str, float]) -> dict[str, str]:
+        """Each name within its width [px]; names that would look the same keep more or less of their ends."""
+        shown: dict[str, str] = {}
+        left = dict(widths)
+        for share in _TAILS:
+            shown |= {name: self.shortened(name, width, share) for name, width in left.items()}
+            count = Counter(shown.values())
+            left = {name: width for name, width in widths.items() if count[shown[name]] > 1}
+        return shown
+
+    def shortened(self, text: str, width: float, tail_share: float = 0.4) -> str:
+        """``text`` in ``width`` pixels, with an ellipsis for its middle: the end often has a number.
+
+        Args:
+            text: The text.
+            width: [px].
+            tail_share: Share of the end in the characters that are kept.
+        """
         text = self.legible(text)
         kept = len(text)
         shown = text
         while kept and self.width_of(shown) > width:
             kept -= 1
-            tail = kept * 2 // 5
+            tail = int(kept * tail_share)
             shown = f"{text[: kept - tail].rstrip()}{_ELLIPSIS}{text[len(text) - tail :].lstrip()}"
         return shown
 

@@ -23,6 +23,8 @@ _LINK_COLOR: Color = (38, 42, 48)
 _LEADER: Color = (84, 88, 95)
 _GAP = 14.0
 """Between a label and its leader line, and between labels and the picture's edge [px]."""
+_INSET = 0.4
+"""Between a leader line and its text, relative to the size of the text."""
 _WIDEST_COLUMN = 0.24
 """Share of the picture's width that a column of labels may take."""
 
@@ -124,8 +126,14 @@ def _label(
         pitch=1.45 * size,
     )
     kept = _most_important(wanted, columns.capacity, visible, found, subject)
-    for label in placed(kept, columns):
-        _draw_label(drawing, label, columns, size, sheet.width)
+    labels = placed(kept, columns)
+    rooms: dict[str, float] = {}
+    for label in labels:
+        room = _room(label, columns, size, sheet.width)
+        rooms[label.label.text] = min(room, rooms.get(label.label.text, room))
+    shown = drawing.shortened_names(rooms)
+    for label in labels:
+        _draw_label(drawing, label, shown[label.label.text], columns, size)
     texts = {label.text for label in kept}
     return tuple(label.text for label in wanted if label.text not in texts)
 
@@ -155,7 +163,12 @@ def _most_important(
     return [label for label in labels if id(label) in kept]
 
 
-def _draw_label(drawing: Drawing, label: Placed, columns: Columns, size: float, width: int) -> None:
+def _room(label: Placed, columns: Columns, size: float, width: int) -> float:
+    """Width [px] of the text of a label."""
+    return (columns.left if label.on_left else width - columns.right) - _INSET * size - 0.4 * _GAP
+
+
+def _draw_label(drawing: Drawing, label: Placed, text: str, columns: Columns, size: float) -> None:
     wanted, joint = label.label, label.label.kind == "joint"
     x = columns.left if label.on_left else columns.right
     outward = -1.0 if label.on_left else 1.0
@@ -167,10 +180,7 @@ def _draw_label(drawing: Drawing, label: Placed, columns: Columns, size: float, 
     else:
         drawing.line([start, wanted.anchor], line_color, 1.2)
     drawing.dot(wanted.anchor, 0.16 * size, color, filled=not wanted.hidden)
-    inset = 0.4 * size
-    room = (x if label.on_left else width - x) - inset - 0.4 * _GAP
-    text = drawing.shortened(wanted.text, room)
-    drawing.text((x + outward * inset, label.y), text, color, anchor="rm" if label.on_left else "lm")
+    drawing.text((x + outward * _INSET * size, label.y), text, color, anchor="rm" if label.on_left else "lm")
 
 
 def _column_share(subject: Subject, sheet: Sheet) -> float:

@@ -55,7 +55,7 @@ def compared_with_lock(
     if digest and digest == lock.digest:
         return None
     compared = revised(sidecar, assembly, lock, measures(), digest)
-    compared = replace(compared, step=options.step.name if options.step is not None else "")
+    compared = replace(compared, step=options.step.as_posix() if options.step is not None else "")
     report_changes(compared, found)
     return compared
 

@@ -58,7 +58,7 @@ def _renamed(compared: Comparison, group: Group) -> tuple[str, str, list[str]]:
     help = _spelled(group)
     if all(one.replacement for one in group):
         help.insert(
-            0, f"`{compared.command('check', '--fix')}` replaces {'the path' if len(group) == 1 else 'the paths'}"
+            0, f"`{compared.local_command('check', '--fix')}` replaces {'the path' if len(group) == 1 else 'the paths'}"
         )
     return "SB310", f"{_was(compared, group)} renamed to {_new(group)} ({_evidence(compared, group)})", help
 

@@ -3,6 +3,7 @@
 import shlex
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import PurePath
 
 from stepbot.assemble.bound import Bound, bind
 from stepbot.geometry.volume import VolumeProperties
@@ -31,12 +32,17 @@ class Comparison:
     components: tuple[Component, ...]
     """The component of each part of ``new``."""
     step: str = ""
-    """Name of the STEP file given instead of the sidecar's; empty otherwise."""
+    """Path of the STEP file given instead of the sidecar's; empty otherwise."""
 
     def command(self, *words: str) -> str:
         """A command for this sidecar and STEP, by file name: reports contain no local folders."""
-        step = ("--step", self.step) if self.step else ()
+        step = ("--step", PurePath(self.step).name) if self.step else ()
         return shlex.join(["stepbot", *words, *step, self.sidecar.path.name])
+
+    def local_command(self, *words: str) -> str:
+        """The same with the paths as given, which can be run as it is; for errors, which no report contains."""
+        step = ("--step", self.step) if self.step else ()
+        return shlex.join(["stepbot", *words, *step, self.sidecar.path.as_posix()])
 
     def place_of(self, part: int) -> Keys:
         """How the sidecar binds a part of ``new``: the path, `rest`, or the links if it is unbound."""

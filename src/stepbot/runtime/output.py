@@ -22,6 +22,7 @@ from typing import Any, NamedTuple, NoReturn
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .folder_lock import LOCK, FolderInUse, locked
+from .foreign_files import foreign_files
 from .output_list import (
     MANIFEST,
     STAGING,
@@ -209,6 +210,7 @@ def _write(files: Mapping[str, bytes], folder: Path, lists: _Lists, made: list[P
     try:
         _check_case(files, staging, folder)
         _check_others(lists, folder)
+        _check_foreign(files, lists, folder)
         _replace(files, folder, staging, lists, made)
     finally:
         shutil.rmtree(staging, ignore_errors=True)
@@ -355,6 +357,14 @@ def _check_others(lists: _Lists, folder: Path) -> None:
         if lost:
             message = f"mesh '{lost[0]}' would overwrite a different mesh of '{name}'"
             _refuse(folder, message, f"give each robot its own folder with -o, or remove '{name}'")
+
+
+def _check_foreign(files: Mapping[str, bytes], lists: _Lists, folder: Path) -> None:
+    foreign = foreign_files(files, folder, lists.before)
+    if foreign:
+        more = f", nor {len(foreign) - 1} more that would be overwritten" if len(foreign) > 1 else ""
+        message = f"'{foreign[0]}' exists, and stepbot has not written it{more}"
+        _refuse(folder, message, "choose another folder with -o, or move or remove the file")
 
 
 def _of_others(own: Iterable[str], before: Manifest, folder: Path) -> Manifest:

@@ -9,6 +9,7 @@ from stepbot.robot.sensors import SensorKind
 from .devices import SensorSection
 from .document import AutoOrigin, Document, Origin
 from .located import Sidecar
+from .remedies import quoted
 from .subjects import subject
 from .tree import Keys
 
@@ -16,6 +17,8 @@ _MOST_LISTED = 12
 
 _WITH_PATH = ("joints", "closures", "root", "defaults", "excluded_contacts")
 """Sections with several references in one element."""
+_USERS = ("joints", "closures", "frames", "sensors")
+"""Sections whose elements may be left over when a link is removed."""
 _ON_JOINTS = (SensorKind.JOINT, SensorKind.FORCE_TORQUE)
 _ON_LINKS = tuple(kind for kind in SensorKind if kind is not SensorKind.JOINT)
 
@@ -54,10 +57,24 @@ def _check_links(sidecar: Sidecar, found: Diagnostics) -> None:
     for keys, link in named:
         if link is None or link in document.links:
             continue
-        help = _candidates(link, document.links, "links")
+        help = _candidates(link, [name for name in document.links if name != _other_end(keys, document)], "links")
+        if keys[0] in _USERS:
+            help = (*help, f"or define link '{link}', or remove {subject(keys[:2])}")
         if link == "world":
             help = ("the world is not a link; `base: fixed` fixes the root link to the world",)
         found.add("SB130", f"{_user(keys)}: unknown link '{link}'", sidecar.span(*keys), help=help)
+
+
+def _other_end(keys: Keys, document: Document) -> str | None:
+    """The link at the other end of the joint or closure whose link is at ``keys``: not what was meant here."""
+    section, name, *rest = keys
+    if section == "joints":
+        joint = document.joints[str(name)]
+        return joint.child if rest == ["parent"] else joint.parent
+    if section == "closures":
+        closure = document.closures[str(name)]
+        return closure.link_b if rest == ["link_a"] else closure.link_a
+    return None
 
 
 def _check_pairs(sidecar: Sidecar, found: Diagnostics) -> None:
@@ -113,6 +130,8 @@ def _check_materials(sidecar: Sidecar, found: Diagnostics) -> None:
     for keys, material in named:
         if material is not None and material not in document.materials:
             help = _candidates(material, document.materials, "materials")
+            if not any(one.startswith("did you mean") for one in help):
+                help = (*help, f"define it: `materials: {{{quoted(material)}: {{density: ...}}}}`")
             found.add("SB132", f"{_user(keys)}: unknown material '{material}'", sidecar.span(*keys), help=help)
 
 

@@ -5,11 +5,13 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.formats import FORMATS
+from stepbot.robot.step_names import is_step_name
 
 SCENES = (".drake.sdf", *(written.scene for written in FORMATS.values() if written.scene))
 """Ends of the names of files that contain the robot of a main file once more."""
 _BEGINNING = 4096
 """Number of bytes in which the first element of a file is."""
+_FROM_SIDECAR = "`stepbot convert SIDECAR` writes and verifies the descriptions; name one of these files"
 _SHOWN = 5
 """Maximum number of files that a remedy lists."""
 
@@ -40,10 +42,19 @@ def _is_robot(path: Path) -> bool:
 
 
 def is_robot_file(path: Path, found: Diagnostics) -> bool:
-    """Whether a path is a file; otherwise SB001 with the robot files in the folder, or beside the missing file."""
-    if path.is_file():
-        return True
+    """Whether a path is a file that may be a robot description.
+
+    Args:
+        path: The path.
+        found: Receives SB001 with the robot files in the folder, or beside the missing file; SB814 for a sidecar or
+            STEP.
+    """
     span = Span(path.as_posix())
+    if path.is_file():
+        source = "a sidecar" if path.suffix in (".yaml", ".yml") else "a STEP file" if is_step_name(path.name) else ""
+        if source:
+            found.add("SB814", f"{source}, not a robot description", span, help=[_FROM_SIDECAR])
+        return not source
     if path.is_dir():
         inside = _listed(main_files(path))
         help = f"use a file in it: {inside}" if inside else "it contains no robot file; `stepbot convert` writes them"

@@ -118,6 +118,19 @@ def test_a_long_name_loses_its_middle() -> None:
     assert drawing.shortened("short", 100.0) == "short"
 
 
+def test_long_names_stay_distinct() -> None:
+    """Names that differ in the part that would be left out keep it; one that no share tells apart is shortened, too."""
+    drawing = Drawing(np.zeros((1, 1, 3), dtype=np.uint8), 12)
+    names = ["Follower_Gripper_Static_Part_joint", "Follower_Gripper_Moving_Part_joint", "Follower_Base", "a" * 50]
+    shown = drawing.shortened_names(dict.fromkeys(names, 130.0))
+    assert shown["Follower_Base"] == "Follower_Base"
+    assert len(set(shown.values())) == 4
+    assert all("..." in shown[name] for name in names if name != "Follower_Base")
+    assert all(drawing.width_of(text) <= 130.0 for text in shown.values())
+    alike = drawing.shortened_names({f"{'x' * 40}{number}{'x' * 40}": 100.0 for number in (1, 2)})
+    assert len(set(alike.values())) == 1
+
+
 def test_the_place_of_a_name_is_inside_its_outline() -> None:
     """For an L, whose centroid is outside of it, too."""
     visible = np.full((40, 40), -1, dtype=np.int32)

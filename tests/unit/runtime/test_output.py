@@ -94,10 +94,44 @@ def test_robots_in_one_folder_do_not_change_each_others_meshes(tmp_path: Path) -
 @pytest.mark.parametrize("text", ["", "{", "[]", '{"files": 3}', '{"files": {"arm.urdf": ["meshes/b.obj"]}}'])
 def test_unreadable_list_removes_nothing(tmp_path: Path, text: str) -> None:
     """With a broken file list no file is removed."""
-    write_atomically(ARM, tmp_path)
+    write_atomically({**ARM, "arm.urdf": b"<!-- Written by stepbot -->"}, tmp_path)
     (tmp_path / MANIFEST).write_text(text, encoding="utf-8")
     write_atomically({"arm.urdf": b"2", "meshes/a.obj": b"a"}, tmp_path)
     assert "meshes/b.obj" in contents(tmp_path)
+
+
+@pytest.mark.parametrize("path", ["arm.urdf", "meshes/a.obj", "package.xml"])
+@pytest.mark.parametrize("is_listed", [False, True], ids=["new folder", "folder of another robot"])
+def test_files_that_stepbot_has_not_written_are_kept(tmp_path: Path, path: str, *, is_listed: bool) -> None:
+    """A file by hand under the name of a new one is an error and stays; the same content is no conflict."""
+    if is_listed:
+        write_atomically({"leg.urdf": b"leg"}, tmp_path)
+    (tmp_path / "meshes").mkdir()
+    (tmp_path / path).write_bytes(b"by hand")
+    before = contents(tmp_path)
+    files = {**ARM, "package.xml": b"<package/>"}
+    with pytest.raises(StepbotError, match=f"'{path}' exists, and stepbot has not written it") as error:
+        write_atomically(files, tmp_path)
+    assert codes(error.value) == ["SB004"]
+    assert contents(tmp_path) == before
+    (tmp_path / path).write_bytes(files[path])
+    write_atomically(files, tmp_path)
+    assert contents(tmp_path) == {**before, **files}
+
+
+def test_folder_that_has_lost_its_list(tmp_path: Path) -> None:
+    """Marked files of stepbot are replaced, with their meshes; one by hand beside them is kept."""
+    marked = {name: b"<!-- Written by stepbot -->" + name.encode() for name in ("arm.urdf", "arm.xml")}
+    write_atomically({**ARM, **marked}, tmp_path)
+    (tmp_path / MANIFEST).unlink()
+    newer = {name: content + b"2" for name, content in {**ARM, **marked}.items()}
+    write_atomically(newer, tmp_path)
+    assert contents(tmp_path) == newer
+    (tmp_path / MANIFEST).unlink()
+    (tmp_path / "arm.xml").write_bytes(b"by hand")
+    with pytest.raises(StepbotError, match=r"'arm\.xml' exists"):
+        write_atomically({**ARM, **marked}, tmp_path)
+    assert contents(tmp_path) == {**newer, "arm.xml": b"by hand"}
 
 
 def test_list_cannot_name_files_elsewhere(tmp_path: Path) -> None:

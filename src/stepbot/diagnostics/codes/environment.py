@@ -34,9 +34,9 @@ CODES = (
         "SB004",
         "error",
         "output not writable",
-        "The output folder, or a file in it, cannot be written.",
-        "Nothing was changed: stepbot writes all files or none.",
-        "Grant write permission, or choose another folder, with `-o` where the command has it.",
+        "The output folder, or a file in it, cannot be written, or a file that stepbot has not written is in the way.",
+        "Nothing was changed: stepbot writes all files or none, and replaces its own files alone.",
+        "Grant write permission, move the file away, or choose another folder, with `-o` where the command has it.",
         could_not_run=True,
     ),
     Code(

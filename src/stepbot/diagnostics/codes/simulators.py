@@ -4,8 +4,8 @@ from .code import Code
 
 _WHY = "A simulation with this file simulates a different robot than the one modelled in CAD."
 _OURS = (
-    "If stepbot wrote the file, please report a bug with the sidecar and the STEP file. The rejected file is kept for "
-    "inspection. If the file was edited after writing, convert again."
+    "After `convert`, please report a bug with the sidecar and the STEP file; `OUT.failed` has the rejected files. After "
+    "`verify`, the file was edited, or describes another robot than the file that it is compared with: convert again."
 )
 
 CODES: tuple[Code, ...] = (

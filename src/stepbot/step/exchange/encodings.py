@@ -67,7 +67,8 @@ def check_encoding(data: Text, declared: str, place: str, found: Diagnostics) ->
         f"names are neither ASCII nor UTF-8; decoded as Western European ({FALLBACK})",
         span,
         help=[
-            "declare their code page: `--encoding cp1251`, or `step_encoding: cp1251` in the sidecar",
+            f"declare the code page that reads right, {FALLBACK} too: `--encoding CODEPAGE`, or "
+            "`step_encoding: CODEPAGE` in the sidecar",
             "or export with UTF-8 or with \\X2\\ escapes",
         ],
         notes=_readings(data),
