@@ -14,10 +14,14 @@ from stepbot.robot.actuators import actuator_limit
 from stepbot.robot.kinematics import TURNING, link_poses, mimic_relation, rigid_bodies
 from stepbot.robot.model import ActuatorKind, Base, Joint, JointKind, Robot
 from stepbot.robot.multi_dof import ball_coordinates, unfolded
-from stepbot.robot.posing import posed
+from stepbot.robot.posing import NotReached, posed
 
 _LEVEL = 0.1
 """Cosine of the angle between an axle and the vertical up to which the axle counts as horizontal."""
+_NUDGE = 0.01
+"""Motion [rad] or [m] of a motor by which the joints that it moves are found."""
+_STILL = 1e-5
+"""Motion [rad] or [m] of a joint that does not move with it."""
 _FEWEST_LIMBS = 2
 _FEWEST_ROLLERS = 3
 
@@ -136,7 +140,8 @@ def limbs_of(mechanism: Mechanism) -> tuple[str, ...]:
 def finger_candidates(mechanism: Mechanism) -> tuple[Fingers, ...]:
     """Pairs of links that may be fingers: both at the end of the tree, moved in opposite ways on one hand.
 
-    Either one motor moves both, by a mimic, or two motors with equal limits on the same hand move one each.
+    Either one motor moves both, by a mimic, or two motors with equal limits on the same hand move one each; or a motor
+    without such a pair moves both through closed loops, as a crank two jaws on one guide.
     """
     robot = mechanism.robot
     rigid = rigid_bodies(robot.root.name, robot.joints)
@@ -158,7 +163,40 @@ def finger_candidates(mechanism: Mechanism) -> tuple[Fingers, ...]:
         if alike and bounded and _is_tip(one.child, tips, rigid) and _is_tip(other.child, tips, rigid):
             names = (first.name, second.name)
             found.update(dict.fromkeys(_pairs(names, one, other, tips, rigid, one.parent)))
+    paired = {name for fingers in found for name in fingers.motors}
+    for motor in drivers if robot.closures else ():
+        if motor.name not in paired:
+            found.update(dict.fromkeys(_looped_pairs(mechanism, motor, rigid)))
     return tuple(found)
+
+
+def _looped_pairs(mechanism: Mechanism, motor: Motor, rigid: Mapping[str, str]) -> Iterator[Fingers]:
+    """Pairs of links without a motor on one hand that a motor moves through closed loops.
+
+    What follows in the tree is a rod of the linkage, not the end of a finger.
+    """
+    robot, home = mechanism.robot, mechanism.home
+    driven = {one.joint for one in mechanism.motors}
+    after = _nudged(mechanism, motor)
+    passive = [joint for joint in robot.joints if joint.name not in driven and joint.mimic is None]
+    moved = [j for j in passive if abs(after.get(j.name, 0.0) - home.get(j.name, 0.0)) > _STILL and j.name in after]
+    for one, other in combinations(moved, 2):
+        if one.kind is other.kind and rigid[one.parent] == rigid[other.parent]:
+            jaw, opposite = (_together(rigid, rigid[joint.child]) for joint in (one, other))
+            yield Fingers((motor.name,), jaw, opposite, one.parent)
+
+
+def _nudged(mechanism: Mechanism, motor: Motor) -> dict[str, float]:
+    """The configuration after a small motion of a motor, in a direction that the loops allow; empty without."""
+    start = mechanism.home[motor.joint]
+    for way in (_NUDGE, -_NUDGE):
+        if not motor.limit.lower <= start + way <= motor.limit.upper:
+            continue
+        try:
+            return posed(mechanism.robot, {motor.joint: start + way})
+        except NotReached:
+            continue
+    return {}
 
 
 def jaw_candidates(mechanism: Mechanism, pairs: Iterable[Fingers]) -> tuple[Fingers, ...]:

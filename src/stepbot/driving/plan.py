@@ -28,7 +28,7 @@ def reasons(
     servo = "" if ActuatorKind.POSITION in kinds else "no position actuator"
     limited = any(isfinite(motor.limit.effort) for motor in mechanism.motors)
     moving = "" if mechanism.home else "no moving joint"
-    no_grasp = _no_grasp(survey) if mjcf else "needs the MJCF and MuJoCo, in which grasps are found"
+    no_grasp = _no_grasp(mechanism, survey) if mjcf else "needs the MJCF and MuJoCo, in which grasps are found"
     return {
         "hold": servo,
         "step": ""
@@ -57,9 +57,15 @@ def ungripped(survey: Survey) -> Mapping[str, str]:
     return {f"grip of {motor}": why for motor, why in missed if motor not in gripping}
 
 
-def _no_grasp(survey: Survey) -> str:
+def _no_grasp(mechanism: Mechanism, survey: Survey) -> str:
     if not survey.misses:
-        return "no two links that a motor closes on each other, and no link that could close on the one that carries it"
+        looped = mechanism.robot.closures
+        links = "moved by a mimic, or through loops on one link, " if looped else ""
+        single = "outside of loops " if looped else ""
+        return (
+            f"no two links {links}that a motor closes on each other, and no link {single}that could close on the one "
+            "that carries it"
+        )
     motors: dict[str, list[str]] = {}
     for motor, why in survey.misses.items():
         motors.setdefault(why, []).append(motor)

@@ -82,7 +82,10 @@ def grip_remedies(grip: Grip, facts: Facts, *, gains: bool) -> Iterator[str]:
         gains: Whether the motor has the gains of the file, as in MuJoCo; URDF has none.
     """
     if grip.loss is Loss.FREE:
-        yield "check the direction and the limits of the joint: the gap has to close to less than the cube"
+        narrowest, widest = (1e3 * gap for gap in grip.gaps)
+        yield f"check the direction and the limits of the joint: the gap closes from {widest:.0f} to {narrowest:.0f} mm"
+        if grip.gaps[0] >= grip.edge:  # whatever the force
+            return
     if grip.loss is Loss.PUSHED:
         yield "let the faces that close be parallel where the cube is between them"
     if gains and (grip.effort is None or grip.effort < _STRONG):

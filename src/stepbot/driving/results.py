@@ -38,6 +38,8 @@ class Grip:
     """The links that close on the cube."""
     edge: float
     """Edge [m] of the cube."""
+    gaps: tuple[float, float]
+    """Narrowest and widest gap [m] without the cube."""
     slip: float
     """Largest way [mm] of the cube; up to its loss."""
     effort: float | None

@@ -12,7 +12,7 @@ from stepbot.driving.stage import Stage
 from stepbot.engines.simulation import GRAVITY
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Actuator, ActuatorKind, Box, Collision, Joint, JointKind, Limit, Link
-from tests.unit.driving.workbench import ENGINES, HORIZONTAL, VERTICAL, gripper, one_joint, stage_of
+from tests.unit.driving.workbench import ENGINES, HORIZONTAL, VERTICAL, gripper, looped_gripper, one_joint, stage_of
 
 INERTIA = 0.05 + 1.0 * 0.5**2
 """Inertia [kg m^2] of the arm of ``one_joint`` about its joint."""
@@ -91,6 +91,22 @@ def test_cube_is_held_by_friction(engine: str, force: float, holds: bool, tmp_pa
     assert grasp.gaps == pytest.approx((0.0, 0.06), abs=1e-6) or grasp.gaps[1] - grasp.gaps[0] > 0.03
     slip = value(run("grip", stage), "slip")
     assert slip < 2.0 if holds else slip > 50.0
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize(("effort", "holds"), [(0.005, False), (0.3, True)])
+def test_jaws_of_a_linkage_hold_a_cube(engine: str, effort: float, holds: bool, tmp_path: Path) -> None:
+    """A crank of 20 mm with 0.3 N m presses with 7.5 N or more on each jaw; with 0.005 N m it presses less than 1 N.
+
+    The gap is that of the slider-crank, in closed form.
+    """
+    stage = stage_of(looped_gripper(effort), engine, tmp_path)
+    (grasp,) = stage.survey.grasps
+    ends = [-0.02 * sin(t) + sqrt(0.04**2 - (0.02 * cos(t)) ** 2) for t in (1.3, -1.3)]
+    assert grasp.gaps == pytest.approx([2.0 * (end - 0.0146) for end in ends], abs=1e-6)
+    (grip,) = run("grip", stage).grips
+    assert (grip.loss is None) == holds
+    assert grip.slip < 2.0 or not holds
 
 
 @pytest.mark.parametrize(("stroke", "blocked", "why"), [(0.004, False, "8.0 mm"), (0.03, True, "the open hand")])

@@ -24,7 +24,7 @@ def test_the_remedy_of_an_open_loop_is_one_that_the_sidecar_allows() -> None:
     assert "`simulation: {timestep:" in one.help[0]
 
 
-SLIPPED = Grip("close", frozenset({"jaw", "hand"}), 0.011, 23.0, 0.04, Loss.SLIPPED, 0.49)
+SLIPPED = Grip("close", frozenset({"jaw", "hand"}), 0.011, (0.003, 0.13), 23.0, 0.04, Loss.SLIPPED, 0.49)
 
 
 def judged(grip: Grip, facts: Facts, engine: str = "mujoco") -> Diagnostic:
@@ -58,6 +58,15 @@ def test_a_lost_cube_is_no_slip(loss: Loss | None, message: str) -> None:
         ("the limit: an object that slips by 2 mm in 5 s is lost in a minute",) if loss is None else ()
     )
     assert ("direction and the limits" in one.help[0]) == (loss is Loss.FREE)
+
+
+def test_jaws_that_stay_apart_need_other_limits() -> None:
+    """Where the gap stays wider than the cube, no gain helps, and the message has both ends of the gap."""
+    apart = replace(SLIPPED, loss=Loss.FREE, gaps=(0.0377, 0.052))
+    assert judged(apart, Facts(computed=frozenset({"close"}))).help == (
+        "check the direction and the limits of the joint: the gap closes from 52 to 38 mm",
+    )
+    assert len(judged(replace(apart, gaps=(0.003, 0.052)), Facts()).help) == 2
 
 
 def test_remedies_of_a_grip_are_possible() -> None:

@@ -13,7 +13,7 @@ from stepbot.engines.simulation import Cube
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointKind, Limit, Link, Robot
 from tests.robots import ROBOTS
-from tests.unit.driving.workbench import VERTICAL, body, clamp, gripper, one_joint
+from tests.unit.driving.workbench import VERTICAL, body, clamp, gripper, looped_gripper, one_joint
 
 NOTHING = Survey((), (), (), 1.0, (), {})
 
@@ -43,6 +43,24 @@ def test_fingers_are_moved_by_one_motor() -> None:
     (fingers,) = finger_candidates(mechanism_of(gripper(10.0), ()))
     assert {fingers.one, fingers.other} == {frozenset({"left"}), frozenset({"right"})}
     assert finger_candidates(mechanism_of(ROBOTS["two_link_arm"](), ())) == ()
+
+
+def test_jaws_of_a_linkage_are_fingers() -> None:
+    """Two jaws on one guide that a crank moves by rods are a pair; its rods, on different jaws, are none."""
+    (fingers,) = finger_candidates(mechanism_of(looped_gripper(1.0), ()))
+    assert {fingers.one, fingers.other} == {frozenset({"right_jaw"}), frozenset({"left_jaw"})}
+    assert (fingers.motors, fingers.hand) == (("motor",), "rail")
+    four_bar = ROBOTS["four_bar"]()
+    assert finger_candidates(mechanism_of(four_bar, ())) == ()
+
+
+def test_the_reason_for_no_grip_says_what_was_searched() -> None:
+    """In a robot with loops not every pair of links is tried."""
+    robot = ROBOTS["four_bar"]()
+    why = reasons(mechanism_of(robot, ()), NOTHING, None, (), mjcf=True)["grip"]
+    assert why.startswith("no two links moved by a mimic, or through loops on one link, that a motor closes")
+    assert "no link outside of loops" in why
+    assert "loops" not in reasons(mechanism_of(one_joint(VERTICAL), ()), NOTHING, None, (), mjcf=True)["grip"]
 
 
 def test_limbs_have_two_motors_each() -> None:

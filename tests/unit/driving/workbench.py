@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import asdict, replace
+from math import sqrt
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics
@@ -26,6 +27,7 @@ from stepbot.robot.model import (
     JointKind,
     Limit,
     Link,
+    LoopClosure,
     Mimic,
     Robot,
 )
@@ -110,6 +112,45 @@ def clamp(effort: float, *, slides: bool = False, X_BH: Pose = IDENTITY) -> Robo
     kp, kv = (2000.0, 50.0) if slides else (20.0, 0.5)
     motor = Actuator("motor", "close", ActuatorKind.POSITION, kp=kp, kv=kv)
     return Robot("clamp", (Link("base", body(1.0)), hand, jaw), joints, actuators=(motor,))
+
+
+def looped_gripper(effort: float) -> Robot:
+    """Two jaws on one guide, 40 mm apart as drawn, that a crank of 20 mm opens and closes by rods of 40 mm.
+
+    At an angle t of the crank, from its drawn one, each jaw's pin is at ``-a sin t + sqrt(l^2 - a^2 cos^2 t)`` from the
+    axis of the crank, and its face 14.6 mm further inside.
+
+    Args:
+        effort: Limit [N m] of the motor.
+    """
+    crank, rod = 0.02, 0.04
+    reach = sqrt(rod**2 - crank**2)
+    links, joints, closures = [Link("rail", body(0.5)), Link("crank", body(0.05))], [], []
+    limit = Limit(-1.3, 1.3, velocity=10.0, effort=effort)
+    along, damping = (1.0, 0.0, 0.0), JointDynamics(damping=1.0)
+    joints.append(Joint("turn", JointKind.REVOLUTE, "rail", "crank", axis=VERTICAL, limit=limit))
+    for name, side, turn in (("right", 1.0, 0.0), ("left", -1.0, 3.141592653589793)):
+        face = Collision(f"{name}_face", Box((0.01, 0.04, 0.06)), Pose.of(position=(-0.0096, 0.0, 0.13)))
+        links += [
+            Link(f"{name}_jaw", body(0.05, (0.0, 0.0, 0.13), 1e-5), collisions=(face,)),
+            Link(f"{name}_rod", body(0.01, (-0.5 * reach, 0.0, 0.0), 1e-5)),
+        ]
+        X_RJ = Pose.from_xyz_rpy((side * reach, 0.0, 0.0), (0.0, 0.0, turn))
+        guide = Limit(-0.03, 0.03)
+        joints += [
+            Joint(
+                f"{name}_guide", JointKind.PRISMATIC, "rail", f"{name}_jaw", X_RJ, along, limit=guide, dynamics=damping
+            ),
+            Joint(
+                f"{name}_pin", JointKind.REVOLUTE, f"{name}_jaw", f"{name}_rod", axis=VERTICAL, limit=Limit(-2.0, 2.0)
+            ),
+        ]
+        ends = Pose.of(position=(-reach, crank, 0.0)), Pose.of(position=(0.0, side * crank, 0.0))
+        closures.append(
+            LoopClosure(f"{name}_end", JointKind.REVOLUTE, f"{name}_rod", ends[0], "crank", ends[1], VERTICAL)
+        )
+    motor = Actuator("motor", "turn", ActuatorKind.POSITION, kp=20.0, kv=0.5)
+    return Robot("looped_gripper", tuple(links), tuple(joints), tuple(closures), actuators=(motor,))
 
 
 def files_of(robot: Robot, folder: Path) -> dict[str, Path]:

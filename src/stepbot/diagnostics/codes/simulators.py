@@ -274,6 +274,6 @@ CODES: tuple[Code, ...] = (
         "drive test does not apply",
         "A test that `--test` or the limits demand does not apply to the robot.",
         "The robot is not tested as intended.",
-        "The message has the reason. Add the actuator or limit that is missing, or remove the demand.",
+        "The message has the reason: add the actuator or limit that is missing, if one is, or remove the demand.",
     ),
 )

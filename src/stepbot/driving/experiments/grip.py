@@ -40,6 +40,7 @@ def experiment(stage: Stage) -> Result:
                 motor.joint,
                 grasp.fingers.one | grasp.fingers.other,
                 grasp.cube.edge,
+                grasp.gaps,
                 slip=0.0,
                 effort=effort if isfinite(motor.limit.effort) else None,
             )
