@@ -48,7 +48,7 @@ def _places(sidecar: Sidecar) -> dict[str, Span]:
     document = sidecar.document
     sections = ("links", "joints", "closures", "frames", "actuators", "sensors")
     keys = [(section, name) for section in sections for name in getattr(document, section)]
-    places = {subject(key): sidecar.key_span(*key) for key in keys}
+    places = {subject(key): sidecar.key_span(*key) for key in keys} | {"step": sidecar.span("step")}
     for link in document.links:
         for key in ("inertial", "collision"):
             places[f"{subject(('links', link))}: {key}"] = sidecar.key_span("links", link, key)

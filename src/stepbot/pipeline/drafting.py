@@ -19,6 +19,7 @@ from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
 from stepbot.step.exchange.mechanisms import Mechanism, has_mechanism, read_mechanism
 from stepbot.step.exchange.part21 import check_step
 
+from .assembly_scale import report_large_assembly
 from .conversion import Options
 from .describing import read_description
 from .loading import Loading
@@ -62,6 +63,7 @@ def draft_step(step: Path, options: Options, description: Path | None = None, as
             assembly = loading.assembly(found)
             mechanism = _mechanism(step, options)
         found.raise_if_errors()
+        report_large_assembly(assembly, found)
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Drafting(found)

@@ -190,6 +190,10 @@ def inspect(path: Path, options: Options) -> Inspection:
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Inspection(found, None)
+    if assembly is not None:
+        from .assembly_scale import report_large_assembly
+
+        report_large_assembly(assembly, found)
     links = {} if sidecar is None or found.has_errors or assembly is None else link_components(assembly, sidecar, found)
     return Inspection(found, assembly, measures, links)
 

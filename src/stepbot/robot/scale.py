@@ -16,25 +16,40 @@ LARGEST = 20.0
 LIGHTEST = 1e-3
 """Mass [kg] below which the unit is questionable."""
 
+_OTHER_UNIT = "if it was drawn in another unit, export it again with that unit"
+
 _Extent = tuple[Vector3, Vector3]
 
 
-def check_scale(robot: Robot, report: Callable[..., None], unit: str) -> None:
+def check_scale(robot: Robot, report: Callable[..., None], unit: str, *, massless: bool = False) -> None:
     """Report SB420, a robot of tens of metres, and SB510, one of milligrams: drawn in another unit than declared.
 
     Primitive collision shapes have their dimensions from elsewhere, so that a size due to them is no doubt of the unit.
+
+    Args:
+        robot: Any robot.
+        report: Reports a code, a message, its remedies and what it is about.
+        unit: Length unit of the robot's source.
+        massless: Whether nothing has a mass, and no error has reported that.
     """
     remedy = f"check the length unit of {robot.source or 'its source'}" + (f" ({unit})" if unit else "")
     total = exact_sum(link.mass_properties.mass for link in robot.links)
     if 0.0 < total < LIGHTEST:
-        report("SB510", f"robot '{robot.name}': mass of {total * 1e3:.3g} g; {remedy}")
+        report(
+            "SB510", f"robot '{robot.name}': mass of {total * 1e3:.3g} g; {remedy}", help=(_OTHER_UNIT,), about="step"
+        )
+    elif massless:
+        help = ("give the solids a density or the parts a `mass`; surfaces and open meshes have no mass of their own",)
+        report("SB510", f"robot '{robot.name}': no mass in any link", help=help, about="step")
     boxes, primitives = _boxes(robot)
     size = _size([*boxes, *(box for several in primitives.values() for box in several)])
     if size <= LARGEST:
         return
     drawn = _size(boxes)
     if drawn > LARGEST or not boxes:
-        report("SB420", f"robot '{robot.name}': size of {size:.3g} m; {remedy}")
+        report(
+            "SB420", f"robot '{robot.name}': size of {size:.3g} m; {remedy}", help=other_units(size, unit), about="step"
+        )
         return
     large = [link for link, several in primitives.items() if _size([*boxes, *several]) > LARGEST] or list(primitives)
     links = ", ".join(f"'{link}'" for link in large)
@@ -44,6 +59,13 @@ def check_scale(robot: Robot, report: Callable[..., None], unit: str) -> None:
         help=("check the dimensions and poses of these shapes: numbers without a unit are in m",),
         about=f"link '{large[0]}': collision",
     )
+
+
+def other_units(size: float, unit: str) -> tuple[str, ...]:
+    """The remedy for a size [m] that is doubtful in the unit that its file declares."""
+    if unit != "m":
+        return (_OTHER_UNIT,)
+    return (f"if it was drawn in mm, it is {size * 1e-3:.3g} m large: export it again with that unit",)
 
 
 def _size(boxes: Iterable[_Extent]) -> float:

@@ -80,7 +80,9 @@ def check_robot(
         _check_masses(robot, report, massless_between=massless_between)
         for rule in (_check_closures, _check_contacts):
             rule(robot, report)
-        check_scale(robot, report, unit)
+        moves = len(list(_rigid_groups(robot))) > 1 or robot.base is Base.FLOATING
+        is_massless = not any(link.mass_properties.mass > 0.0 for link in robot.links)
+        check_scale(robot, report, unit, massless=is_massless and not moves and not massless_between)
 
 
 def _check_names(robot: Robot, report: Report) -> bool:

@@ -133,6 +133,7 @@ BROKEN: dict[str, tuple[str, Robot]] = {
     ),
     "mass without inertia": ("SB509", _pair(links=(Link("a", SOLID), Link("b", MassProperties(1.0))))),
     "dust": ("SB510", _pair(links=(Link("a", SOLID.scaled(1e-4)), Link("b", SOLID.scaled(1e-4))))),
+    "nothing weighs": ("SB510", Robot("stand", (Link("a"),))),
     "giant": ("SB420", _pair(links=(SEEN, Link("b", SOLID)), meshes=(_mesh(20.1),))),
     "open closure": (
         "SB411",
@@ -177,6 +178,24 @@ def test_a_doubtful_unit_is_named(fault: str, size: str) -> None:
     (warning,) = found
     assert warning.severity == "warning"
     assert warning.message.endswith(f"{size}; check the length unit of arm.step (inch)")
+    assert warning.help == ("if it was drawn in another unit, export it again with that unit",)
+
+
+def test_a_giant_in_metres_may_be_drawn_in_millimetres() -> None:
+    """The remedy gives the size in millimetres; the place is that of the STEP file's name."""
+    found, place = Diagnostics(), Span("arm.robot.yaml", 3, 7)
+    check_robot(BROKEN["giant"][1], found, unit="m", places=lambda: {"step": place})
+    (warning,) = found
+    assert warning.span == place
+    assert warning.help == ("if it was drawn in mm, it is 0.0201 m large: export it again with that unit",)
+
+
+def test_no_mass_is_reported_once() -> None:
+    """Where a moving link without mass is an error, that is no further doubt; descriptions may have none."""
+    assert set(_codes(_pair(links=(Link("a"), Link("b"))))) == {"SB508"}
+    found = Diagnostics()
+    check_robot(Robot("stand", (Link("a"),)), found, massless_between=True)
+    assert not list(found)
 
 
 def test_a_size_due_to_collision_shapes_is_no_doubt_of_the_unit() -> None:

@@ -153,7 +153,7 @@ CODES = (
         "SB420",
         "warning",
         "robot larger than 20 m",
-        "The robot is larger than 20 m in the assembled pose.",
+        "The robot is larger than 20 m in the assembled pose; for `inspect` and `init`, the assembly in the STEP file.",
         "Few robots are that large. A wrong length unit in the STEP file scales everything by a factor of 25 or 1000.",
         "Check the unit of the CAD export, or the dimensions of collision shapes where the message names them. If the size is "
         "correct, no action is needed.",

@@ -88,7 +88,7 @@ CODES = (
         "SB510",
         "warning",
         "robot lighter than 1 g",
-        "The total mass of the robot is less than a gram.",
+        "The total mass of the robot is less than a gram, or a robot that stands still has no mass at all.",
         "Few robots are that light. A wrong length unit in the STEP file, or a density in g/cm^3 read as kg/m^3, "
         "makes everything far too light.",
         "Check the unit of the CAD export, and the densities.",
