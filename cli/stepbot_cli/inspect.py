@@ -38,7 +38,7 @@ _APART = 0.8
     "--between",
     nargs=2,
     metavar="A B",
-    help="Show only the axes shared by two components, and axes up to 2 mm apart.",
+    help="Show only the axes shared by two components, the strongest first; -v shows all, and axes up to 2 mm apart.",
 )
 @click.option("--depth", type=click.IntRange(0), metavar="N", help="List components down to N levels below the root.")
 @click.option(
@@ -159,7 +159,8 @@ def _text(
     from .inspection_text import inspection_text, shared_axes_text
     from .shared_axes import shared_axes
 
-    if between and inspection.assembly is not None:
-        return shared_axes_text(shared_axes(inspection.assembly, inspection.links, *between), screen_width(sys.stdout))
     width = screen_width(sys.stdout)
+    if between and inspection.assembly is not None:
+        shared = shared_axes(inspection.assembly, inspection.links, *between)
+        return shared_axes_text(shared, width, verbose=verbose)
     return inspection_text(inspection, choice, features=features, tree=tree, verbose=verbose, width=width)

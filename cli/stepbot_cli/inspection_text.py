@@ -5,6 +5,7 @@ import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
+from stepbot.assemble.axis_evidence import met
 from stepbot.diagnostics import one_line
 from stepbot.geometry.spatial import Vector3
 from stepbot.pipeline.stages import Inspection
@@ -24,6 +25,8 @@ _MEASURES = {Quantity.VOLUME: ("cm^3", 1e6), Quantity.AREA: ("cm^2", 1e4), Quant
 """Unit, and its number per SI unit."""
 _HEADINGS = ("component", "count", "solids", "volume", "size [mm]", "center [mm]", "density", "product, occurrence", "")
 _INDENT = "    "
+_SHOWN_LINES, _SHOWN_MISSES = 6, 3
+"""Axes that two components share, or nearly share, that are listed without ``-v``."""
 
 
 def inspection_text(
@@ -127,16 +130,29 @@ def _fitted(lines: Iterable[str], width: int | None) -> list[str]:
     return fitted
 
 
-def shared_axes_text(shared: SharedAxes, width: int | None) -> str:
-    """The lines that two components or links share, or nearly share, as wide as the screen; None for unlimited."""
+def shared_axes_text(shared: SharedAxes, width: int | None, *, verbose: bool = False) -> str:
+    """The lines that two components or links share, or nearly share.
+
+    Args:
+        shared: The lines, the strongest first.
+        width: Width of the screen; None for unlimited.
+        verbose: Whether to list all; else the strongest, and lines that are nearly shared only if none is shared.
+    """
     text = [f"{shared.words[0]} and {shared.words[1]} share {counted(len(shared.lines), 'axis', 'axes')}"]
-    for line, snippet in zip(shared.lines, shared.snippets, strict=True):
+    shown = len(shared.lines) if verbose else _SHOWN_LINES
+    for line, snippet, radii in list(zip(shared.lines, shared.snippets, shared.radii, strict=True))[:shown]:
         chosen = ", selected by default" if line is shared.chosen else ""
-        text.append(f"    {_described(line)}, weight {millimetres(line.weight)}{chosen}  origin: {snippet}")
-    for miss, (a, b) in zip(shared.misses, shared.miss_places, strict=True):
+        of = "; ".join(f"{_radii(side)} of {name}" for side, name in zip(radii, shared.words, strict=True))
+        text.append(f"    {_placed(line)}{chosen}: {met(line)}  origin: {snippet}  ({of})")
+    if len(shared.lines) > shown:
+        text.append(f"    {counted(len(shared.lines) - shown, 'weaker axis', 'weaker axes')} not shown; -v shows all")
+    shown = len(shared.misses) if verbose else 0 if shared.lines else _SHOWN_MISSES
+    for miss, (a, b) in list(zip(shared.misses, shared.miss_places, strict=True))[:shown]:
         tilt = f" and {miss.angle * 1e3:.3g} mrad" if miss.angle > 1e-6 else ""
         text.append(f"    {millimetres(miss.distance)}{tilt} apart: {quoted(a)} and {quoted(b)} are misaligned")
         text += [f"        {quoted(path)}: {_described(line)}" for path, line in ((a, miss.line_a), (b, miss.line_b))]
+    if len(shared.misses) > shown:
+        text.append(f"    {counted(len(shared.misses) - shown, 'misaligned pair')} of axes not shown; -v shows all")
     return printable("\n".join(_fitted(text, width)))
 
 
@@ -281,12 +297,16 @@ def _component_axes(assembly: Assembly, component: Component) -> Iterator[str]:
 
 
 def _described(line: AxisLine) -> str:
+    return f"{_placed(line)}, {_radii(line.radii)}"
+
+
+def _placed(line: AxisLine) -> str:
     direction = ", ".join(f"{round(c, 4) + 0.0:.4g}" for c in line.direction)
-    radii = ", ".join(_number(radius) for radius in line.radii)
-    return (
-        f"axis [{direction}] at [{_numbers(line.point)}] mm, "
-        f"from {_number(line.low)} to {millimetres(line.high)}, radius {radii} mm"
-    )
+    return f"axis [{direction}] at [{_numbers(line.point)}] mm, from {_number(line.low)} to {millimetres(line.high)}"
+
+
+def _radii(radii: Iterable[float]) -> str:
+    return f"radius {', '.join(map(_number, radii))} mm"
 
 
 def _number(length: float) -> str:

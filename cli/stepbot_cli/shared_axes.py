@@ -1,6 +1,6 @@
 """Axes shared by two components or links."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import click
@@ -26,6 +26,8 @@ class SharedAxes:
     """The line used by an origin without selectors."""
     snippets: tuple[str, ...]
     """For each line the ``origin`` that selects it."""
+    radii: tuple[tuple[tuple[float, ...], tuple[float, ...]], ...]
+    """For each line the radii [m] of the faces of either element, the widest first."""
     misses: tuple[NearMiss, ...]
     """Lines that nearly coincide."""
     miss_places: tuple[tuple[str, str], ...]
@@ -45,7 +47,8 @@ def shared_axes(assembly: Assembly, links: Mapping[str, tuple[int, ...]], a: str
         click.BadParameter: A name matches nothing, or more than one component.
     """
     paths = ComponentPaths(assembly.components)
-    faces_a, faces_b = (axis_faces(assembly, _components(assembly, paths, links, name)) for name in (a, b))
+    parts_a, parts_b = (_components(assembly, paths, links, name) for name in (a, b))
+    faces_a, faces_b = axis_faces(assembly, parts_a), axis_faces(assembly, parts_b)
     found = mates(faces_a, faces_b)
     start = "{auto: true" if a in links and b in links else f"{{mate: [{quoted(a)}, {quoted(b)}]"
     misses = near_misses(faces_a, faces_b)
@@ -54,9 +57,15 @@ def shared_axes(assembly: Assembly, links: Mapping[str, tuple[int, ...]], a: str
         lines=found,
         chosen=choose(found).line,
         snippets=tuple(f"{start}{selector}}}" for selector in selectors(found)) if found else (),
+        radii=tuple((_radii(line, parts_a), _radii(line, parts_b)) for line in found),
         misses=misses,
         miss_places=tuple((_place(assembly, miss.line_a), _place(assembly, miss.line_b)) for miss in misses),
     )
+
+
+def _radii(line: AxisLine, parts: Collection[int]) -> tuple[float, ...]:
+    """The different radii [m], to a micrometre, of a line's faces that belong to some components."""
+    return tuple(dict.fromkeys(round(face.radius, 6) for face in line.members if face.component in parts))
 
 
 def _components(

@@ -12,6 +12,8 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from ruamel.yaml import YAML
 
+from robot_library.moments import pose
+from robot_library.step_file import Assembly, Occurrence, Part, write_step
 from robot_library.stepbot_arm2.dimensions import BASE_PLATE, COLUMN, TURNTABLE, turntable_place
 from stepbot.step.assembly import Quantity
 from tests import command_line, parts, solids
@@ -325,3 +327,26 @@ def test_names_along_the_branches_of_a_tree_are_paths(
     monkeypatch.setenv("COLUMNS", "60")
     assert max(map(len, stepbot("inspect", "arm2.step", "--tree").out.splitlines())) <= 60
     assert stepbot("inspect", "arm2.step", "--tree", "--features").code == 2
+
+
+def test_between_lists_the_strongest_axes_first(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot
+) -> None:
+    """A pin in its bore with the radii of each side; nine misaligned pairs of holes are counted, and listed with -v."""
+    plate, pin = solids.box(200, 60, 10), solids.cylinder(8, 10).at(80, 0, 5)
+    holes = [(x, y) for x in (-80, -60, -40) for y in (-20, 0, 20)]
+    base, arm = plate + pin, plate - solids.cylinder(8.05, 10).at(80, 0, -5)
+    for x, y in holes:
+        hole = solids.cylinder(2, 10).at(x, y, -5)
+        base, arm = base - hole, arm - hole.at(0.5, 0, 0)
+    placed = [Occurrence(Part("base", base.shape)), Occurrence(Part("arm", arm.shape), X_AP=pose((0, 0, 10)))]
+    write_step(tmp_path / "plates.step", Assembly("plates", placed))
+    monkeypatch.chdir(tmp_path)
+    lines = stepbot("inspect", "plates.step", "--between", "base", "arm").out.splitlines()
+    assert lines[0] == "'base' and 'arm' share 1 axis"
+    assert "selected by default: shaft of radius 8 mm and bore of radius 8.05 mm overlap by 10 mm" in lines[1]
+    assert lines[1].endswith("(radius 8 mm of 'base'; radius 8.05 mm of 'arm')")
+    assert lines[2:] == ["    9 misaligned pairs of axes not shown; -v shows all"]
+    everything = stepbot("inspect", "plates.step", "--between", "base", "arm", "-v").out
+    assert everything.count("are misaligned") == 9
+    assert "not shown" not in everything

@@ -83,6 +83,11 @@ def described(line: AxisLine, path: Callable[[int], str]) -> str:
     return f"{sides} {_along(line)}; {_directed(line)}"
 
 
+def met(line: AxisLine) -> str:
+    """How the two decisive faces of a shared line meet: ``shaft of ... and bore of ... overlap by 12 mm``."""
+    return f"{' and '.join(map(face_words, line.faces))} {_along(line)}"
+
+
 def radii_of(line: AxisLine) -> str:
     """The radii of a line's faces, formatted for messages."""
     radii = ", ".join(millimetres(radius).removesuffix(" mm") for radius in line.radii[:4])
