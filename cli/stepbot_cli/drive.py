@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
     from stepbot.pipeline.conversion import Options
 
-_NOTHING: dict[str, Any] = {"robot": None, "tests": [], "inapplicable": {}, "not_run": {}}
+_NOTHING: dict[str, Any] = {"robot": None, "tests": [], "inapplicable": {}, "not_run": {}, "ranges": []}
 
 
 def _known(given: tuple[str, ...], known: Collection[str], noun: str) -> tuple[str, ...]:

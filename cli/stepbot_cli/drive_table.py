@@ -1,6 +1,7 @@
 """Drive tests as a table: one line per test and engine."""
 
 import sys
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from .counts import counted
@@ -12,7 +13,10 @@ if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
     from stepbot.driving.judgement import Verdict
     from stepbot.driving.results import Measure
+    from stepbot.driving.survey import SweptRange
 
+_ALL = 0.995
+"""Share of a range from which it counts as covered."""
 _HEADINGS = ("test", "engine", "result", "steps/s", "worst")
 
 
@@ -27,12 +31,23 @@ def driven_lines(driven: "Driven", width: int | None, *, verbose: bool = False) 
             lines += filled(f"{verdict.test} in {verdict.engine}: {', '.join(_numbers(verdict))}", width)
     for test, reason in driven.inapplicable.items():
         lines += filled(f"{test} does not apply: {printable(reason)}", width)
+    for one in driven.ranges:
+        if one.share < _ALL:
+            lines += filled(f"sweep covers {_covered(one)}", width)
     for engine, reason in driven.not_run.items():
         lines += filled(f"not run in {engine}: {printable(reason)}", width)
     statuses = [verdict.status.value for verdict in driven.verdicts]
     counts = f"{counted(len(statuses), 'test')}: {statuses.count('passed')} passed, {statuses.count('failed')} failed"
     absent = f"; not run in {' and '.join(driven.not_run)}" if driven.not_run else ""
     return [*lines, f"{counts}{absent}"]
+
+
+def _covered(one: "SweptRange") -> str:
+    """What a sweep covers, in degrees or millimetres, and what stops it."""
+    factor, unit = (degrees(1.0), "deg") if one.angular else (1e3, "mm")
+    swept, limits = (f"{factor * ends[0]:.4g} to {factor * ends[1]:.4g} {unit}" for ends in (one.swept, one.limits))
+    stops = " and ".join(f"{way} by {stop}" for way, stop in zip(("below", "above"), one.stops, strict=True) if stop)
+    return printable(f"{100.0 * one.share:.0f} % of the range of {one.joint}: {swept} of {limits}; stopped {stops}")
 
 
 def _speed(verdict: "Verdict") -> str:

@@ -1,6 +1,8 @@
 """``stepbot drive``: a robot's files driven in engines."""
 
 import json
+import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,8 +10,9 @@ import pytest
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import engine_of
+from stepbot.robot.model import Limit
 from tests.cli.conftest import Stepbot
-from tests.unit.driving.workbench import HORIZONTAL, VERTICAL, gripper, one_joint, written
+from tests.unit.driving.workbench import HORIZONTAL, VERTICAL, gripper, looped_gripper, one_joint, written
 
 pytestmark = [pytest.mark.mujoco]
 
@@ -199,6 +202,26 @@ def test_a_file_without_its_other_engine(folder: Path, stepbot: Stepbot, monkeyp
     missing(monkeypatch, "pybullet")
     run = stepbot("drive", "arm/one_joint.xml", "--test", "hold", "--json")
     assert (run.code, json.loads(run.out)["not_run"]) == (0, {})
+
+
+def test_a_sweep_that_covers_a_part_of_the_range_says_so(folder: Path, stepbot: Stepbot) -> None:
+    """A range that is not covered is in the table, with its numbers and what stops the sweep, although it passes."""
+    robot = looped_gripper(1.0)
+    joints = (
+        replace(joint, limit=Limit(-0.005, 0.03)) if joint.name == "left_guide" else joint for joint in robot.joints
+    )
+    written(replace(robot, joints=tuple(joints)), folder / "looped")
+    arguments = ("drive", "looped", "--engine", "mujoco", "--test", "sweep")
+    (line,) = (line for line in stepbot(*arguments).out.splitlines() if line.startswith("sweep covers"))
+    assert re.fullmatch(
+        r"sweep covers 5\d % of the range of turn: -74.48 to 1\d\.?\d* deg of -74.48 to 74.48 deg; "
+        "stopped above by the limit of left_guide",
+        line,
+    ), line
+    (found,) = json.loads(stepbot(*arguments, "--json").out)["ranges"]
+    assert (found["joint"], found["unit"], found["limits"]) == ("turn", "rad", [-1.3, 1.3])
+    assert found["stops"] == ["", "the limit of left_guide"]
+    assert "sweep covers" not in stepbot("drive", "gripper", "--engine", "mujoco", "--test", "sweep").out
 
 
 def test_columns_line_up_and_limits_have_units(folder: Path, stepbot: Stepbot) -> None:

@@ -6,13 +6,14 @@ from .driving import Driven
 from .judgement import Verdict
 from .limits import UNITS
 from .results import Measure
+from .survey import SweptRange
 
 _DIGITS = 4
 """Significant digits of a number in a file: it is the same bytes with every build of an engine's release."""
 
 
 def driven_document(driven: Driven, *, timed: bool = False) -> dict[str, Any]:
-    """The verdicts, the tests that do not apply, and the engines that did not run.
+    """The verdicts, the tests that do not apply, the engines that did not run, and the ranges that sweeps cover.
 
     Args:
         driven: The tests of a robot.
@@ -23,7 +24,23 @@ def driven_document(driven: Driven, *, timed: bool = False) -> dict[str, Any]:
         "tests": [_verdict(verdict, timed) for verdict in driven.verdicts],
         "inapplicable": dict(driven.inapplicable),
         "not_run": dict(driven.not_run),
+        "ranges": [_range(one) for one in driven.ranges],
     }
+
+
+def _range(swept: SweptRange) -> dict[str, Any]:
+    """What the sweep of a joint covers, in [rad] or [m]."""
+    return {
+        "joint": swept.joint,
+        "unit": "rad" if swept.angular else "m",
+        "swept": [_rounded(one) for one in swept.swept],
+        "limits": list(swept.limits),
+        "stops": list(swept.stops),
+    }
+
+
+def _rounded(value: float) -> float:
+    return float(f"{value:.{_DIGITS}g}")
 
 
 def _verdict(verdict: Verdict, timed: bool) -> dict[str, Any]:
@@ -45,7 +62,7 @@ def _verdict(verdict: Verdict, timed: bool) -> dict[str, Any]:
 def _measure(measure: Measure, limit: float | None) -> dict[str, Any]:
     return {
         "quantity": measure.quantity,
-        "value": float(f"{measure.value:.{_DIGITS}g}"),
+        "value": _rounded(measure.value),
         "unit": UNITS[measure.quantity],
         "where": measure.where,
         "limit": limit,

@@ -19,7 +19,7 @@ from .mechanism import finger_candidates, jaw_candidates, limbs_of, mechanism_of
 from .names import ENGINES, TESTS
 from .plan import reasons, ungripped
 from .remedies import Facts, facts_of
-from .survey import Survey
+from .survey import Survey, SweptRange
 from .worker import Assignment
 
 _DRIVE = "stepbot.driving.worker:drive"
@@ -37,6 +37,8 @@ class Driven:
     """Tests that do not apply, each with its reason; ``grip of MOTOR`` where one gripper of several is not tested."""
     not_run: Mapping[str, str] = field(default_factory=dict)
     """Engines that have a file to drive and did not run, each with its reason."""
+    ranges: tuple[SweptRange, ...] = ()
+    """What the sweep of each bounded joint covers, if it was run."""
 
 
 def drive_files(
@@ -83,7 +85,8 @@ def drive_files(
         }
     )
     inapplicable = {test: reason for test, reason in why.items() if reason}
-    return Driven(robot.name, verdicts, {**inapplicable, **ungripped(survey)})
+    ranges = survey.ranges if "sweep" in chosen else ()
+    return Driven(robot.name, verdicts, {**inapplicable, **ungripped(survey)}, ranges=ranges)
 
 
 class _Drive:

@@ -12,7 +12,7 @@ import numpy as np
 
 from stepbot.engines.mujoco.simulation import MujocoSimulation
 from stepbot.engines.simulation import Mechanism, Motor, Setup
-from stepbot.robot.model import ActuatorKind
+from stepbot.robot.model import ActuatorKind, Joint
 from stepbot.robot.posing import NotReached, posed
 
 from .grasping import Grasp, find_grasp
@@ -34,7 +34,11 @@ _MARGIN = 0.05
 _CLEAR = 1e-4
 """Depth [m] by which a contact may be deeper than in the home pose."""
 _ON_THE_WAY = (0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0)
-"""Parts of a step at which nothing may be in the way."""
+"""Parts of a step, or of a sweep in a robot with loops, at which nothing may be in the way."""
+_SAME = 1e-6
+"""Difference [rad] or [m] of positions that are the same."""
+_NEAR_LIMIT = 0.01
+"""Distance from a limit, relative to the range, from which a joint is at it: paths of closed loops take steps."""
 _STRIDES = 48
 """Number of positions tried along a joint's range."""
 
@@ -48,6 +52,25 @@ class Move:
     motor: str
     ends: tuple[float, ...]
     """Positions [rad] or [m] to visit in turn, from home."""
+
+
+@dataclass(frozen=True)
+class SweptRange:
+    """What part of the range of a bounded joint its sweep covers."""
+
+    joint: str
+    angular: bool
+    swept: tuple[float, float]
+    """Ends [rad] or [m] that are visited."""
+    limits: tuple[float, float]
+    """Ends [rad] or [m] of its range."""
+    stops: tuple[str, str]
+    """Why each end of the range is not visited; empty where it is."""
+
+    @property
+    def share(self) -> float:
+        """Share of the range that is covered."""
+        return (self.swept[1] - self.swept[0]) / (self.limits[1] - self.limits[0])
 
 
 @dataclass(frozen=True)
@@ -65,6 +88,8 @@ class Survey:
     grasps: tuple[Grasp, ...]
     misses: Mapping[str, str]
     """Why no cube can be gripped, for the first motor of each pair of links that may be fingers, or of each jaw."""
+    ranges: tuple[SweptRange, ...] = ()
+    """What the sweep of each bounded joint covers."""
 
 
 def survey(file: str, mechanism: Mechanism, fingers: tuple[Fingers, ...], mass: float) -> Survey:
@@ -77,8 +102,12 @@ def survey(file: str, mechanism: Mechanism, fingers: tuple[Fingers, ...], mass: 
         mass: Mass [kg] of the cube to grip.
     """
     place = _Place(file, mechanism)
-    sweeps = tuple(place.sweep(motor) for motor in place.servos)
-    shares = [share for motor, sweep in zip(place.servos, sweeps, strict=True) for share in _share(motor, sweep)]
+    swept = tuple(place.sweep(motor) for motor in place.servos)
+    sweeps = tuple(move for move, _ in swept)
+    ranges = tuple(
+        found for motor, (move, stops) in zip(place.servos, swept, strict=True) for found in _range(motor, move, stops)
+    )
+    shares = [one.share for one in ranges]
     tried = {
         pair: (find_jaw_grasp if pair.fixed else find_grasp)(file, mechanism, pair, mass)
         for pair in (fingers if file else ())
@@ -90,13 +119,14 @@ def survey(file: str, mechanism: Mechanism, fingers: tuple[Fingers, ...], mass: 
         covered=float(np.mean(shares)) if shares else 1.0,
         grasps=tuple(found for found in tried.values() if not isinstance(found, str)),
         misses={pair.motors[0]: found for pair, found in tried.items() if isinstance(found, str)},
+        ranges=ranges,
     )
 
 
-def _share(motor: Motor, sweep: Move) -> Iterator[float]:
-    span = motor.limit.upper - motor.limit.lower
-    if isfinite(span) and span > 0.0:
-        yield (sweep.ends[1] - sweep.ends[0]) / span
+def _range(motor: Motor, sweep: Move, stops: tuple[str, str]) -> Iterator[SweptRange]:
+    limits = (motor.limit.lower, motor.limit.upper)
+    if isfinite(limits[1] - limits[0]) and limits[1] > limits[0]:
+        yield SweptRange(motor.joint, motor.angular, (sweep.ends[0], sweep.ends[1]), limits, stops)
 
 
 class _Place:
@@ -165,21 +195,56 @@ class _Place:
                 yield Move(motor.name, (end,))
                 return
 
-    def sweep(self, motor: Motor) -> Move:
-        """The range of a motor around home, up to the first contact or the end of the loops."""
+    def sweep(self, motor: Motor) -> tuple[Move, tuple[str, str]]:
+        """The range of a motor around home, up to the first contact or the end of the loops, and why it ends there."""
         home = self._mechanism.home[motor.joint]
-        low, high = (self._free_end(motor, end) for end in self._range(motor))
-        return Move(motor.name, (low, high, home))
+        (low, before), (high, after) = (self._free_end(motor, end) for end in self._range(motor))
+        return Move(motor.name, (low, high, home)), (before, after)
 
-    def _free_end(self, motor: Motor, end: float) -> float:
+    def _free_end(self, motor: Motor, end: float) -> tuple[float, str]:
+        """The position to visit, and why it is not the end; empty if it is."""
         home = self._mechanism.home[motor.joint]
         if self._mechanism.robot.closures:
             q = self._reach({motor.joint: end})
-            return q[motor.joint] if self._depth(q) <= self._allowed else home
+            clear = self._clear(motor, q)
+            if clear is not None:
+                return clear, "a contact"
+            return q[motor.joint], "" if abs(q[motor.joint] - end) < _SAME else self._stop(motor, end)
         free = home
         for share in np.linspace(0.0, 1.0, _STRIDES + 1)[1:].tolist():
             there = home + share * (end - home)
             if self._depth(posed(self._mechanism.robot, {motor.joint: there})) > self._allowed:
-                break
+                return free, "a contact"
             free = there
-        return free
+        return free, ""
+
+    def _clear(self, motor: Motor, end: Q) -> float | None:
+        """The position before the first contact on the way to an end, in a robot with loops; None without a contact."""
+        free = home = self._mechanism.home[motor.joint]
+        for share in _ON_THE_WAY:
+            there = home + share * (end[motor.joint] - home)
+            q = end if share == 1.0 else self._reach({motor.joint: there})
+            if self._depth(q) > self._allowed:
+                return free
+            free = q[motor.joint]
+        return None
+
+    def _stop(self, motor: Motor, end: float) -> str:
+        """What ends the motion of a motor's joint towards an end: joints of its loops that are at their limits."""
+        robot = self._mechanism.robot
+        try:
+            posed(robot, {motor.joint: end})
+        except NotReached as error:
+            try:
+                q = posed(robot, error.reached)
+            except NotReached:
+                return "the loops"
+            names = [joint.name for joint in robot.joints if joint.name != motor.joint and _at_limit(joint, q)]
+            return f"the limit of {', '.join(names)}" if names else "the loops"
+        return "the loops"
+
+
+def _at_limit(joint: Joint, q: Q) -> bool:
+    lower, upper = joint.limit.lower, joint.limit.upper
+    near = _NEAR_LIMIT * (upper - lower)
+    return joint.name in q and isfinite(near) and not lower + near < q[joint.name] < upper - near

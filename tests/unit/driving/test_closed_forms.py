@@ -138,3 +138,42 @@ def test_steps_avoid_what_is_on_their_way(tmp_path: Path) -> None:
     )
     (blocked,) = stage_of(robot, "mujoco", tmp_path / "blocked").survey.steps
     assert blocked.ends == pytest.approx((-end,))
+
+
+def crank_angle(pin: float) -> float:
+    """Angle [rad] of the crank of ``looped_gripper`` at which a jaw's pin is at a distance [m] from its axis."""
+    low, high = -1.3, 1.3
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        far = -0.02 * sin(middle) + sqrt(0.04**2 - (0.02 * cos(middle)) ** 2) > pin
+        low, high = (middle, high) if far else (low, middle)
+    return low
+
+
+def test_a_sweep_states_what_stops_it(tmp_path: Path) -> None:
+    """A guide with a limit inside of the crank's range stops the crank there; the sweep goes nine tenths of the way."""
+    robot = looped_gripper(1.0)
+    guide = "left_guide"
+    joints = tuple(
+        replace(joint, limit=Limit(-0.005, 0.03)) if joint.name == guide else joint for joint in robot.joints
+    )
+    (swept,) = stage_of(replace(robot, joints=joints), "mujoco", tmp_path).survey.ranges
+    stop = crank_angle(sqrt(0.04**2 - 0.02**2) - 0.005)
+    assert swept.swept == pytest.approx((-1.3, 0.9 * stop), rel=0.03)
+    assert swept.stops == ("", f"the limit of {guide}")
+    assert swept.share == pytest.approx((1.3 + 0.9 * stop) / 2.6, rel=0.02)
+
+
+def test_a_contact_stops_a_sweep_of_a_linkage_where_it_is(tmp_path: Path) -> None:
+    """Jaws of a linkage that meet are swept up to there, at eighths of the way, not through each other."""
+    robot = looped_gripper(1.0)
+    links = [
+        replace(
+            link, collisions=tuple(replace(one, X_LG=Pose.of(position=(-0.02, 0.0, 0.13))) for one in link.collisions)
+        )
+        for link in robot.links
+    ]
+    (swept,) = stage_of(replace(robot, links=tuple(links)), "mujoco", tmp_path).survey.ranges
+    meet = crank_angle(0.025)
+    assert meet - 1.3 / 8 < swept.swept[1] <= meet
+    assert swept.stops == ("", "a contact")
