@@ -9,6 +9,7 @@ from typing import Any
 import mujoco
 
 from stepbot.engines.mujoco.warnings import collected_warnings
+from stepbot.robot.jaws import is_jaw
 
 SCENE = ".scene.xml"
 """End of the name of the scene that stepbot writes beside a robot's file: floor, light and camera."""
@@ -112,7 +113,7 @@ def joints_of(model: Model, body: int) -> Iterator[int]:
 def tip_body(model: Model) -> int:
     """The last link of the chain with most joints; of several such chains, the last link that they share: a hand.
 
-    Free joints do not count.
+    Free joints do not count. A single jaw (:func:`stepbot.robot.jaws.is_jaw`) is not the last link, but the one before.
 
     Raises:
         ValueError: The chains share no more than half of their joints, as those of two arms: a link has to be named.
@@ -126,7 +127,21 @@ def tip_body(model: Model) -> int:
     if not shared or 2 * _moving_joints(model, shared[-1]) <= most:
         choice = (*frame_names(model), *(name(model, "BODY", end) for end in ends))
         raise ValueError(f"which link is to reach the target? Pass tip=..., one of {', '.join(choice)}")
-    return int(shared[-1])
+    return _before_jaw(model, int(shared[-1]))
+
+
+def _before_jaw(model: Model, body: int) -> int:
+    """The link that carries a link if it is a single jaw, or fixed on one; else the link itself."""
+    jaw = next((one for one in reversed(path(model, body)) if model.body_jntnum[one]), body)
+    joints = list(joints_of(model, jaw))
+    hand = int(model.body_parentid[jaw])
+    below = [one for one in range(jaw + 1, model.nbody) if jaw in path(model, one)]
+    ends = not any(model.body_jntnum[one] for one in below)
+    if not (ends and len(joints) == 1 and model.jnt_limited[joints[0]] and _moving_joints(model, hand)):
+        return body
+    names = (name(model, "JOINT", joints[0]), name(model, "BODY", jaw))
+    lower, upper = (float(end) for end in model.jnt_range[joints[0]])
+    return hand if joint_kind(model, joints[0]) in ("hinge", "slide") and is_jaw(names, lower, upper) else body
 
 
 def tip_frame(model: Model, body: int) -> int | None:

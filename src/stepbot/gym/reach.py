@@ -44,9 +44,9 @@ class Reach(RobotEnv):
 
         Args:
             model: As for :class:`RobotEnv`.
-            tip: Name of a site or body; None for the one named frame of the last link of the chain with most joints
-                (:func:`.model.tip_body`), or of a link before it, as of the hand before a jaw; without one, for the
-                link's origin.
+            tip: Name of a site or body; None for the one named frame of the last link of the chain with most joints, or
+                of the hand that carries it if it is a jaw (:func:`.model.tip_body`), or of a link before; without one,
+                for that link's origin.
             spread: Share of each joint's range, around home, from which targets are drawn.
             tolerance: Distance [m] within which the target is reached.
             options: Arguments of :class:`RobotEnv`.

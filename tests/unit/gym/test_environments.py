@@ -314,13 +314,34 @@ TWO_ARMS = """<mujoco><worldbody>
 
 
 def test_the_frame_before_a_jaw_is_the_tip(tmp_path: Path) -> None:
-    """Without a frame at the last link, the one before it is the tip; a frame of the first links is a mount."""
+    """A jaw at the end is no tip, but the frame or the origin of its hand is; a frame of the first links is a mount."""
     jaw = '<body name="jaw" pos="0.1 0 0"><joint name="bite" range="0 1" limited="true"/><geom size="0.01"/></body>'
     site = f'<site name="tool" pos="{FORE} 0 0"/>'
     hand = stepbot.gym.make(written(tmp_path, ARM.replace(site, site + jaw))).unwrapped
     assert hand.tip_name == "site 'tool'"
     mount = ARM.replace(site, jaw).replace('<body name="fore"', f'{site}<body name="fore"')
-    assert stepbot.gym.make(written(tmp_path, mount)).unwrapped.tip_name == "body 'jaw'"
+    assert stepbot.gym.make(written(tmp_path, mount)).unwrapped.tip_name == "body 'fore'"
+
+
+@pytest.mark.parametrize(
+    ("jaw", "tip"),
+    [
+        ('<body name="part"><joint name="bite" range="0 1" limited="true"/>{}</body>', "part"),
+        ('<body name="part"><joint name="gripper" range="0 1" limited="true"/>{}</body>', "fore"),
+        ('<body name="jaw"><joint name="bite" range="0 2.6" limited="true"/>{}</body>', "jaw"),
+        ('<body name="jaw"><joint name="bite"/>{}</body>', "jaw"),
+        ('<body name="jaw"><joint name="bite" range="0 1" limited="true"/>{}<body name="pad">{}</body></body>', "fore"),
+        ('<body name="jaw"><joint range="0 1" limited="true"/><joint type="slide" range="0 1"/>{}</body>', "jaw"),
+    ],
+    ids=["other name", "joint's name", "wide", "unlimited", "pad", "two joints"],
+)
+def test_only_a_jaw_is_left_out(jaw: str, tip: str, tmp_path: Path) -> None:
+    """The last link is the tip unless joint or link have the name of a jaw, and the joint its range."""
+    geom = '<geom type="sphere" size="0.01" pos="0.05 0.01 0"/>'
+    last = f'<site name="tool" pos="{FORE} 0 0"/>'
+    text = ARM.replace(last, jaw.replace("{}", geom)).replace('<force name="wrist" site="tool"/>', "")
+    text = text.replace('<key name="home" qpos="0.3 -0.5" ctrl="0.3 -0.5"/>', "")
+    assert stepbot.gym.make(written(tmp_path, text)).unwrapped.tip_name == f"body '{tip}'"
 
 
 @pytest.mark.parametrize(

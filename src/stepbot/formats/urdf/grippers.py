@@ -5,13 +5,13 @@ that moves there follows one joint; or each finger is a single prismatic joint o
 its own hand, moves as any last joint of an arm does: its name tells, if its range is that of a jaw.
 """
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.jaws import is_jaw
 from stepbot.robot.kinematics import link_poses, rigid_bodies
 from stepbot.robot.model import Joint, JointKind, Robot
 from stepbot.robot.unique_names import free_name
@@ -20,9 +20,6 @@ from .chains import Chain, chains, moving_joints
 
 _OPPOSITE = -0.99
 """Cosine below which two directions are opposite."""
-_JAW = re.compile(r"(?<![a-z])(?:jaw|gripper|finger|claw|pincer|thumb)s?(?![a-z])", re.IGNORECASE)
-_WIDEST = 2.5
-"""Largest range [rad] or [m] of a jaw; the wrist that turns a gripper has more."""
 
 
 @dataclass(frozen=True)
@@ -60,9 +57,9 @@ def groups(robot: Robot) -> tuple[tuple[Chain, ...], tuple[Gripper, ...]]:
 def _without_jaw(robot: Robot, chain: Chain) -> tuple[Chain, Gripper | None]:
     """A chain without the single jaw at its end, and the jaw."""
     body, jaw = rigid_bodies(robot.root.name, robot.joints), chain.joints[-1]
-    named = any(_JAW.search(name) for name in (jaw.name, jaw.child))
+    named = is_jaw((jaw.name, jaw.child), jaw.limit.lower, jaw.limit.upper)
     ends = body[jaw.child] == body[chain.tip]
-    opens = jaw.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC) and jaw.limit.upper - jaw.limit.lower <= _WIDEST
+    opens = jaw.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC)
     if not (named and ends and opens) or len(chain.joints) < 2:
         return chain, None
     tip = [link.name for link in robot.links if body[link.name] == body[jaw.parent]][-1]
