@@ -10,7 +10,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Ignore, Span, StepbotError
 from stepbot.formats import FORMATS, default_formats, format_named
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from stepbot.report.record import Report
 
 AnyPath = str | PathLike[str]
+_One = TypeVar("_One", bound=AnyPath)
 
 
 @dataclass(frozen=True)
@@ -48,13 +49,13 @@ def convert(
     sidecar: AnyPath,
     *,
     output: AnyPath | None = None,
-    formats: Iterable[str] = (),
+    formats: str | Iterable[str] = (),
     step: AnyPath | None = None,
     encoding: str = "",
     verify: bool = True,
     strict: bool = False,
-    require: Iterable[str] = (),
-    ignore: Iterable[str] = (),
+    require: str | Iterable[str] = (),
+    ignore: str | Iterable[str] = (),
     timeout: float = DEFAULT_TIMEOUT,
     memory_limit: int | None = None,
     cache: AnyPath | bool = True,
@@ -65,20 +66,20 @@ def convert(
     license: str = "",
     gazebo: bool = False,
     base: str = "",
-    package_path: Iterable[AnyPath] = (),
+    package_path: AnyPath | Iterable[AnyPath] = (),
 ) -> Conversion:
     """Convert the robot that a sidecar describes, verify the files, and write them: ``stepbot convert``.
 
     Args:
         sidecar: The sidecar, or a URDF, SDFormat or MJCF in its place.
         output: Folder for the files; None for a folder in the current one, named after the sidecar.
-        formats: Names or aliases of formats; empty for the default ones.
+        formats: Name or alias of a format, or several; empty for the default ones.
         step: STEP file to read instead of the one named in the sidecar.
         encoding: Code page of names in the STEP; empty for the sidecar's.
         verify: Whether to load the files in engines and compare the results.
         strict: Whether warnings are errors.
-        require: Engines whose absence is an error.
-        ignore: Codes of warnings and notes to suppress.
+        require: Engine, or several, whose absence is an error.
+        ignore: Code of warnings and notes, or several, to suppress.
         timeout: Time limit [s] of the geometry kernel and of each engine.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
         cache: Folder of the cache; True for the user's, False for none.
@@ -89,7 +90,7 @@ def convert(
         license: Licence for packages; empty for the sidecar's.
         gazebo: Make ``output`` a Gazebo model, found by the name of the folder.
         base: ``fixed`` or ``floating``, for a URDF, which does not say; empty for fixed, with a warning.
-        package_path: Folders of the packages that a URDF, SDFormat or MJCF names in ``package://`` and ``model://``.
+        package_path: Folder, or several, of the packages that a URDF, SDFormat or MJCF names in ``package://`` and ``model://``.
 
     Returns:
         The files by path relative to ``output``, the report, and the diagnostics. After an error the previous files in
@@ -115,8 +116,8 @@ def convert(
         encoding=encoding,
         verify=verify,
         strict=strict,
-        require=tuple(require),
-        ignore=tuple(ignore),
+        require=_several(require),
+        ignore=_several(ignore),
         timeout=timeout,
         memory_limit=memory_limit,
         cache=_cache(cache),
@@ -127,7 +128,7 @@ def convert(
         license=license,
         gazebo=model_name(folder, written) if gazebo else "",
         base=base,
-        package_path=tuple(map(Path, package_path)),
+        package_path=tuple(map(Path, _several(package_path))),
     )
     return convert_unless_unchanged(path, options)
 
@@ -137,7 +138,7 @@ def check(
     *,
     open_step: bool = False,
     step: AnyPath | None = None,
-    ignore: Iterable[str] = (),
+    ignore: str | Iterable[str] = (),
     timeout: float = DEFAULT_TIMEOUT,
     memory_limit: int | None = None,
     cache: AnyPath | bool = True,
@@ -148,7 +149,7 @@ def check(
         sidecar: The sidecar.
         open_step: Whether to read the STEP, bind all paths and find all axes.
         step: STEP file to read instead of the one named in the sidecar.
-        ignore: Codes of warnings and notes to suppress.
+        ignore: Code of warnings and notes, or several, to suppress.
         timeout: Time limit [s] of the geometry kernel.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
         cache: Folder of the cache; True for the user's, False for none.
@@ -162,7 +163,7 @@ def check(
     options = Options(
         output=Path(),
         step=Path(step) if step is not None else None,
-        ignore=tuple(ignore),
+        ignore=_several(ignore),
         timeout=timeout,
         memory_limit=memory_limit,
         cache=_cache(cache),
@@ -200,23 +201,23 @@ def inspect(
 
 def verify(
     *files: AnyPath,
-    require: Iterable[str] = (),
+    require: str | Iterable[str] = (),
     strict: bool = False,
-    ignore: Iterable[str] = (),
+    ignore: str | Iterable[str] = (),
     timeout: float = DEFAULT_TIMEOUT,
     memory_limit: int | None = None,
-    package_path: Iterable[AnyPath] = (),
+    package_path: AnyPath | Iterable[AnyPath] = (),
 ) -> Verification:
     """Load URDF, SDFormat and MJCF files in all engines and compare the results: ``stepbot verify``.
 
     Args:
         files: The files, not necessarily written by stepbot; several are compared as one robot.
-        require: Engines whose absence is an error.
+        require: Engine, or several, whose absence is an error.
         strict: Whether warnings are errors.
-        ignore: Codes of warnings and notes to suppress.
+        ignore: Code of warnings and notes, or several, to suppress.
         timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
-        package_path: Folders of the packages that a URDF or SDFormat names in ``package://`` and ``model://``.
+        package_path: Folder, or several, of the packages that a URDF or SDFormat names in ``package://`` and ``model://``.
 
     Returns:
         The report with every check, and the diagnostics.
@@ -224,14 +225,14 @@ def verify(
     from stepbot.verification import verify_files
 
     found = Diagnostics()
-    found.ignore(Ignore(code, Span("stepbot")) for code in ignore)
+    found.ignore(Ignore(code, Span("stepbot")) for code in _several(ignore))
     report = verify_files(
         [Path(file) for file in files],
         found,
-        require=require,
+        require=_several(require),
         timeout=timeout,
         memory_limit=memory_limit,
-        packages=tuple(map(Path, package_path)),
+        packages=tuple(map(Path, _several(package_path))),
     )
     if strict:
         found.make_strict()
@@ -260,8 +261,15 @@ def close_loops(body: int, report: AnyPath | Mapping[str, Any], client: int = 0)
     return add_constraints(body, document["robot"]["pybullet"], client)
 
 
-def _format_names(given: Iterable[str]) -> tuple[str, ...]:
-    names = tuple(given)
+def _several(given: "_One | Iterable[_One]") -> "tuple[_One, ...]":
+    """One or several: a string is one, not its letters."""
+    if isinstance(given, str | PathLike):
+        return (cast("_One", given),) if given else ()
+    return tuple(given)
+
+
+def _format_names(given: str | Iterable[str]) -> tuple[str, ...]:
+    names: tuple[str, ...] = _several(given)
     if not names:
         return default_formats()
 

@@ -95,8 +95,25 @@ def test_findings_are_results(tmp_path: Path) -> None:
     assert stepbot.check(sidecar, cache=False).diagnostics.exit_code == 1
     with pytest.raises(stepbot.StepbotError):
         result.diagnostics.raise_if_errors()
-    with pytest.raises(ValueError, match="no format 'urfd'"):
-        stepbot.convert(sidecar, formats=["urfd"])
+    for formats in (["urfd"], "urfd"):
+        with pytest.raises(ValueError, match="no format 'urfd'"):
+            stepbot.convert(sidecar, formats=formats)
+
+
+def test_one_string_is_one_name(tmp_path: Path) -> None:
+    """Where several names, codes or folders are possible, one does without a list; it is not its letters."""
+    sidecar = tmp_path / "arm.robot.yaml"
+    sidecar.write_text("version: 1\nrobot: arm\n", encoding="utf-8")
+    one, several = (
+        stepbot.convert(sidecar, output=tmp_path / "out", cache=False, **options)  # type: ignore[arg-type]
+        for options in (
+            {"formats": "mjcf", "ignore": "SB505", "require": "mujoco", "package_path": tmp_path},
+            {"formats": ["mjcf"], "ignore": ["SB505"], "require": ["mujoco"], "package_path": [tmp_path]},
+        )
+    )
+    assert list(map(str, one.diagnostics)) == list(map(str, several.diagnostics))
+    found = stepbot.verify(tmp_path / "none.urdf", require="mujoko").diagnostics
+    assert [one.message for one in found if one.code == "SB005"] == ["--require mujoko: no such engine"]
 
 
 def test_python_minus_m(tmp_path: Path) -> None:

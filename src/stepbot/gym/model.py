@@ -1,6 +1,7 @@
 """A compiled model, from a file and the scene beside it."""
 
 import copy
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from os import PathLike
 from pathlib import Path
@@ -29,7 +30,7 @@ def load(path: str | PathLike[str], *, scene: bool = True) -> Model:
         scene: Whether to compile ``<robot>.scene.xml`` instead if it is beside ``<robot>.xml``.
 
     Raises:
-        ValueError: The file is missing, or MuJoCo does not compile it.
+        ValueError: The file is missing, is no XML, as a sidecar, or MuJoCo does not compile it.
     """
     file = Path(path)
     beside = file.with_suffix(SCENE)
@@ -37,11 +38,20 @@ def load(path: str | PathLike[str], *, scene: bool = True) -> Model:
         file = beside
     if not file.is_file():
         raise ValueError(f"no file {file}; `stepbot convert <robot>.robot.yaml -f mjcf` writes one")
+    if file.suffix.lower() != ".xml" and not _is_xml(file):
+        sidecar = file.name if file.suffix.lower() in (".yaml", ".yml") else "<robot>.robot.yaml"
+        raise ValueError(f"{file} is no MJCF; `stepbot convert {sidecar} -f mjcf` writes one")
     with collected_warnings():
         try:
             return mujoco.MjModel.from_xml_path(str(file))
         except ValueError as error:
             raise ValueError(f"MuJoCo does not compile {file}: {error}") from error
+
+
+def _is_xml(file: Path) -> bool:
+    """Whether a file begins as XML does: MuJoCo loads a robot under any suffix, and reports other files by a number."""
+    with file.open("rb") as stream:
+        return stream.read(64).removeprefix(BOM_UTF8).lstrip().startswith(b"<")
 
 
 def own_copy(model: "str | PathLike[str] | Model") -> Model:

@@ -380,6 +380,17 @@ def test_wrong_input_is_a_value_error(text: str, options: dict[str, Any], messag
         stepbot.gym.make(written(tmp_path, text), **options)
 
 
+def test_a_sidecar_is_no_model(tmp_path: Path) -> None:
+    """The message names the file and the command that writes its MJCF; an MJCF may have any suffix."""
+    sidecar = tmp_path / "arm.robot.yaml"
+    sidecar.write_text("version: 1\nrobot: arm\n", encoding="utf-8")
+    with pytest.raises(ValueError, match=r"arm\.robot\.yaml is no MJCF; `stepbot convert arm\.robot\.yaml "):
+        stepbot.gym.make(sidecar)
+    other = tmp_path / "arm.mjcf"
+    other.write_text(f"\ufeff\n{ARM}", encoding="utf-8")
+    assert stepbot.gym.load(other).nu == 2
+
+
 def test_missing_file_is_a_value_error(tmp_path: Path) -> None:
     """A missing file is a ValueError with its path and the command that writes one."""
     with pytest.raises(ValueError, match=r"no file .*absent.xml; `stepbot convert"):
