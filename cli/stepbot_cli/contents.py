@@ -1,13 +1,21 @@
 """Totals of each component of an assembly, including its subtree."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.poses import Poses, bounds_at
-from stepbot.geometry.spatial import Array, Vector3
+from stepbot.geometry.spatial import ZERO3, Array, Pose, Vector3
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.step.assembly import Assembly, Body, BodyKind
+from stepbot.step.assembly import Assembly, Body, BodyKind, MeshTolerance
 
 Box = tuple[Vector3, Vector3]
+
+_IN_PLANE = 2e-9
+"""Distance [m] from a plane up to which a vertex lies in it: vertices are on a grid of a nanometre."""
 
 
 @dataclass
@@ -20,7 +28,9 @@ class Contents:
     volume: float = 0.0
     """[m^3]."""
     box: Box | None = None
-    """Lowest and highest corner [m], along the axes of the assembly; None without geometry."""
+    """Lowest and highest corner [m] of the meshes, along the axes of the assembly; None without geometry."""
+    slack: Box = (ZERO3, ZERO3)
+    """How far [m] the exact shape may extend beyond each coordinate of the box: 0 where a flat face lies there."""
 
     @property
     def center(self) -> Vector3 | None:
@@ -38,20 +48,33 @@ class Contents:
         (a, b, c), (x, y, z) = self.box
         return (x - a, y - b, z - c)
 
+    @property
+    def size_slack(self) -> Vector3:
+        """How much [m] larger each extent may be than that of the meshes."""
+        (a, b, c), (x, y, z) = self.slack
+        return (a + x, b + y, c + z)
+
     def add(self, other: "Contents") -> None:
         """Add the totals of a child."""
         self.solids += other.solids
         self.surfaces += other.surfaces
         self.volume += other.volume
-        self.box = _joined(self.box, other.box) if self.box and other.box else self.box or other.box
+        if self.box and other.box:
+            self.slack = _joined_slack(self, other.box, other.slack)
+            self.box = _joined(self.box, other.box)
+        elif other.box:
+            self.box, self.slack = other.box, other.slack
 
 
-def contents(assembly: Assembly, measures: tuple[VolumeProperties | None, ...]) -> list[Contents]:
+def contents(
+    assembly: Assembly, measures: tuple[VolumeProperties | None, ...], tolerance: MeshTolerance
+) -> list[Contents]:
     """Totals of each component.
 
     Args:
         assembly: The assembly.
         measures: Mass properties of the mesh of each body.
+        tolerance: That of the meshes.
     """
     found = [Contents() for _ in assembly.components]
     for number, indices in assembly.occurrences.items():
@@ -63,11 +86,53 @@ def contents(assembly: Assembly, measures: tuple[VolumeProperties | None, ...]) 
         if len(body.mesh.vertices):
             corners = bounds_at(body.mesh.vertices, Poses.of(assembly.components[index].X_WC for index in indices))
             boxes = list(zip(*(_vectors(corner) for corner in corners), strict=True))
-        for index, box in zip(indices, boxes, strict=True):
-            found[index] = Contents(int(is_solid), int(is_surface), own, box)
+        slacks = _slacks(body, [assembly.components[index].X_WC for index in indices], tolerance)
+        for index, box, slack in zip(indices, boxes, slacks, strict=True):
+            found[index] = Contents(int(is_solid), int(is_surface), own, box, slack)
     for component in reversed(assembly.components[1:]):
         found[component.parent].add(found[component.index])
     return found
+
+
+def _slacks(body: Body, poses: Sequence[Pose], tolerance: MeshTolerance) -> Iterator[Box]:
+    """For each pose of a body, how far its exact shape may extend beyond the box of its mesh."""
+    if body.kind is BodyKind.TESSELLATED or not len(body.mesh.faces):
+        yield from [(ZERO3, ZERO3)] * len(poses)
+        return
+    deviation = tolerance.absolute or tolerance.relative * float(np.linalg.norm(np.ptp(body.mesh.vertices, axis=0)))
+    known: dict[object, Box] = {}
+    for pose in poses:
+        if pose.rotation not in known:
+            flat = _flat_ends(body.mesh, pose)
+            low, high = (_vector(np.where(ends, 0.0, deviation)) for ends in flat)
+            known[pose.rotation] = low, high
+        yield known[pose.rotation]
+
+
+def _flat_ends(mesh: TriMesh, X: Pose) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """For each axis (3,), whether a triangle of the moved mesh lies in the lowest and in the highest plane of its box.
+
+    A flat face does; of a curved face, only edges or corners do, between which the exact face may extend farther.
+    """
+    corners = X.turn(mesh.vertices)[mesh.faces]
+    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    return (
+        (corners.max(axis=1) <= low + _IN_PLANE).any(axis=0),
+        (corners.min(axis=1) >= high - _IN_PLANE).any(axis=0),
+    )
+
+
+def _vector(row: Array) -> Vector3:
+    x, y, z = row.tolist()
+    return (x, y, z)
+
+
+def _joined_slack(one: Contents, box: Box, slack: Box) -> Box:
+    """For each coordinate of the box around two, the slack of the one that it is of."""
+    assert one.box is not None
+    low = [s if a <= b else t for a, b, s, t in zip(one.box[0], box[0], one.slack[0], slack[0], strict=True)]
+    high = [s if a >= b else t for a, b, s, t in zip(one.box[1], box[1], one.slack[1], slack[1], strict=True)]
+    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
 
 def _vectors(rows: Array) -> list[Vector3]:

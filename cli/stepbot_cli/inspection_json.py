@@ -24,7 +24,7 @@ def inspection_document(inspection: Inspection, *, features: bool) -> dict[str, 
     assembly = inspection.assembly
     if assembly is None:
         return {}
-    sums = contents(assembly, inspection.measures)
+    sums = contents(assembly, inspection.measures, inspection.tolerance)
     components = [_component(component, sums[component.index]) for component in assembly.components]
     if features:
         for component, document in zip(assembly.components, components, strict=True):

@@ -4,6 +4,7 @@ import re
 import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from math import floor, log10
 
 from stepbot.assemble.axis_evidence import met
 from stepbot.diagnostics import one_line
@@ -53,7 +54,7 @@ def inspection_text(
     """
     assembly = inspection.assembly
     assert assembly is not None  # errors have ended the command before
-    sums = contents(assembly, inspection.measures)
+    sums = contents(assembly, inspection.measures, inspection.tolerance)
     rows = listed(assembly, choice)
     cells_of_rows = [_row(assembly, row, sums[row.component.index]) for row in rows.rows]
     names = [_telling_names(row.component) for row in rows.rows]
@@ -214,7 +215,7 @@ def _row(assembly: Assembly, row: Row, inside: Contents) -> tuple[str, ...]:
         str(row.count) if row.count > 1 else "",
         str(inside.solids) if inside.solids else "-",
         _volume(inside.volume) if inside.volume else "-",
-        " x ".join(map(_number, inside.size)) if inside.size else "-",
+        " x ".join(map(_extent, inside.size, inside.size_slack)) if inside.size else "-",
         _numbers(inside.center) if inside.center else "-",
         f"{component.density:.6g} kg/m^3" if component.density else "-",
         _names(component),
@@ -312,6 +313,11 @@ def _radii(radii: Iterable[float]) -> str:
 def _number(length: float) -> str:
     """A length [m] as a number of millimetres."""
     return millimetres(length).removesuffix(" mm")
+
+
+def _extent(length: float, slack: float) -> str:
+    """A length [m] as a number of millimetres, without the digits that a mesh which is ``slack`` [m] off lacks."""
+    return _number(length) if slack <= 0.0 else f"{round(length * 1e3, -floor(log10(slack * 1e3))) + 0.0:.10g}"
 
 
 def _numbers(point: Vector3) -> str:

@@ -167,7 +167,7 @@ def test_narrow_screen(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPa
     out = stepbot("inspect", "arm2.step").out
     assert max(map(len, out.splitlines())) <= 60
     narrow = listed_paths(out)
-    assert "16 solids; 829.083 cm^3; 326.54 x 126 x 309.66 mm; at 103.27, 3, 154.83 mm" in " ".join(out.split())
+    assert "16 solids; 829.083 cm^3; 326.5 x 126 x 309.7 mm; at 103.27, 3, 154.83 mm" in " ".join(out.split())
     monkeypatch.delenv("COLUMNS")
     run = stepbot("inspect", "arm2.step")
     assert listed_paths(run.out) == narrow
@@ -350,3 +350,23 @@ def test_between_lists_the_strongest_axes_first(
     everything = stepbot("inspect", "plates.step", "--between", "base", "arm", "-v").out
     assert everything.count("are misaligned") == 9
     assert "not shown" not in everything
+
+
+def test_sizes_have_the_digits_of_their_meshes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot
+) -> None:
+    """Between flat faces to the micrometre; across a curved face rounded to what the exact size is within."""
+    disc, plate = solids.cylinder(67.3215, 20.125), solids.box(100.375, 20.062, 3.175).at(0, 0, 30)
+    placed = [Occurrence(Part("disc", disc.shape)), Occurrence(Part("plate", plate.shape))]
+    write_step(tmp_path / "sizes.step", Assembly("sizes", placed))
+    monkeypatch.chdir(tmp_path)
+    run = stepbot("inspect", "sizes.step")
+    sizes = dict(re.findall(r'^"(\w+)".* (\S+ x \S+ x \S+) ', run.out, re.MULTILINE))
+    assert sizes["plate"] == "100.375 x 20.062 x 3.175"
+    across, also_across, high = sizes["disc"].split(" x ")
+    assert high == "20.125"
+    deviation = 0.002 * math.hypot(2 * 67.3215, 2 * 67.3215, 20.125)
+    for text in (across, also_across):
+        assert text.count(".") == 1
+        assert len(text.split(".")[1]) == 1
+        assert abs(float(text) - 2 * 67.3215) <= 2 * deviation

@@ -22,7 +22,7 @@ from stepbot.robot.model import Robot
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
 from stepbot.sidecar.self_collision import SelfCollisionSection
-from stepbot.step.assembly import Assembly
+from stepbot.step.assembly import Assembly, MeshTolerance
 
 from .building import build
 from .conversion import REPORT, Checked, Conversion, Options, write
@@ -45,6 +45,8 @@ class Inspection:
     """trimesh's mass properties of each body of the assembly; None for a mesh that encloses no volume."""
     links: Mapping[str, tuple[int, ...]] = field(default_factory=dict)
     """For each link of the sidecar, the indices of its components; empty if a STEP was inspected without a sidecar."""
+    tolerance: MeshTolerance = field(default_factory=MeshTolerance)
+    """That of the meshes."""
 
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
@@ -184,7 +186,8 @@ def inspect(path: Path, options: Options) -> Inspection:
     try:
         sidecar = load(path, options, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
         step = path if sidecar is None else options.step or named_step(sidecar, found)
-        with closing(Loading(step, what_to_read(sidecar, options), options, found)) as loading:
+        what = what_to_read(sidecar, options)
+        with closing(Loading(step, what, options, found)) as loading:
             assembly = loading.incomplete_assembly(found)
             measures = () if assembly is None else loading.measures(found)
     except StepbotError as error:
@@ -195,7 +198,7 @@ def inspect(path: Path, options: Options) -> Inspection:
 
         report_large_assembly(assembly, found)
     links = {} if sidecar is None or found.has_errors or assembly is None else link_components(assembly, sidecar, found)
-    return Inspection(found, assembly, measures, links)
+    return Inspection(found, assembly, measures, links, what.tolerance)
 
 
 _JUDGED_BY_TEXT = ("SB1",)
