@@ -66,8 +66,7 @@ def test_weak_evidence_is_marked() -> None:
             replace(
                 FIT, basis=Basis.APART, overlap=-0.002, selected=True, selected_by=(Side("arm", 0.008, bore=True),)
             ),
-            "bore of radius 8 mm, selected by the sidecar; "
-            "on its axis shaft of radius 10 mm and bore of radius 10.05 mm, 2 mm apart",
+            "selected by bore of radius 8 mm: shaft of radius 10 mm and bore of radius 10.05 mm, 2 mm apart",
         ),
         (
             replace(FIT, selected=True, selected_by=(HUB,)),

@@ -36,7 +36,7 @@ def evidence_words(evidence: Evidence) -> str:
     by = dict.fromkeys(map(face_words, evidence.selected_by))
     if not by or not by.keys().isdisjoint(map(face_words, evidence.sides)):
         return f"{words}, selected by the sidecar"
-    return f"{' and '.join(by)}, selected by the sidecar; on its axis {words}"
+    return f"selected by {' and '.join(by)}: {words}"
 
 
 def _meeting_words(evidence: Evidence) -> str:

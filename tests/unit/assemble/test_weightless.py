@@ -111,14 +111,15 @@ def test_closed_triangles_have_a_volume(tmp_path: Path, found: ReadDiagnostics) 
 
 
 def test_open_triangles_have_none(tmp_path: Path, found: ReadDiagnostics) -> None:
-    """A tessellated box with a hole has a visual and no mass; a note names it; a mass for it is one error."""
+    """A tessellated box with a hole has no mass: a note names it, a warning the robot; a mass for it is one error."""
     drawing = parts.write_tessellated(tmp_path / "robot.step", closed=False)
     robot = _convert(drawing, tmp_path, WATER + ONE, found)
     assert robot is not None
     assert len(robot.root.visuals) == 1
     assert robot.root.mass_properties.mass == 0.0
-    (note,) = found
+    note, massless = found
     assert (note.code, note.severity) == ("SB506", "note")
+    assert (massless.code, massless.severity) == ("SB510", "warning")
     assert "its triangles are not closed" in note.notes[0]
     again = Diagnostics()
     assert _convert(drawing, tmp_path, '    parts: {"**": {mass: 5 g}}\n' + ONE, again) is None
