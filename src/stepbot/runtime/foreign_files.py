@@ -28,6 +28,7 @@ def foreign_files(files: Mapping[str, bytes], folder: Path, before: Manifest) ->
     unmarked = [path for path in different if not _is_marked(folder / path)]
     if before or not any(_is_marked(folder / path) for path in files if "/" not in path):
         return unmarked
+    # The folder is stepbot's, without its list: what never has a mark, such as a mesh, cannot be told apart.
     return [path for path in unmarked if _is_marked_by(files[path])]
 
 

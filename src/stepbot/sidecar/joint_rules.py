@@ -1,6 +1,7 @@
 """Check the keys of joints by joint type: valid and required keys, units, and order of limits."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping
+from functools import cache, partial
 from math import degrees, inf, pi
 
 from stepbot.diagnostics import Diagnostics
@@ -40,12 +41,12 @@ _TOLERANCE = 1e-9
 
 def check_joints(sidecar: Sidecar, found: Diagnostics) -> None:
     """Report, joint by joint, SB121, SB125, SB137, SB455 to SB457, SB462 and SB463."""
-    stops = drafted_stops(sidecar.text)
+    stops = cache(partial(drafted_stops, sidecar.text))  # only a placeholder needs the comments
     for name, joint in sidecar.document.joints.items():
         settings = joint_settings(sidecar.document, name)
         _check_keys(sidecar, name, joint, settings, found)
         if "lower" in settings_of(joint.type):
-            _check_placeholder(sidecar, name, joint, settings, stops.get(name, ()), found)
+            _check_placeholder(sidecar, name, joint, settings, stops, found)
             _check_limits(sidecar, name, joint, settings, found)
         if joint.type is JointKind.UNIVERSAL and joint.axis2 is not None:
             _check_second_axis(sidecar, name, joint, found)
@@ -110,13 +111,14 @@ def _check_placeholder(
     name: str,
     joint: JointSection,
     settings: dict[str, Setting],
-    stops: Iterable[DraftedStop],
+    stops: Callable[[], Mapping[str, tuple[DraftedStop, ...]]],
     found: Diagnostics,
 ) -> None:
     missing = [field for field in ("lower", "upper") if field not in settings]
     if joint.limits == "todo" and missing:
         message = f"joint '{name}': placeholder `limits: todo`: no {' or '.join(missing)} limit"
-        found.add("SB463", message, sidecar.span("joints", name, "limits"), help=_remedies(joint.type, stops))
+        help = _remedies(joint.type, stops().get(name, ()))
+        found.add("SB463", message, sidecar.span("joints", name, "limits"), help=help)
 
 
 def _report_swapped(sidecar: Sidecar, who: str, lower: Setting, upper: Setting, found: Diagnostics) -> None:
