@@ -4,9 +4,11 @@ import re
 import unicodedata
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 
 from stepbot.robot.file_names import is_device
-from stepbot.robot.model import Joint, Link, Robot
+from stepbot.robot.model import Robot
+from stepbot.robot.renaming import renamed
 from stepbot.robot.unique_names import free_name
 
 from .finding import RENAMED, Finding
@@ -58,52 +60,25 @@ def with_valid_names(robot: Robot, found: list[Finding]) -> tuple[Robot, Names]:
                 found.append(Finding(RENAMED, f"{kind} '{old}' is renamed to '{new}'"))
     if name != robot.name:
         found.append(Finding(RENAMED, f"robot '{robot.name}' is renamed to '{name}'"))
-    pairs = (sorted((links[a], links[b])) for a, b in robot.excluded_contacts)
-    renamed = replace(
-        robot,
-        name=name,
-        excluded_contacts=tuple(sorted((a, b) for a, b in pairs)),
-        links=_links(robot.links, links),
-        joints=tuple(_joint(joint, links, joints) for joint in robot.joints),
-        closures=tuple(
-            replace(one, name=closures[one.name], link_a=links[one.link_a], link_b=links[one.link_b])
-            for one in robot.closures
-        ),
-        frames=tuple(replace(one, name=frames[one.name], link=links[one.link]) for one in robot.frames),
-        actuators=tuple(replace(one, name=actuators[one.name], joint=joints[one.joint]) for one in robot.actuators),
-        sensors=tuple(
-            replace(one, name=sensors[one.name], link=links[one.link], joint=joints.get(one.joint, ""))
-            for one in robot.sensors
-        ),
+    with_names = renamed(
+        replace(robot, name=name),
+        link=links.__getitem__,
+        joint=joints.__getitem__,
+        closure=closures.__getitem__,
+        frame=frames.__getitem__,
+        actuator=actuators.__getitem__,
+        sensor=sensors.__getitem__,
+        visual=partial(_free, "visual", set()),
+        collision=partial(_free, "collision", set()),
     )
     changes = ({old: new for old, new in of_kind.items() if old != new} for of_kind in (links, joints, frames))
-    return renamed, Names(*changes)
+    return with_names, Names(*changes)
 
 
 def _renamed(names: Iterable[str], kind: str, taken: set[str]) -> dict[str, str]:
     return {name: free_name(valid_name(name, kind), f"_{kind}", taken) for name in names}
 
 
-def _joint(joint: Joint, links: Mapping[str, str], joints: Mapping[str, str]) -> Joint:
-    mimic = joint.mimic and replace(joint.mimic, joint=joints[joint.mimic.joint])
-    return replace(joint, name=joints[joint.name], parent=links[joint.parent], child=links[joint.child], mimic=mimic)
-
-
-def _links(links: Iterable[Link], names: Mapping[str, str]) -> tuple[Link, ...]:
-    """The links, with shapes whose names are valid and unique in the robot."""
-    seen: set[str] = set()
-    touched: set[str] = set()
-    return tuple(
-        replace(
-            link,
-            name=names[link.name],
-            visuals=tuple(
-                replace(one, name=free_name(valid_name(one.name, "visual"), "_2", seen)) for one in link.visuals
-            ),
-            collisions=tuple(
-                replace(one, name=free_name(valid_name(one.name, "collision"), "_2", touched))
-                for one in link.collisions
-            ),
-        )
-        for link in links
-    )
+def _free(kind: str, taken: set[str], name: str) -> str:
+    """A valid name for a shape that no earlier one has; the shapes are named in the robot's order."""
+    return free_name(valid_name(name, kind), "_2", taken)

@@ -3,8 +3,8 @@
 import re
 from dataclasses import replace
 
-from stepbot.robot.model import Actuator, Collision, Joint, Link, Mimic, Robot, Visual
-from stepbot.robot.sensors import Sensor
+from stepbot.robot.model import Robot
+from stepbot.robot.renaming import renamed
 
 from ...xml import Element, document, element, root
 from ..package import with_package
@@ -74,49 +74,16 @@ def _control(macro: Element) -> None:
 
 def with_prefix(robot: Robot) -> Robot:
     """The robot with the prefix before all names of links, joints, shapes, actuators and sensors."""
-    return replace(
+    prefixed = renamed(
         robot,
-        links=tuple(_link(link) for link in robot.links),
-        joints=tuple(_joint(joint) for joint in robot.joints),
-        actuators=tuple(_actuator(actuator) for actuator in robot.actuators),
-        sensors=tuple(_sensor(sensor) for sensor in robot.sensors),
-        name=_prefixed(robot.name),
+        link=_prefixed,
+        joint=_prefixed,
+        actuator=_prefixed,
+        sensor=_prefixed,
+        visual=_prefixed,
+        collision=_prefixed,
     )
-
-
-def _link(link: Link) -> Link:
-    def named(shape: Visual) -> Visual:
-        return replace(shape, name=_prefixed(shape.name))
-
-    def collision(shape: Collision) -> Collision:
-        return replace(shape, name=_prefixed(shape.name))
-
-    return replace(
-        link,
-        name=_prefixed(link.name),
-        visuals=tuple(map(named, link.visuals)),
-        collisions=tuple(map(collision, link.collisions)),
-    )
-
-
-def _joint(joint: Joint) -> Joint:
-    mimic = joint.mimic
-    return replace(
-        joint,
-        name=_prefixed(joint.name),
-        parent=_prefixed(joint.parent),
-        child=_prefixed(joint.child),
-        mimic=None if mimic is None else Mimic(_prefixed(mimic.joint), mimic.multiplier, mimic.offset),
-    )
-
-
-def _actuator(actuator: Actuator) -> Actuator:
-    return replace(actuator, name=_prefixed(actuator.name), joint=_prefixed(actuator.joint))
-
-
-def _sensor(sensor: Sensor) -> Sensor:
-    link, joint = (_prefixed(name) if name else name for name in (sensor.link, sensor.joint))
-    return replace(sensor, name=_prefixed(sensor.name), link=link, joint=joint)
+    return replace(prefixed, name=_prefixed(robot.name))
 
 
 def _prefixed(name: str) -> str:

@@ -1,0 +1,84 @@
+"""Renames the elements of a robot, and every reference to them."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from .model import Joint, Link, Robot
+from .self_collision import PairContact, SelfCollision
+
+Rename = Callable[[str], str]
+
+
+def same(name: str) -> str:
+    """The name itself: elements of a kind that keep theirs."""
+    return name
+
+
+def renamed(
+    robot: Robot,
+    *,
+    link: Rename = same,
+    joint: Rename = same,
+    closure: Rename = same,
+    frame: Rename = same,
+    actuator: Rename = same,
+    sensor: Rename = same,
+    visual: Rename = same,
+    collision: Rename = same,
+) -> Robot:
+    """The robot with other names; the name of the robot itself and those of its meshes stay.
+
+    Args:
+        robot: Any robot.
+        link: New name of a link; further ones for the other kinds. Each must map different names to different names.
+        joint: Joints of the tree.
+        closure: Joints that close loops.
+        frame: Named frames.
+        actuator: Actuators.
+        sensor: Sensors.
+        visual: Visuals, in the order of the links.
+        collision: Collisions, in the order of the links.
+    """
+
+    def of_link(one: Link) -> Link:
+        visuals = tuple(replace(shape, name=visual(shape.name)) for shape in one.visuals)
+        collisions = tuple(replace(shape, name=collision(shape.name)) for shape in one.collisions)
+        return replace(one, name=link(one.name), visuals=visuals, collisions=collisions)
+
+    def of_joint(one: Joint) -> Joint:
+        mimic = None if one.mimic is None else replace(one.mimic, joint=joint(one.mimic.joint))
+        return replace(one, name=joint(one.name), parent=link(one.parent), child=link(one.child), mimic=mimic)
+
+    def pair(a: str, b: str) -> tuple[str, str]:
+        first, second = sorted((link(a), link(b)))
+        return first, second
+
+    def of_pair(one: PairContact) -> PairContact:
+        pose = tuple((joint(name), q) for name, q in one.pose)
+        return replace(one, link_a=link(one.link_a), link_b=link(one.link_b), pose=pose)
+
+    overlaps: SelfCollision | None = robot.self_collision
+    if overlaps is not None:
+        overlaps = replace(overlaps, pairs=tuple(map(of_pair, overlaps.pairs)))
+    return replace(
+        robot,
+        links=tuple(map(of_link, robot.links)),
+        joints=tuple(map(of_joint, robot.joints)),
+        closures=tuple(
+            replace(one, name=closure(one.name), link_a=link(one.link_a), link_b=link(one.link_b))
+            for one in robot.closures
+        ),
+        frames=tuple(replace(one, name=frame(one.name), link=link(one.link)) for one in robot.frames),
+        actuators=tuple(replace(one, name=actuator(one.name), joint=joint(one.joint)) for one in robot.actuators),
+        sensors=tuple(
+            replace(
+                one,
+                name=sensor(one.name),
+                link=link(one.link) if one.link else "",
+                joint=joint(one.joint) if one.joint else "",
+            )
+            for one in robot.sensors
+        ),
+        excluded_contacts=tuple(sorted(pair(a, b) for a, b in robot.excluded_contacts)),
+        self_collision=overlaps,
+    )
