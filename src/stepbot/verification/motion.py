@@ -12,8 +12,9 @@ from stepbot.robot.dynamics import GRAVITY
 from .deviation import Deviations
 from .tolerances import DRIVEN_ANGLE, SEVERAL_LOOPS, Tolerance
 
-NO_GRAVITY = 1e-6
-"""Share of weight times reach below which gravity forces count as zero: planar mechanisms have none."""
+NO_GRAVITY = 5e-3
+"""Share of weight times reach to which gravity forces are relative at least. Planar mechanisms have none, and files
+round rotations to 1e-12, which turns weight times reach by as much."""
 
 
 def compare_poses(deviations: Deviations, reference: Observation, observed: Observation) -> None:

@@ -34,6 +34,7 @@ from . import ENGINE
 from .compiled import Compiled
 from .contacts import excluded_pairs
 from .devices import observed_actuators, observed_frames, observed_sensors
+from .frame_rounding import without_rounding
 from .joints import observed_joints
 from .shapes import collides, observed_shapes, stray_mesh
 from .warnings import collected_warnings
@@ -108,8 +109,10 @@ def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:
             for mesh in spec.meshes:  # URDF states every mass, so a flat mesh is not a fault
                 mesh.inertia = engine.mjtMeshInertia.mjMESH_INERTIA_SHELL
             model, notes = _with_weightless_links(engine, spec)
-            return model, (*notes, *substitutes.notes())
-        return engine.MjModel.from_xml_path(str(path)), ()
+            model, rounded = without_rounding(engine, model, lambda: spec)
+            return model, (*notes, *rounded, *substitutes.notes())
+        model = engine.MjModel.from_xml_path(str(path))
+        return without_rounding(engine, model, lambda: engine.MjSpec.from_file(str(path)))
     except ValueError as error:
         floating = inner_joints(path, ("floating",)) if request.format == "urdf" else ""
         if floating:
@@ -238,7 +241,8 @@ def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynam
     """Mass matrix without armature, gravity forces, and inverse dynamics, in the coordinates."""
     engine, model = compiled.engine, compiled.model
     E = compiled.coordinates.rates(q)
-    kept = model.dof_armature.copy(), model.opt.gravity.copy(), int(model.opt.disableflags)
+    kept = model.dof_armature.copy(), model.dof_M0.copy(), model.opt.gravity.copy(), int(model.opt.disableflags)
+    model.dof_M0[:] -= model.dof_armature  # the mass matrix of "simple" bodies is constant, and computed in advance
     model.dof_armature[:], model.opt.gravity[:], model.opt.disableflags = 0.0, GRAVITY, 0
     try:
         data = compiled.data(q)
@@ -254,7 +258,7 @@ def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynam
         engine.mj_fwdVelocity(model, data)
         engine.mj_rne(model, data, 1, inverse)
     finally:
-        model.dof_armature[:], model.opt.gravity[:], model.opt.disableflags = kept
+        model.dof_armature[:], model.dof_M0[:], model.opt.gravity[:], model.opt.disableflags = kept
     return Dynamics(E.T @ M @ E, E.T @ gravity, E.T @ inverse)
 
 

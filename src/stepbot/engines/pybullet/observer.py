@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
-from math import inf
+from math import ceil, hypot, inf, log2
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ import numpy as np
 
 from stepbot.geometry.spatial import Pose, join_bounds, matrix3, turn_inertia, vector3
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
-from stepbot.robot.dynamics import GRAVITY, Rates
+from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.model import Box, Capsule, Cylinder, JointDynamics, Limit, Sphere
 
 from ..captured_output import printed
@@ -64,6 +64,12 @@ _IN_VAIN = "Couldn't parse vector3"
 """loadSDF's warning, twice for each cylinder and capsule: it looks for MJCF's two end points first."""
 _PLAIN = "?"
 """The line that getMeshData prints for each primitive beside the meshes of a link."""
+_ACCEPTED = 1.0 / 64.0
+"""Moment of inertia [kg m^2] whose rounding errors Bullet accepts."""
+_UNIT_AXIS = re.compile(r"axis of motion not a unit axis \(\[(\S+) (\S+) (\S+)\]\), will use normalized vector")
+"""Bullet's warning of an axis that is not exactly of length 1, as after any rotation."""
+_PRINTED = 2e-6
+"""Largest error of the length of an axis that is printed with six digits."""
 _NO_LIMIT = 1e15
 """SDFormat's value for unlimited is 1e16."""
 
@@ -150,12 +156,14 @@ def _observe_urdf(engine: Any, request: Request) -> Observation:
         raise EngineCannotRead(f"PyBullet does not move these joints: {names}")
     with _loaded(engine, path, "urdf", fixed=True) as body:
         observation = replace(_tree(body, request), not_run=_NOT_RUN["urdf"])
-        if len(body.coordinates) == sum(info[2] != engine.JOINT_FIXED for info in body.joints):
-            observation = replace(observation, dynamics=tuple(_dynamics(body, *at) for at in request.moments))
+        single = len(body.coordinates) == sum(info[2] != engine.JOINT_FIXED for info in body.joints)
         finite = simulate(body, request) if request.simulate and not request.floating else None
         if request.closures and request.ways:
             closures, notes = close_in_simulation(body, request)
             observation = replace(observation, closures=closures, notes=notes)
+    if single:
+        with _loaded(engine, path, "urdf", fixed=True, shapes=False) as body:
+            observation = replace(observation, dynamics=_dynamics(body, request))
     # A fixed base reports no mass: its mass is read from a second, floating copy.
     with _loaded(engine, path, "urdf", shapes=False) as body:
         base = _link(body, -1, request)
@@ -280,7 +288,7 @@ def _joint(body: Body, index: int, written_in: str) -> ObservedJoint:
 
 def _weights(body: Body, request: Request) -> tuple[Dynamics, ...]:
     """Gravity forces only, for formats of which PyBullet reads masses but not inertias."""
-    return tuple(Dynamics(gravity=_dynamics(body, *at).gravity) for at in request.moments)
+    return tuple(Dynamics(gravity=one.gravity) for one in _dynamics(body, request))
 
 
 def _poses(body: Body, q: Mapping[str, float]) -> dict[str, Pose]:
@@ -289,15 +297,39 @@ def _poses(body: Body, q: Mapping[str, float]) -> dict[str, Pose]:
     return {link: X_RW @ body.X_WL(index) for index, link in enumerate(body.links, start=-1)}
 
 
-def _dynamics(body: Body, q: Mapping[str, float], rates: Rates) -> Dynamics:
+def _dynamics(body: Body, request: Request) -> tuple[Dynamics, ...]:
+    """The equations of motion at every configuration; changes the masses of the body."""
     if not body.coordinates:
-        return Dynamics(np.zeros((0, 0)), np.zeros(0), np.zeros(0))
-    positions, *moving = ([float(given.get(name, 0.0)) for name in body.coordinates] for given in (q, *rates))
-    rest = [0.0] * len(positions)
-    M = body.engine.calculateMassMatrix(body.id, positions)
-    gravity = body.engine.calculateInverseDynamics(body.id, positions, rest, rest)
-    inverse = body.engine.calculateInverseDynamics(body.id, positions, *moving)
-    return Dynamics(np.array(M), np.array(gravity), np.array(inverse))
+        return tuple(Dynamics(np.zeros((0, 0)), np.zeros(0), np.zeros(0)) for _ in request.moments)
+    whole = 1.0 / _lightened(body)
+    equations = []
+    for q, rates in request.moments:
+        positions, *moving = ([float(given.get(name, 0.0)) for name in body.coordinates] for given in (q, *rates))
+        rest = [0.0] * len(positions)
+        M = body.engine.calculateMassMatrix(body.id, positions)
+        gravity = body.engine.calculateInverseDynamics(body.id, positions, rest, rest)
+        inverse = body.engine.calculateInverseDynamics(body.id, positions, *moving)
+        equations.append(Dynamics(whole * np.array(M), whole * np.array(gravity), whole * np.array(inverse)))
+    return tuple(equations)
+
+
+def _lightened(body: Body) -> float:
+    """Scale all masses and inertias by a power of two, and return it.
+
+    Bullet rejects a link if its inertia, turned into the frame of its joint, differs from the transpose by more than
+    1.1e-15 kg m^2 (``kIsZero`` in IDMath.cpp), as rounding lets it for moments above about 1 kg m^2. A power of two
+    scales everything that Bullet computes from them exactly.
+    """
+    links = range(len(body.joints))
+    known = [(index, *body.engine.getDynamicsInfo(body.id, index)[:3:2]) for index in links]
+    largest = max(
+        max(moments) + mass * float(np.square(body.X_LI[index + 1].p).sum()) for index, mass, moments in known
+    )
+    factor = 2.0 ** -max(0, ceil(log2(largest / _ACCEPTED))) if largest else 1.0
+    for index, mass, moments in known if factor < 1.0 else ():
+        inertia = [factor * moment for moment in moments]
+        body.engine.changeDynamics(body.id, index, mass=factor * mass, localInertiaDiagonal=inertia)
+    return factor
 
 
 def _complaints(lines: Sequence[str], request: Request) -> list[str]:
@@ -306,4 +338,11 @@ def _complaints(lines: Sequence[str], request: Request) -> list[str]:
     own = (line.rstrip().removesuffix(_PLAIN) for line in lines)
     text = "\n".join(own).replace(str(Path(request.file).parent) + os.sep, "")
     parts = re.split(r"b3(?:Warning|Error|Printf)\[[^\[\]]*\]:", text)
-    return [" ".join(part.split()) for part in parts if part.strip()]
+    messages = (" ".join(part.split()) for part in parts if part.strip())
+    return [message for message in messages if not _is_rounded_axis(message)]
+
+
+def _is_rounded_axis(message: str) -> bool:
+    """Whether a message is about an axis whose length is 1 except for rounding; axes are compared with the file's."""
+    axis = _UNIT_AXIS.fullmatch(message)
+    return axis is not None and abs(hypot(*map(float, axis.groups())) - 1.0) < _PRINTED

@@ -170,5 +170,19 @@ def _mimic_chains(joints: tuple[ObservedJoint, ...]) -> list[str]:
 
 
 def _poses(urdf: Any, q: Mapping[str, float]) -> dict[str, Pose]:
+    """Pose of every link: the product of yourdfpy's transforms between links.
+
+    The scene's own product leaves out transforms that differ from the identity by less than 1e-8.
+    """
     urdf.update_cfg({name: q.get(name, 0.0) for name in urdf.actuated_joint_names})
-    return {link.name: Pose.from_matrix(urdf.get_transform(link.name)) for link in urdf.robot.links}
+    forest = urdf.scene.graph.transforms
+    poses = {urdf.base_link: Pose()}
+    for link in urdf.robot.links:
+        path, name = list[str](), link.name
+        while name not in poses:
+            path.append(name)
+            name = forest.parents[name]
+        for child in reversed(path):
+            matrix = forest.edge_data[forest.parents[child], child].get("matrix")
+            poses[child] = poses[forest.parents[child]] @ (Pose() if matrix is None else Pose.from_matrix(matrix))
+    return {link.name: poses[link.name] for link in urdf.robot.links}
