@@ -6,10 +6,10 @@ that is exactly that of a face differs from such a reference by the rounding.
 
 import numpy as np
 
-from stepbot.authoring.axis import Axis
-from stepbot.authoring.inference import Inferred
-from stepbot.authoring.loops import Arc
-from stepbot.authoring.origins import Origins
+from stepbot.draft.draft_robot import Origins
+from stepbot.draft.inference import Inferred
+from stepbot.draft.mechanism.loops import TreeJoint
+from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
 from stepbot.step.faces import FaceKind
 
@@ -30,9 +30,9 @@ class AxisAccuracy:
         self._origins = Origins(inferred.survey.assembly)
         self._link_of = {i: n for n, members in enumerate(inferred.links) for i in members}
 
-    def is_exact(self, arc: Arc, joint: TrueJoint) -> bool:
+    def is_exact(self, arc: TreeJoint, joint: TrueJoint) -> bool:
         """Whether the axis that the draft writes is within 1e-6 m and 1e-6 rad of the true one."""
-        hinge = arc.hinge
+        hinge = arc.evidence
         child = hinge.a if self._link_of[hinge.a] == arc.child else hinge.b
         return _agree(self._origins.of(hinge, child).axis, joint)
 

@@ -17,9 +17,9 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from stepbot.authoring.inference import infer_mechanism
-from stepbot.authoring.survey import Sources
 from stepbot.diagnostics import Diagnostics
+from stepbot.draft.contacts.survey import Sources
+from stepbot.draft.inference import infer_mechanism
 from stepbot.robot.model import JointKind
 from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
 from stepbot.step.reader import read_assembly
@@ -94,7 +94,7 @@ def measure(corpus: Path | None, only: str = "") -> dict[tuple[str, str], list[S
             inferred = infer_mechanism(assembly, sources)
             seconds = time.perf_counter() - start
             if subject.truth is None:
-                arcs = [arc for arc in inferred.arcs if arc.hinge.type != JointKind.FIXED]
+                arcs = [arc for arc in inferred.arcs if arc.evidence.type != JointKind.FIXED]
                 unmarked = sum(map(is_unmarked, arcs))
                 print(f"{subject.name:28}{mode:10}  {len(arcs)} joints drafted, {unmarked} unmarked")
                 continue

@@ -4,8 +4,8 @@ import os
 import time
 from dataclasses import replace
 
-from stepbot.authoring.infer import infer
-from stepbot.authoring.joint_stops import with_stops
+from stepbot.draft.draft_robot import infer
+from stepbot.draft.stops.stops import with_stops
 from stepbot.geometry.spatial import Pose
 from stepbot.step.assembly import Assembly
 

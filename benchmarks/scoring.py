@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from stepbot.authoring.axis import Axis
-from stepbot.authoring.draft import SURE
-from stepbot.authoring.inference import Inferred
-from stepbot.authoring.loops import Arc
+from stepbot.draft.draft import SURE
+from stepbot.draft.inference import Inferred
+from stepbot.draft.mechanism.loops import TreeJoint
+from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
 
 from .axis_accuracy import AxisAccuracy
@@ -47,7 +47,7 @@ def score(inferred: Inferred, truth: Truth) -> Score:
     """Compare the inferred mechanism with the true one."""
     result = Score(true=len(truth.joints))
     link_of = _assigned(inferred, truth)
-    arcs = [arc for arc in inferred.arcs if arc.hinge.type != JointKind.FIXED]
+    arcs = [arc for arc in inferred.arcs if arc.evidence.type != JointKind.FIXED]
     result.drafted = len(arcs)
     used: set[int] = set()
     accuracy = AxisAccuracy(inferred, truth)
@@ -70,25 +70,25 @@ def score(inferred: Inferred, truth: Truth) -> Score:
         right_type = matched and any(_match(arc, joint, link_of, n)[0] == 3 for joint in truth.joints)
         if not right_type:
             sides = f"{link_of.get(arc.parent)} - {link_of.get(arc.child)}"
-            result.wrong.append(f"{arc.hinge.type} {sides} [{arc.hinge.score:.2f} {arc.hinge.why}]")
+            result.wrong.append(f"{arc.evidence.type} {sides} [{arc.evidence.score:.2f} {arc.evidence.why}]")
             result.unmarked += is_unmarked(arc)
     result.volume = _placed(inferred, truth, link_of)
     result.root = link_of.get(inferred.root) == truth.root
     return result
 
 
-def is_unmarked(arc: Arc) -> bool:
+def is_unmarked(arc: TreeJoint) -> bool:
     """Whether a joint is drafted without a REVIEW mark."""
-    return arc.hinge.score >= SURE and not arc.hinge.review
+    return arc.evidence.score >= SURE and not arc.evidence.review
 
 
-def _match(arc: Arc, joint: TrueJoint, link_of: dict[int, str], n: int) -> tuple[int, int]:
+def _match(arc: TreeJoint, joint: TrueJoint, link_of: dict[int, str], n: int) -> tuple[int, int]:
     """3 for axis, links and type, 2 without the type, 1 for the axis alone; then the first of equal ones."""
-    if not _is_on(arc.hinge.axis, arc.hinge.type, joint):
+    if not _is_on(arc.evidence.axis, arc.evidence.type, joint):
         return 0, -n
     if {link_of.get(arc.parent), link_of.get(arc.child)} != {joint.a, joint.b}:
         return 1, -n
-    return 2 + (_SAME.get(arc.hinge.type, arc.hinge.type) == _SAME.get(joint.kind, joint.kind)), -n
+    return 2 + (_SAME.get(arc.evidence.type, arc.evidence.type) == _SAME.get(joint.kind, joint.kind)), -n
 
 
 def _is_on(axis: Axis, kind: JointKind, joint: TrueJoint) -> bool:
@@ -111,7 +111,7 @@ def _assigned(inferred: Inferred, truth: Truth) -> dict[int, str]:
     """
     one = list(range(len(inferred.links)))
     for arc in inferred.arcs:
-        if arc.hinge.type == JointKind.FIXED:
+        if arc.evidence.type == JointKind.FIXED:
             gone, kept = one[arc.child], one[arc.parent]
             one = [kept if n == gone else n for n in one]
     common: dict[tuple[int, str], float] = defaultdict(float)

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from robot_library.step_file import moved
-from stepbot.authoring.inference import Inferred, infer_mechanism
-from stepbot.authoring.survey import ALL_SOURCES, Sources
+from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
+from stepbot.draft.inference import Inferred, infer_mechanism
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose
 from stepbot.geometry.volume import VolumeProperties
@@ -83,9 +83,9 @@ def joints(found: Inferred) -> list[tuple[str, str, str]]:
     """Type and the larger parts' paths of both sides of each joint, sorted; without placeholders."""
     rows = []
     for arc in found.arcs:
-        if arc.hinge.type != JointKind.FIXED:
+        if arc.evidence.type != JointKind.FIXED:
             ends = sorted(_largest(found, n) for n in (arc.parent, arc.child))
-            rows.append((str(arc.hinge.type), ends[0], ends[1]))
+            rows.append((str(arc.evidence.type), ends[0], ends[1]))
     return sorted(rows)
 
 

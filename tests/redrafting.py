@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from stepbot.authoring.draft import Draft
-from stepbot.authoring.sidecar_text import sidecar_text
+from stepbot.draft.draft import Draft
+from stepbot.draft.text.sidecar_text import sidecar_text
 from stepbot.pipeline.drafting import draft_step
 from stepbot.pipeline.stages import Options, convert, produce
 from stepbot.robot.model import JointKind, Robot

@@ -7,7 +7,7 @@ from .counts import counted
 from .diagnostic_text import printable
 
 if TYPE_CHECKING:
-    from stepbot.authoring.draft import Draft, DraftClosure, DraftJoint
+    from stepbot.draft.draft import Draft, DraftClosure, DraftJoint
 
 _LONGEST_FACTS = 96
 """Width of the evidence; -v prints all of it."""
@@ -15,7 +15,7 @@ _LONGEST_FACTS = 96
 
 def draft_text(draft: "Draft", sidecar: Path, text: str, *, verbose: bool = False) -> str:
     """The summary of a draft that was written as ``text``."""
-    from stepbot.authoring.draft_names import names_of
+    from stepbot.draft.text.draft_names import names_of
 
     names = names_of(draft)
     lines = [f"{printable(sidecar.as_posix())}: {_counts(draft)}; root link '{names.links[draft.root]}'"]
@@ -31,7 +31,7 @@ def draft_text(draft: "Draft", sidecar: Path, text: str, *, verbose: bool = Fals
 
 def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
     """A draft, and the number of questions in its ``text``, as JSON."""
-    from stepbot.authoring.draft_names import names_of
+    from stepbot.draft.text.draft_names import names_of
 
     names = names_of(draft)
     links = [

@@ -19,7 +19,7 @@ from .reading import reading_options
 from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
-    from stepbot.authoring.draft import Draft
+    from stepbot.draft.draft import Draft
     from stepbot.pipeline.conversion import Options
     from stepbot.pipeline.drafting import Again
 

@@ -8,7 +8,7 @@ import click
 from .diagnostic_text import printable
 
 if TYPE_CHECKING:
-    from stepbot.authoring.draft import Draft, DraftConnection
+    from stepbot.draft.draft import Draft, DraftConnection
     from stepbot.pipeline.drafting import Again
 
 
@@ -26,8 +26,7 @@ def asked(draft: "Draft", again: "Again | None" = None) -> "Draft":
 
 def _inferred(draft: "Draft", again: "Again") -> "Draft":
     """Infer again after each answer; an open question is not repeated."""
-    from stepbot.authoring.answers import known_fixed, known_joint
-    from stepbot.authoring.facts import Facts
+    from stepbot.draft.answers import Facts, known_fixed, known_joint
 
     facts = Facts()
     root = _root(draft)
@@ -59,7 +58,7 @@ def _open_ones(draft: "Draft") -> list[tuple["DraftConnection", str]]:
 
 def _corrected(draft: "Draft") -> "Draft":
     """The draft with each answer applied to the joint that it is about."""
-    from stepbot.authoring.answers import chosen, confirmed, fixed, rerooted
+    from stepbot.draft.answers import chosen, confirmed, fixed, rerooted
 
     root = _root(draft)
     if root != draft.root:

@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks.scoring import score
 from benchmarks.truth import Truth, read_truth
-from stepbot.authoring.inference import Inferred, infer_mechanism
 from stepbot.diagnostics import Diagnostics
+from stepbot.draft.inference import Inferred, infer_mechanism
 from stepbot.robot.model import JointKind
 from stepbot.step.assembly import ReadOptions
 from stepbot.step.reader import read_assembly
@@ -44,11 +44,11 @@ def test_an_axis_2_micrometres_off_is_found_and_not_exact(four_bar: tuple[Inferr
 def test_a_wrong_type_is_wrong_and_seen(four_bar: tuple[Inferred, Truth]) -> None:
     """A hinge drafted as a slide counts as wrong, not as found; its axis counts as found."""
     inferred, truth = four_bar
-    inferred.arcs[0].hinge.type = JointKind.PRISMATIC
+    inferred.arcs[0].evidence.type = JointKind.PRISMATIC
     try:
         result = score(inferred, truth)
     finally:
-        inferred.arcs[0].hinge.type = JointKind.REVOLUTE
+        inferred.arcs[0].evidence.type = JointKind.REVOLUTE
     assert (result.found, result.seen, len(result.wrong)) == (3, 4, 1)
 
 

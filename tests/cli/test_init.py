@@ -7,8 +7,8 @@ import pytest
 
 from robot_library.moments import pose
 from robot_library.step_file import Assembly, Occurrence, Part, write_step
-from stepbot.authoring.draft import Confidence, Draft, DraftLink
-from stepbot.authoring.sidecar_text import sidecar_text
+from stepbot.draft.draft import Confidence, Draft, DraftLink
+from stepbot.draft.text.sidecar_text import sidecar_text
 from stepbot_cli.draft_text import draft_document
 from tests import parts
 from tests.separate_files import write_separately

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.authoring.draft import Confidence, Draft, DraftLink
-from stepbot.authoring.sidecar_text import sidecar_text
 from stepbot.diagnostics import Diagnostics
+from stepbot.draft.draft import Confidence, Draft, DraftLink
+from stepbot.draft.text.sidecar_text import sidecar_text
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.starter import starter_name
 

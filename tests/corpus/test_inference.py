@@ -7,11 +7,11 @@ import pytest
 
 from benchmarks.scoring import is_unmarked, score
 from benchmarks.truth import read_truth
-from stepbot.authoring.draft import OriginForm
-from stepbot.authoring.infer import infer
-from stepbot.authoring.inference import infer_mechanism
-from stepbot.authoring.survey import Sources
 from stepbot.diagnostics import Diagnostics
+from stepbot.draft.contacts.survey import Sources
+from stepbot.draft.draft import OriginForm
+from stepbot.draft.draft_robot import infer
+from stepbot.draft.inference import infer_mechanism
 from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
 from stepbot.step.reader import read_assembly
 
@@ -68,4 +68,4 @@ def test_loops_of_a_gripper_are_cut_at_bearings(corpus: Path) -> None:
 def test_no_unmarked_joint_where_there_is_no_robot(corpus: Path, step: str, sources: Sources) -> None:
     """Brackets, a foot and loose cylinders have no joint without a mark."""
     inferred = infer_mechanism(read(corpus / f"{step}.step"), sources)
-    assert not [arc.hinge.why for arc in inferred.arcs if is_unmarked(arc)]
+    assert not [arc.evidence.why for arc in inferred.arcs if is_unmarked(arc)]

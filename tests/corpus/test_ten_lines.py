@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.truth import read_truth
-from stepbot.authoring.sidecar_text import sidecar_text
+from stepbot.draft.text.sidecar_text import sidecar_text
 from stepbot.pipeline.drafting import draft_step
 from stepbot.pipeline.stages import Options, produce
 from tests.corpus.test_authoring import PAGE, blocks, edited

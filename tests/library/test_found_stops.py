@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.authoring.sidecar_text import sidecar_text
+from stepbot.draft.text.sidecar_text import sidecar_text
 from stepbot.pipeline.drafting import draft_step
 from stepbot.pipeline.stages import Options
 from tests.library.conftest import LIBRARY

@@ -1,4 +1,4 @@
-"""Builds the format-independent robot from an assembly and a sidecar. For ``authoring`` and above.
+"""Builds the format-independent robot from an assembly and a sidecar. For ``draft`` and above.
 
 material_assignment  density, colour and collision of each component
 claims               the link of each component

@@ -10,7 +10,7 @@ from math import tau
 from typing import Any
 
 from stepbot.assemble.assets import MeshAssets
-from stepbot.authoring.draft import Draft, DraftConnection, DraftJoint
+from stepbot.draft.draft import Draft, DraftConnection, DraftJoint
 from stepbot.geometry.spatial import IDENTITY, Pose, perpendicular_frame, unit, vector3
 from stepbot.report.joint_words import direction_words, point_words
 from stepbot.robot.model import GREY, Joint, JointKind, Limit, Link, LoopClosure, Robot, Visual

@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-from stepbot.authoring.draft import Draft
-from stepbot.authoring.sidecar_text import SCHEMA_FILE, sidecar_text
-from stepbot.authoring.step_path import relative_step
 from stepbot.diagnostics import Diagnostics
+from stepbot.draft.draft import Draft
+from stepbot.draft.text.sidecar_text import SCHEMA_FILE, relative_step, sidecar_text
 from stepbot.runtime.file import write_file
 from stepbot.sidecar.schema import schema_text
 

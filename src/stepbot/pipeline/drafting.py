@@ -5,15 +5,14 @@ from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from stepbot.authoring.densities_of import equal_density, without_density
-from stepbot.authoring.described.drafted import draft_of_description
-from stepbot.authoring.draft import Draft
-from stepbot.authoring.facts import Facts
-from stepbot.authoring.infer import Inference
-from stepbot.authoring.joint_stops import with_stops
-from stepbot.authoring.stated_joints import draft_of_mechanism
-from stepbot.authoring.up_axis import drawn_up
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
+from stepbot.draft.answers import Facts
+from stepbot.draft.draft import Draft
+from stepbot.draft.draft_robot import Inference
+from stepbot.draft.from_description.drafted import draft_of_description
+from stepbot.draft.stated_joints import draft_of_mechanism
+from stepbot.draft.stops.stops import with_stops
+from stepbot.draft.text.sidecar_text import drawn_up, equal_density, without_density
 from stepbot.robot.step_names import step_stem
 from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
 from stepbot.step.exchange.mechanisms import Mechanism, has_mechanism, read_mechanism

@@ -1,6 +1,6 @@
 """Reads STEP files; the only package that imports the geometry kernel, and only in a worker process.
 
-May be called by ``assemble``, ``authoring`` and everything above them.
+May be called by ``assemble``, ``draft`` and everything above them.
 """
 
 KERNEL = "stepbot.step.worker:read"

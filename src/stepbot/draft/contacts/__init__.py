@@ -1,0 +1,1 @@
+"""Contacts of parts, and the motion that they leave."""

@@ -1,0 +1,128 @@
+"""Finds coaxial cylinders of different parts, and how they meet.
+
+Lines are found by sorting (``step.features.coaxial``); on a line only parts that overlap or nearly do are compared.
+"""
+
+from collections import defaultdict
+from collections.abc import Sequence
+
+import numpy as np
+
+from stepbot.draft.contacts.contacts import CoaxialLine, Contacts, Fit, FitKind, LineFace
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.scene import PlacedFace, Scene
+from stepbot.step.faces import FaceKind
+from stepbot.step.features.coaxial import Rays, coaxial, signed
+
+LINE_DISTANCE = 1e-5
+"""Distance [m] up to which faces are coaxial, as for ``mate`` in a sidecar."""
+LINE_ANGLE = 1e-3
+HALF_ROUND = 3.2
+"""Angle [rad] above which a face covers more than half of the circumference."""
+
+_SHORTEST = 2e-4
+"""Minimum engaged length [m] of a shaft in its bore."""
+_SLACK, _SLACK_SHARE, _LEAST_SLACK = 5e-4, 0.06, 1e-5
+"""Maximum difference of radii of a fit: [m], as a share of the bore, and in any case [m]."""
+_PRESS = 1.5e-4
+"""Maximum interference [m] of a shaft drawn thicker than its bore."""
+_HOLE_GAP, _HOLE_RATIO = 1.5e-3, 2.5
+"""Gap [m] between two coaxial holes, and ratio of their radii, up to which one screw could be in both."""
+_FLUSH_GAP = 5e-4
+_NEAR = 3e-3
+"""Gap [m] along a line up to which two parts are compared."""
+_EQUAL = 1e-7
+
+
+def find_fits(scene: Scene, found: Contacts) -> None:
+    """Add all lines, and the fits on them, to the contacts."""
+    rows = scene.faces(FaceKind.CYLINDER) + scene.faces(FaceKind.CONE)
+    if not rows:
+        return
+    rays = Rays(np.array([r.point for r in rows]), np.array([r.direction for r in rows]))
+    for group in coaxial(rays, LINE_DISTANCE, LINE_ANGLE):
+        line = _line([rows[i] for i in group.tolist()])
+        found.lines.append(line)
+        for a, b in _neighbours(line):
+            found.fits[a, b] += _pair_fits(line, a, b)
+    for pair in [pair for pair, fits in found.fits.items() if not fits]:
+        del found.fits[pair]
+
+
+def _line(rows: Sequence[PlacedFace]) -> CoaxialLine:
+    best = max(rows, key=lambda r: (r.face.kind == FaceKind.CYLINDER, r.face.radius))
+    axis = Axis(best.point, signed(best.direction[None, :])[0])
+    by_part: dict[int, list[LineFace]] = defaultdict(list)
+    for row in rows:
+        along, half = float((row.point - axis.point) @ axis.d), 0.5 * row.face.length
+        face = LineFace(
+            row.face.radius, along - half, along + half, row.face.bore, row.face.span, row.face.kind == FaceKind.CONE
+        )
+        by_part[row.part].append(face)
+    return CoaxialLine(axis, {part: _joined(faces) for part, faces in sorted(by_part.items())})
+
+
+def _joined(faces: list[LineFace]) -> tuple[LineFace, ...]:
+    """Faces of one part on one line; halves of one cylinder, and pieces end to end, are merged."""
+    joined: list[LineFace] = []
+    for face in sorted(faces, key=lambda f: (f.cone, f.bore, round(f.radius, 8), f.low, f.high)):
+        for n, other in enumerate(joined):
+            same = (other.cone, other.bore) == (face.cone, face.bore) and abs(other.radius - face.radius) < _EQUAL
+            if same and face.low <= other.high + _EQUAL and other.low <= face.high + _EQUAL:
+                low, high = min(other.low, face.low), max(other.high, face.high)
+                joined[n] = LineFace(other.radius, low, high, other.bore, other.span + face.span, other.cone)
+                break
+        else:
+            joined.append(face)
+    return tuple(joined)
+
+
+def _neighbours(line: CoaxialLine) -> list[tuple[int, int]]:
+    """Pairs of parts whose faces on the line overlap or nearly do."""
+    spans = sorted((min(f.low for f in faces), max(f.high for f in faces), part) for part, faces in line.faces.items())
+    found = set()
+    active: list[tuple[float, int]] = []
+    for low, high, part in spans:
+        active = [(end, other) for end, other in active if end >= low - _NEAR]
+        found |= {(min(part, other), max(part, other)) for _, other in active}
+        active.append((high, part))
+    return sorted(found)
+
+
+def _pair_fits(line: CoaxialLine, a: int, b: int) -> list[Fit]:
+    """The strongest fit of each kind."""
+    best: dict[FitKind, Fit] = {}
+    for face_a in line.faces[a]:
+        for face_b in line.faces[b]:
+            fit = None if face_a.cone or face_b.cone else _fit(line.axis, a, b, face_a, face_b)
+            if fit is not None and (fit.kind not in best or _rank(fit) > _rank(best[fit.kind])):
+                best[fit.kind] = fit
+    return [best[kind] for kind in sorted(best)]
+
+
+def _fit(axis: Axis, a: int, b: int, face_a: LineFace, face_b: LineFace) -> Fit | None:
+    low, high = max(face_a.low, face_b.low), min(face_a.high, face_b.high)
+    kind, shaft, full = FitKind.FLUSH, -1, face_a.span > HALF_ROUND and face_b.span > HALF_ROUND
+    if face_a.bore != face_b.bore:
+        kind, (bore, thin) = FitKind.SHAFT, (face_a, face_b) if face_a.bore else (face_b, face_a)
+        loose = max(min(_SLACK, _SLACK_SHARE * bore.radius), _LEAST_SLACK)
+        if high - low < _SHORTEST or not -_PRESS <= bore.radius - thin.radius <= loose:
+            return None
+        shaft = b if face_a.bore else a
+    elif face_a.bore:
+        kind = FitKind.HOLES
+        if not full or low - high >= _HOLE_GAP:
+            return None
+        if not 1.0 / _HOLE_RATIO < face_a.radius / face_b.radius < _HOLE_RATIO:
+            return None
+    elif abs(face_a.radius - face_b.radius) >= LINE_DISTANCE or abs(low - high) >= _FLUSH_GAP:
+        return None
+    at = Axis(axis.point + axis.d * (0.5 * (low + high)), axis.d)
+    length = high - low if kind == FitKind.SHAFT else low - high
+    return Fit(a, b, kind, at, face_a.radius, face_b.radius, length, shaft, full)
+
+
+def _rank(fit: Fit) -> tuple[float, ...]:
+    if fit.kind == FitKind.SHAFT:
+        return (fit.full, -round(fit.clearance, 6), fit.length)
+    return (-max(0.0, fit.length), -fit.clearance, fit.radius)

@@ -1,0 +1,135 @@
+"""The facts about an assembly before anything is decided: parts, contacts, relations, subassemblies, motors."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from stepbot.draft.contacts.balls import find_sockets
+from stepbot.draft.contacts.contacts import Contacts, Pair
+from stepbot.draft.contacts.planes import find_patches
+from stepbot.draft.contacts.relations import Relation, Via, find_relations, neighbours, turned_lines
+from stepbot.draft.contacts.roles import read_parts, spoken_names
+from stepbot.draft.contacts.shafts import find_fits
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.clusters import Clusters
+from stepbot.draft.parts.names import Role, roles
+from stepbot.draft.parts.parts import joint_box
+from stepbot.draft.parts.scene import Scene
+from stepbot.geometry.spatial import Array
+from stepbot.geometry.sums import exact_sum
+from stepbot.step.assembly import Assembly
+
+_SMALL_SHARE = 0.35
+"""Share of the assembly's size from which a part is not a fastener, whatever its name."""
+_SCREW_REACH = 4e-3
+"""Distance [m] from a screw's bounding box within which it clamps."""
+
+
+@dataclass(frozen=True)
+class Sources:
+    """Sources of evidence besides the geometry."""
+
+    names: bool = True
+    tree: bool = True
+    """Whether to use subassemblies."""
+
+
+ALL_SOURCES = Sources()
+
+
+class Survey:
+    """The facts that all evidence is drawn from."""
+
+    def __init__(self, assembly: Assembly, sources: Sources) -> None:
+        self.assembly, self.sources = assembly, sources
+        self.scene = Scene(assembly)
+        self.contacts = find_contacts(self.scene)
+        self.relations = find_relations(self.contacts)
+        self.near = neighbours(self.relations)
+        self.turned = turned_lines(self.contacts)
+        self.parts = read_parts(self.scene, self.contacts, use_names=sources.names)
+        self.box = joint_box(self.parts.values())
+        self.extent = float(np.linalg.norm(self.box[1] - self.box[0]))
+        self.volume = exact_sum(part.volume for part in self.parts.values()) or 1.0
+        self.small = {i for i, p in self.parts.items() if p.is_small and p.size < _SMALL_SHARE * self.extent}
+
+    def relation(self, a: int, b: int) -> Relation | None:
+        """The relation of two parts; None if they do not touch."""
+        return self.relations.get((min(a, b), max(a, b)))
+
+    def around(self, part: int) -> Iterator[tuple[int, Relation]]:
+        """The larger parts in contact with a part, with the relation."""
+        for relation in self.near.get(part, ()):
+            other = relation.other(part)
+            if other not in self.small:
+                yield other, relation
+
+    def pairs(self) -> Iterator[tuple[Pair, Relation]]:
+        """Relations between larger parts."""
+        for pair, relation in self.relations.items():
+            if not self.small.intersection(pair):
+                yield pair, relation
+
+    def holders(self, part: int) -> set[int]:
+        """The parts that a part is fastened to."""
+        return {other for other, r in self.around(part) if r.is_rigid or r.via == Via.RING}
+
+    def node_roles(self, component: int) -> set[Role]:
+        """The roles that a component's names indicate."""
+        if not self.sources.names:
+            return set()
+        return {role for name in spoken_names(self.assembly.components[component]) for role in roles(name)}
+
+    def bodies_of_same_part(self, part: int) -> list[int]:
+        """The bodies of the product that a body belongs to, itself included; none where the tree does not count."""
+        above = self.assembly.components[part].parent
+        if not self.sources.tree or above <= 0:
+            return []
+        siblings = [i for i in self.assembly.children[above] if i in self.parts]
+        return [i for i in siblings if not self.assembly.components[i].product]
+
+    def has_screw_at(self, axis: Axis) -> bool:
+        """Whether a screw is on a line, near the given position."""
+        lines, boxes = self._screws
+        near = (axis.point > boxes[:, 0] - _SCREW_REACH) & (axis.point < boxes[:, 1] + _SCREW_REACH)
+        return any(axis.same(lines[k]) for k in np.flatnonzero(near.all(axis=1)).tolist())
+
+    def islands(self, members: Iterable[int]) -> list[list[int]]:
+        """Parts in groups that touch each other."""
+        inside = set(members)
+        groups = Clusters(sorted(inside))
+        for i in inside:
+            for r in self.near.get(i, ()):
+                if r.other(i) in inside:
+                    groups.join(i, r.other(i))
+        return list(groups.groups().values())
+
+    def total_volume(self, members: Iterable[int]) -> float:
+        """[m^3]."""
+        return exact_sum(self.parts[i].volume for i in members)
+
+    def box_of(self, members: Iterable[int]) -> Array:
+        """The bounding box (2, 3) [m] of parts."""
+        return joint_box(self.parts[i] for i in members)
+
+    def size_of(self, members: Iterable[int]) -> float:
+        """Diagonal of the bounding box of parts [m]."""
+        low, high = self.box_of(members)
+        return float(np.linalg.norm(high - low)) or 1.0
+
+    @cached_property
+    def _screws(self) -> tuple[list[Axis], Array]:
+        """Lines of fasteners, and the fasteners' bounding boxes (n, 2, 3)."""
+        rows = [(line.axis, part) for line in self.contacts.lines for part in line.faces if part in self.small]
+        return [axis for axis, _ in rows], np.array([self.parts[part].box for _, part in rows]).reshape(-1, 2, 3)
+
+
+def find_contacts(scene: Scene) -> Contacts:
+    """All contacts between the parts of an assembly."""
+    found = Contacts()
+    find_fits(scene, found)
+    find_patches(scene, found)
+    find_sockets(scene, found)
+    return found

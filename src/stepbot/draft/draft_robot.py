@@ -1,0 +1,301 @@
+"""Drafts a robot from a plain assembly: the content of ``stepbot init``.
+
+The origin of a joint is a mate or an axis of components where possible, since these survive CAD changes.
+"""
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepbot.assemble.axis_evidence import doubt, face_words, faces_of_radius
+from stepbot.draft.answers import NO_FACTS, STATED, Facts
+from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
+from stepbot.draft.draft import (
+    CHOSEN,
+    Alternative,
+    Confidence,
+    Draft,
+    DraftClosure,
+    DraftJoint,
+    DraftLink,
+    OriginForm,
+    OriginSnippet,
+)
+from stepbot.draft.evidence.evidence import JointEvidence
+from stepbot.draft.inference import Inferred, infer_from
+from stepbot.draft.link_claims import LinkClaims
+from stepbot.draft.mechanism.loops import TreeJoint
+from stepbot.draft.parts.axis import Axis
+from stepbot.geometry.spatial import Array, Vector3, perpendicular_frame, rpy_from_rotation, vector3
+from stepbot.robot.model import JointKind
+from stepbot.step.assembly import Assembly
+from stepbot.step.features.axes import AxisFaces, AxisLine, axis_faces, is_parallel, lines, mates, selectors
+
+_NANOMETRE = 9
+_MICRORADIAN = 12
+
+
+@dataclass(frozen=True)
+class Found:
+    """The origin of a joint."""
+
+    snippet: OriginSnippet
+    axis: Axis
+    selected_by: str = ""
+    """The faces whose radius selects the line among others, in words; empty if no radius does."""
+    doubt: str = ""
+    """Why the faces on the line are weak evidence; empty if they are strong, or if there are none."""
+
+
+class Origins:
+    """Writes origins; faces are collected once per component."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self._assembly = assembly
+        self._faces: dict[int, AxisFaces] = {}
+
+    def of(self, hinge: JointEvidence, child: int) -> Found:
+        """The origin of a joint, the resulting axis, and its faces; ``child`` is the part on the child's side.
+
+        The axis of the bearing between both parts if there is one, else the mate of both if it is on the axis, else the
+        axis of one of them, else numbers.
+        """
+        kind, axis = hinge.type, hinge.axis
+        if kind == JointKind.FIXED:
+            return Found(OriginSnippet(OriginForm.XYZ), axis)
+        if kind == JointKind.UNIVERSAL and hinge.axis2 is not None:
+            x, y = axis.d, hinge.axis2.d
+            return Found(_numbers(axis.point, np.column_stack([x, y, np.cross(x, y)])), axis)
+        if axis.direction is None:
+            return Found(_numbers(axis.point, np.eye(3)), axis)
+        parent = hinge.b if child == hinge.a else hinge.a
+        bearing = ((hinge.through,),) if hinge.through >= 0 else ()
+        for parts in (*bearing, (parent, child), (child,), (parent,)):
+            found = self._chosen(parts, axis, slides=kind == JointKind.PRISMATIC)
+            if found is not None:
+                return found
+        return Found(_numbers(axis.point, perpendicular_frame(axis.d)), axis)
+
+    def _chosen(self, parts: Sequence[int], axis: Axis, *, slides: bool) -> Found | None:
+        """The line of one component, or the mate of two, on the axis, with its selector among all lines."""
+        faces = [self._of(part) for part in parts]
+        found = mates(faces[0], faces[1]) if len(faces) == 2 else lines(faces[0])
+        form = OriginForm.MATE if len(faces) == 2 else OriginForm.AXIS_OF
+        for line, selector in zip(found, selectors(found) if found else (), strict=True):
+            own = Axis(np.array(line.point), np.array(line.direction))
+            if own.same(axis):
+                snippet = OriginSnippet(form, tuple(map(self._path, parts)), selector.radius, selector.near)
+                others = [one for one in self._matching(faces, selector.radius) if one.point != line.point]
+                if slides:
+                    others = [one for one in others if not is_parallel(one, line)]
+                return Found(snippet, own, self._selected_by(line, selector.radius), doubt(line, others))
+        return None
+
+    def _matching(self, faces: Sequence[AxisFaces], radius: float | None) -> tuple[AxisLine, ...]:
+        """The lines that an origin with this radius is chosen among."""
+        return mates(faces[0], faces[1], radius) if len(faces) == 2 else lines(faces[0], radius)
+
+    def _selected_by(self, line: AxisLine, radius: float | None) -> str:
+        """The faces of the radius that selects a line, in words; empty without a radius."""
+        faces = faces_of_radius(line, radius)
+        return " and ".join(dict.fromkeys(f"{face_words(face)} of '{self._path(face.component)}'" for face in faces))
+
+    def _path(self, part: int) -> str:
+        return self._assembly.components[part].path
+
+    def _of(self, part: int) -> AxisFaces:
+        if part not in self._faces:
+            self._faces[part] = axis_faces(self._assembly, [part])
+        return self._faces[part]
+
+
+def _numbers(point: Array, R: Array) -> OriginSnippet:
+    xyz = vector3(np.round(point, _NANOMETRE) + 0.0)
+    rpy = vector3(np.round(rpy_from_rotation(R), _MICRORADIAN) + 0.0)
+    return OriginSnippet(OriginForm.XYZ, xyz=xyz, rpy=rpy)
+
+
+_OFFERED = 0.3
+"""Score from which an undrafted axis is offered as a comment."""
+_KNOWN_LINK, _GUESSED_LINK = 0.9, 0.6
+_NAMED = 3
+"""Number of guessed parts of a link that are listed for each reason."""
+
+
+def infer(assembly: Assembly, robot: str, sources: Sources = ALL_SOURCES) -> Draft:
+    """Draft links, joints and closures.
+
+    Args:
+        assembly: Read with its faces (``ReadOptions.faces``).
+        robot: Name of the robot.
+        sources: Sources of evidence besides the geometry.
+    """
+    return Inference(assembly, robot, sources).draft()
+
+
+class Inference:
+    """Drafts one assembly, and again when more is known about it; its contacts are found once."""
+
+    def __init__(self, assembly: Assembly, robot: str, sources: Sources = ALL_SOURCES) -> None:
+        self._assembly, self._robot, self._survey = assembly, robot, Survey(assembly, sources)
+
+    def draft(self, facts: Facts = NO_FACTS) -> Draft:
+        """Draft links, joints and closures from everything known."""
+        return _Drafting(self._assembly, infer_from(self._survey, facts)).draft(self._robot)
+
+
+class _Drafting:
+    def __init__(self, assembly: Assembly, found: Inferred) -> None:
+        self._assembly, self._found = assembly, found
+        self._origins = Origins(assembly)
+        self._link_of = {i: n for n, members in enumerate(found.links) for i in members}
+        self._claims = LinkClaims(assembly, found.links, found.root)
+        self._names = self._link_names()
+
+    def draft(self, robot: str) -> Draft:
+        """The inferred mechanism, as data."""
+        found = self._found
+        order = [found.root, *(n for n in range(len(found.links)) if n != found.root)]
+        tree = [arc for arc in found.arcs if not arc.is_closure]
+        loops = [arc for arc in found.arcs if arc.is_closure]
+        return Draft(
+            robot=robot,
+            root=self._names[found.root],
+            links=tuple(self._link(n) for n in order),
+            joints=tuple(self._joint(arc) for arc in tree),
+            closures=tuple(self._closure(arc) for arc in loops),
+            offered=tuple(self._alternative(h) for h in self._offered()),
+        )
+
+    def _link(self, n: int) -> DraftLink:
+        members = self._found.links[n]
+        guesses = self._guesses(members)
+        score = _GUESSED_LINK if guesses else _KNOWN_LINK
+        is_root = n == self._found.root
+        return DraftLink(
+            *(self._names[n], self._claims.paths(n), Confidence(score, guesses)),
+            *(is_root, tuple(members)),
+        )
+
+    def _guesses(self, members: Sequence[int]) -> tuple[str, ...]:
+        """Why parts of a link were assigned to it, each reason with its parts."""
+        about: dict[str, list[str]] = defaultdict(list)
+        for i in members:
+            if i in self._found.guesses:
+                about[self._found.guesses[i]].append(f"'{self._assembly.components[i].path}'")
+        return tuple(f"{why}: {_first_of(paths)}" for why, paths in about.items())
+
+    def _joint(self, arc: TreeJoint) -> DraftJoint:
+        found, confidence, doubt = self._origin(arc)
+        axis = found.axis
+        h, child = arc.evidence, self._names[arc.child]
+        is_universal = h.type == JointKind.UNIVERSAL and h.axis2 is not None
+        return DraftJoint(
+            name=f"{child}_joint",
+            type=h.type,
+            origin=found.snippet,
+            axis="x" if is_universal else "z",
+            point=_point(axis),
+            direction=_direction(axis),
+            confidence=confidence,
+            parts=self._paths(h),
+            alternatives=self._alternatives(arc),
+            review=h.review,
+            doubt=doubt,
+            parent=self._names[arc.parent],
+            child=child,
+            axis2="y" if is_universal else None,
+            direction2=_direction(h.axis2) if h.axis2 is not None else None,
+            motor=h.motor,
+        )
+
+    def _closure(self, arc: TreeJoint) -> DraftClosure:
+        found, confidence, doubt = self._origin(arc)
+        axis, h = found.axis, arc.evidence
+        return DraftClosure(
+            name=f"{self._names[arc.parent]}_{self._names[arc.child]}",
+            type=h.type,
+            origin=found.snippet,
+            axis="z",
+            point=_point(axis),
+            direction=_direction(axis),
+            confidence=confidence,
+            parts=self._paths(h),
+            alternatives=self._alternatives(arc),
+            review=h.review,
+            doubt=doubt,
+            link_a=self._names[arc.parent],
+            link_b=self._names[arc.child],
+        )
+
+    def _origin(self, arc: TreeJoint) -> tuple[Found, Confidence, str]:
+        """The origin of a joint, the evidence for it, and the doubt of its faces, unless the user has stated it."""
+        h = arc.evidence
+        found = self._origins.of(h, self._child_part(arc))
+        selected = (f"on the axis of {found.selected_by}",) if found.selected_by else ()
+        is_drafted = h.score >= CHOSEN and not h.why.startswith(STATED)
+        return found, Confidence(h.score, (h.why, *selected)), found.doubt if is_drafted else ""
+
+    def _child_part(self, arc: TreeJoint) -> int:
+        """The part of a joint's evidence that moves with the child."""
+        return arc.evidence.a if self._link_of[arc.evidence.a] == arc.child else arc.evidence.b
+
+    def _alternatives(self, arc: TreeJoint) -> tuple[Alternative, ...]:
+        """Other joints found between the same two links."""
+        ends = {arc.parent, arc.child}
+        between = [h for h in self._found.offered if {self._link_of[h.a], self._link_of[h.b]} == ends]
+        return tuple(self._alternative(h) for h in _distinct(between, [arc.evidence]))
+
+    def _offered(self) -> list[JointEvidence]:
+        """Joints found within one link, or between links that another path joins."""
+        joined = {frozenset((arc.parent, arc.child)) for arc in self._found.arcs}
+        free = [
+            h
+            for h in self._found.offered
+            if h.score >= _OFFERED and frozenset((self._link_of[h.a], self._link_of[h.b])) not in joined
+        ]
+        return _distinct(free, [arc.evidence for arc in self._found.arcs if arc.evidence.type != JointKind.FIXED])
+
+    def _alternative(self, h: JointEvidence) -> Alternative:
+        point, direction = _point(h.axis), _direction(h.axis)
+        return Alternative(h.type, *self._paths(h), Confidence(h.score, (h.why,)), point, direction)
+
+    def _paths(self, h: JointEvidence) -> tuple[str, str]:
+        components = self._assembly.components
+        return components[h.a].path, components[h.b].path
+
+    def _link_names(self) -> list[str]:
+        """A name for each link; equal ones are numbered."""
+        names: list[str] = []
+        for members in self._found.links:
+            base = self._claims.name([self._found.survey.parts[i] for i in members])
+            name, count = base, 1
+            while name in names:
+                count += 1
+                name = f"{base}_{count}"
+            names.append(name)
+        return names
+
+
+def _first_of(paths: Sequence[str]) -> str:
+    shown = ", ".join(paths[:_NAMED])
+    return f"{shown} and {len(paths) - _NAMED} more" if len(paths) > _NAMED else shown
+
+
+def _distinct(hinges: Sequence[JointEvidence], known: Sequence[JointEvidence]) -> list[JointEvidence]:
+    """The first of each axis, without those on an axis that is already used."""
+    kept: list[JointEvidence] = []
+    for h in sorted(hinges, key=lambda h: (-round(h.score, 6), h.a, h.b)):
+        if not any(h.axis.same(other.axis) and h.type == other.type for other in (*known, *kept)):
+            kept.append(h)
+    return kept
+
+
+def _point(axis: Axis) -> Vector3:
+    return vector3(axis.point)
+
+
+def _direction(axis: Axis) -> Vector3 | None:
+    return vector3(axis.direction) if axis.direction is not None else None

@@ -1,0 +1,1 @@
+"""Evidence that parts are welded or joined, one rule per file."""

@@ -1,0 +1,89 @@
+"""Joints at bearings: the part that holds the outer ring turns about the part in the bore, screwed on or not."""
+
+from dataclasses import dataclass
+
+from stepbot.draft.contacts.relations import Relation, Via
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence
+from stepbot.draft.parts.names import Role
+from stepbot.draft.parts.parts import Part
+from stepbot.robot.model import JointKind
+
+
+@dataclass(frozen=True, eq=False)
+class _Seat:
+    """A part that a bearing sits in, or that sits in the bearing."""
+
+    part: int
+    relation: Relation
+    length: float
+    """Engaged length [m]."""
+
+
+def bearing_evidence(survey: Survey, found: Evidence) -> None:
+    """Add the evidence of all bearings."""
+    for i, part in survey.parts.items():
+        if _is_bearing(part) and i not in survey.small:
+            _say(survey, i, found)
+
+
+def _say(survey: Survey, bearing: int, found: Evidence) -> None:
+    inner, outer = _seats(survey, bearing)
+    held = next((seat for seat in outer if seat.part not in survey.small), None)
+    if held is None:
+        return
+    found.weld(0.93, bearing, held.part, "bearing in its seat")
+    turning = [x for x in _turning(survey, bearing, held, inner) if x != held.part]
+    turning = [x for x in turning if not _is_bearing(survey.parts[x])]
+    if turning:
+        a, b = sorted((held.part, turning[0]))
+        axis = held.relation.axis
+        assert axis is not None
+        path, is_named = survey.parts[bearing].path, Role.BEARING in survey.parts[bearing].roles
+        why = f"the bearing '{path}' is between them" if is_named else f"'{path}' has the dimensions of a bearing"
+        review = "" if is_named else "not named as a bearing"
+        hinge = JointEvidence(0.87, a, b, JointKind.REVOLUTE, axis, why, held.relation, by_role=is_named, review=review)
+        hinge.through = bearing
+        found.joint(hinge)
+
+
+def _is_bearing(part: Part) -> bool:
+    return part.role == Role.BEARING or Role.BEARING in part.roles
+
+
+def _seats(survey: Survey, bearing: int) -> tuple[list[_Seat], list[_Seat]]:
+    """The parts in a bearing's bore and those around it, the longest fit first."""
+    inner: list[_Seat] = []
+    outer: list[_Seat] = []
+    for r in survey.near.get(bearing, ()):
+        if r.turns is None or not r.shafts or not survey.parts[bearing].is_balanced(r.turns):
+            continue
+        fit = max(r.shafts, key=lambda f: f.length)
+        (outer if fit.shaft == bearing else inner).append(_Seat(r.other(bearing), r, fit.length))
+    return sorted(inner, key=_longest_first), sorted(outer, key=_longest_first)
+
+
+def _longest_first(seat: _Seat) -> tuple[float, int]:
+    return -round(seat.length, 9), seat.part
+
+
+def _turning(survey: Survey, bearing: int, held: _Seat, inner: list[_Seat]) -> list[int]:
+    """The parts that turn in a bearing: those in its bore, those held by a screw in its bore, those on its face."""
+    axis = held.relation.axis
+    assert axis is not None
+    turning: list[int] = []
+    for seat in inner:
+        if seat.part not in survey.small:
+            turning.append(seat.part)
+            continue
+        turning += [
+            other
+            for other, r in survey.around(seat.part)
+            if other not in (bearing, held.part) and r.turns is not None and r.turns.same(axis)
+        ]
+    turning += [
+        other
+        for other, r in survey.around(bearing)
+        if r.via in (Via.BOLT, Via.FACE) and r.axis is not None and r.axis.same(axis)
+    ]
+    return list(dict.fromkeys(turning))

@@ -1,0 +1,115 @@
+"""Evidence that two parts are welded or joined: facts with scores, collected before anything is decided.
+
+Scores are ranks, not probabilities. From 0.8 a joint is accepted, from 0.5 it is drafted for review, below it is only
+offered as a comment.
+"""
+
+from dataclasses import dataclass, field
+from enum import IntEnum, StrEnum
+
+from stepbot.draft.contacts.relations import Relation
+from stepbot.draft.draft import CHOSEN
+from stepbot.draft.parts.axis import Axis
+from stepbot.robot.model import JointKind
+
+BY_SHAPE = "guessed from its shape; no contact shows this joint"
+BY_NAME = "guessed from its name; no contact shows this joint"
+"""What to review of a joint that nothing in the drawing shows."""
+ONLY_CONNECTION = "weak evidence, used because nothing else connects these links"
+
+
+class Verdict(StrEnum):
+    """The result of a piece of evidence."""
+
+    OPEN = "open"
+    TAKEN = "taken"
+    REFUSED = "refused"
+    """Stronger evidence contradicts it."""
+    OFFERED = "offered"
+    """Too weak to be used."""
+    REPEATED = "repeated"
+    """Duplicates other evidence."""
+
+
+class Priority(IntEnum):
+    """What comes first, whatever the scores."""
+
+    FOUND = 0
+    NEEDED = 1
+    """Without it a loop of joints could not move."""
+    STATED = 2
+    """By the user; nothing overrides it."""
+
+
+@dataclass(eq=False)
+class Weld:
+    """Evidence that two parts move as one."""
+
+    score: float
+    a: int
+    b: int
+    why: str
+    holds_motor: bool = False
+    priority: Priority = Priority.FOUND
+    verdict: Verdict = Verdict.OPEN
+
+
+@dataclass(eq=False)
+class JointEvidence:
+    """Evidence for a joint of some type between two parts."""
+
+    score: float
+    a: int
+    b: int
+    type: JointKind
+    axis: Axis
+    why: str
+    relation: Relation | None = None
+    axis2: Axis | None = None
+    drives: bool = False
+    """Whether it is the output of a motor."""
+    motor: str = ""
+    """Path of that motor; empty if it is not named as one."""
+    by_role: bool = False
+    """Whether it is confirmed by a part with that purpose, such as a bearing."""
+    of_roller: bool = False
+    """Whether one side is a roller of an omnidirectional wheel."""
+    through: int = -1
+    """A part that has the axis by itself, such as a bearing; -1 for none."""
+    review: str = ""
+    """What to review, whatever the score."""
+    priority: Priority = Priority.FOUND
+    verdict: Verdict = Verdict.OPEN
+
+
+@dataclass(eq=False)
+class Evidence:
+    """All evidence, in the order in which it was found."""
+
+    welds: list[Weld] = field(default_factory=list)
+    joints: list[JointEvidence] = field(default_factory=list)
+    wheels: dict[int, Axis] = field(default_factory=dict)
+    """Axes of the hubs of omnidirectional wheels, by part."""
+
+    def weld(self, score: float, a: int, b: int, why: str, *, holds_motor: bool = False) -> None:
+        """Add evidence that two parts are welded."""
+        self.welds.append(Weld(score, min(a, b), max(a, b), why, holds_motor))
+
+    def joint(self, joint: JointEvidence) -> None:
+        """Add evidence for a joint between two parts."""
+        self.joints.append(joint)
+
+    def ranked(self) -> list[Weld | JointEvidence]:
+        """Everything, by rank, the strongest first; at equal scores welds first."""
+        both: list[Weld | JointEvidence] = [*self.welds, *self.joints]
+        return sorted(both, key=lambda e: (-e.priority, -round(e.score, 6), isinstance(e, JointEvidence), e.a, e.b))
+
+    def weaker_joints(self, least: float) -> list[JointEvidence]:
+        """Joints that are too weak to be drafted, the strongest first."""
+        found = [h for h in self.joints if h.verdict == Verdict.OFFERED and h.score >= least]
+        return sorted(found, key=lambda h: (-round(h.score, 6), h.a, h.b))
+
+    @property
+    def mechanisms(self) -> set[tuple[int, int]]:
+        """Pairs of parts with a joint that is strong enough to be drafted."""
+        return {(h.a, h.b) for h in self.joints if h.score >= CHOSEN}

@@ -1,0 +1,287 @@
+"""What a motor turns: the parts at its output, and what carries it.
+
+The output axis is that of the motor's horn, else it is chosen by a vote of all motors of one definition.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from stepbot.draft.contacts.relations import Relation, Via, merged, reach
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence
+from stepbot.draft.evidence.motors import Motor
+from stepbot.draft.parts.axis import Axis, are_parallel
+from stepbot.draft.parts.clusters import Clusters
+from stepbot.geometry.sums import exact_sum
+from stepbot.robot.model import JointKind
+
+SAME_AXIS = 5e-5
+"""Distance [m] up to which axes at a motor are equal."""
+_WEIGHTS = {Via.RING: 3, Via.FACE: 2, Via.PIN: 2}
+_LEVEL = 1e-2
+"""Angle [rad] up to which a contact is normal to the output axis."""
+_MOST_OUTPUT_VOLUME, _LEAST_OUTPUT_VOLUME = 0.25, 0.01
+"""Shares of the case's volume between which an unnamed part may be its output."""
+
+
+@dataclass(frozen=True, eq=False)
+class Output:
+    """The output of a motor."""
+
+    axis: Axis
+    """In the assembly; in a vote, in the frame of the case."""
+    reach: float
+    """Radius [m] of the contacts about the axis; 0 if unknown."""
+
+
+class OutputAxes:
+    """The outputs of all motors."""
+
+    def __init__(self, survey: Survey, motors: Sequence[Motor]) -> None:
+        self._survey = survey
+        self._votes = self._vote(motors)
+
+    def of(self, motor: Motor, outputs: Iterable[int]) -> Output | None:
+        """The output of a motor, ``outputs`` being its rotating parts; None without evidence."""
+        survey = self._survey
+        for output in outputs:
+            others = [i for i in motor.parts if i not in (output, motor.case) and i not in survey.small]
+            for relation in (survey.relation(output, i) for i in (motor.case, *others)):
+                if relation is not None and relation.turns is not None:
+                    return Output(relation.turns, reach(relation.turns, [relation]))
+            if survey.turned.get(output):
+                return Output(survey.turned[output][0], 0.0)
+        voted = self._votes.get(survey.parts[motor.case].definition)
+        if voted is None:
+            return None
+        X = survey.scene.component(motor.case).X_WC
+        return Output(Axis(X.apply(voted.axis.point), X.turn(voted.axis.d)), voted.reach)
+
+    def _vote(self, motors: Sequence[Motor]) -> Mapping[int, Output]:
+        """For each definition of a case, the axis with most rotating parts, in its own frame."""
+        survey = self._survey
+        votes: dict[int, list[tuple[Axis, list[tuple[int, float]]]]] = defaultdict(list)
+        for motor in motors:
+            X = survey.scene.component(motor.case).X_WC.inverse()
+            of_case = votes[survey.parts[motor.case].definition]
+            for other, r in survey.around(motor.case):
+                if other in motor.parts or r.via not in _WEIGHTS or r.axis is None:
+                    continue
+                local = Axis(X.apply(r.axis.point), X.turn(r.axis.d))
+                ballot = _WEIGHTS[r.via], max(r.radius, r.ring_radius, reach(r.axis, [r]))
+                for axis, ballots in of_case:
+                    if axis.same(local, SAME_AXIS):
+                        ballots.append(ballot)
+                        break
+                else:
+                    of_case.append((local, [ballot]))
+        named = {survey.parts[motor.case].definition for motor in motors if motor.is_named}
+        best = {
+            # A motor by its use has the output that it was found by, the widest.
+            definition: max(of_case, key=_weight if definition in named else _width)
+            for definition, of_case in votes.items()
+            if of_case
+        }
+        return {
+            definition: Output(axis, max(far for _, far in ballots)) for definition, (axis, ballots) in best.items()
+        }
+
+
+def _weight(vote: tuple[Axis, list[tuple[int, float]]]) -> float:
+    return exact_sum(weight for weight, _ in vote[1])
+
+
+def _width(vote: tuple[Axis, list[tuple[int, float]]]) -> float:
+    return round(max(far for _, far in vote[1]), 6)
+
+
+def hidden_outputs(survey: Survey, motor: Motor) -> list[int]:
+    """Unnamed output parts of a motor: small turned parts that touch its housing about one axis only."""
+    if motor.outputs or len(motor.parts) < 2:
+        return []
+    volume = survey.parts[motor.case].volume
+    found = []
+    for i in motor.parts:
+        part = survey.parts[i]
+        if i == motor.case or i in survey.small or part.volume > _MOST_OUTPUT_VOLUME * volume:
+            continue
+        touching = [r for j in motor.parts if survey.parts[j].volume > part.volume and (r := survey.relation(i, j))]
+        if not touching or any(r.via not in (Via.FACE, Via.PIN, Via.BOLT) for r in touching):
+            continue
+        axis = max(touching, key=lambda r: r.radius).axis
+        if axis is None or not part.is_balanced(axis):
+            continue
+        fastened = any(s.other(i) not in motor.parts for s in survey.near[i])
+        if fastened or part.volume > _LEAST_OUTPUT_VOLUME * volume:
+            found.append((not fastened, -max(r.radius for r in touching), i))
+    return [i for _, _, i in sorted(found)][:2]
+
+
+def lies_on(output: Output, relations: Sequence[Relation]) -> bool:
+    """Whether all contacts are on the output's face: normal to its axis, and within its radius."""
+    if not output.reach:
+        return False
+    directions = [p.normal for r in relations for p in r.patches] + [f.axis.d for r in relations for f in r.fits]
+    if not all(are_parallel(output.axis.d, direction, _LEVEL) for direction in directions):
+        return False
+    return 0.0 < reach(output.axis, relations) <= 1.05 * output.reach + 1e-4
+
+
+_BRUSH_AREA = 5e-6
+"""Contact [m^2] below which a part that shares fewer than two holes with a motor is not fastened to it."""
+_WIDER = 0.8
+"""Ratio of the radii of a motor's two sides, below which the side that holds it is unambiguous."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Side:
+    """A part that touches a motor."""
+
+    part: int
+    relations: tuple[Relation, ...]
+    whole: Relation
+    on_output: bool
+
+    @property
+    def is_held(self) -> bool:
+        """Whether the contact is more than incidental."""
+        return self.whole.holes >= 2 or self.whole.area > _BRUSH_AREA or self.whole.freedom.dof <= 1
+
+
+def motor_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
+    """Add the evidence of all motors."""
+    axes = OutputAxes(survey, motors)
+    for motor in motors:
+        _OneMotor(survey, motor, axes, found).say()
+
+
+class _OneMotor:
+    def __init__(self, survey: Survey, motor: Motor, axes: OutputAxes, found: Evidence) -> None:
+        self._survey, self._motor, self._found = survey, motor, found
+        named = [i for i in motor.outputs if i not in survey.small]
+        self._outputs = list(dict.fromkeys([*named, *hidden_outputs(survey, motor)]))
+        self._output = axes.of(motor, self._outputs)
+
+    def say(self) -> None:
+        """Add the evidence of this motor."""
+        motor, survey = self._motor, self._survey
+        for i in motor.parts:
+            if i != motor.case and i not in self._outputs and i not in survey.small:
+                self._found.weld(0.96, motor.case, i, f"parts of the motor '{motor.path}'")
+        if self._output is None:
+            return
+        sides = self._sides(self._output)
+        driven = [side for side in sides if side.on_output]
+        carrying = [side for side in sides if not side.on_output and side.is_held]
+        score, why, review = 0.95, f"output of the motor '{motor.path}'", ""
+        if not carrying:
+            driven, carrying, score, review = self._split(driven)
+        for side in carrying:
+            self._found.weld(0.94, motor.case, side.part, f"carries the motor '{motor.path}'", holds_motor=True)
+        if not driven:
+            if carrying and self._outputs:
+                self._idle(why)
+            return
+        if not motor.is_named:
+            why, review = f"used like the output of a motor, '{motor.path}'", "not named as a motor"
+        self._drive(driven, score, why, review)
+
+    def _sides(self, output: Output) -> list[_Side]:
+        outside: dict[int, list[Relation]] = defaultdict(list)
+        for i in self._motor.parts:
+            for other, r in self._survey.around(i):
+                if other not in self._motor.parts:
+                    outside[other].append(r)
+        sides = []
+        for part, relations in sorted(outside.items()):
+            touched = {r.other(part) for r in relations}
+            whole = merged(relations, (relations[0].a, relations[0].b), [output.axis])
+            about = whole.turns is not None and whole.turns.same(output.axis, SAME_AXIS)
+            by_name = bool(self._outputs) and touched <= set(self._outputs)
+            sides.append(_Side(part, tuple(relations), whole, by_name or about or lies_on(output, relations)))
+        return sides
+
+    def _split(self, driven: list[_Side]) -> tuple[list[_Side], list[_Side], float, str]:
+        """For contacts that are all centred on the motor's axis: the part on the wider circle holds the motor.
+
+        Returns the driven part, the holding part, the score of the joint, and what to review.
+        """
+        groups = self._groups(driven)
+        if len(groups) < 2:
+            # Only its own output and one neighbour: the case stands alone.
+            return (driven, [], 0.85, "") if self._outputs else ([], [], 0.0, "")
+        assert self._output is not None
+        widths = [
+            max(
+                max(side.whole.ring_radius, side.whole.radius, reach(self._output.axis, side.relations))
+                for side in group
+            )
+            for group in groups
+        ]
+        order = sorted(range(len(groups)), key=lambda n: (-round(widths[n], 5), groups[n][0].part))
+        score = 0.83 if widths[order[-1]] < _WIDER * widths[order[0]] else 0.65
+        turning = [side for n in order[1:] for side in groups[n]]
+        return turning, groups[order[0]], score, "" if score > 0.8 else "either side of the motor may be the fixed one"
+
+    def _groups(self, sides: list[_Side]) -> list[list[_Side]]:
+        """Sides in groups that touch each other or are in one subassembly."""
+        tied = Clusters(side.part for side in sides)
+        survey = self._survey
+        for x in sides:
+            for y in (y for y in sides if y.part > x.part):
+                r = survey.relation(x.part, y.part)
+                home = survey.scene.component(x.part).parent
+                together = survey.sources.tree and 0 < home == survey.scene.component(y.part).parent
+                if together or (r is not None and (r.is_rigid or r.patches)):
+                    tied.join(x.part, y.part)
+        by_root: dict[int, list[_Side]] = defaultdict(list)
+        for side in sides:
+            by_root[tied.find(side.part)].append(side)
+        return [by_root[root] for root in sorted(by_root)]
+
+    def _idle(self, why: str) -> None:
+        """A motor that is held and has a free output."""
+        turning = [o for o in self._outputs if "IDLE" not in self._survey.parts[o].path.upper()]
+        if not turning:
+            return
+        self._joint(turning[0], 0.62, why, "nothing is fastened to it")
+        for o in self._outputs:
+            if o != turning[0]:
+                self._found.weld(0.5, self._motor.case, o, "an idler that carries nothing")
+
+    def _drive(self, driven: list[_Side], score: float, why: str, review: str) -> None:
+        """Parts that touch the output turn with it, and with the output's own part if there is one."""
+        touched = {side.part: {r.other(side.part) for r in side.relations} for side in driven}
+        anchors = sorted({o for parts in touched.values() for o in parts if o in self._outputs})
+        for side in driven:
+            mine = sorted(touched[side.part].intersection(self._outputs))
+            for o in mine:
+                self._found.weld(0.94, o, side.part, f"fastened to the output of '{self._motor.path}'")
+            if not mine:
+                self._joint(side.part, score, why, review)
+        for o in anchors:
+            self._joint(o, score, why, review)
+        if not anchors and not self._outputs:
+            for side in driven[1:]:
+                if self._survey.relation(driven[0].part, side.part) is not None:
+                    self._found.weld(0.6, driven[0].part, side.part, f"both on the output of '{self._motor.path}'")
+        for o in self._outputs:
+            if o not in anchors:
+                beside = any(r.other(o) in anchors for r in self._survey.near.get(o, ()))
+                self._found.weld(
+                    0.58, anchors[0] if beside else self._motor.case, o, "a horn or idler that carries nothing"
+                )
+
+    def _joint(self, part: int, score: float, why: str, review: str) -> None:
+        assert self._output is not None
+        case = self._motor.case
+        motor = self._motor.path if self._motor.is_named else ""
+        self._found.joint(
+            JointEvidence(
+                *(score, case, part, JointKind.REVOLUTE, self._output.axis, why),
+                drives=True,
+                motor=motor,
+                review=review,
+            )
+        )

@@ -1,0 +1,170 @@
+"""Finds motors: one part, or a subassembly of case, output and screws; by name, else by the use of equal parts."""
+
+from collections import Counter, defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepbot.draft.contacts.relations import Via
+from stepbot.draft.contacts.roles import spoken_names
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.names import Role, roles
+from stepbot.draft.parts.parts import largest
+
+_LARGEST = 0.6
+"""Share of the assembly's size from which a subassembly is more than a motor."""
+_BLOCK = 0.35
+"""Share of its bounding box that a motor fills; a bracket, a folded sheet, fills less."""
+_LEAST = 5e-3
+"""Share of the assembly's volume from which an unnamed part may be a motor: screws and rings are smaller."""
+_SAME_AXIS = 5e-5
+"""Distance [m] up to which axes of equal parts agree."""
+
+
+_AROUND = 1.6
+"""Ratio of the sizes of a subassembly and of a part in it, up to which it is a motor and this its case."""
+_JOURNAL = 0.1
+"""Radius of a journal, as a share of the size of a part, from which it is a bearing block and no motor with a screw."""
+_AS_WIDE = 0.95
+"""Ratio of radii from which two axes of a part are used alike."""
+
+
+@dataclass(eq=False)
+class _Vote:
+    """An axis in the frame of a definition, and which of its occurrences touch something about it."""
+
+    axis: Axis
+    radius: float
+    voters: set[int]
+
+
+@dataclass(frozen=True, eq=False)
+class Motor:
+    """A motor."""
+
+    path: str
+    """Of its component: several motors have one name."""
+    parts: tuple[int, ...]
+    case: int
+    outputs: tuple[int, ...] = ()
+    """Parts that are named a horn or an idler."""
+    is_named: bool = True
+    """Whether it is a motor by its name; otherwise by its use."""
+
+
+def find_motors(survey: Survey) -> list[Motor]:
+    """All motors; by use only if no name indicates one."""
+    by_name = _named_motors(survey) if survey.sources.names else []
+    return by_name or _motors_by_use(survey)
+
+
+def _named_motors(survey: Survey) -> list[Motor]:
+    """The highest component of each motor that is one motor and not a folder of several."""
+    assembly, parts = survey.assembly, survey.parts
+    named = {c.index for c in assembly.components[1:] if _is_named_motor(spoken_names(c))}
+    taken: set[int] = set()
+    motors = []
+    for c in assembly.components[1:]:
+        if c.index not in named or c.index in taken or _is_folder(survey, c.index, named):
+            continue
+        below = assembly.subtree(c.index)
+        members = tuple(i for i in below if i in parts)
+        if not members or (survey.size_of(members) > _LARGEST * survey.extent and len(parts) > len(members)):
+            continue
+        taken.update(below)
+        case = largest([parts[i] for i in members]).index
+        outputs = tuple(
+            i for i in members if i != case and Role.HORN in parts[i].roles and Role.FASTENER not in parts[i].roles
+        )
+        motors.append(Motor(c.path, members, case, outputs))
+    return motors
+
+
+def _is_named_motor(names: list[str]) -> bool:
+    """Whether the first role is a motor's: a screw of a motor is a screw."""
+    found = [role for name in names for role in roles(name)]
+    return bool(found) and found[0] == Role.MOTOR
+
+
+def _is_folder(survey: Survey, index: int, named: set[int]) -> bool:
+    """Whether a component contains motors: subassemblies of their own, or several of one product."""
+    assembly = survey.assembly
+    motors = [i for i in assembly.children[index] if i in named]
+    if any(assembly.components[j].product for i in motors for j in assembly.children[i]):
+        return True
+    return any(n > 1 for n in Counter(assembly.components[i].product for i in motors).values())
+
+
+def _motors_by_use(survey: Survey) -> list[Motor]:
+    """Equal blocks that are mounted off an axis and drive about it, each about the same axis of their definition."""
+    equal: dict[int, list[int]] = defaultdict(list)
+    for i, part in survey.parts.items():
+        if not part.is_small and part.volume > _LEAST * survey.volume and _fill(survey, i) > _BLOCK:
+            equal[part.definition].append(i)
+    cases = [i for members in equal.values() if _is_used_like_motors(survey, members) for i in members]
+    motors: dict[tuple[int, ...], Motor] = {}
+    for i in sorted(cases, key=lambda i: (-survey.parts[i].volume, i)):
+        members = _around_case(survey, i, cases)
+        if not any(i in known for known in motors):
+            motors[members] = Motor(survey.parts[i].path, members, i, is_named=False)
+    return list(motors.values())
+
+
+def _around_case(survey: Survey, case: int, cases: Sequence[int]) -> tuple[int, ...]:
+    """The parts of the highest subassembly that is hardly larger than a motor's case, around each equal case."""
+    found: tuple[int, ...] = (case,)
+    if not survey.sources.tree:
+        return found
+    assembly = survey.assembly
+    nodes = [i for i in cases if survey.parts[i].definition == survey.parts[case].definition]
+    mine = nodes.index(case)
+    while True:
+        nodes = [assembly.components[node].parent for node in nodes]
+        inside = [tuple(i for i in assembly.subtree(node) if i in survey.parts) for node in nodes if node > 0]
+        if len(set(inside)) < len(nodes) or len({len(parts) for parts in inside}) > 1:
+            return found
+        if survey.size_of(inside[mine]) > _AROUND * survey.parts[case].size:
+            return found
+        found = inside[mine]
+
+
+def _fill(survey: Survey, part: int) -> float:
+    """Share of its bounding box that a part fills, along its own axes."""
+    faces = survey.scene.body(part).faces
+    if not faces:
+        return 0.0
+    extent = np.ptp(np.array([face.box for face in faces]).reshape(-1, 3), axis=0)
+    return survey.parts[part].volume / max(float(np.prod(extent)), 1e-18)
+
+
+def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
+    """Whether most members turn something about one axis of their definition, and are held off it."""
+    votes: list[_Vote] = []
+    held = 0
+    for i in members:
+        X = survey.scene.component(i).X_WC.inverse()
+        others = [
+            (other, r) for other, r in survey.around(i) if survey.parts[other].definition != survey.parts[i].definition
+        ]
+        on = [r for _, r in others if r.via in (Via.RING, Via.FACE, Via.PIN) and r.axis is not None]
+        least = _JOURNAL * survey.parts[i].size
+        if any(fit.shaft != i and fit.radius > least for r in on for fit in r.journals):
+            return False  # a shaft runs in it: a bearing block
+        off = any(r.turns is None and (r.is_rigid or r.patches) for _, r in others)
+        held += off and bool(on)
+        for r in on:
+            assert r.axis is not None
+            local, radius = Axis(X.apply(r.axis.point), X.turn(r.axis.d)), max(r.radius, r.ring_radius)
+            for vote in votes:
+                if vote.axis.same(local, _SAME_AXIS):
+                    vote.voters.add(i)
+                    vote.radius = max(vote.radius, radius)
+                    break
+            else:
+                votes.append(_Vote(local, radius, {i}))
+    common = [vote.radius for vote in votes if len(vote.voters) >= max(2, 0.5 * len(members))]
+    # A motor has one output. Several axes of one radius are those of screws.
+    widest = max(common, default=0.0)
+    return held >= 2 and sum(radius > _AS_WIDE * widest for radius in common) == 1

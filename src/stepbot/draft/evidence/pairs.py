@@ -1,0 +1,160 @@
+"""Evidence from two parts in contact: their possible motions, and the likelihood of each."""
+
+from stepbot.draft.contacts.concentric import patch_lies_about
+from stepbot.draft.contacts.freedom import FreedomKind
+from stepbot.draft.contacts.relations import SPIGOT, Relation, Via
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence
+from stepbot.draft.evidence.motors import Motor
+from stepbot.draft.evidence.subassemblies import Structure, is_guide
+from stepbot.draft.parts.names import Role
+from stepbot.robot.model import JointKind
+
+_EXACT = 1e-6
+"""Difference of radii [m] up to which a shaft fills its bore."""
+
+
+class PairEvidence:
+    """Adds the evidence of pairs of larger parts, except within one motor."""
+
+    def __init__(self, survey: Survey, structure: Structure, found: Evidence) -> None:
+        self._survey, self._structure, self._found = survey, structure, found
+        self._draws_play = any(relation.journals for _, relation in survey.pairs())
+
+    def collect(self, motors: list[Motor]) -> None:
+        """Go through all pairs."""
+        motor_of = {i: n for n, motor in enumerate(motors) for i in motor.parts}
+        for (a, b), relation in self._survey.pairs():
+            if a not in motor_of or motor_of[a] != motor_of.get(b):
+                self._say(relation)
+
+    def _say(self, r: Relation) -> None:
+        by_via = {
+            Via.BALL: self._ball,
+            Via.SLIDE: self._slide,
+            Via.PIN: self._pin,
+            Via.FACE: self._face,
+            Via.BOLT: self._bolt,
+            Via.RING: self._ring,
+        }
+        if r.via in by_via:
+            by_via[r.via](r)
+        elif r.is_rigid:
+            self._weld(r, *((0.92, f"{r.holes} coaxial holes") if r.holes >= 2 else (0.9, "interlocking faces")))
+        elif r.via == Via.GROOVE:
+            across = self._across(r)
+            self._joint(r, 0.45 if across else 0.2, JointKind.PRISMATIC, "planes that leave one direction free")
+            self._weld(r, 0.44 if across else 0.66, "interlocking faces with one free direction")
+        elif r.patches:
+            parts = self._survey.parts
+            share = r.area / max(1e-9, min(parts[r.a].size, parts[r.b].size) ** 2)
+            self._weld(r, (0.46 if self._across(r) else 0.55) + min(0.04, share), "plane faces in contact")
+        elif r.holes >= 2:
+            self._weld(r, 0.6, f"{r.holes} coaxial holes")
+        else:
+            self._weld(r, 0.42, "coaxial")
+
+    def _ball(self, r: Relation) -> None:
+        score = 0.8 if self._structure.are_together(r.a, r.b) else 0.9
+        self._joint(r, score, JointKind.BALL, f"ball of r {_mm(r.radius)} in a socket")
+
+    def _slide(self, r: Relation) -> None:
+        across = self._across(r)
+        guides = across or is_guide(self._survey, r.a, r.b)
+        score = 0.82 if across else 0.78 if guides else 0.4
+        self._joint(r, score, JointKind.PRISMATIC, f"guided by parallel shafts, {_mm(r.length)} engaged")
+        if not guides:
+            self._weld(r, 0.62, "parallel shafts in bores")
+
+    def _pin(self, r: Relation) -> None:
+        across = self._across(r)
+        score = 0.82 if across else 0.3 if self._structure.are_together(r.a, r.b) else 0.7
+        roles = self._roles(r)
+        if r.length < SPIGOT * r.radius and Role.WHEEL not in roles:
+            score -= 0.25
+            self._weld(r, 0.5, "centred by a spigot")
+        if not any(fit.full for fit in r.shafts):
+            score -= 0.1
+        if r.freedom.kind == FreedomKind.REVOLUTE:
+            score += 0.03
+        if Role.WHEEL in roles:
+            score += 0.1
+        if r.axis is not None and not all(patch_lies_about(r.axis, patch) for patch in r.patches):
+            score -= 0.1
+        if self._is_electric(r) or Role.SEAL in roles:
+            score -= 0.3
+        if not across and r.axis is not None and self._survey.has_screw_at(r.axis):
+            score -= 0.25
+            self._weld(r, 0.51, "clamped by a screw on its axis")
+        if not across and self._draws_play and max(fit.clearance for fit in r.shafts) < _EXACT:
+            self._weld(r, 0.74, "shaft as thick as its bore, where others have play")
+        shoulder = " with a shoulder" if r.freedom.kind == FreedomKind.REVOLUTE else ""
+        self._joint(r, score, JointKind.REVOLUTE, f"{_engaged(r)}{shoulder}")
+
+    def _face(self, r: Relation) -> None:
+        across = self._across(r)
+        score = 0.76 if across else 0.2 if self._structure.are_together(r.a, r.b) else 0.4
+        score += 0.1 * (Role.WHEEL in self._roles(r)) - 0.3 * self._is_electric(r)
+        self._joint(r, score, JointKind.REVOLUTE, f"round face of r {_mm(r.radius)} on a face")
+        if not across:
+            self._weld(r, 0.52, "round face on a face")
+
+    def _bolt(self, r: Relation) -> None:
+        across = self._across(r)
+        screwed = r.axis is not None and self._survey.has_screw_at(r.axis)
+        score = 0.45 if across else 0.15 if self._structure.are_together(r.a, r.b) else 0.35
+        self._joint(r, score - 0.15 * screwed, JointKind.REVOLUTE, "a pair of coaxial holes")
+        if screwed:
+            self._weld(r, 0.53, "one screw through both")
+        elif not across:
+            self._weld(r, 0.5, "a pair of coaxial holes")
+
+    def _ring(self, r: Relation) -> None:
+        why = f"flange with {r.ring} holes in a circle of r {_mm(r.ring_radius)}"
+        self._joint(r, 0.3, JointKind.REVOLUTE, why)
+        self._weld(r, 0.88, why)
+
+    def _across(self, r: Relation) -> bool:
+        return self._structure.are_across(r.a, r.b)
+
+    def _roles(self, r: Relation) -> set[Role]:
+        return {*self._survey.parts[r.a].roles, *self._survey.parts[r.b].roles}
+
+    def _is_electric(self, r: Relation) -> bool:
+        return Role.ELECTRIC in (self._survey.parts[r.a].role, self._survey.parts[r.b].role)
+
+    def _weld(self, r: Relation, score: float, why: str) -> None:
+        self._found.weld(score, r.a, r.b, why)
+
+    def _joint(self, r: Relation, score: float, kind: JointKind, why: str) -> None:
+        assert r.axis is not None
+        self._found.joint(JointEvidence(score, r.a, r.b, kind, r.axis, why, r))
+
+
+def several_axes(structure: Structure, found: Evidence) -> None:
+    """Two subassemblies that meet on several axes turn about none: four posts, two misaligned hinges."""
+    between: dict[tuple[int, int], list[JointEvidence]] = {}
+    for h in found.joints:
+        one, two = structure.link_of.get(h.a), structure.link_of.get(h.b)
+        plain = h.type == JointKind.REVOLUTE and h.relation is not None
+        if one is None or two is None or one == two or not plain or h.score < 0.5:
+            continue
+        assert h.relation is not None
+        if h.relation.via in (Via.FACE, Via.BOLT, Via.PIN):
+            between.setdefault((min(one, two), max(one, two)), []).append(h)
+    for hinges in between.values():
+        apart = [h for h in hinges[1:] if not h.axis.same(hinges[0].axis, 1e-4)]
+        if apart:
+            for h in hinges:
+                h.score = min(h.score, 0.45)
+                found.weld(0.74, h.a, h.b, "several axes between two subassemblies")
+
+
+def _engaged(r: Relation) -> str:
+    fit = max(r.shafts, key=lambda f: f.length)
+    shaft, bore = (fit.radius_a, fit.radius_b) if fit.shaft == fit.a else (fit.radius_b, fit.radius_a)
+    return f"shaft of r {_mm(shaft)} in a bore of r {_mm(bore)}, {_mm(r.length)} engaged"
+
+
+def _mm(length: float) -> str:
+    return f"{round(length * 1e3, 3) + 0.0:.6g} mm"

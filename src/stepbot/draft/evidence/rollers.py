@@ -1,0 +1,124 @@
+"""Rollers of omnidirectional wheels: equal round bodies around a hub that turn about axes of their own.
+
+Rollers are often drawn without their pins, so nothing touches them. Their axes are normal to the hub's radius and
+inclined to its axis: those of bearing rollers and spacers are parallel to it, those of spokes and dowels are along the
+radius.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepbot.draft.contacts.concentric import fitted_circle
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence.evidence import BY_SHAPE, Evidence, JointEvidence, Priority
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.parts import box_gaps
+from stepbot.geometry.spatial import Array
+from stepbot.robot.model import JointKind
+from stepbot.step.faces import FaceKind
+
+_FEWEST = 4
+"""Number of rollers from which a pattern counts."""
+_EVEN = 0.01
+"""Tolerance of a pattern: share of its radius, and of the volume of a roller."""
+_ACROSS, _INCLINED = 0.02, 0.3
+"""Cosine of the angle to the radius, up to which an axis is normal to it; sine of the least angle to the hub's axis."""
+_CIRCLE = 1e-6
+"""Tolerance of :func:`fitted_circle` for an outline."""
+_BESIDE = 0.5
+"""Gap between a roller and its hub, as a share of the roller's size."""
+_LARGEST = 0.05
+"""Share of the assembly's volume up to which a body may be a roller."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Roller:
+    part: int
+    axis: Axis
+    """Through its centroid."""
+    volume: float
+
+
+def roller_evidence(survey: Survey, found: Evidence) -> None:
+    """Add the joints of all patterns of rollers, and their hubs as wheels."""
+    free = [roller for i in survey.parts if (roller := _roller(survey, i)) is not None]
+    taken: set[int] = set()
+    for hub in sorted(survey.turned, key=lambda i: (-survey.parts[i].volume, i)):
+        free = [roller for roller in free if roller.part not in taken]
+        if len(free) < _FEWEST:
+            return
+        around = _beside(survey, free, hub) if hub not in survey.small else []
+        for axis in survey.turned[hub] if len(around) >= _FEWEST else ():
+            for rollers in _patterns([roller for roller in around if roller.part not in taken], axis):
+                taken.update(roller.part for roller in rollers)
+                found.wheels[hub] = axis
+                why = f"one of {len(rollers)} equal rollers around '{survey.parts[hub].path}'"
+                for roller in rollers:
+                    a, b = sorted((hub, roller.part))
+                    hinge = JointEvidence(
+                        0.6, a, b, JointKind.REVOLUTE, roller.axis, why, of_roller=True, review=BY_SHAPE
+                    )
+                    hinge.priority = Priority.NEEDED
+                    found.joint(hinge)
+
+
+def _beside(survey: Survey, rollers: Sequence[_Roller], hub: int) -> list[_Roller]:
+    """The rollers close to a hub, by their boxes: several wheels may be on one axis."""
+    gaps = box_gaps(np.array([survey.parts[r.part].box for r in rollers]), survey.parts[hub].box[None])[:, 0]
+    near = gaps < _BESIDE * np.array([survey.parts[r.part].size for r in rollers])
+    return [rollers[k] for k in np.flatnonzero(near).tolist()]
+
+
+def _roller(survey: Survey, index: int) -> _Roller | None:
+    """A body that touches nothing and is symmetric about the axis of a round face or a round outline."""
+    part = survey.parts[index]
+    if survey.near.get(index) or index in survey.small or not 0.0 < part.volume < _LARGEST * survey.volume:
+        return None
+    for axis in (*survey.turned.get(index, ())[:3], *_outlined(survey, index)):
+        if part.is_balanced(axis):
+            return _Roller(
+                index, Axis(axis.point + axis.d * float((part.com - axis.point) @ axis.d), axis.d), part.volume
+            )
+    return None
+
+
+def _outlined(survey: Survey, part: int) -> Iterator[Axis]:
+    """The axes of planes with a round outline."""
+    X = survey.scene.component(part).X_WC
+    for face in survey.scene.body(part).faces:
+        if face.kind == FaceKind.PLANE and face.rings:
+            circle = fitted_circle(face.rings[0], np.array(face.direction), _CIRCLE)
+            if circle is not None:
+                yield Axis(X.apply(circle[0]), X.turn(face.direction))
+
+
+def _patterns(rollers: Sequence[_Roller], hub: Axis) -> Iterator[list[_Roller]]:
+    """Rollers that are equal and evenly spaced on a circle about the hub's axis."""
+    if len(rollers) < _FEWEST:
+        return
+    centres, axes = np.array([r.axis.point for r in rollers]), np.array([r.axis.d for r in rollers])
+    heights = (centres - hub.point) @ hub.d
+    spokes = centres - hub.point - np.outer(heights, hub.d)
+    radii = np.linalg.norm(spokes, axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        across = np.abs(np.einsum("ij,ij->i", axes, spokes)) < _ACROSS * radii
+    along = np.abs(axes @ hub.d)
+    volumes = np.array([r.volume for r in rollers])
+    left = np.flatnonzero(across & (along < np.sqrt(1.0 - _INCLINED**2)))
+    while len(left) >= _FEWEST:
+        first = left[0]
+        size = _EVEN * radii[first]
+        alike = (np.abs(radii[left] - radii[first]) < size) & (np.abs(heights[left] - heights[first]) < size)
+        alike &= np.abs(volumes[left] - volumes[first]) < _EVEN * volumes[first]
+        alike &= np.abs(along[left] - along[first]) < _EVEN
+        rows = left[alike]
+        if len(rows) >= _FEWEST and _is_even(spokes[rows], radii[first]):
+            yield [rollers[k] for k in rows.tolist()]
+        left = left[~alike]
+
+
+def _is_even(spokes: Array, radius: float) -> bool:
+    """Whether vectors (n, 3) from the axis to rollers cancel out, as those of an even pattern do."""
+    return float(np.linalg.norm(spokes.mean(axis=0))) < _EVEN * radius

@@ -1,0 +1,108 @@
+"""Subassemblies as links: they move as one, unless a joint is inside or they are folders of unconnected parts."""
+
+from collections.abc import Sequence
+
+from stepbot.draft.contacts.relations import Via
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence.evidence import Evidence
+from stepbot.draft.parts.names import Role
+from stepbot.draft.parts.parts import largest
+
+
+class Structure:
+    """For each part, the subassembly above it that looks like a link."""
+
+    def __init__(self, survey: Survey, mechanisms: set[tuple[int, int]]) -> None:
+        self._survey, self._assembly = survey, survey.assembly
+        self.link_of: dict[int, int] = {}
+        """For each larger part, the highest component above it that looks like a link; empty without the tree."""
+        self.groups: list[int] = []
+        """Components with several larger parts that look like links."""
+        if survey.sources.tree:
+            self._visit(self._top(), mechanisms | self._moving_pairs())
+
+    def are_across(self, a: int, b: int) -> bool:
+        """Whether the tree puts two parts in different links, at least one of which is a subassembly."""
+        one, two = self.link_of.get(a), self.link_of.get(b)
+        if one is None or two is None or one == two:
+            return False
+        return bool(self._assembly.children[one]) or bool(self._assembly.children[two])
+
+    def are_together(self, a: int, b: int) -> bool:
+        """Whether two parts are in one subassembly that looks like a link."""
+        one = self.link_of.get(a)
+        return one is not None and one == self.link_of.get(b) and bool(self._assembly.children[one])
+
+    def names(self, part: int) -> set[Role]:
+        """The roles in the name of a part's subassembly."""
+        return self._survey.node_roles(self.link_of[part]) if part in self.link_of else set()
+
+    def welds(self, found: Evidence) -> None:
+        """Add evidence that the parts of each such subassembly are one."""
+        survey = self._survey
+        for group in self.groups:
+            members = [i for i in self._assembly.subtree(group) if i in survey.parts and i not in survey.small]
+            first = largest([survey.parts[i] for i in members]).index
+            for i in members:
+                if i != first:
+                    found.weld(0.75, first, i, f"in one subassembly '{self._assembly.components[group].path}'")
+
+    def _top(self) -> int:
+        """The highest component with more than one child."""
+        top = 0
+        children = self._assembly.children
+        while len(children[top]) == 1 and children[children[top][0]]:
+            top = children[top][0]
+        return top
+
+    def _moving_pairs(self) -> set[tuple[int, int]]:
+        """Parts that slide or swivel in each other."""
+        return {
+            (i, j)
+            for (i, j), r in self._survey.pairs()
+            if r.via == Via.BALL or (r.via == Via.SLIDE and r.length > 0 and is_guide(self._survey, i, j))
+        }
+
+    def _visit(self, node: int, mechanisms: set[tuple[int, int]]) -> None:
+        for child in self._assembly.children[node]:
+            members = [
+                i for i in self._assembly.subtree(child) if i in self._survey.parts and i not in self._survey.small
+            ]
+            if not members:
+                continue
+            inside = set(members)
+            is_assembly = bool(self._assembly.children[child]) and self._assembly.components[child].body < 0
+            if is_assembly and (any(i in inside and j in inside for i, j in mechanisms) or self._is_folder(members)):
+                self._visit(child, mechanisms)
+                continue
+            self.link_of.update(dict.fromkeys(members, child))
+            if len(members) > 1:
+                self.groups.append(child)
+
+    def _is_folder(self, members: Sequence[int]) -> bool:
+        """Whether a subassembly is only a list: disconnected pieces, two of them held from outside."""
+        inside = set(members)
+        islands = self._survey.islands(members)
+        held = sum(1 for island in islands if any(self._survey.holders(i) - inside for i in island))
+        return len(islands) >= 2 and held >= 2
+
+
+def is_guide(survey: Survey, a: int, b: int) -> bool:
+    """Whether parts that could slide in each other do: by name, or because each is fastened to another part."""
+    if {Role.JAW, Role.SLIDE}.intersection(survey.parts[a].roles + survey.parts[b].roles):
+        return True
+    holds_a, holds_b = survey.holders(a) - {b}, survey.holders(b) - {a}
+    return bool(holds_a - holds_b) and bool(holds_b - holds_a)
+
+
+def body_welds(survey: Survey, motors: Sequence[Sequence[int]], found: Evidence) -> None:
+    """Add evidence that the bodies of one product are one part, unless it is a motor drawn as case and horn."""
+    in_motor = {i for parts in motors for i in parts}
+    assembly = survey.assembly
+    for c in assembly.components:
+        bodies = [i for i in assembly.children[c.index] if i in survey.parts and not assembly.components[i].product]
+        bodies = [i for i in bodies if i not in survey.small]
+        if len(bodies) < 2 or c.index == 0 or not survey.sources.tree or in_motor.intersection(bodies):
+            continue
+        for i in bodies[1:]:
+            found.weld(0.97, bodies[0], i, f"bodies of one part '{c.path}'")

@@ -1,0 +1,122 @@
+"""Infers links, joints and closures from an assembly, to draft a sidecar."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+from stepbot.draft.answers import NO_FACTS, Facts, fact_evidence
+from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
+from stepbot.draft.draft import CHOSEN
+from stepbot.draft.evidence.bearings import bearing_evidence
+from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvidence
+from stepbot.draft.evidence.guides import cross_evidence, guide_evidence
+from stepbot.draft.evidence.motor_outputs import motor_evidence
+from stepbot.draft.evidence.motors import Motor, find_motors
+from stepbot.draft.evidence.pairs import PairEvidence, several_axes
+from stepbot.draft.evidence.rollers import roller_evidence
+from stepbot.draft.evidence.subassemblies import Structure, body_welds
+from stepbot.draft.mechanism import locked
+from stepbot.draft.mechanism.decide import Decision, adopt, decide
+from stepbot.draft.mechanism.gaps import tie_by_seams
+from stepbot.draft.mechanism.joints import Mechanism, slide_in_struts, stop_spinning_rods
+from stepbot.draft.mechanism.locked import JointKey, choose_slides, missing_joints, note_doubts, promote
+from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, spanning_tree
+from stepbot.draft.mechanism.round_contacts import lone_pivots
+from stepbot.draft.mechanism.unconnected import LooseEnds, find_root
+from stepbot.step.assembly import Assembly
+
+_FEWEST_TRIES, _TRIED_PARTS = 3, 4000
+"""Joints that are tried in loops that cannot move: at least, and the parts of all tries together."""
+
+
+@dataclass(frozen=True, eq=False)
+class Inferred:
+    """Links by number, and the joints between them."""
+
+    survey: Survey
+    links: list[list[int]]
+    """Parts of each link, ascending; links in the order of their first parts."""
+    root: int
+    arcs: list[TreeJoint]
+    """Joints in tree order, then closures."""
+    offered: list[JointEvidence]
+    """Joints that were found but not accepted, the strongest first."""
+    motors: list[Motor]
+    guesses: dict[int, str]
+    """Reasons for guessed assignments of parts."""
+    pivots: Mapping[JointKey, str] = field(default_factory=dict)
+    """Joints within links where only one round contact holds two sides together, and what to review of each."""
+
+
+def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES, facts: Facts = NO_FACTS) -> Inferred:
+    """Infer links and joints; ``assembly`` must be read with its faces (``ReadOptions.faces``)."""
+    return infer_from(Survey(assembly, sources), facts)
+
+
+def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
+    """Infer links and joints.
+
+    Raises:
+        KeyError: A fact is about a path that is not that of a part.
+    """
+    found = _infer(survey, facts, {})
+    needed = dict(found.pivots)
+    if needed:
+        found = _infer(survey, facts, needed)
+    # Each try infers everything again: the work is bounded by the number of parts.
+    left = max(_FEWEST_TRIES, _TRIED_PARTS // max(1, len(survey.parts)))
+    while stuck := locked_arcs(found.arcs):
+        for key in missing_joints(found.arcs, found.offered, found.links, stuck)[:left]:
+            left -= 1
+            tried = _infer(survey, facts, {**needed, key: locked.REVIEW})
+            if len(locked_arcs(tried.arcs)) < len(stuck):
+                needed[key] = locked.REVIEW
+                found = tried
+                break
+        else:
+            break
+    return found
+
+
+def _infer(survey: Survey, facts: Facts, needed: Mapping[JointKey, str]) -> Inferred:
+    motors = find_motors(survey)
+    evidence = Evidence()
+    fact_evidence(survey, facts, evidence)
+    body_welds(survey, [motor.parts for motor in motors], evidence)
+    motor_evidence(survey, motors, evidence)
+    structure = Structure(survey, evidence.mechanisms)
+    structure.welds(evidence)
+    PairEvidence(survey, structure, evidence).collect(motors)
+    cross_evidence(survey, structure, evidence)
+    bearing_evidence(survey, evidence)
+    guide_evidence(survey, evidence)
+    roller_evidence(survey, evidence)
+    several_axes(structure, evidence)
+    promote(evidence, needed)
+    made = decide(survey, motors, evidence)
+    pivots = lone_pivots(made, structure)
+    tie_by_seams(made)
+    adopt(made, structure)
+    return replace(_arranged(made, structure, motors, facts), pivots=pivots)
+
+
+def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: Facts) -> Inferred:
+    mechanism = Mechanism(made, structure)
+    if facts.root in made.clusters:
+        root = made.clusters.find(facts.root)
+    else:
+        root = find_root(made, structure, mechanism.joints, motors)
+    slide_in_struts(mechanism.joints)
+    stop_spinning_rods(mechanism.joints, root)
+    LooseEnds(made, mechanism, structure).tie(root)
+    groups = made.clusters.groups()
+    number = {cluster: n for n, cluster in enumerate(groups)}
+    arcs = spanning_tree([j for j in mechanism.joints if j.a != j.b], number, number[made.clusters.find(root)])
+    choose_slides(made.survey, arcs)
+    note_doubts(arcs, structure, has_drives=bool(motors))
+    used = {id(arc.evidence) for arc in arcs}
+    offered = [h for h in mechanism.offered if id(h) not in used]
+    for arc in arcs:
+        if arc.evidence.score < CHOSEN:
+            arc.evidence.review = arc.evidence.review or ONLY_CONNECTION
+    links = list(groups.values())
+    return Inferred(made.survey, links, number[made.clusters.find(root)], arcs, offered, motors, made.guesses)

@@ -1,0 +1,319 @@
+"""Decides from the evidence which parts move as one, the strongest evidence first.
+
+A weld joins two clusters unless there is already a joint between them; a joint keeps its sides apart unless they are
+already joined. Fasteners do not join clusters: they are assigned to their tightest host at the end.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from stepbot.draft.contacts.relations import Relation
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.draft import CHOSEN
+from stepbot.draft.evidence.evidence import BY_SHAPE, Evidence, JointEvidence, Priority, Verdict, Weld
+from stepbot.draft.evidence.motors import Motor
+from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.clusters import Clusters
+from stepbot.draft.parts.names import Role
+from stepbot.draft.parts.parts import box_gap, largest, least_gap
+from stepbot.geometry.spatial import Array
+from stepbot.geometry.sums import exact_sum
+from stepbot.robot.model import JointKind
+from stepbot.step.faces import FaceKind
+
+_TINY = 2e-3
+"""Share of the assembly's volume below which an unconnected cluster does not become a link."""
+_OFFERED = 0.3
+_OWN_BODIES = 0.5
+"""Share of a motor's volume up to which what is welded to it is its own bodies, such as its plug, and no support."""
+_BESIDE = 1e-3
+"""Distance [m] up to which a body is beside the output of a motor."""
+_OUT = 1e-3
+"""Distance [m] from which a body reaches out of another one's bounding box."""
+
+
+@dataclass(eq=False)
+class Decision:
+    """Clusters, and the reasons for guessed assignments."""
+
+    survey: Survey
+    evidence: Evidence
+    clusters: Clusters
+    guesses: dict[int, str] = field(default_factory=dict)
+
+    def guess(self, members: Sequence[int], why: str) -> None:
+        """Record that the assignment of some parts is a guess."""
+        for i in members:
+            self.guesses.setdefault(i, why)
+
+    @property
+    def joints(self) -> list[JointEvidence]:
+        """The accepted joints."""
+        return [h for h in self.evidence.joints if h.verdict == Verdict.TAKEN]
+
+
+def decide(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> Decision:
+    """Apply the evidence, then assign motors, surfaces and fasteners that it leaves unconnected."""
+    stated = {i for e in evidence.ranked() if e.priority == Priority.STATED for i in (e.a, e.b)}
+    made = Decision(survey, evidence, Clusters([i for i in survey.parts if i not in survey.small or i in stated]))
+    for one in evidence.ranked():
+        accept(made, one)
+    _homeless_motors(made, motors)
+    _bare_outputs(made)
+    for i in sorted(survey.small - stated):
+        made.clusters.add(i)
+    surfaces = _join_surfaces(made)
+    for i in sorted(survey.small - surfaces - stated):
+        host = _tightest_host(survey, i)
+        if host is not None:
+            made.clusters.join(host, i)
+    return made
+
+
+def accept(made: Decision, one: Weld | JointEvidence) -> None:
+    """Accept or reject one piece of evidence."""
+    clusters = made.clusters
+    if one.a not in clusters or one.b not in clusters:
+        one.verdict = Verdict.REFUSED
+    elif isinstance(one, Weld):
+        one.verdict = Verdict.TAKEN if clusters.join(one.a, one.b) else Verdict.REFUSED
+    elif one.score < CHOSEN:
+        one.verdict = Verdict.OFFERED
+    else:
+        one.verdict = Verdict.TAKEN if clusters.forbid(one.a, one.b) else Verdict.REFUSED
+
+
+def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:
+    """Assign an unsupported motor, drawn without its screws, to the nearest part, not to the part it drives."""
+    survey, clusters = made.survey, made.clusters
+    carried = {x for w in made.evidence.welds if w.verdict == Verdict.TAKEN and w.holds_motor for x in (w.a, w.b)}
+    for motor in motors:
+        case = motor.case
+        own = clusters.members(case) if case not in survey.small else []
+        others = set(own) - set(motor.parts)
+        # What touches an unnamed motor may be a body of it.
+        least = 0.0 if motor.is_named else _OWN_BODIES * survey.parts[case].volume
+        if not own or (motor.is_named and case in carried) or survey.total_volume(others) > least:
+            continue
+        if any({h.a, h.b}.intersection(own) and not (h.drives and h.a == case) for h in made.joints):
+            continue
+        best = _nearest_apart(made, own, 0.5 * survey.parts[case].size)
+        if best is not None and clusters.join(case, best):
+            made.guess(own, "unsupported motor: assigned to the nearest part")
+
+
+def _bare_outputs(made: Decision) -> None:
+    """Assign the nearest larger body that nothing connects to the motor to an output that carries nothing.
+
+    An arm may be drawn around its horn, so that the two overlap and no faces are in contact.
+    """
+    survey, clusters = made.survey, made.clusters
+    tied = Clusters(clusters.groups())
+    for h in made.joints:
+        tied.join(clusters.find(h.a), clusters.find(h.b))
+    for h in made.joints:
+        own = clusters.members(h.b)
+        volume = survey.total_volume(own)
+        if not h.drives or volume > survey.parts[h.a].volume:
+            continue
+        box, faces = survey.box_of(own), np.concatenate([survey.scene.face_boxes(i) for i in own])
+        best: tuple[float, float, int] | None = None
+        for root, members in clusters.groups().items():
+            if tied.find(root) == tied.find(clusters.find(h.b)) or survey.total_volume(members) <= volume:
+                continue
+            near = [i for i in members if survey.parts[i].size and box_gap(box, survey.parts[i].box) < _BESIDE]
+            gap = min((least_gap(faces, survey.scene.face_boxes(i)) for i in near), default=_BESIDE)
+            if gap < _BESIDE:
+                mine = round(gap, 4), -survey.total_volume(members), root
+                best = mine if best is None else min(best, mine)
+        if best is not None:
+            members = clusters.members(best[-1])
+            roots = tied.find(clusters.find(h.b)), tied.find(best[-1])
+            if clusters.join(h.b, best[-1]):
+                tied.join(*roots)
+                made.guess(members, "not connected: assigned to the output of a motor beside it")
+
+
+def _nearest_apart(made: Decision, own: Sequence[int], reach: float) -> int | None:
+    """The part with the nearest faces within reach [m] of a cluster that no joint keeps apart from it."""
+    survey, clusters = made.survey, made.clusters
+    box, faces = survey.box_of(own), np.concatenate([survey.scene.face_boxes(i) for i in own])
+    ranked = []
+    for i, part in survey.parts.items():
+        if i not in clusters or not part.size or clusters.find(i) == clusters.find(own[0]):
+            continue
+        if not clusters.are_apart(i, own[0]) and box_gap(box, part.box) < reach:
+            ranked.append((round(least_gap(faces, survey.scene.face_boxes(i)), 5), -part.volume, i))
+    gap, _, best = min(ranked, default=(reach, 0.0, -1))
+    return best if gap < reach else None
+
+
+def _join_surfaces(made: Decision) -> set[int]:
+    """Join surface bodies that nothing holds to the solid of the part that they belong to; returns them."""
+    clusters, parts, joined = made.clusters, made.survey.parts, set()
+    for i, part in parts.items():
+        if part.volume or len(clusters.members(i)) > 1:
+            continue
+        solids = [k for k in made.survey.bodies_of_same_part(i) if parts[k].volume]
+        if solids and len({clusters.find(k) for k in solids}) == 1 and clusters.join(solids[0], i):
+            joined.add(i)
+    return joined
+
+
+def _tightest_host(survey: Survey, small: int) -> int | None:
+    """The part with the tightest fit around a fastener."""
+    hosts = [(_tightness(r), -other) for other, r in survey.around(small)]
+    return -max(hosts)[1] if hosts else None
+
+
+def _tightness(r: Relation) -> tuple[float, ...]:
+    shafts = r.shafts
+    clearance = min((f.clearance for f in shafts), default=1.0)
+    return bool(shafts), -round(clearance, 6), max((f.length for f in shafts), default=0.0), r.area
+
+
+def adopt(made: Decision, structure: Structure) -> None:
+    """Assign small unconnected clusters to the nearest cluster, of the same subassembly if there is one."""
+    survey, clusters = made.survey, made.clusters
+    jointed = {x for h in made.joints for x in (h.a, h.b)}
+    adopted: dict[int, tuple[list[int], int]] = {}
+    for root, members in clusters.groups().items():
+        if jointed.intersection(members) or any({Role.WHEEL, Role.JAW} & structure.names(i) for i in members):
+            continue
+        if survey.total_volume(members) < _TINY * survey.volume or all(i in survey.small for i in members):
+            target = nearest(survey, members)
+            if target is not None:
+                adopted[root] = members, target
+    _offer_twins(made, adopted)
+    for members, target in adopted.values():
+        if clusters.join(target, members[0]):
+            made.guess(members, "not connected: assigned to the nearest part")
+
+
+def _offer_twins(made: Decision, adopted: Mapping[int, tuple[Sequence[int], int]]) -> None:
+    """Offer the motion of equal small bodies that reach out of the body that they are assigned to."""
+    survey = made.survey
+    free = {root: members for root, (members, _) in adopted.items() if not survey.small.issuperset(members)}
+    floating = {i for members in free.values() for i in members}
+    host = {root: nearest(survey, members, floating) for root, members in free.items()}
+    carrier = {root: made.clusters.members(part) if part is not None else [] for root, part in host.items()}
+    for root, guess in guesses(survey, free, carrier).items():
+        box, around = survey.box_of(free[root]), survey.box_of(carrier[root])
+        part = host[root]
+        if part is not None and bool(np.any(box[0] < around[0] - _OUT) or np.any(box[1] > around[1] + _OUT)):
+            a, b = free[root][0], part
+            offered = JointEvidence(
+                _OFFERED, a, b, guess.kind, guess.axis, guess.why, review=BY_SHAPE, verdict=Verdict.OFFERED
+            )
+            made.evidence.joint(offered)
+
+
+def nearest(survey: Survey, members: Sequence[int], others: Collection[int] = ()) -> int | None:
+    """The larger part nearest to the given ones by its faces, except ``others``; a tie goes to the same subassembly.
+
+    Bounding boxes alone would put a body that stands in an arm's bend or under a chassis into the largest part around.
+    """
+    box, inside = survey.box_of(members), {*members, *others}
+    home = survey.scene.component(members[0]).parent
+    ranked = []
+    for i, part in survey.parts.items():
+        if i not in inside and i not in survey.small and part.size:
+            elsewhere = not (survey.sources.tree and survey.scene.component(i).parent == home)
+            ranked.append((box_gap(box, part.box), elsewhere, -part.volume, i))
+    faces = np.concatenate([survey.scene.face_boxes(i) for i in members if survey.parts[i].size] or [box[None]])
+    best: tuple[float, bool, float, int] | None = None
+    for gap, elsewhere, volume, i in sorted(ranked):
+        if best is not None and round(gap, 3) > best[0]:
+            break
+        mine = round(least_gap(faces, survey.scene.face_boxes(i)), 3), elsewhere, volume, i
+        best = mine if best is None else min(best, mine)
+    return best[-1] if best is not None else None
+
+
+_EQUAL = 1e-3
+"""Relative difference of volume up to which two bodies are equal."""
+_LARGER = 2.0
+"""Ratio of volumes from which a body may carry another one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Guess:
+    """A joint by the shape of a body that nothing holds."""
+
+    kind: JointKind
+    axis: Axis
+    why: str
+
+
+def guesses(
+    survey: Survey, free: Mapping[int, Sequence[int]], carrier: Mapping[int, Sequence[int]]
+) -> dict[int, Guess]:
+    """The joints of unconnected bodies that are equal to others, by their keys.
+
+    Args:
+        survey: The facts about the assembly.
+        free: Parts of each body that is not connected.
+        carrier: For each of them the parts of the nearest other body.
+    """
+    volumes = {key: survey.total_volume(members) for key, members in free.items()}
+    found = {}
+    for key, members in free.items():
+        beside = [other for other in free if other != key and set(carrier[other]) == set(carrier[key])]
+        equal = [other for other in beside if _are_equal(free, volumes, key, other)]
+        if equal and survey.total_volume(carrier[key]) > _LARGER * volumes[key] > 0.0:
+            guess = _guess(survey, members, [free[other] for other in equal])
+            if guess is not None:
+                found[key] = guess
+    return found
+
+
+def _are_equal(free: Mapping[int, Sequence[int]], volumes: Mapping[int, float], one: int, two: int) -> bool:
+    return len(free[one]) == len(free[two]) and abs(volumes[one] - volumes[two]) <= _EQUAL * volumes[one]
+
+
+def _guess(survey: Survey, members: Sequence[int], others: Sequence[Sequence[int]]) -> Guess | None:
+    part = largest([survey.parts[i] for i in members])
+    for axis in survey.turned.get(part.index, [])[:3]:
+        if part.is_balanced(axis):
+            return Guess(JointKind.REVOLUTE, axis, "one of several equal round bodies that nothing holds")
+    along = direction_between(survey, members, others[0]) if len(others) == 1 else None
+    if along is None:
+        return None
+    return Guess(
+        JointKind.PRISMATIC, Axis(centroid(survey, members), along), "one of two equal bodies that nothing holds"
+    )
+
+
+_EQUAL_VOLUME = 1e-3
+"""Relative difference of volume up to which two fingers are equal."""
+_APART = 1e-3
+"""Distance [m] of two centroids from which it defines a direction."""
+_FACING = 0.9
+"""Cosine of the angle up to which a face points towards the other finger."""
+
+
+def direction_between(survey: Survey, one: Sequence[int], two: Sequence[int]) -> Array | None:
+    """The normal of a face of one finger that points towards or away from the other, equal finger."""
+    volumes = survey.total_volume(one), survey.total_volume(two)
+    apart = centroid(survey, two) - centroid(survey, one)
+    distance = float(np.linalg.norm(apart))
+    if abs(volumes[0] - volumes[1]) > _EQUAL_VOLUME * volumes[0] or distance < _APART:
+        return None
+    main = largest([survey.parts[i] for i in one]).index
+    normals = survey.scene.columns(main, FaceKind.PLANE).directions
+    best = max(normals, key=lambda n: round(abs(float(n @ apart)), 12), default=None)
+    if best is None or abs(float(best @ apart)) < _FACING * distance:
+        return None
+    return np.asarray(best * np.sign(best @ apart))
+
+
+def centroid(survey: Survey, members: Sequence[int]) -> Array:
+    """Centroid of parts, weighted by volume [m]."""
+    parts = [survey.parts[i] for i in members]
+    total = exact_sum(p.volume for p in parts)
+    if not total:
+        return np.asarray(survey.box_of(members).mean(axis=0))
+    return np.asarray(np.sum([p.volume * p.com for p in parts], axis=0) / total)

@@ -1,0 +1,281 @@
+"""Joints between clusters: one per pair of clusters, and none for parts that only spin about their own axis.
+
+A rod with a ball joint at each end can spin about its own axis, which moves nothing else: the end nearer to the root is
+drafted as a universal joint. A shaft in a bore with one swivel on each side is a strut: prismatic.
+"""
+
+from collections import defaultdict, deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepbot.draft.contacts.freedom import FreedomKind
+from stepbot.draft.evidence.evidence import JointEvidence, Priority, Verdict
+from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.mechanism.decide import Decision
+from stepbot.draft.parts.axis import Axis, are_parallel
+from stepbot.draft.parts.names import Role
+from stepbot.draft.parts.parts import box_gap
+from stepbot.geometry.spatial import perpendicular_frame, unit
+from stepbot.robot.model import JointKind
+
+_SAME_AXIS = 5e-5
+_SAME_CENTRE = 1e-4
+_SPINNER = 0.05
+"""Share of the assembly's volume up to which a body that spins about its own axis is a pin or a ring, not a link."""
+_TRIFLE = 0.02
+"""Share of a cluster's volume below which a part is ignored."""
+_AROUND = 1e-3
+"""Distance [m] between the boxes of two bodies, up to which they may reach around a third."""
+_IDLER = 0.02
+"""Share of a body's volume up to which another one on it is its horn or idler."""
+_EQUAL = 0.01
+"""Relative difference of volume up to which two bodies are equal."""
+_SCREW = 2e-3
+"""Share of the assembly's volume up to which a subassembly that spins is a screw drawn as several bodies."""
+_WHEEL = 0.08
+"""Share of the assembly's size from which a spinning body in its own subassembly is a wheel."""
+
+
+@dataclass(eq=False)
+class Joint:
+    """A joint between two clusters, each given by its representative."""
+
+    evidence: JointEvidence
+    a: int
+    b: int
+
+    def other(self, root: int) -> int:
+        """The cluster on the other side."""
+        return self.b if root == self.a else self.a
+
+    @property
+    def axis(self) -> Axis:
+        """The axis of its joint."""
+        return self.evidence.axis
+
+
+class Mechanism:
+    """The accepted joints, and those that are only offered."""
+
+    def __init__(self, made: Decision, structure: Structure) -> None:
+        self._made, self._survey, self._structure = made, made.survey, structure
+        self._clusters = made.clusters
+        self.joints: list[Joint] = []
+        self.offered: list[JointEvidence] = []
+        self._gather()
+        while self._drop_spinner():
+            pass
+        while self._unite_two_sides():
+            pass
+
+    def _gather(self) -> None:
+        """One joint per pair of clusters: the strongest."""
+        taken: dict[tuple[int, int], Joint] = {}
+        for h in sorted(self._made.evidence.joints, key=lambda h: (-round(h.score, 6), h.a, h.b)):
+            if h.a not in self._clusters or h.b not in self._clusters:
+                continue
+            a, b = sorted((self._clusters.find(h.a), self._clusters.find(h.b)))
+            if h.verdict != Verdict.TAKEN or a == b:
+                self.offered.append(h)
+            elif (a, b) not in taken:
+                taken[a, b] = Joint(h, a, b)
+            elif _same_joint(h, taken[a, b].evidence):
+                h.verdict = Verdict.REPEATED
+                first = taken[a, b].evidence
+                first.drives = first.drives or h.drives
+                first.motor = first.motor or h.motor
+            else:
+                h.review = "a second axis between two links"
+                self.offered.append(h)
+        self.joints = list(taken.values())
+
+    def _of(self) -> dict[int, list[Joint]]:
+        found: dict[int, list[Joint]] = defaultdict(list)
+        for joint in self.joints:
+            found[joint.a].append(joint)
+            found[joint.b].append(joint)
+        return found
+
+    def _drop_spinner(self) -> bool:
+        """Unite one body that only spins about its own axis with its support; False if there is none."""
+        of = self._of()
+        members = {root: self._clusters.members(root) for root in of}
+        for root in sorted(of, key=lambda r: (self._survey.total_volume(members[r]), r)):
+            joints = of[root]
+            if any(j.evidence.drives or j.evidence.priority for j in joints) or not self._spins(
+                members[root], joints[0].axis
+            ):
+                continue
+            if len(joints) >= 2 and len(of) > 2 and all(j.axis.same(joints[0].axis) for j in joints):
+                victim = min(joints, key=self._hold)
+            elif len(joints) == 1 and len(self.joints) > 1 and not self._is_wheel(members[root], joints[0]):
+                if joints[0].evidence.type not in (JointKind.REVOLUTE, JointKind.UNIVERSAL):
+                    continue
+                victim = joints[0]
+            else:
+                continue
+            if self._unite(victim, root, victim.other(root)):
+                return True
+        return False
+
+    def _unite(self, gone: Joint, one: int, two: int) -> bool:
+        """Unite two clusters instead of joining them."""
+        self._clusters.allow(one, two)
+        self.joints = [j for j in self.joints if j is not gone]
+        if not self._clusters.join(one, two):
+            return False
+        for j in self.joints:
+            j.a, j.b = self._clusters.find(j.a), self._clusters.find(j.b)
+        self.joints = [j for j in self.joints if j.a != j.b]
+        return True
+
+    def _unite_two_sides(self) -> bool:
+        """Unite two bodies that turn on a third about one axis, if one of them is connected to nothing else."""
+        of = self._of()
+        for hub in sorted(of):
+            turning = [
+                j for j in of[hub] if j.evidence.type == JointKind.REVOLUTE and j.evidence.priority < Priority.STATED
+            ]
+            for m, j in enumerate(turning):
+                for k in turning[m + 1 :]:
+                    one, two = j.other(hub), k.other(hub)
+                    if (
+                        one == two
+                        or not j.axis.same(k.axis, _SAME_CENTRE)
+                        or self._has_wheel(one)
+                        or self._has_wheel(two)
+                    ):
+                        continue
+                    if len(of[one]) > 1 and len(of[two]) > 1:
+                        continue
+                    # Two equal bodies that are connected to nothing else are wheels, not two sides of one.
+                    if len(of[one]) == len(of[two]) == 1 and self._are_equal(one, two):
+                        continue
+                    if self._are_serial(hub, one, two):
+                        continue
+                    first_goes = len(of[one]) == 1 and (len(of[two]) > 1 or j.evidence.score < k.evidence.score)
+                    gone, kept, leaf = (j, k, one) if first_goes else (k, j, two)
+                    members = self._clusters.members(leaf)
+                    if not self._unite(gone, one, two):
+                        continue
+                    self._made.guess(members, "turns about the same axis as the parts it was merged with")
+                    if gone.evidence.drives and not kept.evidence.drives:
+                        kept.evidence.drives, kept.evidence.motor = True, gone.evidence.motor
+                        kept.evidence.why = gone.evidence.why
+                        kept.evidence.score = max(kept.evidence.score, gone.evidence.score)
+                    kept.evidence.review = kept.evidence.review or "two bodies that turn about it were merged"
+                    return True
+        return False
+
+    def _are_serial(self, hub: int, one: int, two: int) -> bool:
+        """Whether two bodies on one axis are links before and after a third, as stand and neck of a torso.
+
+        The two sides of a fork reach around the third body, and a horn or an idler is much smaller than its motor.
+        """
+        members = [self._clusters.members(root) for root in (one, two)]
+        if box_gap(*map(self._survey.box_of, members)) < _AROUND:
+            return False
+        least = _IDLER * self._survey.total_volume(self._clusters.members(hub))
+        return all(self._survey.total_volume(parts) > least for parts in members)
+
+    def _hold(self, joint: Joint) -> tuple[float, ...]:
+        """Looseness of a spinning body on one side: the tightest side is not a joint."""
+        h, r = joint.evidence, joint.evidence.relation
+        clearance = min((f.clearance for f in r.shafts), default=1.0) if r is not None else 1.0
+        length = r.length if r is not None else 0.0
+        return not self._structure.are_together(h.a, h.b), round(clearance, 7), h.score, -length
+
+    def _spins(self, members: Sequence[int], axis: Axis) -> bool:
+        """Whether a body is small and symmetric about an axis."""
+        volume = self._survey.total_volume(members)
+        if axis.direction is None or not 0.0 < volume <= _SPINNER * self._survey.volume:
+            return False
+        parts = [self._survey.parts[i] for i in members]
+        return all(part.is_balanced(axis) for part in parts if part.volume > _TRIFLE * volume)
+
+    def _is_wheel(self, members: Sequence[int], joint: Joint) -> bool:
+        if any(Role.WHEEL in self._survey.parts[i].roles or Role.WHEEL in self._structure.names(i) for i in members):
+            return True
+        if not self._structure.are_across(joint.evidence.a, joint.evidence.b):
+            return False
+        is_group = all(self._structure.are_together(i, members[0]) for i in members if i not in self._survey.small)
+        is_large = self._survey.size_of(members) > _WHEEL * self._survey.extent
+        is_heavy = self._survey.total_volume(members) > _SCREW * self._survey.volume
+        return is_large or (is_group and is_heavy and len(members) > 1)
+
+    def _are_equal(self, one: int, two: int) -> bool:
+        volumes = [self._survey.total_volume(self._clusters.members(root)) for root in (one, two)]
+        return abs(volumes[0] - volumes[1]) <= _EQUAL * max(volumes)
+
+    def _has_wheel(self, root: int) -> bool:
+        return any(Role.WHEEL in self._survey.parts[i].roles for i in self._clusters.members(root))
+
+
+def _same_joint(one: JointEvidence, two: JointEvidence) -> bool:
+    if one.type == two.type == JointKind.PRISMATIC:
+        return are_parallel(one.axis.d, two.axis.d)
+    if {one.type, two.type} & {JointKind.UNIVERSAL, JointKind.BALL}:
+        return one.type != two.type or float(np.linalg.norm(one.axis.point - two.axis.point)) < _SAME_CENTRE
+    return one.axis.same(two.axis, _SAME_AXIS)
+
+
+_SWIVELS = (JointKind.BALL, JointKind.UNIVERSAL)
+
+
+def stop_spinning_rods(joints: Sequence[Joint], root: int) -> None:
+    """Make one end of each rod between two ball joints a universal joint; each is to be reviewed."""
+    of = _by_cluster(joints)
+    depth = _depths(of, root)
+    for rod in sorted(of):
+        ends = of[rod]
+        if rod == root or len(ends) != 2 or any(j.evidence.type != JointKind.BALL for j in ends):
+            continue
+        if any(j.evidence.priority == Priority.STATED for j in ends):
+            continue
+        near, far = sorted(ends, key=lambda j: (depth.get(j.other(rod), len(of)), j.evidence.a, j.evidence.b))
+        along = far.evidence.axis.point - near.evidence.axis.point
+        if float(np.linalg.norm(along)) < 1e-6:
+            continue
+        across = perpendicular_frame(unit(along))
+        h = near.evidence
+        h.type, h.axis2 = JointKind.UNIVERSAL, Axis(h.axis.point, across[:, 1])
+        h.axis = Axis(h.axis.point, across[:, 0])
+        h.review = "universal instead of ball, to keep the rod from spinning; could also be the other end"
+
+
+def slide_in_struts(joints: Sequence[Joint]) -> None:
+    """Make a shaft in a bore between two swivels prismatic."""
+    of = _by_cluster(joints)
+    for j in joints:
+        r = j.evidence.relation
+        if j.evidence.type != JointKind.REVOLUTE or r is None or r.freedom.kind != FreedomKind.CYLINDRICAL:
+            continue
+        others = [[k for k in of[side] if k is not j] for side in (j.a, j.b)]
+        if all(len(rest) == 1 and rest[0].evidence.type in _SWIVELS for rest in others):
+            j.evidence.type, j.evidence.review = (
+                JointKind.PRISMATIC,
+                "a strut between two swivels; could also be revolute",
+            )
+
+
+def _by_cluster(joints: Sequence[Joint]) -> dict[int, list[Joint]]:
+    of: dict[int, list[Joint]] = defaultdict(list)
+    for j in joints:
+        of[j.a].append(j)
+        of[j.b].append(j)
+    return of
+
+
+def _depths(of: dict[int, list[Joint]], root: int) -> dict[int, int]:
+    """The number of joints between each cluster and the root."""
+    depth, waiting = {root: 0}, deque([root])
+    while waiting:
+        here = waiting.popleft()
+        for j in of.get(here, ()):
+            other = j.other(here)
+            if other not in depth:
+                depth[other] = depth[here] + 1
+                waiting.append(other)
+    return depth

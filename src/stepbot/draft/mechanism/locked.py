@@ -1,0 +1,95 @@
+"""What loops decide: missing joints, revolute or prismatic, and what to review.
+
+A loop of joints that is drawn as a mechanism moves. If its axes do not let it, two bodies that were united, by a face
+on a face or a pair of holes for instance, turn on each other: the joint that lets the loop move is needed.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict
+from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, loop_motions
+from stepbot.robot.model import JointKind
+
+REVIEW = "without it a loop of joints could not move"
+"""What to review of a joint that was added for this."""
+_SCORE = 0.6
+_WEAKEST = 0.3
+"""Score from which a refused joint may be needed."""
+_MOST = 12
+"""Maximum number of joints that are tried."""
+
+JointKey = tuple[int, int, str]
+"""Both parts and the type of a joint."""
+
+
+def missing_joints(
+    arcs: Sequence[TreeJoint], offered: Sequence[JointEvidence], links: Sequence[Sequence[int]], locked: Collection[int]
+) -> list[JointKey]:
+    """Refused joints inside the links of locked arcs, the likeliest first."""
+    stuck = {n for k in locked for n in (arcs[k].parent, arcs[k].child)}
+    link_of = {i: n for n in stuck for i in links[n]}
+    inside = [
+        h
+        for h in offered
+        if h.score >= _WEAKEST
+        and h.verdict in (Verdict.OFFERED, Verdict.REFUSED)
+        and h.relation is not None
+        and link_of.get(h.a, -1) == link_of.get(h.b, -2)
+    ]
+    inside.sort(key=lambda h: (-round(h.score, 6), h.a, h.b))
+    return list(dict.fromkeys((h.a, h.b, str(h.type)) for h in inside))[:_MOST]
+
+
+def promote(evidence: Evidence, needed: Mapping[JointKey, str]) -> None:
+    """Let needed joints come before the evidence against them; each with what to review."""
+    for h in evidence.joints:
+        review = needed.get((h.a, h.b, str(h.type)))
+        if review is not None:
+            h.priority, h.score, h.review = Priority.NEEDED, max(h.score, _SCORE), review
+
+
+_WORDS = ("piston", "slide", "rod", "cylinder", "telescop", "prismatic", "linear", "quill", "carriage")
+_SLIM = 3.0
+"""Engaged length in radii from which a shaft may be prismatic."""
+
+
+def choose_slides(survey: Survey, arcs: Sequence[TreeJoint]) -> None:
+    """Make joints prismatic if only that motion is possible, or if they are named so."""
+    motions = loop_motions(arcs)
+    for k, arc in enumerate(arcs):
+        if not arc.could_slide:
+            continue
+        h, r = arc.evidence, arc.evidence.relation
+        assert r is not None
+        paths = " ".join(survey.parts[i].path.lower() for i in (h.a, h.b)) if survey.sources.names else ""
+        called_so = r.length > _SLIM * r.radius and any(word in paths for word in _WORDS)
+        motion = motions.get(k)
+        if motion is not None and motion.slides and not motion.turns:
+            h.type, h.review = JointKind.PRISMATIC, "the loop can move only if it is prismatic"
+        elif called_so and (motion is None or motion.slides):
+            h.type, h.review = JointKind.PRISMATIC, "could also be revolute"
+
+
+def note_doubts(arcs: Sequence[TreeJoint], structure: Structure, *, has_drives: bool) -> None:
+    """Add review notes to each joint without a motor or a bearing.
+
+    Args:
+        arcs: Joints and closures.
+        structure: Subassemblies that look like links.
+        has_drives: Whether there is any motor: without one, the assembly may not be a mechanism.
+    """
+    motions, locked = loop_motions(arcs), locked_arcs(arcs)
+    for k, arc in enumerate(arcs):
+        h, motion = arc.evidence, motions.get(k)
+        if h.review or h.drives or h.by_role or h.priority == Priority.STATED or h.type == JointKind.FIXED:
+            continue
+        if not structure.are_across(h.a, h.b):
+            h.review = "inferred from shapes alone; the parts may be fixed"
+        elif arc.could_slide and (motion is None or motion.slides):
+            h.review = "nothing blocks it along its axis: could also be prismatic"
+        elif k in locked:
+            h.review = "its loop of joints cannot move as drafted"
+        elif not has_drives and not any(arc.is_closure for arc in arcs):
+            h.review = "no motor found: the assembly may not be a mechanism"

@@ -1,0 +1,202 @@
+"""Joints at lone round contacts.
+
+Where all that connects two groups of parts is contacts about one axis, nothing but friction or glue keeps them from
+turning on each other. If the mass of neither is symmetric about the axis, as that of a lid, a foot or a knob is, such a
+contact is probably a joint: the seam between two shells of an arm, with or without a seal in it.
+
+The stand of a robot is often symmetric about the first axis, as a lid is. Where the whole assembly stands on such a
+body alone, and what it carries has another joint, one of the round contacts between both is probably a joint, too.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from stepbot.draft.contacts.contacts import Pair
+from stepbot.draft.contacts.relations import Relation, Via, reach
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence.evidence import Verdict
+from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.mechanism.decide import Decision
+from stepbot.draft.mechanism.locked import JointKey
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.clusters import Clusters
+from stepbot.draft.parts.parts import Part, joint_box, largest
+from stepbot.geometry.inertia import MassProperties, combined
+from stepbot.step.faces import FaceKind
+
+_FLAT = 1e-4
+"""Thickness of the ground plane, as a share of the assembly's size."""
+
+
+class Feet:
+    """The outermost parts of an assembly along any direction."""
+
+    def __init__(self, survey: Survey) -> None:
+        self._survey, self._near = survey, _FLAT * survey.extent
+        self._parts = [i for i, part in survey.parts.items() if part.size and i not in survey.small]
+        self._boxes = np.array([survey.parts[i].box for i in self._parts]).reshape(-1, 2, 3)
+
+    def below(self, sides: Clusters, axis: Axis) -> list[tuple[int, float]]:
+        """The sides that alone reach one end of the assembly along an axis, with the radius [m] of their faces there.
+
+        At most two, each by its representative.
+        """
+        found = []
+        for d in (-axis.d, axis.d):
+            reach = np.maximum(self._boxes[:, 0] * d, self._boxes[:, 1] * d).sum(axis=1)
+            level = float(reach.max())
+            last = {self._parts[k] for k in np.flatnonzero(reach > level - self._near).tolist()}
+            roots = {sides.find(i) if i in sides else -1 for i in last}
+            if len(roots) == 1 and -1 not in roots:
+                found.append((roots.pop(), self._width(last, Axis(axis.point, d), level)))
+        return found
+
+    def _width(self, parts: set[int], down: Axis, level: float) -> float:
+        """The largest distance [m] from an axis of plane faces on the ground, which it points to."""
+        scene = self._survey.scene
+        grounded = [
+            placed
+            for part in sorted(parts)
+            for placed in scene.faces_of(part, FaceKind.PLANE)
+            if down.is_along(placed.direction) and float((placed.point * down.d).sum()) > level - self._near
+        ]
+        rings = [ring for placed in grounded for ring in scene.outline(placed.part, placed.face)]
+        return max((float(down.distances(ring).max()) for ring in rings), default=0.0)
+
+
+_REVIEW = "nothing but one round contact holds its two sides together"
+"""What to review of such a joint."""
+_REVIEW_STAND = "only round contacts connect the stand: it may turn at another one of them, or not at all"
+_PIVOTS = (Via.FACE, Via.BOLT)
+"""Contacts that may be such a joint: others are found without this."""
+_LEAST = 0.01
+"""Share of the assembly's volume below which a side of a pivot is a handle, a pin or a cover."""
+_STAND = 0.05
+"""Share of the assembly's volume from which what is symmetric about its joint may be a stand, not a cap or a pin."""
+_WIDER = 1.2
+"""Ratio of the radii of a stand's foot and of the contact above it: what overhangs needs a wide foot, unlike a cap."""
+_CLEARLY = 2.0
+"""Multiple of the tolerances of a turned part beyond which a side is lopsided: a lid with a handle is not."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Pivot:
+    """Relations of parts of one cluster about one axis."""
+
+    axis: Axis
+    relations: list[Relation]
+
+
+def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
+    """The joints at lone round contacts within clusters, and what to review of each."""
+    survey, ties, feet = made.survey, _ties(made), Feet(made.survey)
+    jointed = {made.clusters.find(i) for h in made.joints for i in (h.a, h.b)}
+    found: dict[Pair, str] = {}
+    for root, members in made.clusters.groups().items():
+        pivots = [_Sides(survey, pivot, members, ties[root]) for pivot in _pivots(survey, structure, members)]
+        between = [pair for sides in pivots if (pair := sides.between_lopsided()) is not None]
+        found |= dict.fromkeys(between, _REVIEW)
+        if between or root in jointed:
+            below = [pair for sides in pivots if (pair := sides.above_stand(feet)) is not None]
+            found |= dict.fromkeys(below, _REVIEW_STAND)
+    hinges = {(h.a, h.b): h for h in made.evidence.joints if h.relation is not None and h.verdict != Verdict.TAKEN}
+    return {(*pair, str(hinges[pair].type)): review for pair, review in found.items() if pair in hinges}
+
+
+def _ties(made: Decision) -> dict[int, list[tuple[int, int]]]:
+    """For each cluster its pairs of parts that are welded, or that one screw fits in."""
+    found: dict[int, list[tuple[int, int]]] = defaultdict(list)
+    for weld in made.evidence.welds:
+        if weld.verdict == Verdict.TAKEN:
+            found[made.clusters.find(weld.a)].append((weld.a, weld.b))
+    for screw in made.survey.small:
+        hosts = [other for other, r in made.survey.around(screw) if r.fits]
+        for a, b in pairwise(hosts):
+            if made.clusters.find(a) == made.clusters.find(b):
+                found[made.clusters.find(a)].append((a, b))
+    return found
+
+
+def _pivots(survey: Survey, structure: Structure, members: Sequence[int]) -> Iterator[_Pivot]:
+    """The axes that parts of a cluster touch each other about, where no screw clamps them."""
+    inside, found = set(members), list[_Pivot]()
+    for i in members:
+        for r in survey.near.get(i, ()):
+            axis = r.turns
+            is_within = r.a == i and r.b in inside and not structure.are_together(r.a, r.b)
+            if not is_within or r.via not in _PIVOTS or axis is None:
+                continue
+            same = next((pivot for pivot in found if pivot.axis.same(axis)), None)
+            if same is None:
+                found.append(_Pivot(axis, [r]))
+            else:
+                same.relations.append(r)
+    return (pivot for pivot in found if not survey.has_screw_at(pivot.axis))
+
+
+class _Sides:
+    """The groups of parts that nothing but the contacts of a pivot connects."""
+
+    def __init__(self, survey: Survey, pivot: _Pivot, members: Sequence[int], ties: Sequence[tuple[int, int]]) -> None:
+        self._survey, self._pivot, self._members = survey, pivot, members
+        about = {(r.a, r.b) for r in pivot.relations}
+        self._groups = Clusters(members)
+        for a, b in ties:
+            if (a, b) not in about:
+                self._groups.join(a, b)
+        groups = self._groups.groups().items()
+        self._lopsided = [root for root, parts in groups if _is_lopsided(survey, parts, pivot.axis)]
+
+    def between_lopsided(self) -> Pair | None:
+        """The joint between two lopsided sides, if there are two."""
+        return self._weakest(*self._lopsided)[0] if len(self._lopsided) == 2 else None
+
+    def above_stand(self, feet: Feet) -> Pair | None:
+        """The joint between the only lopsided side and the stand that it is on, if there is one."""
+        if len(self._lopsided) != 1:
+            return None
+        (above,) = self._lopsided
+        for foot, width in feet.below(self._groups, self._pivot.axis):
+            pair, stand = self._weakest(above, foot)
+            if pair is None or self._survey.total_volume(stand) < _STAND * self._survey.volume:
+                continue
+            if width > _WIDER * reach(self._pivot.axis, [self._survey.relations[pair]]):
+                return pair
+        return None
+
+    def _weakest(self, one: int, two: int) -> tuple[Pair | None, list[int]]:
+        """Of the contacts between two sides the one with the least area, and the parts on the second's side of it.
+
+        What lies between them, such as a seal, goes with one of them.
+        """
+        chain = Clusters(self._members)
+        for group in self._groups.groups().values():
+            for i in group:
+                chain.join(group[0], i)
+        for r in sorted(self._pivot.relations, key=lambda r: (-round(r.area, 9), r.a, r.b)):
+            if {chain.find(r.a), chain.find(r.b)} == {chain.find(one), chain.find(two)} and one != two:
+                return (r.a, r.b), chain.members(two)
+            chain.join(r.a, r.b)
+        return None, []
+
+
+def _is_lopsided(survey: Survey, members: Sequence[int], axis: Axis) -> bool:
+    """Whether the mass of parts is considerable and not symmetric about an axis."""
+    whole = _whole([survey.parts[i] for i in members if survey.parts[i].volume])
+    return whole is not None and whole.volume > _LEAST * survey.volume and not whole.is_balanced(axis, _CLEARLY)
+
+
+def _whole(parts: Sequence[Part]) -> Part | None:
+    """Several solids as one part."""
+    if not parts:
+        return None
+    whole = combined(MassProperties.of(part.volume, part.com.tolist(), part.inertia) for part in parts)  # of density 1
+    low, high = joint_box(parts)
+    size = float(np.linalg.norm(high - low))
+    return replace(
+        largest(parts), volume=whole.mass, com=np.array(whole.com), inertia=np.array(whole.inertia), size=size
+    )

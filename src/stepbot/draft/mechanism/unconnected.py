@@ -1,0 +1,195 @@
+"""The root link, and what to do with clusters that no joint connects to it."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from stepbot.draft.evidence.evidence import BY_NAME, BY_SHAPE, JointEvidence, Verdict
+from stepbot.draft.evidence.motors import Motor
+from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.mechanism.decide import Decision, Guess, centroid, direction_between, guesses, nearest
+from stepbot.draft.mechanism.joints import Joint, Mechanism
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.clusters import Clusters
+from stepbot.draft.parts.names import Role
+from stepbot.draft.parts.parts import box_gap
+from stepbot.robot.model import JointKind
+
+_BIG = 0.2
+"""Share of the assembly's volume from which an unconnected cluster is a link."""
+_TRIMMINGS = ("pad", "tip", "cover", "nail")
+"""Words for parts on a finger that are not fingers."""
+_GROUP = 0.01
+"""The same for a subassembly."""
+_SCORE_BY_NAME, _SCORE_BY_SHAPE = 0.55, 0.5
+
+
+class LooseEnds:
+    """Connects unconnected clusters."""
+
+    def __init__(self, made: Decision, mechanism: Mechanism, structure: Structure) -> None:
+        self._made, self._mechanism, self._structure = made, mechanism, structure
+        self._survey, self._clusters = made.survey, made.clusters
+
+    def tie(self, root: int) -> None:
+        """Connect everything to one tree; ``root`` represents the root link."""
+        groups = self._clusters.groups()
+        jointed = self._jointed()
+        loose = [r for r in groups if r not in jointed and r != root]
+        standing = [r for r in loose if self._stands_alone(groups[r])]
+        named = [r for r in loose if r not in standing and {Role.WHEEL, Role.JAW} & self._roles(groups[r])]
+        near = {r: self._nearest_cluster(groups[r], root) for r in loose}
+        shaped = guesses(self._survey, {r: groups[r] for r in loose}, {r: groups[near[r]] for r in loose})
+        for r in dict.fromkeys((*standing, *named, *shaped)):
+            other = near[r]
+            guess = self._by_name(groups, r, other, standing + named)
+            if guess is None and r in shaped and other != r:
+                guess = self._guess(groups, r, other, shaped[r], _SCORE_BY_SHAPE, BY_SHAPE)
+            if guess is None and r in standing:
+                guess = self._placeholder(groups, other, r)
+            if guess is not None:
+                self._mechanism.joints.append(guess)
+        self._connect(groups, root)
+        jointed = self._jointed() | {root}
+        for r in loose:
+            if r not in jointed:
+                target = self._nearest_cluster(groups[r], root)
+                self._made.guess(groups[r], "not connected: assigned to the nearest part")
+                if target not in jointed or not self._clusters.join(target, r):
+                    self._clusters.join(root, r)
+        for j in self._mechanism.joints:
+            j.a, j.b = self._clusters.find(j.a), self._clusters.find(j.b)
+
+    def _connect(self, groups: dict[int, list[int]], root: int) -> None:
+        """Placeholders between unconnected pieces of the mechanism; omnidirectional wheels turn."""
+        tied = Clusters(groups)
+        for j in self._mechanism.joints:
+            tied.join(j.a, j.b)
+        jointed = self._jointed()
+        for r in sorted(jointed, key=lambda r: groups[r][0]):
+            if tied.find(r) == tied.find(root):
+                continue
+            piece = [q for q in jointed if tied.find(q) == tied.find(r)]
+            other = self._nearest_cluster([i for q in piece for i in groups[q]], root)
+            if other not in jointed or tied.find(other) == tied.find(r):
+                other = root
+            hub = next((i for q in piece for i in groups[q] if i in self._made.evidence.wheels), None)
+            if hub is not None:
+                mine = self._clusters.find(hub)
+                wheel = Guess(JointKind.REVOLUTE, self._made.evidence.wheels[hub], "a wheel with rollers around it")
+                self._mechanism.joints.append(self._guess(groups, mine, other, wheel, _SCORE_BY_SHAPE, BY_SHAPE))
+            else:
+                mine = min(piece, key=lambda q: (self._gap(groups[q], groups[other]), q))
+                self._mechanism.joints.append(self._placeholder(groups, other, mine))
+            tied.join(mine, other)
+
+    def _placeholder(self, groups: dict[int, list[int]], a: int, b: int) -> Joint:
+        axis = Axis(self._survey.box_of(groups[b]).mean(axis=0), None)
+        review = "type, axis and parent are unknown"
+        why = "no connection found"
+        return Joint(
+            JointEvidence(
+                0.0, groups[a][0], groups[b][0], JointKind.FIXED, axis, why, review=review, verdict=Verdict.TAKEN
+            ),
+            a,
+            b,
+        )
+
+    def _jointed(self) -> set[int]:
+        return {r for j in self._mechanism.joints for r in (j.a, j.b)}
+
+    def _stands_alone(self, members: Sequence[int]) -> bool:
+        if all(i in self._survey.small for i in members):
+            return False
+        volume = self._survey.total_volume(members)
+        if volume > _BIG * self._survey.volume:
+            return True
+        children = self._survey.assembly.children
+        is_group = any(children[self._structure.link_of[i]] for i in members if i in self._structure.link_of)
+        return is_group and len(members) > 1 and volume > _GROUP * self._survey.volume
+
+    def _roles(self, members: Iterable[int]) -> set[Role]:
+        found = {role for i in members for role in self._survey.parts[i].roles}
+        return found.union(*(self._structure.names(i) for i in members))
+
+    def _nearest_cluster(self, members: Sequence[int], root: int) -> int:
+        part = nearest(self._survey, members)
+        found = self._clusters.find(part) if part is not None else root
+        return root if found == self._clusters.find(members[0]) else found
+
+    def _gap(self, one: Sequence[int], two: Sequence[int]) -> float:
+        return box_gap(self._survey.box_of(one), self._survey.box_of(two))
+
+    def _by_name(self, groups: dict[int, list[int]], r: int, other: int, own: Sequence[int]) -> Joint | None:
+        """A wheel turns about its own axis; two equal fingers slide towards each other."""
+        roles, members = self._roles(groups[r]), groups[r]
+        if Role.WHEEL in roles:
+            largest_first = sorted(members, key=lambda i: (-self._survey.parts[i].volume, i))
+            for i in largest_first:
+                for axis in self._survey.turned.get(i, [])[:3]:
+                    if self._survey.parts[i].is_balanced(axis):
+                        wheel = Guess(JointKind.REVOLUTE, axis, "wheel by name; about its own axis")
+                        return self._guess(groups, r, other, wheel, _SCORE_BY_NAME, BY_NAME)
+        paths = [self._survey.assembly.components[self._structure.link_of.get(i, i)].path.lower() for i in members]
+        if Role.JAW not in roles or any(word in path for path in paths for word in _TRIMMINGS):
+            return None
+        middle = centroid(self._survey, members)
+        for s in sorted(own, key=lambda s: float(np.linalg.norm(centroid(self._survey, groups[s]) - middle))):
+            if s != r and Role.JAW in self._roles(groups[s]):
+                along = direction_between(self._survey, members, groups[s])
+                if along is not None:
+                    finger = Guess(JointKind.PRISMATIC, Axis(middle, along), "one of two equal fingers by name")
+                    return self._guess(groups, r, other, finger, _SCORE_BY_NAME, BY_NAME)
+        return None
+
+    def _guess(
+        self, groups: dict[int, list[int]], r: int, other: int, guess: Guess, score: float, review: str
+    ) -> Joint:
+        a, b = groups[r][0], groups[other][0]
+        hinge = JointEvidence(score, a, b, guess.kind, guess.axis, guess.why, review=review, verdict=Verdict.TAKEN)
+        return Joint(hinge, other, r)
+
+
+_LOOSE = 0.2
+"""Share of the assembly's volume below which a cluster without joints is not the root."""
+_NAMED_SHARE = 0.05
+"""Share of its cluster's volume from which a part's name counts."""
+_BRANCHES, _TRUNK = 3, 1.6
+"""Number of joints from which a cluster is a trunk, and what that counts: more joints do not count more, since the
+platform of a parallel robot has as many as its base, and a hand as many as a torso.
+"""
+
+
+def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], motors: Sequence[Motor]) -> int:
+    """The representative of the root cluster."""
+    degree = Counter(root for j in joints if not j.evidence.of_roller for root in (j.a, j.b))
+    cases = {i for motor in motors for i in motor.parts}
+    holds: Counter[int] = Counter()
+    for j in joints:
+        if j.evidence.drives and j.evidence.a in cases:
+            holds[made.clusters.find(j.evidence.a)] += 1
+            holds[made.clusters.find(j.evidence.b)] -= 1
+    ranked = []
+    for root, members in made.clusters.groups().items():
+        share = made.survey.total_volume(members) / made.survey.volume
+        if not degree or root in degree or share >= _LOOSE:
+            ranked.append((_rank(made, structure, members, share, degree[root], holds[root]), -members[0], root))
+    return max(ranked)[-1] if ranked else next(iter(made.clusters.groups()))
+
+
+def _rank(
+    made: Decision, structure: Structure, members: Sequence[int], share: float, branches: int, holds: int
+) -> float:
+    survey = made.survey
+    least = _NAMED_SHARE * share * survey.volume
+    named = any(Role.BASE in survey.parts[i].roles for i in members if survey.parts[i].volume > least)
+    named = named or any(Role.BASE in structure.names(i) for i in members)
+    low = min(float(survey.parts[i].box[0][2]) for i in members)
+    bottom = 1.0 - (low - float(survey.box[0][2])) / max(1e-9, survey.extent)
+    rank = 1.5 * named + share + 0.5 * bottom
+    if branches >= _BRANCHES:
+        rank += _TRUNK
+    if branches == 1:
+        rank += 0.3 + 0.4 * ((holds > 0) - (holds < 0))
+    return round(rank, 9)

@@ -1,0 +1,1 @@
+"""Parts, their names, roles and faces; axes and disjoint sets."""

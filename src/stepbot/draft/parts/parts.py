@@ -1,0 +1,88 @@
+"""One part: its role, size and centroid."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.names import SMALL_PARTS, Role
+from stepbot.geometry.spatial import Array, cross, perpendicular_frame
+
+_OFF_AXIS = 0.01
+"""Distance of a turned part's centroid from its axis, as a share of its size, up to which it is on the axis."""
+_TILT, _UNEVEN = 0.02, 0.03
+"""Tolerances of a turned part's inertia about its axis, as shares of its moments: tilt and asymmetry."""
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A component with a body."""
+
+    index: int
+    path: str
+    name: str
+    """Its own name, or that of the product of its body."""
+    roles: tuple[Role, ...]
+    role: Role | None
+    """The first of ``roles``, or the role by its shape."""
+    definition: int
+    volume: float
+    """[m^3]; 0 if it encloses none."""
+    size: float
+    """Diagonal of its bounding box [m]."""
+    box: Array
+    """Shape (2, 3) [m], in the assembly."""
+    com: Array
+    """Shape (3,) [m], in the assembly."""
+    inertia: Array
+    """Shape (3, 3), of density 1, about the centroid along the axes of the assembly."""
+
+    @property
+    def is_small(self) -> bool:
+        """Whether it is a fastener or a seal."""
+        return self.role in SMALL_PARTS
+
+    def is_balanced(self, axis: Axis, within: float = 1.0) -> bool:
+        """Whether its mass is symmetric about an axis, as a turned part's is; ``within`` scales the tolerances."""
+        if not self.volume or axis.distance(self.com) > within * _OFF_AXIS * self.size:
+            return False
+        tilt = float(np.linalg.norm(cross(self.inertia @ axis.d, axis.d)))
+        if tilt > within * _TILT * float(np.trace(self.inertia)):
+            return False
+        across = perpendicular_frame(axis.d)[:, :2]
+        small, large = np.linalg.eigvalsh(across.T @ self.inertia @ across).tolist()
+        return bool(large - small < within * _UNEVEN * large)
+
+
+def joint_box(parts: Iterable[Part]) -> Array:
+    """The bounding box (2, 3) [m] of several parts."""
+    boxes = np.array([part.box for part in parts if part.size])
+    if not len(boxes):
+        return np.zeros((2, 3))
+    return np.array([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+
+def box_gap(one: Array, two: Array) -> float:
+    """Distance [m] between two boxes (2, 3); 0 if they overlap."""
+    return float(np.linalg.norm(np.maximum(0.0, np.maximum(one[0] - two[1], two[0] - one[1]))))
+
+
+def least_gap(some: Array, others: Array) -> float:
+    """Least distance [m] between one of n boxes and one of m, (n, 2, 3) and (m, 2, 3); 0 if two overlap."""
+    around = np.array([others[:, 0].min(axis=0), others[:, 1].max(axis=0)])
+    least = box_gaps(some, around[None])[:, 0]
+    # No box is nearer than to the box around all others: those beyond what the first candidate has are left out.
+    most = box_gaps(some[[int(least.argmin())]], others).min()
+    return float(box_gaps(some[least <= most], others).min())
+
+
+def box_gaps(some: Array, others: Array) -> Array:
+    """Distances (n, m) [m] of boxes (n, 2, 3) and (m, 2, 3)."""
+    apart = np.maximum(some[:, None, 0] - others[None, :, 1], others[None, :, 0] - some[:, None, 1])
+    return np.asarray(np.sqrt((np.maximum(apart, 0.0) ** 2).sum(axis=2)))
+
+
+def largest(parts: Sequence[Part]) -> Part:
+    """The part with the largest volume; the first of equal ones."""
+    return max(parts, key=lambda part: (part.volume, -part.index))

@@ -1,0 +1,163 @@
+"""The parts of an assembly with their faces in the assembly's frame."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.geometry.spatial import Array
+from stepbot.step.assembly import Assembly, Body, Component
+from stepbot.step.faces import Face, FaceKind
+
+Indices = NDArray[np.intp]
+
+
+class PlacedFace(NamedTuple):
+    """A face of a component."""
+
+    part: int
+    """Index of the component."""
+    face: Face
+    """In the component's frame."""
+    point: Array
+    """Shape (3,) [m], in the assembly, as ``direction``, ``low`` and ``high``."""
+    direction: Array
+    low: Array
+    """Lowest corner of its bounding box."""
+    high: Array
+
+
+class Columns(NamedTuple):
+    """Faces of one kind of a part, in file order."""
+
+    faces: tuple[Face, ...]
+    """In the component's frame."""
+    points: Array
+    """Shape (n, 3) [m], in the assembly, as ``directions``, ``low`` and ``high``."""
+    directions: Array
+    low: Array
+    high: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Drawn:
+    """The faces of a definition in its own frame."""
+
+    rows: dict[FaceKind, Indices]
+    """The numbers of the faces of each kind."""
+    points: Array
+    """Shape (n, 3) [m]."""
+    directions: Array
+    middles: Array
+    """Shape (n, 3) [m]: the middle of each bounding box."""
+    halves: Array
+    """Shape (n, 3) [m]: half of its size."""
+
+
+class Scene:
+    """Input of the inference: parts are the indices of all components with a body, in file order."""
+
+    def __init__(self, assembly: Assembly) -> None:
+        self.assembly = assembly
+        self.parts = tuple(c.index for c in assembly.components if c.body >= 0)
+        self._drawn: dict[int, _Drawn] = {}
+        self._corners_of: dict[int, tuple[Array, Array]] = {}
+        self._faces: dict[FaceKind, list[PlacedFace]] = {}
+
+    def component(self, part: int) -> Component:
+        """The component with an index."""
+        return self.assembly.components[part]
+
+    def body(self, part: int) -> Body:
+        """The body of a part."""
+        return self.assembly.bodies[self.component(part).body]
+
+    def faces(self, kind: FaceKind) -> list[PlacedFace]:
+        """All faces of a kind, in file order."""
+        if kind not in self._faces:
+            self._faces[kind] = [placed for part in self.parts for placed in self.faces_of(part, kind)]
+        return self._faces[kind]
+
+    def faces_of(self, part: int, kind: FaceKind) -> list[PlacedFace]:
+        """The faces of a kind of a part."""
+        return [PlacedFace(part, *row) for row in zip(*self.columns(part, kind), strict=True)]
+
+    def columns(self, part: int, kind: FaceKind) -> Columns:
+        """The faces of a kind of a part, as arrays."""
+        drawn, X, faces = self._drawn_faces(part), self.component(part).X_WC, self.body(part).faces
+        rows = drawn.rows.get(kind)
+        if rows is None:
+            nothing = np.zeros((0, 3))
+            return Columns((), nothing, nothing, nothing, nothing)
+        low, high = self._corners(part)
+        chosen = tuple(faces[row] for row in rows.tolist())
+        return Columns(chosen, X.apply(drawn.points[rows]), X.turn(drawn.directions[rows]), low[rows], high[rows])
+
+    @cached_property
+    def boxes(self) -> dict[int, Array]:
+        """Bounding box (2, 3) [m] of each part in the assembly; parts without extent are left out."""
+        found = {}
+        for part in self.parts:
+            low, high = self._corners(part)
+            if len(low):
+                found[part] = np.array([low.min(axis=0), high.max(axis=0)])
+        return found
+
+    def face_boxes(self, part: int) -> Array:
+        """Bounding boxes (n, 2, 3) [m] of the faces of a part in the assembly."""
+        return np.stack(self._corners(part), axis=1)
+
+    def outline(self, part: int, plane: Face) -> list[Array]:
+        """The outlines of a plane of a part in the assembly."""
+        X = self.component(part).X_WC
+        return [X.apply(ring) for ring in plane.rings]
+
+    def _corners(self, part: int) -> tuple[Array, Array]:
+        """Lowest and highest corners (n, 3) [m] of the faces of a part in the assembly."""
+        if part not in self._corners_of:
+            drawn, X = self._drawn_faces(part), self.component(part).X_WC
+            middles, halves = X.apply(drawn.middles), drawn.halves @ np.abs(X.R).T
+            self._corners_of[part] = middles - halves, middles + halves
+        return self._corners_of[part]
+
+    def _drawn_faces(self, part: int) -> _Drawn:
+        """The faces of the definition of a part, which occurs more than once in most assemblies."""
+        body = self.component(part).body
+        if body not in self._drawn:
+            faces = self.assembly.bodies[body].faces
+            points = np.array([f.point for f in faces]).reshape(-1, 3)
+            directions = np.array([f.direction for f in faces]).reshape(-1, 3)
+            boxes = np.array([f.box for f in faces]).reshape(-1, 2, 3)
+            rows: dict[FaceKind, list[int]] = defaultdict(list)
+            for row, face in enumerate(faces):
+                rows[face.kind].append(row)
+            by_kind = {kind: np.array(of, dtype=np.intp) for kind, of in rows.items()}
+            self._drawn[body] = _Drawn(by_kind, points, directions, boxes.mean(axis=1), 0.5 * np.ptp(boxes, axis=1))
+        return self._drawn[body]
+
+
+Indices_of_runs = NDArray[np.int64]
+
+_CHUNK = 1_000_000
+"""Number of elements that are looked at at once."""
+
+
+def starts_of(counts: Sequence[int] | Indices_of_runs) -> Indices_of_runs:
+    """Where each of several runs begins."""
+    sizes = np.asarray(counts, dtype=np.int64)
+    return np.cumsum(sizes) - sizes
+
+
+def expanded(counts: Indices_of_runs) -> tuple[Indices_of_runs, Indices_of_runs]:
+    """For runs of some lengths, the number of the run and the place in it of each element."""
+    runs = np.repeat(np.arange(len(counts)), counts)
+    return runs, np.arange(len(runs)) - starts_of(counts)[runs]
+
+
+def chunks(counts: Indices_of_runs) -> Iterator[Indices_of_runs]:
+    """Numbers of runs of some lengths, as many at once as memory should hold."""
+    yield from np.split(np.arange(len(counts)), np.flatnonzero(np.diff(np.cumsum(counts) // _CHUNK)) + 1)

@@ -1,0 +1,1 @@
+"""Stops of drafted joints, found by collision."""

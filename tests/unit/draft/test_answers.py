@@ -1,0 +1,111 @@
+"""Drafts corrected by answers of the user."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stepbot.draft.answers import Facts, chosen, confirmed, fixed, known_fixed, known_joint, rerooted
+from stepbot.draft.draft import Alternative, Confidence, Draft, DraftLimits, DraftLink, OriginForm, OriginSnippet
+from stepbot.robot.kinematics import link_poses
+from stepbot.robot.model import JointKind
+from tests.unit.assemble.workshop import Workshop, at
+from tests.unit.draft.test_sidecar_text import DRAFT, HINGE, built
+
+ARMS = ("base", "arm", "hand", "lamp")
+
+
+def chain(elbow: JointKind = JointKind.REVOLUTE) -> Draft:
+    """A base with an arm with a hand, and a lamp on the base."""
+    links = tuple(DraftLink(name, (name,), Confidence(1.0)) for name in ARMS)
+    joints = [
+        replace(
+            HINGE,
+            name=f"to_{child}",
+            type=elbow if child == "arm" else JointKind.REVOLUTE,
+            parent=parent,
+            child=child,
+            axis="x",
+            axis2="y",
+            origin=OriginSnippet(OriginForm.XYZ, xyz=(0.01 * i, 0.0, 0.02)),
+            limits=None if child == "arm" and elbow is JointKind.UNIVERSAL else DraftLimits(-1.0, 1.5, ""),
+        )
+        for i, (parent, child) in enumerate((("base", "arm"), ("arm", "hand"), ("base", "lamp")))
+    ]
+    return Draft("test", "base", links, tuple(joints), without_density=("",))
+
+
+def shop() -> Workshop:
+    """Four boxes in a row."""
+    made = Workshop()
+    for i, name in enumerate(ARMS):
+        made.box(name, X_PC=at(30 * i, 0, 0))
+    return made
+
+
+@pytest.mark.parametrize("elbow", [JointKind.REVOLUTE, JointKind.UNIVERSAL])
+def test_another_root_leaves_the_motion_as_it_was(elbow: JointKind, tmp_path: Path) -> None:
+    """From another root, the same joint positions give the same relative poses of the links."""
+    draft = chain(elbow)
+    before, _ = built(draft, tmp_path, shop())
+    after, _ = built(rerooted(draft, "hand"), tmp_path, shop())
+    assert [link.name for link in after.links] == ["hand", "arm", "base", "lamp"]
+    assert [(j.parent, j.child) for j in after.joints] == [("hand", "arm"), ("arm", "base"), ("base", "lamp")]
+    q = {"to_arm": 0.4, "to_hand": 0.7, "to_lamp": -0.3}
+    turned_q = dict(q)
+    if elbow is JointKind.UNIVERSAL:  # seen from the other side, its second axis comes first
+        others = {"to_hand": 0.7, "to_lamp": -0.3}
+        q, turned_q = {**others, "to_arm_1": 0.4, "to_arm_2": 0.2}, {**others, "to_arm_1": 0.2, "to_arm_2": 0.4}
+    moved = [link_poses(before, q), link_poses(after, turned_q)]
+    drawn = [link_poses(before, {}), link_poses(after, {})]
+    for name in ARMS:
+        motions = []
+        for then, now in zip(drawn, moved, strict=True):  # of bodies in the assembly, independent of the links' frames
+            body, arm = (now[one] @ then[one].inverse() for one in (name, "arm"))
+            motions.append((arm.inverse() @ body).matrix)
+        assert np.allclose(*motions, atol=1e-12), name
+
+
+def test_unknown_root_is_refused() -> None:
+    """A root that is not a link is rejected."""
+    with pytest.raises(KeyError):
+        rerooted(chain(), "nobody")
+
+
+def test_alternative_takes_the_joint_s_place(tmp_path: Path) -> None:
+    """An alternative of another kind keeps the origin; one on another line has its own; neither needs review."""
+    slide = Alternative(JointKind.PRISMATIC, "base", "arm", Confidence(0.6), HINGE.point, HINGE.direction)
+    turn = Alternative(JointKind.CONTINUOUS, "base", "arm", Confidence(0.6), (0.0, 0.0, 0.01), (1.0, 0.0, 0.0))
+    weak = replace(HINGE, confidence=Confidence(0.7), review="?", alternatives=(slide, turn))
+    draft = replace(DRAFT, joints=(weak,))
+    first = chosen(draft, "elbow", slide)
+    assert not first.joints[0].is_reviewed
+    assert first.joints[0].origin == HINGE.origin
+    assert built(first, tmp_path)[0].joints[0].kind is JointKind.PRISMATIC
+    joint = built(chosen(draft, "elbow", turn), tmp_path)[0].joints[0]
+    assert joint.X_PC.turn(joint.axis) == pytest.approx((1.0, 0.0, 0.0))
+
+
+def test_answer_is_a_fact_about_two_parts() -> None:
+    """A confirmed joint, one of its alternatives and a fixed one are facts with their parts, type and axis."""
+    turn = Alternative(JointKind.BALL, "x", "y", Confidence(0.6, ("a ball",)), (0.0, 0.0, 0.01), None)
+    joint = replace(HINGE, alternatives=(turn,))
+    same = known_joint(joint)
+    assert ((same.a, same.b), same.type, same.point, same.direction) == (
+        *(HINGE.parts, HINGE.type, HINGE.point, HINGE.direction),
+    )
+    other = known_joint(joint, turn)
+    assert (other.a, other.b, other.type, other.point) == ("x", "y", JointKind.BALL, (0.0, 0.0, 0.01))
+    assert other.why == "stated by the user; a ball"
+    facts = Facts().with_joint(known_fixed(joint)).with_joint(other)
+    assert (facts.rigid, facts.joints) == ((HINGE.parts,), (other,))
+
+
+def test_joint_can_be_confirmed_or_fixed(tmp_path: Path) -> None:
+    """A confirmed joint loses its mark; a fixed one keeps the inferred joint as a comment."""
+    draft = replace(DRAFT, joints=(replace(HINGE, confidence=Confidence(0.7), review="?"),))
+    assert not confirmed(draft, "elbow").joints[0].is_reviewed
+    still = fixed(draft, "elbow")
+    assert built(still, tmp_path)[0].joints[0].kind is JointKind.FIXED
+    assert still.joints[0].alternatives[0].type is JointKind.REVOLUTE

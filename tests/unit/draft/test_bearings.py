@@ -1,0 +1,38 @@
+"""Joints at named bearings: what is in the bore turns in what is around the ring."""
+
+from stepbot.robot.model import JointKind
+from tests.assembled import Node, group, inferred, joints, links, part
+from tests.solids import box, cylinder
+
+RING = cylinder(11, 7) - cylinder(4, 7)
+SEAT = box(200, 40, 7).at(80, 0, 3.5) - cylinder(11, 7)
+
+
+def nodes(axle_radius: float) -> list[Node]:
+    """An arm with a bearing in its seat, and a base with an axle through the bearing."""
+    axle = cylinder(axle_radius, 60).at(0, 0, -30) + box(80, 80, 10).at(0, 0, -35)
+    return [group("base", part("axle", axle)), group("swing", part("arm", SEAT), part("ball bearing", RING))]
+
+
+def test_axle_turns_in_the_seat() -> None:
+    """The joint is between the axle and the seat, about the bearing's axis; the bearing goes with its seat."""
+    found = inferred(*nodes(4))
+    assert joints(found) == [("revolute", "base/axle", "swing/arm")]
+    assert links(found) == [{"base/axle"}, {"swing/arm", "swing/ball bearing"}]
+    assert found.arcs[0].evidence.by_role
+    assert found.arcs[0].evidence.axis.distance(found.survey.parts[5].com) < 1e-9
+    assert found.arcs[0].evidence.through == 5
+
+
+def test_bearing_without_an_axle_gives_no_joint() -> None:
+    """An axle much thinner than the bore does not turn in it."""
+    assert not [arc for arc in inferred(*nodes(2)).arcs if arc.evidence.by_role]
+
+
+def test_bearing_screwed_on_by_its_bore_turns_what_the_screw_holds() -> None:
+    """A plate on a screw through the bearing's bore turns in the bearing's seat."""
+    screw = part("M8x30 screw", cylinder(4, 30).at(0, 0, -20) + cylinder(6.5, 8).at(0, 0, 10))
+    lever = part("lever", box(120, 20, 10).at(-40, 0, -5) - cylinder(4, 10).at(0, 0, -10))
+    found = inferred(group("swing", part("arm", SEAT), part("ball bearing", RING)), group("link", lever), screw)
+    assert [arc.evidence.type for arc in found.arcs] == [JointKind.REVOLUTE]
+    assert {"swing/arm", "swing/ball bearing"} in links(found)

@@ -1,0 +1,104 @@
+"""Decisions from evidence: the stronger wins, and fasteners bridge nothing."""
+
+import numpy as np
+
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict
+from stepbot.draft.mechanism.decide import decide, nearest
+from stepbot.draft.parts.axis import Axis
+from stepbot.robot.model import JointKind
+from tests.assembled import BARE, Node, assembled, group, inferred, links, part
+from tests.solids import box, cylinder
+
+BLOCK = box(40, 40, 10)
+AXIS = Axis(np.zeros(3), np.array([0.0, 0.0, 1.0]))
+
+
+def survey() -> Survey:
+    """Three blocks on each other."""
+    return Survey(assembled(*(part(f"block {n}", BLOCK, z=10.0 * n) for n in range(3))), ALL_SOURCES)
+
+
+def hinge(score: float, a: int, b: int, priority: Priority = Priority.FOUND) -> JointEvidence:
+    """A joint between two of them."""
+    return JointEvidence(score, a, b, JointKind.REVOLUTE, AXIS, "", priority=priority)
+
+
+def test_stronger_evidence_wins() -> None:
+    """A joint of 0.8 refuses a weld of 0.7 between its sides, and a weld of 0.9 the joint."""
+    for score, groups in ((0.7, [[1], [2, 3]]), (0.9, [[1, 2, 3]])):
+        found = Evidence()
+        found.joint(hinge(0.8, 1, 2))
+        found.weld(score, 1, 2, "")
+        found.weld(0.95, 2, 3, "")
+        made = decide(survey(), [], found)
+        assert list(made.clusters.groups().values()) == groups
+        assert (found.joints[0].verdict == Verdict.TAKEN) == (len(groups) == 2)
+
+
+def test_rank_comes_before_score() -> None:
+    """A stated joint holds against welds of any score."""
+    found = Evidence()
+    found.joint(hinge(0.6, 2, 3, Priority.STATED))
+    found.weld(0.97, 2, 3, "")
+    made = decide(survey(), [], found)
+    assert list(made.clusters.groups().values()) == [[1], [2], [3]]
+    assert (found.joints[0].verdict, found.welds[0].verdict) == (Verdict.TAKEN, Verdict.REFUSED)
+
+
+def test_weak_joints_are_offered() -> None:
+    """A joint below 0.5 is not drafted."""
+    found = Evidence()
+    found.joint(hinge(0.4, 1, 2))
+    decide(survey(), [], found)
+    assert found.joints[0].verdict == Verdict.OFFERED
+
+
+def test_screw_does_not_join_two_parts() -> None:
+    """A screw through two plates that do not touch goes with the tighter one, and does not make them one."""
+    plates = [box(300, 200, 10).at(0, 0, z) - cylinder(r, 10).at(0, 0, z - 5) for z, r in ((0.0, 4.3), (60.0, 4.0))]
+    screw = part("M8x80 screw", cylinder(4, 80).at(0, 0, -10))
+    found = inferred(part("lower", plates[0]), part("upper", plates[1]), screw)
+    assert {"upper", "M8x80 screw"} in links(found)
+    assert {"lower"} in links(found)
+
+
+def test_nearest_part_is_the_one_with_the_nearest_faces() -> None:
+    """A body in the open corner of a bracket, 60 mm from its faces, is nearest to the post 2 mm beside it."""
+    bracket = box(200, 200, 10).at(0, 0, 5) + box(10, 200, 190).at(-95, 0, 105)
+    nodes = [
+        part("bracket", bracket),
+        part("post", box(20, 20, 150), 50, z=85),
+        part("body", box(10, 10, 10), 28, z=85),
+    ]
+    assert nearest(Survey(assembled(*nodes), ALL_SOURCES), [3]) == 2
+
+
+def test_arm_drawn_around_a_horn_moves_with_it() -> None:
+    """An arm that overlaps the horn of a motor, and whose faces touch nothing, is on the output, marked as a guess."""
+    servo = group("servo", part("case", box(40, 20, 40), z=20), part("horn", cylinder(8, 4), z=40))
+    nodes = [part("base", box(200, 200, 10), z=-5), servo, part("arm", box(120, 18, 10), 50, z=47)]
+    found = inferred(*nodes)
+    assert links(found) == [{"base", "servo/case"}, {"servo/horn", "arm"}]
+    assert [str(arc.evidence.type) for arc in found.arcs] == ["revolute"]
+    assert "output of a motor beside it" in found.guesses[5]
+
+
+def motors_of_bodies() -> list[Node]:
+    """Two motors without names, each a block with a plug and an output plate, 1 mm above a base."""
+    block, plug, plate = box(40, 20, 40), box(10, 20, 10), cylinder(8, 4) + box(60, 18, 6).at(20, 0, 7)
+    nodes = [part("base", box(400, 200, 20), z=-11)]
+    for x in (-100.0, 100.0):
+        nodes += [
+            part(f"block {x}", block, x, z=20),
+            part(f"plug {x}", plug, x - 25, z=20),
+            part(f"plate {x}", plate, x, z=40),
+        ]
+    return nodes
+
+
+def test_unnamed_motor_with_its_plug_is_held_by_the_nearest_part() -> None:
+    """A plug on an unnamed motor is no support: the motor is on the base, 1 mm below it."""
+    found = inferred(*motors_of_bodies(), sources=BARE)
+    assert {"base", "block -100.0", "plug -100.0", "block 100.0", "plug 100.0"} in links(found)
+    assert len(links(found)) == 3

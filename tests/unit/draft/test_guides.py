@@ -1,0 +1,70 @@
+"""Slides on two rods, and crosses of universal joints."""
+
+from math import pi
+
+import pytest
+
+from stepbot.robot.model import JointKind
+from tests.assembled import BARE, Node, group, inferred, joints, links, part, turned
+from tests.solids import box, cylinder
+
+ALONG_X, ALONG_Y = (0.0, pi / 2, 0.0), (pi / 2, 0.0, 0.0)
+
+
+def carriage(count: int) -> list[Node]:
+    """A block on parallel rods along x between two posts."""
+    rods = [(y, 30.0) for y in (-30.0, 30.0)[:count]]
+    base, block = box(400, 200, 20).at(0, 0, -10), box(50, 100, 20).at(0, 0, 30)
+    for x in (-100, 100):
+        base = base + box(10, 100, 45).at(x, 0, 22.5)
+    for y, z in rods:
+        base = base - turned(cylinder(4, 10), -105, y, z, ALONG_X) - turned(cylinder(4, 10), 95, y, z, ALONG_X)
+        block = block - turned(cylinder(4.05, 50), -25, y, z, ALONG_X)
+    drawn = [part(f"rod {n}", turned(cylinder(4, 210), -105, y, z, ALONG_X)) for n, (y, z) in enumerate(rods)]
+    return [part("base", base), part("block", block), *drawn]
+
+
+def test_block_on_two_rods_slides() -> None:
+    """A block with bores on two parallel rods slides along them; the rods go with the base."""
+    found = inferred(*carriage(2), sources=BARE)
+    assert joints(found) == [("prismatic", "base", "block")]
+    assert links(found) == [{"base", "rod 0", "rod 1"}, {"block"}]
+    assert abs(found.arcs[0].evidence.axis.d) == pytest.approx((1, 0, 0))
+
+
+def test_block_on_one_rod_does_not_only_slide() -> None:
+    """On one rod a block turns as well: no prismatic joint."""
+    assert "prismatic" not in [kind for kind, *_ in joints(inferred(*carriage(1), sources=BARE))]
+
+
+def test_lever_on_the_pins_of_two_others_does_not_slide() -> None:
+    """A thick lever on two pins, each in a lever of its own, turns on both: no part holds the pins like rods."""
+    lever = box(60, 14, 10)
+    for x in (-20.0, 20.0):
+        lever = lever - turned(cylinder(3.05, 14), x, 7, 0, ALONG_Y)
+    nodes = [part("lever", lever)]
+    for name, x in (("left", -20.0), ("right", 20.0)):
+        nodes.append(part(f"{name} pin", turned(cylinder(3, 24), x, 12, 0, ALONG_Y)))
+        for n, y in enumerate((-9.7, 9.7)):
+            cheek = box(10, 4.4, 60).at(x, y, -25) - turned(cylinder(3, 4.4), x, y + 2.2, 0, ALONG_Y)
+            nodes.append(part(f"{name} cheek {n}", cheek))
+    found = inferred(*nodes, sources=BARE)
+    assert {kind for kind, *_ in joints(found)} == {"revolute"}
+    assert {"left pin", "left cheek 0", "left cheek 1"} in links(found)
+
+
+def test_cross_is_a_universal_joint() -> None:
+    """A small block with two pins at a right angle, each in a fork, is the cross between them."""
+    cross = turned(cylinder(3, 80), -40, 0, 0, ALONG_X) + turned(cylinder(3, 80), 0, 40, 0, ALONG_Y)
+    lower, upper = box(90, 40, 20).at(0, 0, -90), box(40, 90, 20).at(0, 0, 90)
+    for sign in (-1, 1):
+        lower = lower + box(10, 40, 100).at(sign * 35, 0, -30)
+        upper = upper + box(40, 10, 100).at(0, sign * 35, 30)
+    lower = lower - turned(cylinder(3.02, 10), -40, 0, 0, ALONG_X) - turned(cylinder(3.02, 10), 30, 0, 0, ALONG_X)
+    upper = upper - turned(cylinder(3.02, 10), 0, 40, 0, ALONG_Y) - turned(cylinder(3.02, 10), 0, -30, 0, ALONG_Y)
+    found = inferred(group("in", part("fork", lower)), group("out", part("fork", upper)), part("cross", cross))
+    (arc,) = found.arcs
+    assert arc.evidence.type == JointKind.UNIVERSAL
+    assert arc.evidence.axis.point == pytest.approx((0, 0, 0), abs=1e-9)
+    assert arc.evidence.axis2 is not None
+    assert abs(arc.evidence.axis.d @ arc.evidence.axis2.d) < 1e-9

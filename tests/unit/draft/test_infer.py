@@ -1,0 +1,137 @@
+"""Drafts from the STEP alone, of robots whose joints are known."""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.scoring import score
+from benchmarks.truth import read_truth
+from stepbot.diagnostics import Diagnostics
+from stepbot.draft.contacts.survey import Sources
+from stepbot.draft.draft import Draft, OriginForm
+from stepbot.draft.draft_robot import infer
+from stepbot.draft.inference import infer_mechanism
+from stepbot.robot.model import JointKind
+from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
+from stepbot.step.reader import read_assembly
+
+LIBRARY = Path(__file__).parents[3] / "robot_library"
+
+
+@cache
+def assembly(folder: str) -> Assembly:
+    """A robot of the library with its faces."""
+    (step,) = (LIBRARY / folder).glob("*.step")
+    found = Diagnostics()
+    options = ReadOptions(faces=True, tolerance=MeshTolerance(relative=0.05, angle=0.8))
+    read = read_assembly(step, options, found)
+    assert read is not None, list(found)
+    return read
+
+
+@pytest.fixture(scope="session")
+def drafted() -> Callable[[str], Draft]:
+    """Drafts a robot of the library."""
+    return cache(lambda folder: infer(assembly(folder), folder))
+
+
+def test_four_bar_is_a_loop_of_four_hinges(drafted: Callable[[str], Draft]) -> None:
+    """Three hinges make the tree and one closes the loop; all four axes are parallel."""
+    draft = drafted("stepbot_four_bar")
+    kinds = [j.type for j in (*draft.joints, *draft.closures)]
+    assert (len(draft.links), len(draft.joints), len(draft.closures)) == (4, 3, 1)
+    assert set(kinds) == {JointKind.REVOLUTE}
+    directions = np.array([j.direction for j in (*draft.joints, *draft.closures)])
+    assert np.linalg.norm(np.cross(directions, directions[0]), axis=1).max() < 1e-9
+
+
+def test_slider_crank_has_one_slide(drafted: Callable[[str], Draft]) -> None:
+    """The loop leaves the piston a slide and no rotation."""
+    draft = drafted("stepbot_slider_crank")
+    assert sorted(j.type for j in (*draft.joints, *draft.closures)) == ["prismatic", "revolute", "revolute", "revolute"]
+
+
+def test_every_part_is_claimed_by_one_link(drafted: Callable[[str], Draft]) -> None:
+    """All components with a body are in exactly one link, and one link takes the rest."""
+    for folder in ("stepbot_four_bar", "stepbot_quadruped"):
+        draft = drafted(folder)
+        bodies = [c.index for c in assembly(folder).components if c.body >= 0]
+        assert sorted(i for link in draft.links for i in link.components) == bodies
+        assert [link.name for link in draft.links if link.rest] == [draft.root]
+
+
+def test_joints_are_mates_where_the_drawing_has_them(drafted: Callable[[str], Draft]) -> None:
+    """A pin in its bore is drafted as the mate of both parts, with the axis of the frame."""
+    for joint in drafted("stepbot_four_bar").joints:
+        assert joint.origin.form == OriginForm.MATE
+        assert joint.axis == "z"
+
+
+def test_evidence_stands_with_every_joint(drafted: Callable[[str], Draft]) -> None:
+    """Each joint has evidence, and each uncertain one a mark."""
+    for joint in drafted("stepbot_quadruped").joints:
+        assert joint.confidence.evidence
+        assert joint.is_reviewed or joint.confidence.score >= 0.8
+
+
+@pytest.mark.parametrize("sources", [Sources(), Sources(names=False), Sources(names=False, tree=False)])
+def test_same_assembly_same_draft(sources: Sources) -> None:
+    """Two drafts of an assembly agree in every number and text."""
+    folder = "stepbot_slider_crank"
+    assert infer(assembly(folder), "robot", sources) == infer(assembly(folder), "robot", sources)
+
+
+def test_rods_between_balls_do_not_spin() -> None:
+    """Each rod of a delta robot has a universal joint at the arm and a ball at the platform, in either order."""
+    draft = infer(assembly("stepbot_delta"), "delta")
+    kinds = [j.type for j in (*draft.joints, *draft.closures)]
+    counts = {kind: kinds.count(kind) for kind in set(kinds)}
+    assert counts == {JointKind.REVOLUTE: 3, JointKind.UNIVERSAL: 6, JointKind.BALL: 6}
+    assert all(j.is_reviewed for j in (*draft.joints, *draft.closures) if j.type == JointKind.UNIVERSAL)
+
+
+def test_struts_slide_without_names() -> None:
+    """The six legs of a Stewart platform are slides: a shaft in a bore between two swivels."""
+    draft = infer(assembly("stepbot_stewart"), "stewart", Sources(names=False))
+    kinds = [j.type for j in (*draft.joints, *draft.closures)]
+    assert kinds.count(JointKind.PRISMATIC) == 6
+
+
+def test_motors_by_their_use() -> None:
+    """Without names and tree, equal motors mounted off their axes give all 18 joints."""
+    draft = infer(assembly("stepbot_hexapod"), "hexapod", Sources(names=False, tree=False))
+    assert [j.type for j in draft.joints] == [JointKind.REVOLUTE] * 18
+    assert all(j.is_reviewed for j in draft.joints)
+
+
+@pytest.mark.parametrize(
+    ("folder", "found", "volume"),
+    [
+        ("stepbot_scara", 2, 0.98),
+        pytest.param("universal_robots_ur5e", 5, 0.97, marks=pytest.mark.long),
+        pytest.param("stepbot_upper_body", 19, 0.97, marks=pytest.mark.long),
+        pytest.param("robotiq_2f85", 6, 0.94, marks=pytest.mark.long),
+    ],
+)
+def test_stands_and_linkages_without_names_and_tree(folder: str, found: int, volume: float) -> None:
+    """Joints with the reference's axes, types and sides, and the share of the volume in the right links."""
+    (sidecar,) = (LIBRARY / folder).glob("*.robot.yaml")
+    drawn = assembly(folder)
+    result = score(infer_mechanism(drawn, Sources(names=False, tree=False)), read_truth(sidecar, drawn))
+    assert result.found >= found
+    assert result.volume > volume
+    assert result.unmarked == 0
+
+
+def test_fingers_slide_towards_each_other() -> None:
+    """Two equal fingers of each hand slide in opposite directions, by their names and marked for review."""
+    draft = infer(assembly("abb_yumi"), "yumi")
+    slides = [j for j in draft.joints if j.type == JointKind.PRISMATIC]
+    assert len(slides) == 4
+    assert all(j.is_reviewed for j in slides)
+    for parent in {j.parent for j in slides}:
+        one, two = (np.array(j.direction) for j in slides if j.parent == parent)
+        assert one @ two == pytest.approx(-1.0, abs=1e-6)

@@ -1,0 +1,46 @@
+"""Parts without a connection: placeholders, wheels and fingers by name, small parts."""
+
+from stepbot.draft.draft_robot import infer
+from stepbot.robot.model import JointKind
+from tests.assembled import assembled, group, inferred, joints, links, part
+from tests.solids import box, cylinder
+
+CHASSIS = box(400, 200, 80)
+
+
+def test_large_unconnected_part_gets_a_placeholder() -> None:
+    """A second body of similar size, far away, is a link with a fixed joint that is to be reviewed."""
+    found = inferred(part("one", CHASSIS), part("two", box(300, 200, 80), z=500))
+    (arc,) = found.arcs
+    assert (arc.evidence.type, arc.evidence.score) == (JointKind.FIXED, 0.0)
+    assert arc.evidence.review == "type, axis and parent are unknown"
+
+
+def test_small_unconnected_part_goes_to_its_neighbour() -> None:
+    """A small body goes to the nearest larger one, as a guess."""
+    found = inferred(part("one", CHASSIS), part("two", CHASSIS, z=500), part("tiny", box(5, 5, 5), z=450))
+    assert {"two", "tiny"} in links(found)
+    assert 3 in found.guesses
+
+
+def test_wheel_by_name_turns_about_its_own_axis() -> None:
+    """A single part named a wheel turns, although nothing holds it."""
+    found = inferred(part("chassis", CHASSIS), part("wheel", cylinder(50, 30), z=60))
+    assert joints(found) == [("revolute", "chassis", "wheel")]
+    assert found.arcs[0].evidence.review == "guessed from its name; no contact shows this joint"
+
+
+def test_two_fingers_by_name_slide_towards_each_other() -> None:
+    """Two equal fingers in front of a palm slide; their pads do not."""
+    finger = box(20, 15, 60)
+    sides = [group(f"finger {x}", part("blade", finger, x=x, z=82)) for x in (-25.0, 25.0)]
+    found = inferred(group("palm", part("block", box(100, 100, 100))), *sides)
+    assert [kind for kind, *_ in joints(found)] == ["prismatic", "prismatic"]
+
+
+def test_guessed_parts_are_named() -> None:
+    """The draft lists the parts that a link has by a guess, at most three for each reason."""
+    tiny = [part(f"tiny {n}", box(5, 5, 5), x=20 * n, z=450) for n in range(5)]
+    draft = infer(assembled(part("one", CHASSIS), part("two", CHASSIS, z=500), *tiny), "robot")
+    evidence = [fact for link in draft.links for fact in link.confidence.evidence]
+    assert evidence == ["not connected: assigned to the nearest part: 'tiny 0', 'tiny 1', 'tiny 2' and 2 more"]

@@ -1,0 +1,101 @@
+"""Motors by name and by use: which parts are motors, what belongs to them, which axis is their output."""
+
+from itertools import product
+
+import numpy as np
+
+from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
+from stepbot.draft.evidence.motors import Motor, find_motors
+from stepbot.draft.link_claims import LinkClaims
+from tests.assembled import BARE, Node, assembled, group, inferred, joints, part
+from tests.solids import Solid, box, cylinder
+
+NAMELESS = Sources(names=False)
+CORNERS = list(product((-16, 16), (-7, 7)))
+
+
+def case() -> Solid:
+    """A block with a bore for a screw in each corner of its top, which is at z = 0 [mm]."""
+    block = box(40, 20, 30).at(0, 0, -15)
+    for x, y in CORNERS:
+        block -= cylinder(1.5, 8).at(x, y, -8)
+    return block
+
+
+CASE, HORN, SCREW = case(), cylinder(8, 3), cylinder(1.5, 8)
+ARM, PLATE = box(100, 12, 4), box(40, 60, 5)
+
+
+def servo(name: str, x: float, y: float, *, horn: bool = True) -> Node:
+    """A servo of a case, a horn at (10, 0) and four plain screws, its top at z = 0."""
+    screws = [part(f"s{n}", SCREW, x + u, y + v, -8) for n, (u, v) in enumerate(CORNERS)]
+    horns = [part("disc", HORN, x + 10, y, 0)] if horn else []
+    return group(name, part("block", CASE, x, y), *horns, *screws)
+
+
+def two_servos(*, horn: bool = True, names: tuple[str, str] = ("a", "b")) -> list[Node]:
+    """A plate below each of two servos, on one base, and an arm on each horn."""
+    nodes = [part("base", box(400, 80, 10), z=-40)]
+    for side, name, x in zip("ab", names, (-100.0, 100.0), strict=True):
+        nodes += [part(f"plate {side}", PLATE, x, 0, -32.5), servo(name, x, 0, horn=horn)]
+        if horn:
+            nodes.append(part(f"arm {side}", ARM, x + 50, 0, 5))
+    return nodes
+
+
+def motors(nodes: list[Node], sources: Sources = ALL_SOURCES) -> list[Motor]:
+    """The motors of an assembly."""
+    return find_motors(Survey(assembled(*nodes), sources))
+
+
+def test_equal_blocks_that_turn_something_are_motors() -> None:
+    """Two equal cases, each held below and with a disc on one axis, are motors, without any name."""
+    assert [motor.is_named for motor in motors(two_servos(), BARE)] == [False, False]
+
+
+def test_screws_in_a_pattern_are_no_outputs() -> None:
+    """Equal cases on which nothing but four equal screws turns are covers, not motors."""
+    assert motors(two_servos(horn=False), BARE) == []
+
+
+def test_motor_by_use_is_its_subassembly() -> None:
+    """With the tree, the case's subassembly is the motor: case, horn and screws."""
+    found = motors(two_servos(), NAMELESS)
+    assert [len(motor.parts) for motor in found] == [6, 6]
+
+
+def test_output_of_a_motor_by_use_is_the_widest() -> None:
+    """The joint is about the disc, not about a screw, and is to be reviewed; both sides are right."""
+    for sources in (BARE, NAMELESS):
+        found = inferred(*two_servos(), sources=sources)
+        assert joints(found) == [("revolute", "arm a", "base"), ("revolute", "arm b", "base")]
+        for arc, x in zip(found.arcs, (-90.0, 110.0), strict=True):
+            assert arc.evidence.axis.distance(np.array([x * 1e-3, 0.0, 0.0])) < 1e-9
+            assert arc.evidence.review == "not named as a motor"
+
+
+def test_named_motors_need_no_use() -> None:
+    """One servo by name is a motor although nothing equals it; a motor's mount is not one."""
+    nodes = two_servos(names=("SG90 servo", "b"))
+    assert [motor.path for motor in motors(nodes)] == ["SG90 servo"]
+    assert motors([part("motor mount", PLATE), part("bracket", ARM, z=4.5)]) == []
+
+
+def test_blocks_in_which_shafts_run_with_play_are_bearing_blocks() -> None:
+    """Two equal blocks on a base, each with the shaft of an arm in its bore, are no motors; without play they are."""
+    for radius, count in ((7.95, 0), (8.0, 2)):
+        block = box(40, 20, 40) - cylinder(8, 40).at(0, 0, -20)
+        crank = cylinder(radius, 45) + box(100, 16, 8).at(0, 0, 49)
+        nodes = [part("base", box(400, 80, 10), z=-25)]
+        for x in (-100.0, 100.0):
+            nodes += [part(f"block {x}", block, x), part(f"arm {x}", crank, x, z=-22.0)]
+        assert len(motors(nodes, BARE)) == count
+
+
+def test_a_link_is_named_after_what_its_motor_sits_in() -> None:
+    """A link of a bracket and a larger servo is called as the bracket; a servo alone gives its own name."""
+    whole = assembled(part("SG90 servo", CASE), part("bracket", box(10, 10, 5), 100))
+    found = Survey(whole, ALL_SOURCES).parts
+    claims = LinkClaims(whole, [list(found)], 0)
+    assert claims.name(list(found.values())) == "bracket"
+    assert claims.name([one for one in found.values() if one.name == "SG90 servo"]) == "SG90 servo"

@@ -1,0 +1,39 @@
+"""Roles suggested by component names."""
+
+import pytest
+
+from stepbot.draft.parts.names import Role, roles
+
+
+@pytest.mark.parametrize(
+    ("name", "role"),
+    [
+        ("DIN 912 M3x12", Role.FASTENER),
+        ("ISO_4762-M4", Role.FASTENER),
+        ("GB/T 70.1 M3", Role.FASTENER),
+        ("91290A115", Role.FASTENER),
+        ("M3x8 hex", Role.FASTENER),
+        ("Zylinderschraube", None),
+        ("Schraube M3", Role.FASTENER),
+        ("винт", Role.FASTENER),
+        ("内六角螺钉M3", Role.FASTENER),
+        ("mr126zz:3", Role.BEARING),
+        ("Kugellager_6001", Role.BEARING),
+        ("軸受け", Role.BEARING),
+        ("DIN 625", Role.BEARING),
+        ("STS3215_03a:1", Role.MOTOR),
+        ("XL-430_new:1", Role.MOTOR),
+        ("舵机", Role.MOTOR),
+        ("Motor_holder_SO101_Wrist:1", None),
+        ("Motorhalter", None),
+        ("DC15_A01_HORN_DUMMY", Role.HORN),
+        ("DC15_A01_CASE_M_DUMMY", Role.MOTOR),
+        ("left wheel", Role.WHEEL),
+        ("wheelbase", None),
+        ("Spindle", None),
+        ("base_link", Role.BASE),
+    ],
+)
+def test_first_role_of_a_name(name: str, role: Role | None) -> None:
+    """A standard, a catalogue number or a whole word gives the role; part of a word or a motor's bracket does not."""
+    assert next(iter(roles(name)), None) == role

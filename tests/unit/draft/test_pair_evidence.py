@@ -1,0 +1,102 @@
+"""Evidence of two parts in contact: joint or weld, and how strong."""
+
+import pytest
+
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
+from stepbot.draft.evidence.evidence import Evidence
+from stepbot.draft.evidence.pairs import PairEvidence, several_axes
+from stepbot.draft.evidence.subassemblies import Structure
+from tests.assembled import Node, assembled, group, part
+from tests.solids import Solid, box, cylinder
+
+
+def evidence(*nodes: Node) -> Evidence:
+    """The evidence of all pairs."""
+    survey, found = Survey(assembled(*nodes), ALL_SOURCES), Evidence()
+    structure = Structure(survey, set())
+    PairEvidence(survey, structure, found).collect([])
+    several_axes(structure, found)
+    return found
+
+
+def strongest(found: Evidence) -> str:
+    """Type or ``weld`` of the strongest evidence."""
+    best = found.ranked()[0]
+    return str(getattr(best, "type", "weld"))
+
+
+def plate(*holes: tuple[float, float]) -> Solid:
+    """A plate of 10 mm with holes of r 3 mm, its upper side at z = 0."""
+    solid = box(80, 60, 10).at(0, 0, -5)
+    for x, y in holes:
+        solid -= cylinder(3, 10).at(x, y, -10)
+    return solid
+
+
+def upside(solid: Solid) -> Solid:
+    """The same plate above z = 0."""
+    return solid.at(0, 0, 10)
+
+
+PIN = plate() + cylinder(10, 30)
+BORED = box(80, 60, 25).at(0, 0, 12.5) - cylinder(10.02, 25)
+
+
+def test_pin_between_subassemblies_is_a_joint_and_within_one_a_weld() -> None:
+    """A pin in a bore turns between two subassemblies; in one of them it is only offered."""
+    apart = evidence(group("a", part("pin", PIN)), group("b", part("arm", BORED)))
+    assert strongest(apart) == "revolute"
+    assert apart.ranked()[0].score >= 0.8
+    together = evidence(group("a", part("pin", PIN), part("arm", BORED)), part("other", box(5, 5, 5), 500))
+    assert max(h.score for h in together.joints) < 0.5
+
+
+def test_holes_make_plates_one() -> None:
+    """Two holes in line are a weld of 0.92; one is weaker, whether a screw is in it or not."""
+    two = [(-20, 0), (20, 0)]
+    found = evidence(part("lower", plate(*two)), part("upper", upside(plate(*two))))
+    assert (strongest(found), found.ranked()[0].score) == ("weld", 0.92)
+    one = evidence(part("lower", plate(two[0])), part("upper", upside(plate(two[0]))))
+    assert one.ranked()[0].score < 0.6
+
+
+def test_spigot_does_not_guide() -> None:
+    """A pin that is in its bore by less than half of its radius centres the part and does not guide it."""
+    short = plate() + cylinder(10, 3)
+    found = evidence(group("a", part("spigot", short)), group("b", part("cover", BORED)))
+    long = evidence(group("a", part("pin", PIN)), group("b", part("arm", BORED)))
+    assert found.joints[0].score == pytest.approx(long.joints[0].score - 0.25, abs=0.04)
+
+
+def test_two_axes_between_subassemblies_are_no_joint() -> None:
+    """Two parallel pins, each in a bore of the other subassembly, turn about neither."""
+    pins = [part(f"pin {x}", cylinder(5, 30), x=x) for x in (-25.0, 25.0)]
+    arms = [
+        part(f"eye {x}", box(20, 20, 20).at(0, 0, 20) - cylinder(5.02, 20).at(0, 0, 10), x=x) for x in (-25.0, 25.0)
+    ]
+    found = evidence(group("a", part("plate", plate()), *pins), group("b", *arms, part("bar", box(80, 20, 8), z=34)))
+    across = [h for h in found.joints if {h.a, h.b} & {7, 8} and {h.a, h.b} & {3, 4}]
+    assert across
+    assert all(h.score <= 0.45 for h in across)
+
+
+def test_pin_in_an_arm_that_lies_on_a_plate_is_marked() -> None:
+    """An arm on a pin that also lies on the pin's plate, off-centre, may turn; the score asks for a review."""
+    arm = box(120, 40, 25).at(40, 0, 12.5) - cylinder(10.02, 25)
+    found = evidence(group("a", part("pin", PIN)), group("b", part("arm", arm)))
+    assert strongest(found) == "revolute"
+    assert 0.5 < found.ranked()[0].score < 0.8
+
+
+def test_shaft_as_thick_as_its_bore_is_fixed_where_others_have_play() -> None:
+    """A shaft without play turns in its bore if no pin of the assembly has any, else it is pressed in."""
+    tight = [
+        part("shaft", cylinder(10, 60)),
+        part("lever", box(80, 60, 25).at(0, 0, 30) - cylinder(10, 25).at(0, 0, 17.5)),
+    ]
+    loose = [part("pin", PIN, x=500), part("arm", BORED, x=500)]
+    assert strongest(evidence(*tight)) == "revolute"
+    found = evidence(*tight, *loose)
+    best = {frozenset((e.a, e.b)): e for e in reversed(found.ranked())}
+    assert best[frozenset((1, 2))] in found.welds
+    assert best[frozenset((3, 4))] in found.joints

@@ -1,0 +1,56 @@
+"""Fasteners by their shape."""
+
+import pytest
+
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.parts.names import Role
+from tests.assembled import BARE, assembled, part
+from tests.solids import Solid, box, cylinder, joined
+
+
+def prism(across: float, height: float) -> Solid:
+    """A hexagonal prism along +z, by the distance of its flats."""
+    from math import cos, pi, sin
+
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
+    from OCP.gp import gp_Pnt, gp_Vec
+
+    corner = across / 3**0.5
+    polygon = BRepBuilderAPI_MakePolygon()
+    for k in range(6):
+        polygon.Add(gp_Pnt(corner * cos(k * pi / 3), corner * sin(k * pi / 3), 0.0))
+    polygon.Close()
+    face = BRepBuilderAPI_MakeFace(polygon.Wire()).Face()
+    return Solid(BRepPrimAPI_MakePrism(face, gp_Vec(0, 0, height)).Shape(), box(1, 1, 1).moments)
+
+
+def role(solid: Solid) -> Role | None:
+    """The role of a part with a shape, without a name."""
+    return Survey(assembled(part("x", solid)), BARE).parts[1].role
+
+
+def test_socket_head_screw() -> None:
+    """A shank and a wider head with a hexagonal recess are a screw."""
+    head = cylinder(5, 5).at(0, 0, 20)
+    assert role(cylinder(3, 20) + (head - prism(5, 3).at(0, 0, 22))) == Role.FASTENER
+
+
+def test_nut() -> None:
+    """A hexagon with a bore is a nut."""
+    assert role(prism(10, 5) - cylinder(3, 5)) == Role.FASTENER
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [
+        cylinder(3, 20),
+        joined(cylinder(3, 20), cylinder(5, 5).at(0, 0, 20)),
+        joined(cylinder(30, 200), cylinder(50, 50).at(0, 0, 200)),
+        box(20, 10, 5) - cylinder(2, 5).at(0, 0, -2.5),
+    ],
+    ids=["plain shaft", "stepped shaft", "large", "plate"],
+)
+def test_parts_that_are_no_fasteners(solid: Solid) -> None:
+    """A plain or stepped shaft, a large spindle and a plate with a hole are not fasteners."""
+    assert role(solid) is None

@@ -1,0 +1,93 @@
+"""Joints across a gap: what faces of revolution, cradles and centred faces show, and what they do not."""
+
+from math import pi
+
+import pytest
+
+from stepbot.robot.model import JointKind
+from tests.assembled import Node, cut, group, inferred, joints, links, part, turned
+from tests.solids import Solid, box, cylinder
+
+QUARTER = pi / 2
+
+
+def across_a_gap(gap: float) -> tuple[Node, Node]:
+    """A drum on a column, each a subassembly, on one axis with a gap [mm] between their ends."""
+    column = part("column", cylinder(20, 100))
+    bracket = part("bracket", box(60, 60, 10), z=-5)
+    drum = part("drum", cylinder(25, 40), z=100 + gap)
+    arm = part("arm", box(20, 200, 10), y=90, z=145 + gap)
+    return group("stand", bracket, column), group("turret", drum, arm)
+
+
+def test_ends_on_one_axis_turn_across_a_gap() -> None:
+    """A drum that stands 2 mm above a column turns on it, about their common axis, marked for review."""
+    found = inferred(*across_a_gap(2.0))
+    (arc,) = found.arcs
+    assert joints(found) == [("revolute", "stand/column", "turret/drum")]
+    assert abs(arc.evidence.axis.distance(found.survey.parts[2].com)) < 1e-9
+    assert arc.evidence.review
+
+
+def test_ends_far_apart_show_no_joint() -> None:
+    """At a gap of 40 mm, wider than the drum is, nothing shows that it turns: the joint is a placeholder."""
+    found = inferred(*across_a_gap(80.0))
+    assert joints(found) == []
+
+
+def test_round_end_turns_on_the_middle_of_a_rectangle() -> None:
+    """A disc 1 mm below a rectangular plate, centred on it, turns about its own axis."""
+    plate = part("plate", box(90, 80, 10), z=6)
+    disc = part("disc", cylinder(30, 15), z=-15)
+    found = inferred(group("fork", plate), group("arm", disc, part("shell", box(40, 40, 200), z=-115)))
+    (arc,) = found.arcs
+    assert arc.evidence.type == JointKind.REVOLUTE
+    assert arc.evidence.axis.distance(found.survey.parts[2].com) < 1e-9
+
+
+@pytest.mark.parametrize("offset", [0.1, 3.0])
+def test_round_end_off_the_middle_shows_nothing(offset: float) -> None:
+    """The same disc off the centre of the plate, if only by 0.1 mm, could be anywhere: no joint."""
+    plate = part("plate", box(90, 80, 10), x=offset, z=6)
+    disc = part("disc", cylinder(30, 15), z=-15)
+    found = inferred(group("fork", plate), group("arm", disc, part("shell", box(40, 40, 200), z=-115)))
+    assert joints(found) == []
+
+
+def nodding(cradle_radius: float) -> tuple[Node, Node]:
+    """A head with an open cradle of a radius [mm] above a drive of 30 mm across the neck."""
+    drive = part("drive", turned(cylinder(30, 84), y=42, rpy=(QUARTER, 0, 0)))
+    # What is below the middle of the cradle is open, and a little more: it covers 2.35 rad.
+    hollow = turned(cylinder(cradle_radius, 200), y=100, rpy=(QUARTER, 0, 0))
+    below = box(2 * cradle_radius + 8, 300, 200).at(0, 0, -100 + 0.385 * cradle_radius)
+    head = cut(Solid(box(160, 150, 180).shape, box(1, 1, 1).moments).at(0, 0, 60), hollow, below)
+    return group("neck", part("column", cylinder(20, 200), z=-230), drive), group("head", part("skull", head))
+
+
+def test_cradle_turns_about_the_shaft_inside_it() -> None:
+    """A bore that covers 2.35 rad, 3 mm around a shaft, has the shaft's axis."""
+    found = inferred(*nodding(33.0))
+    (arc,) = found.arcs
+    assert arc.evidence.type == JointKind.REVOLUTE
+    assert abs(arc.evidence.axis.d[1]) == pytest.approx(1.0)
+
+
+def test_cradle_much_wider_than_the_shaft_shows_nothing() -> None:
+    """A recess 20 mm around a shaft is no bearing of it."""
+    assert joints(inferred(*nodding(50.0))) == []
+
+
+def test_small_subassembly_is_a_link_of_its_own() -> None:
+    """A wrist with a thousandth of the robot's volume, a gap before and behind it, is a link, not a part of another."""
+    base = group("base", part("block", box(400, 400, 400), z=-200))
+    forearm = group("forearm", part("tube", cylinder(15, 150), z=2))
+    ring, drive = (
+        part("ring", cylinder(14, 20), z=153),
+        part("drive", turned(cylinder(12, 40), y=20, rpy=(QUARTER, 0, 0)), z=185),
+    )
+    wrist = group("wrist", ring, drive)
+    hand = group("hand", part("palm", turned(cylinder(12, 60), rpy=(QUARTER, 0, 0)), y=-21, z=185))
+    found = inferred(base, forearm, wrist, hand)
+    assert links(found) == [{"base/block"}, {"forearm/tube"}, {"wrist/ring", "wrist/drive"}, {"hand/palm"}]
+    assert ("revolute", "forearm/tube", "wrist/drive") in joints(found)
+    assert ("revolute", "hand/palm", "wrist/drive") in joints(found)

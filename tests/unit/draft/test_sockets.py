@@ -1,0 +1,38 @@
+"""Balls in sockets."""
+
+import pytest
+
+from stepbot.draft.contacts.contacts import Socket
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
+from stepbot.robot.model import JointKind
+from tests.assembled import assembled, group, inferred, part
+from tests.solids import Solid, box, cylinder, sphere
+
+
+def socket(radius: float) -> Solid:
+    """A block with a spherical hollow around the origin, open below."""
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut
+
+    block = box(60, 60, 40).at(0, 0, 15)
+    return Solid(BRepAlgoAPI_Cut(block.shape, sphere(radius).shape).Shape(), block.moments)
+
+
+def found(radius: float, x: float = 0.0) -> list[Socket]:
+    """What a ball of r 10 mm and a socket of another radius have in common."""
+    nodes = part("socket", socket(radius)), part("ball", sphere(10), x=x)
+    return Survey(assembled(*nodes), ALL_SOURCES).contacts.sockets.get((1, 2), [])
+
+
+@pytest.mark.parametrize(("radius", "x", "count"), [(10.0, 0, 1), (10.5, 0, 1), (12.0, 0, 0), (10.0, 0.1, 0)])
+def test_ball_in_a_socket(radius: float, x: float, count: int) -> None:
+    """A ball is in a socket of nearly its radius about one centre."""
+    assert len(found(radius, x)) == count
+
+
+def test_joint_is_a_ball_about_the_centre() -> None:
+    """A stud with a ball in the socket of another subassembly is a ball joint at its centre."""
+    stud = group("stud", part("ball", sphere(10)), part("post", cylinder(4, 60), z=-69.9))
+    inference = inferred(group("base", part("block", socket(10.02))), stud)
+    (arc,) = inference.arcs
+    assert arc.evidence.type == JointKind.BALL
+    assert arc.evidence.axis.point == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)

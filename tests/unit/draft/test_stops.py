@@ -1,0 +1,107 @@
+"""Stops of joints by collision of lugs, against closed forms, and contacts that are no stop."""
+
+from math import asin, pi
+
+import numpy as np
+import pytest
+import trimesh
+
+from stepbot.draft.stops import stops
+from stepbot.draft.stops.stops import Question, Shape, Stops, find_stops
+from stepbot.draft.stops.sweeps import Triangles, across, reach, slide, turn
+
+WIDTH, RADIUS = 0.004, 0.03
+
+
+def box(part: int, center: tuple[float, float, float], size: tuple[float, float, float]) -> Shape:
+    """A box along the axes of the assembly."""
+    mesh = trimesh.creation.box(extents=size)
+    return Shape(part, np.asarray(mesh.vertices) + center, np.asarray(mesh.faces, dtype=np.int32))
+
+
+def tube(part: int, inner: float, outer: float) -> Shape:
+    """A tube about z."""
+    mesh = trimesh.creation.annulus(r_min=inner, r_max=outer, height=0.02, sections=24)
+    return Shape(part, np.asarray(mesh.vertices), np.asarray(mesh.faces, dtype=np.int32))
+
+
+def turning(still: tuple[Shape, ...], moving: tuple[Shape, ...]) -> Question:
+    """A joint about z."""
+    return Question(False, np.zeros(3), np.array([0.0, 0.0, 1.0]), still, moving)
+
+
+def test_lugs_stop_a_turn_where_they_meet() -> None:
+    """Two lugs, a quarter turn apart, stop where the inner corner of one meets the side of the other."""
+    lug = (0.02, WIDTH, 0.01)
+    moving = box(1, (RADIUS, 0.0, 0.0), lug)
+    still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
+    (answer,) = find_stops((turning((still,), (moving,)),))
+    lower, upper = answer.found
+    # Sides at half a width from the radial line meet where both are at the inner radius, 20 mm.
+    half = asin(0.5 * WIDTH / np.hypot(0.02, 0.5 * WIDTH))
+    assert upper.position == pytest.approx(0.5 * pi - 2.0 * half, abs=1e-3)
+    assert lower.position == pytest.approx(-1.5 * pi + 2.0 * half, abs=1e-3)
+    assert (upper.still, upper.moving) == (0, 1)
+
+
+def test_shaft_in_its_bore_stops_nothing() -> None:
+    """Round faces about the axis do not collide with themselves, for any mesh; nor do flush ends."""
+    assert find_stops((turning((tube(0, 0.01, 0.02),), (tube(1, 0.005, 0.01),)),)) == (Stops(()),)
+
+
+def test_slide_stops_at_both_ends() -> None:
+    """A block between two cheeks, 10 mm and 30 mm away, stops there, to 1e-3 of its travel."""
+    cheeks = (box(0, (-0.02, 0.0, 0.0), (0.01, 0.02, 0.02)), box(1, (0.04, 0.0, 0.0), (0.01, 0.02, 0.02)))
+    block = box(2, (0.0, 0.0, 0.0), (0.01, 0.01, 0.01))
+    floor = box(3, (0.0, 0.0, -0.01), (0.2, 0.02, 0.01))
+    question = Question(True, np.zeros(3), np.array([1.0, 0.0, 0.0]), (*cheeks, floor), (block,))
+    (answer,) = find_stops((question,))
+    lower, upper = answer.found
+    assert (lower.position, lower.still) == (pytest.approx(-0.01, abs=1e-4), 0)
+    assert (upper.position, upper.still) == (pytest.approx(0.03, abs=1e-4), 1)
+
+
+def test_parts_that_meet_as_drawn_are_no_stop() -> None:
+    """Lugs that overlap as drawn give no stop."""
+    still, moving = box(0, (RADIUS, 0.0, 0.0), (0.02, 0.01, 0.01)), box(1, (RADIUS, 0.002, 0.001), (0.02, 0.01, 0.01))
+    assert not any(abs(stop.position) < 0.5 for stop in find_stops((turning((still,), (moving,)),))[0].found)
+
+
+def test_same_stops_every_time() -> None:
+    """The result is deterministic to the last bit."""
+    moving = box(1, (RADIUS, 0.0, 0.0), (0.02, WIDTH, 0.01))
+    still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
+    question = turning((still,), (moving,))
+    assert find_stops((question,)) == find_stops((question,))
+
+
+def test_pairs_beyond_the_bound_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Pairs of parts beyond the limit are counted as not compared."""
+    monkeypatch.setattr(stops, "_MOST", 100)
+    moving = box(1, (RADIUS, 0.0, 0.0), (0.02, WIDTH, 0.01))
+    still = box(0, (0.0, RADIUS, 0.0), (WIDTH, 0.02, 0.01))
+    assert find_stops((turning((still,), (moving,)),)) == (Stops((), skipped=1),)
+
+
+def test_the_nearest_of_several_stops_is_found_in_any_order() -> None:
+    """Of four lugs around a turning one, the nearest stops it in either direction, whatever comes first."""
+    lugs = [
+        box(part, (RADIUS * np.cos(angle), RADIUS * np.sin(angle), 0.0), (WIDTH, WIDTH, 0.01))
+        for part, angle in enumerate((2.0, 1.0, -2.5, -1.5))
+    ]
+    moving = box(4, (RADIUS, 0.0, 0.0), (0.02, WIDTH, 0.01))
+    for still in (lugs, lugs[::-1]):
+        (answer,) = find_stops((turning(tuple(still), (moving,)),))
+        assert [stop.still for stop in answer.found] == [3, 1]
+
+
+def test_a_way_beyond_the_longest_that_matters_is_infinite() -> None:
+    """A point that meets a triangle after 10 mm, or a quarter turn, meets none within less."""
+    corners = np.array([[[-0.05, -0.05, 0.01], [0.05, -0.05, 0.01], [0.0, 0.05, 0.01]]])
+    ahead = Triangles(corners, *across(corners))
+    assert slide(np.zeros((1, 3)), ahead, 1.0, np.inf) == pytest.approx(0.01)
+    assert slide(np.zeros((1, 3)), ahead, 1.0, 0.009) == np.inf
+    corners = np.array([[[0.0, 0.01, -0.05], [0.0, 0.05, -0.05], [0.0, 0.03, 0.05]]])
+    beside = Triangles(corners, *reach(corners))
+    assert turn(np.array([[0.03, 0.0, 0.0]]), beside, 1.0, np.inf) == pytest.approx(0.5 * pi)
+    assert turn(np.array([[0.03, 0.0, 0.0]]), beside, 1.0, 1.5) == np.inf

@@ -1,0 +1,64 @@
+"""Equal bodies that nothing holds: fingers and wheels by their shape, and what is neither."""
+
+from math import pi
+
+import numpy as np
+import pytest
+
+from stepbot.draft.evidence.evidence import Verdict
+from tests.assembled import BARE, Node, inferred, joints, links, part, turned
+from tests.solids import box, cylinder
+
+ALONG_Y = (pi / 2, 0.0, 0.0)
+FINGER = box(20, 15, 60)
+
+
+def gripper(size: float) -> list[Node]:
+    """A palm of a size [mm] with two fingers in front of it, 2 mm away and 30 mm apart."""
+    palm = part("palm", box(size, size, size))
+    fingers = [part(name, FINGER, x=x, z=size / 2 + 32) for name, x in (("one", -25.0), ("two", 25.0))]
+    return [palm, *fingers]
+
+
+def test_two_equal_bodies_before_a_larger_one_slide() -> None:
+    """Two blocks in front of a palm are fingers: they slide towards each other, marked for review."""
+    found = inferred(*gripper(100.0), sources=BARE)
+    assert joints(found) == [("prismatic", "one", "palm"), ("prismatic", "palm", "two")]
+    for arc in found.arcs:
+        assert abs(arc.evidence.axis.d) == pytest.approx((1.0, 0.0, 0.0))
+        assert arc.evidence.review == "guessed from its shape; no contact shows this joint"
+
+
+def test_tiny_fingers_are_offered_only() -> None:
+    """Fingers of less than two thousandths of the volume belong to the palm; their motion is offered."""
+    found = inferred(*gripper(400.0), sources=BARE)
+    assert links(found) == [{"palm", "one", "two"}]
+    offered = [h for h in found.offered if "equal" in h.why]
+    assert [(str(h.type), h.verdict) for h in offered] == [("prismatic", Verdict.OFFERED)] * 2
+
+
+def test_equal_round_bodies_are_wheels() -> None:
+    """Four discs beside a chassis, 3 mm away, turn about their own axes."""
+    wheels = [
+        part(f"disc {n}", turned(cylinder(50, 30), rpy=ALONG_Y), x, y + 15, -40)
+        for n, (x, y) in enumerate([(-120, -118), (-120, 118), (120, -118), (120, 118)])
+    ]
+    found = inferred(part("chassis", box(400, 200, 80)), *wheels, sources=BARE)
+    assert joints(found) == [("revolute", "chassis", f"disc {n}") for n in range(4)]
+    assert all(np.allclose(abs(arc.evidence.axis.d), (0, 1, 0)) for arc in found.arcs)
+
+
+def test_single_body_and_unequal_ones_are_no_twins() -> None:
+    """One loose block, or two of different sizes, get no joint."""
+    palm, one, _ = gripper(100.0)
+    other = part("other", box(20, 15, 50), x=25, z=82)
+    for nodes in ([palm, one], [palm, one, other]):
+        assert joints(inferred(*nodes, sources=BARE)) == []
+
+
+def test_equal_pads_on_different_bodies_are_no_fingers() -> None:
+    """Pads, each near a finger of its own, are not the fingers of one hand."""
+    palm, one, two = gripper(100.0)
+    pads = [part(f"pad {n}", box(2, 15, 30), x=x, z=90) for n, x in enumerate((-13.5, 13.5))]
+    found = inferred(palm, one, two, *pads, sources=BARE)
+    assert not [arc for arc in found.arcs if {arc.evidence.a, arc.evidence.b} & {4, 5}]
