@@ -2,7 +2,7 @@
 SHELL := /bin/sh
 VENV := .venv
 BIN := $(VENV)/bin
-# Python 3.11 first: the newest that PyBullet has wheels for.
+# Python 3.11 first: the lock file is for it.
 PYTHON := $(shell for p in python3.11 python3 python3.12 python3.13 python3.14; do \
 	"$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' >/dev/null 2>&1 && { echo "$$p"; break; }; done)
 # Three processes for two cores: many tests wait for commands that they start. Tests of a group share results within one process.

@@ -63,6 +63,11 @@ class Environment:
         return self.folder / "venv" / ("Scripts" if sys.platform == "win32" else "bin")
 
     @property
+    def engines(self) -> str:
+        """The engines that its installation must have: there is no wheel of PyBullet for Python 3.14."""
+        return "mujoco,yourdfpy" if self.name.startswith("Python 3.14") else "mujoco,pybullet,yourdfpy"
+
+    @property
     def converted(self) -> Path:
         """Folder of its robots."""
         return self.folder / "robots"
@@ -157,7 +162,8 @@ def _convert(one: Environment, kernel: str) -> None:
         command = [str(one.programs / "stepbot"), "convert", "--no-cache", str(sidecar)]
         _run(f"convert {robot}", *command, "--no-verify", "-o", robot, cwd=one.converted, changes=changes)
         if robot == PROVEN:
-            _run(f"prove {robot}", *command, "-o", str(one.folder / "proven"), cwd=one.converted, changes=changes)
+            proven = ("-o", str(one.folder / "proven"), "--require", one.engines)
+            _run(f"prove {robot}", *command, *proven, cwd=one.converted, changes=changes)
 
 
 def _test(one: Environment) -> None:

@@ -28,8 +28,7 @@ CORPUS = Path(os.environ.get("STEPBOT_CORPUS", ROOT.parent / "shared" / "corpus"
 CORPUS_ABSENT = f"real STEP assemblies are absent: no folder {CORPUS} (set STEPBOT_CORPUS)"
 
 PYBULLET_ABSENT = (
-    f"PyBullet is not installed: it has no wheel for Python {sys.version_info[0]}.{sys.version_info[1]} on this system "
-    "(`pip install stepbot[pybullet]` compiles it)"
+    f"PyBullet is not installed: it has no wheel for Python {sys.version_info[0]}.{sys.version_info[1]} on this system"
 )
 PAGE_ABSENT = "no page is tested: it needs Chromium, ChromeDriver and `pip install stepbot[browser,view]`"
 

@@ -11,7 +11,7 @@ from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).resolve().parents[2]
 HOOK, LEAN = "requirements-check.txt", "requirements-lean.txt"
-ENGINES = {"mujoco-core", "pybullet", "python-fcl", "yourdfpy"}
+ENGINES = {"mujoco-core", "pybullet", "pybullet-arm64", "python-fcl", "yourdfpy"}
 """Dependencies that `check --step` does not need."""
 UNUSED = {"cython"}
 """Required by packages of the lists, and imported by none."""

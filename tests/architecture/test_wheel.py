@@ -112,18 +112,21 @@ def test_wheel_names_the_command_and_the_licence(wheel: zipfile.ZipFile) -> None
 
 
 def test_pybullet_is_required_only_where_it_has_wheels(wheel: zipfile.ZipFile) -> None:
-    """PyBullet is required on Linux x86-64 up to Python 3.11, and an extra elsewhere."""
+    """Upstream PyBullet is required where it has a wheel, the fork where only that has one, and nowhere both."""
     requirement = pytest.importorskip("packaging.requirements").Requirement
     (name,) = (name for name in wheel.namelist() if name.endswith("METADATA"))
     lines = wheel.read(name).decode().splitlines()
     required = [requirement(line.partition(": ")[2]) for line in lines if line.startswith("Requires-Dist: pybullet")]
 
-    def needed(extra: str = "", **environment: str) -> bool:
-        here = {"sys_platform": "linux", "platform_machine": "x86_64", "python_version": "3.11", "extra": extra}
-        return any(r.marker is not None and r.marker.evaluate({**here, **environment}) for r in required)
+    def needed(system: str, machine: str, python: str) -> list[str]:
+        here = {"sys_platform": system, "platform_machine": machine, "python_version": python, "extra": ""}
+        return [r.name for r in required if r.marker is not None and r.marker.evaluate(here)]
 
-    assert needed()
-    assert not needed(python_version="3.12")
-    assert not needed(sys_platform="darwin")
-    assert not needed(platform_machine="aarch64")
-    assert needed("pybullet", python_version="3.13")
+    assert needed("linux", "x86_64", "3.11") == ["pybullet"]
+    for system, machine in (("linux", "x86_64"), ("darwin", "arm64"), ("win32", "AMD64")):
+        for python in ("3.12", "3.13"):
+            assert needed(system, machine, python) == ["pybullet-arm64"]
+        assert needed(system, machine, "3.14") == []
+    assert needed("darwin", "x86_64", "3.12") == ["pybullet-arm64"]
+    assert needed("darwin", "x86_64", "3.13") == []
+    assert needed("linux", "aarch64", "3.12") == []

@@ -261,6 +261,8 @@ class Observation:
     """The engine's warnings, verbatim."""
     not_run: Mapping[Quantity, str] = field(default_factory=dict)
     """Quantities that this engine does not report for this format, and why."""
+    distribution: str = ""
+    """Installed distribution or program that the engine comes from, if it is not the engine's name."""
     notes: tuple[str, ...] = ()
     """Changes made so that the engine can read the file: joints left out, flags."""
 

@@ -43,6 +43,7 @@ def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
             "ignored": dict(sorted(Counter(one.code for one in ignored).items())),
         },
         "engines": dict(report.versions),
+        "distributions": dict(report.distributions),
         "checks": [_check(check) for check in report.checks],
         "notes": {key: list(notes) for key, notes in report.notes.items()},
         "files": [{"path": file.path, "format": file.format, "content": file.content.value} for file in report.files],

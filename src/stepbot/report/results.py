@@ -128,6 +128,8 @@ class Results:
     checks: tuple[Check, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     """Engines that ran, and their versions."""
+    distributions: Mapping[str, str] = field(default_factory=dict)
+    """The installed distribution that each of them comes from: `pybullet-arm64`."""
     degrees_of_freedom: int | None = None
     """Residuals of loops and mimics in the drawn pose."""
     driven: tuple[str, ...] = ()

@@ -1,6 +1,6 @@
 """Converts comparisons to checks of the report and diagnostics."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from stepbot.diagnostics import Diagnostics, Span
@@ -136,3 +136,15 @@ def checks_without_observation(
         first, *more = outcome.reason.splitlines() or [""]
         found.add(code, f"{subject.engine}: {first}", Span(subject.file), notes=[*more, *outcome.last_lines])
     return checks
+
+
+def versions(outcomes: Iterable[Outcome]) -> dict[str, str]:
+    """The engines that ran, and their versions."""
+    ran = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
+    return dict(sorted(ran.items()))
+
+
+def distributions(outcomes: Iterable[Outcome]) -> dict[str, str]:
+    """The engines that ran, and the installed distribution that each comes from."""
+    ran = {one.engine: one.observation.distribution for one in outcomes if one.observation}
+    return {name: distribution for name, distribution in sorted(ran.items()) if distribution}

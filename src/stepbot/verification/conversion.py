@@ -17,7 +17,15 @@ from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.limits import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import RemoteError, WorkerDied
 
-from .checks import Subject, check_of, checks_without_observation, report_failure, report_unread
+from .checks import (
+    Subject,
+    check_of,
+    checks_without_observation,
+    distributions,
+    report_failure,
+    report_unread,
+    versions,
+)
 from .compare import compare
 from .expectation import mechanism, requests
 from .self_collision.drawn_pose import Overlap
@@ -124,7 +132,8 @@ def verify(
     overlaps, collision_check = _self_collision(robot, provers, timeout, found)
     return Report(
         checks=(*checks, collision_check),
-        versions=_versions(outcomes),
+        versions=versions(outcomes),
+        distributions=distributions(outcomes),
         robot=robot,
         degrees_of_freedom=freedom,
         driven=driven_joints(robot) if robot.closures else (),
@@ -198,11 +207,6 @@ def _self_collision(
         found.add("SB810", f"links '{a}' and '{b}' overlap{deep} in the drawn pose", span)
     pairs = "; ".join(f"'{a}' and '{b}' overlap" for a, b, _ in overlaps)
     return overlaps, Check("", "", engine, quantity, Status.PASSED, why=pairs)
-
-
-def _versions(outcomes: Iterable[Outcome]) -> dict[str, str]:
-    seen = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
-    return dict(sorted(seen.items()))
 
 
 def _notes(written: Mapping[str, Written], outcomes: Iterable[Outcome]) -> dict[str, tuple[str, ...]]:

@@ -28,7 +28,15 @@ from stepbot.runtime.limits import DEFAULT_TIMEOUT
 from stepbot.runtime.temporary import run_folder
 
 from .admission import admitted, located
-from .checks import Subject, check_of, checks_without_observation, report_failure, report_unread
+from .checks import (
+    Subject,
+    check_of,
+    checks_without_observation,
+    distributions,
+    report_failure,
+    report_unread,
+    versions,
+)
 from .compare import Compared, compare
 from .correspondence import Correspondence
 from .expectation import CONFIGURATIONS, SECONDS, SEED
@@ -88,10 +96,16 @@ def verify_files(
     asked, outcomes = observed(paths, found, timeout=timeout, memory_limit=memory_limit, packages=tuple(packages))
     check_started(required, outcomes, found)
     checks = judge(outcomes, asked, found)
-    versions = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
     notes = {f"{o.key} in {o.engine}": o.observation.notes for o in outcomes if o.observation and o.observation.notes}
     table = _named(asked.joint_table, outcomes)
-    return Report(checks, dict(sorted(versions.items())), notes=notes, joint_table=table, own_parsers=own_parsers())
+    return Report(
+        checks,
+        versions(outcomes),
+        distributions(outcomes),
+        notes=notes,
+        joint_table=table,
+        own_parsers=own_parsers(),
+    )
 
 
 def _named(table: Sequence[JointRow], outcomes: Iterable[Outcome]) -> tuple[JointRow, ...]:

@@ -5,7 +5,6 @@ about features that Drake does not support, such as joint friction, are noted; t
 https://drake.mit.edu/pydrake/pydrake.multibody.parsing.html
 """
 
-import importlib.metadata
 import logging
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -20,6 +19,7 @@ from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, shift_in
 from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.dynamics import Rates
 
+from ..distribution import provider
 from ..inner_joints import inner_joints
 from ..observation import Dynamics, EngineCannotRead, Observation, ObservedLink, Quantity, Request
 from ..xml_root import xml_root
@@ -135,7 +135,7 @@ def _static(built: Built, request: Request) -> Observation:
     held = any(joint.child_body().index() == built.root.index() for joint in built.joints)
     return Observation(
         engine=ENGINE.name,
-        version=importlib.metadata.version("drake"),
+        **provider("pydrake"),
         format=request.format,
         name=built.name,
         base=None if format_name == "urdf" else "fixed" if held else "floating",

@@ -16,6 +16,7 @@ from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, turn_ine
 from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.dynamics import GRAVITY, Rates
 
+from ..distribution import provider
 from ..inner_joints import inner_joints
 from ..mesh_substitutes import MeshSubstitutes
 from ..observation import (
@@ -174,7 +175,7 @@ def observe_model(compiled: Compiled, request: Request) -> Observation:
     sensors = observed_sensors(compiled)
     return Observation(
         engine=ENGINE.name,
-        version=compiled.engine.__version__,
+        **provider("mujoco"),
         format=request.format,
         name=_name(compiled),
         base=_base(compiled) if mjcf else None,

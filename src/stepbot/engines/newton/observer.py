@@ -4,7 +4,6 @@ Newton compiles its kernels on first use, which takes about a minute, and keeps 
 precision. https://newton-physics.github.io/newton
 """
 
-import importlib.metadata
 import warnings
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -21,6 +20,7 @@ from stepbot.robot.model import ActuatorKind, JointDynamics, JointKind, Limit, M
 
 from ..captured_output import printed
 from ..closure_frames import turned_as_expected
+from ..distribution import provider
 from ..observation import (
     Dynamics,
     EngineCannotRead,
@@ -100,7 +100,7 @@ class _Loaded:
         not_run = dict(_NOT_RUN) | ({Quantity.MASS_MATRIX: _BALL_RATES} if balls else {})
         return Observation(
             engine=ENGINE.name,
-            version=importlib.metadata.version("newton"),
+            **provider("newton"),
             format=self.request.format,
             base="fixed" if self.held else "floating",
             links=tuple(map(self.link, range(len(self.bodies)))),

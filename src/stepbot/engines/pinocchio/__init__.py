@@ -1,18 +1,18 @@
 """Pinocchio, which reads URDF and MJCF."""
 
-import importlib.metadata
+from importlib.util import find_spec
+from pathlib import Path
 
 from ..engine import Engine
 
 
 def available() -> str | None:
     """Why the engine cannot run here; None if it can."""
-    # A test framework of the same name is on the package index as well; only the real one is installed as `pin`.
-    try:
-        importlib.metadata.version("pin")
-    except importlib.metadata.PackageNotFoundError:
-        return "pinocchio is not installed"
-    return None
+    # A test framework of the same name is on the package index as well; it has no robots.
+    spec = find_spec("pinocchio")
+    folders = spec.submodule_search_locations if spec is not None else None
+    has_robots = any(Path(folder, "robot_wrapper.py").is_file() for folder in folders or ())
+    return None if has_robots else "pinocchio is not installed"
 
 
 ENGINE = Engine(

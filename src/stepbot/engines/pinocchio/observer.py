@@ -4,7 +4,6 @@ It merges fixed links into their parent's inertia, and gives a continuous joint 
 https://github.com/stack-of-tasks/pinocchio
 """
 
-import importlib.metadata
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,6 +19,7 @@ from stepbot.robot.model import JointDynamics, Limit, Mimic
 
 from ..ball_coordinates import ball_bias, ball_rates
 from ..captured_output import printed
+from ..distribution import provider
 from ..inner_joints import inner_joints
 from ..observation import (
     Dynamics,
@@ -116,7 +116,7 @@ class _Built:
             not_run[Quantity.MIMIC] = mimics
         return Observation(
             engine=ENGINE.name,
-            version=importlib.metadata.version("pin"),
+            **provider("pinocchio"),
             format=request.format,
             base=("floating" if self.floats else "fixed") if mjcf else None,
             links=tuple(self.link(body) for body in self.bodies.values()),

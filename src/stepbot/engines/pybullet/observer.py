@@ -6,7 +6,6 @@ frames are returned in single precision, inertial frames in double: poses are ta
 https://docs.google.com/document/d/10sXEhzFRSnvFcl3XxNGhnD4N2SedqwdAvK3dsihxVUA
 """
 
-import importlib.metadata
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,6 +23,7 @@ from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.model import Box, Capsule, Cylinder, JointDynamics, Limit, Sphere
 
 from ..captured_output import printed
+from ..distribution import provider
 from ..observation import (
     Dynamics,
     EngineCannotRead,
@@ -133,7 +133,7 @@ def _observe_smoke(engine: Any, request: Request) -> Observation:
         engine.disconnect(client)
     reasons = dict.fromkeys(Quantity, _MJCF_REASON)
     del reasons[Quantity.LOAD]
-    return Observation(ENGINE.name, _version(), request.format, not_run=reasons)
+    return Observation(ENGINE.name, **provider("pybullet"), format=request.format, not_run=reasons)
 
 
 def _observe_sdf(engine: Any, request: Request) -> Observation:
@@ -178,7 +178,7 @@ def _tree(body: Body, request: Request) -> Observation:
     closed = [q for way in request.ways for q in way]
     return Observation(
         engine=ENGINE.name,
-        version=_version(),
+        **provider("pybullet"),
         format=request.format,
         name=body.model,
         links=tuple(_link(body, index, request) for index in range(-1, len(body.joints))),
@@ -186,10 +186,6 @@ def _tree(body: Body, request: Request) -> Observation:
         coordinates=tuple(body.coordinates),
         poses=tuple(_poses(body, q) for q in [*request.configurations, *closed]),
     )
-
-
-def _version() -> str:
-    return importlib.metadata.version("pybullet")
 
 
 def _link(body: Body, index: int, request: Request) -> ObservedLink:

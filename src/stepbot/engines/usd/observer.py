@@ -5,7 +5,6 @@ stepbot's kinematics from the frames of the joints, so they confirm the file, no
 https://openusd.org/release/api/usd_physics_page_front.html
 """
 
-import importlib.metadata
 from dataclasses import replace
 from math import tau
 from typing import Any
@@ -17,6 +16,7 @@ from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import JointKind
 
+from ..distribution import provider
 from ..observation import Observation, ObservedLink, Quantity, Request
 from ..parsed_motion import with_motion
 from ..shape_bounds import box_around
@@ -63,7 +63,7 @@ def observe(request: Request) -> Observation:
     links = tuple(_link(stage, body) for body in stage.bodies.values())
     observation = Observation(
         engine=ENGINE.name,
-        version=importlib.metadata.version("usd-core"),
+        **provider("pxr"),
         format=request.format,
         name=stage.name,
         base="fixed" if fixed else "floating",

@@ -3,7 +3,6 @@
 It has no dynamics; meshes are checked by the simulating engines only. https://github.com/clemense/yourdfpy
 """
 
-import importlib.metadata
 import logging
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -17,6 +16,7 @@ from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, unit, vector3
 from stepbot.robot.model import JointDynamics, Limit, Mimic
 from stepbot.runtime.light_import import import_lightly
 
+from ..distribution import provider
 from ..observation import EngineRefused, Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity, Request
 from . import ENGINE
 
@@ -67,7 +67,7 @@ def observe(request: Request) -> Observation:
         not_run[Quantity.POSES] = f"yourdfpy does not move these joints: {', '.join(unmoved)}"
     return Observation(
         engine=ENGINE.name,
-        version=importlib.metadata.version("yourdfpy"),
+        **provider("yourdfpy"),
         format=request.format,
         name=urdf.robot.name,
         links=tuple(_link(link) for link in urdf.robot.links),
