@@ -164,6 +164,8 @@ def _convert(one: Environment, kernel: str) -> None:
         if robot == PROVEN:
             proven = ("-o", str(one.folder / "proven"), "--require", one.engines)
             _run(f"prove {robot}", *command, *proven, cwd=one.converted, changes=changes)
+    export = [str(one.programs / "stepbot"), "library", "export", "arm2", "--require", one.engines]
+    _run("export arm2", *export, "--no-cache", "-o", str(one.folder / "arm2"), cwd=one.converted, changes=changes)
 
 
 def _test(one: Environment) -> None:

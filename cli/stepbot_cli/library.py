@@ -12,6 +12,7 @@ from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from .columns import aligned, table_lines
 from .command import Command, display_options, json_option
 from .convert import format_names, format_option, no_verify_option, run_conversion
+from .engines import require_option
 from .group import Group
 from .reading import working_options
 from .terminal import Display, screen_width, show_diagnostics, text_width, write_json, write_result
@@ -90,6 +91,7 @@ def show(name: str, as_json: bool) -> int:
     help="Write only the STEP file and the sidecar, for editing.",
 )
 @no_verify_option
+@require_option
 @working_options
 @json_option
 @display_options
@@ -100,17 +102,20 @@ def export(
     output: Path | None,
     source: bool,
     no_verify: bool,
+    require: tuple[str, ...],
     as_json: bool,
     display: Display,
 ) -> int:
     """Write the robot NAME as URDF, SDFormat and MJCF, and verify the files, as `stepbot convert` does."""
     robot = _found(name)
     if source:
-        if formats or no_verify:
-            raise click.UsageError("--source cannot be combined with --format or --no-verify")
+        if formats or no_verify or require:
+            raise click.UsageError("--source cannot be combined with --format, --no-verify or --require")
         return _export_source(robot, output or Path(robot.short_name), as_json=as_json, display=display)
+    if no_verify and require:
+        raise click.UsageError("--require and --no-verify cannot be combined")
     options = options._replace(
-        output=output or Path(robot.short_name), formats=format_names(formats), verify=not no_verify
+        output=output or Path(robot.short_name), formats=format_names(formats), verify=not no_verify, require=require
     )
     return run_conversion(robot.sidecar, options, as_json=as_json, display=display)
 

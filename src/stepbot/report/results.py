@@ -128,8 +128,6 @@ class Results:
     checks: tuple[Check, ...] = ()
     versions: Mapping[str, str] = field(default_factory=dict)
     """Engines that ran, and their versions."""
-    distributions: Mapping[str, str] = field(default_factory=dict)
-    """The installed distribution that each of them comes from: `pybullet-arm64`."""
     degrees_of_freedom: int | None = None
     """Residuals of loops and mimics in the drawn pose."""
     driven: tuple[str, ...] = ()
@@ -154,6 +152,8 @@ class Results:
     """The pose of each joint, for review; for compared files, of the first one."""
     own_parsers: tuple[str, ...] = ()
     """Names of stepbot's own parsers among the engines, which confirm only the text of a file."""
+    distributions: Mapping[str, str] = field(default_factory=dict)
+    """The installed distribution that each engine that ran comes from: `pybullet-arm64`."""
 
     @property
     def failed(self) -> bool:

@@ -101,10 +101,10 @@ def verify_files(
     return Report(
         checks,
         versions(outcomes),
-        distributions(outcomes),
         notes=notes,
         joint_table=table,
         own_parsers=own_parsers(),
+        distributions=distributions(outcomes),
     )
 
 

@@ -56,7 +56,7 @@ def test_package_is_listed_from_its_parent(install: Install) -> None:
 
 def test_without_a_list_the_metadata_answer(install: Install) -> None:
     """Metadata without a list of files, as Debian's, are asked too; a module of no distribution has no version."""
-    folder = install("engine_of_test-1.2", "engine_of_test.py")
+    folder = install("engine_of_debian-1.2", "engine_of_test.py")
     (folder / "RECORD").unlink()
     (folder / "METADATA").write_text("Name: engine-of-debian\nVersion: 1.2\n", encoding="utf-8")
     (folder / "top_level.txt").write_text("engine_of_test\n", encoding="utf-8")
