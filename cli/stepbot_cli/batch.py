@@ -97,7 +97,7 @@ def command(
     except StepbotError as error:
         found.extend(error.diagnostics)
     if found.has_errors:
-        return _report(found, [], as_json, display)
+        return _report(found, [], output, as_json, display)
     options = options._replace(
         output=output,
         formats=format_names(formats),
@@ -114,7 +114,7 @@ def command(
         write_junit(junit, suites(outcomes))
     if html and not found.has_errors:
         _write_index(output, outcomes, found)
-    return _report(found, outcomes, as_json, display)
+    return _report(found, outcomes, output, as_json, display)
 
 
 def _write_index(output: Path, outcomes: "Sequence[Outcome]", found: Diagnostics) -> None:
@@ -210,7 +210,7 @@ def _bar(total: int) -> Iterator[Any]:
         yield lambda name: bar.update(task, advance=1, description=printable(name))
 
 
-def _report(found: Diagnostics, outcomes: "Sequence[Outcome]", as_json: bool, display: Display) -> int:
+def _report(found: Diagnostics, outcomes: "Sequence[Outcome]", output: Path, as_json: bool, display: Display) -> int:
     """Print the outcomes; returns the exit code."""
     from stepbot.jobs.batch import batch_document
 
@@ -219,10 +219,17 @@ def _report(found: Diagnostics, outcomes: "Sequence[Outcome]", as_json: bool, di
     if as_json:
         write_json({**batch_document(outcomes), "diagnostics": found, "exit_code": code})
         return code
+    shown = outcomes and not (display.quiet or display.concise)
+    if shown:
+        counts = [(word, sum(outcome.status.value == word for outcome in outcomes)) for word in _COLORS]
+        write_result(
+            f"{counted(len(outcomes), 'robot')} in {printable(output.as_posix())}: "
+            + ", ".join(f"{n} {word}" for word, n in counts)
+        )
     show_diagnostics(found, display)
     for outcome in failed:
         show_diagnostics([one for one in outcome.diagnostics if one.severity == "error"], display)
-    if outcomes and not (display.quiet or display.concise):
+    if shown:
         write_result("\n".join(_table(outcomes)))
     return code
 
@@ -245,10 +252,4 @@ def _table(outcomes: "Sequence[Outcome]") -> list[str]:
             line.replace(f"  {word}", f"  {paint(word, _COLORS[word], True)}", 1)
             for line, word in zip(body, words, strict=True)
         ]
-    counts = [(word, sum(outcome.status.value == word for outcome in outcomes)) for word in _COLORS]
-    return [
-        paint(head, "1", color),
-        *body,
-        "",
-        f"{counted(len(outcomes), 'robot')}: " + ", ".join(f"{n} {word}" for word, n in counts),
-    ]
+    return [paint(head, "1", color), *body]

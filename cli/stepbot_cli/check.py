@@ -1,5 +1,6 @@
 """``stepbot check``: check sidecars, optionally against their STEP files."""
 
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,10 +14,11 @@ from .command import Command, display_options, ignore_option, json_option
 from .counts import counted
 from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import printable
-from .joint_table import show_joint_rows
+from .joint_table import show_joint_rows, show_joint_table
 from .progress import progress_bar
 from .reading import reading_options
-from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
+from .table import write_filled
+from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Checked, Options
@@ -115,9 +117,12 @@ def command(
     else:
         for fixed in fixes:
             write_result(fixed.difference)
-        show_diagnostics(found, display, as_result=True)
         if not (display.quiet or display.concise):
             _show(checked, found, display, open_step=open_step)
+        show_diagnostics(found, display, as_result=True)
+        if open_step and len(sidecars) == 1 and not (found.has_errors or display != Display()):
+            path = shlex.quote(sidecars[0].as_posix())
+            write_result(f"joints, each with its axis and faces: -v    next: stepbot convert {printable(path)}")
     return found.exit_code
 
 
@@ -129,26 +134,25 @@ def _fixed(sidecar: Path, options: "Options", found: Diagnostics) -> "list[Fixed
 
 
 def _show(checked: "Mapping[Path, Checked]", found: Diagnostics, display: Display, *, open_step: bool) -> None:
-    """Print the joint table of each robot, and a summary of the valid ones."""
+    """Print the verdict on each valid robot and its joints: all with -v, else those on weak evidence."""
     from stepbot.pipeline.source_names import is_description
 
     wrong = {one.span.file for one in found if one.severity == "error"}
     for sidecar, robot in checked.items():
         name = printable(sidecar.as_posix())
-        if (robot.joint_table or robot.masses) and len(checked) > 1:
-            write_result(f"\n{name}")
-        show_joint_rows(robot.joint_table, verbose=display.verbose)
-        if robot.masses:
-            _show_masses(robot.masses)
         if robot.links and not (wrong and (len(checked) == 1 or name in wrong)):
             several = f"{name}: " if len(checked) > 1 else ""
-            unread = "" if open_step or is_description(sidecar) else "; STEP not read (--step)"
-            write_result(f"{several}ok: {counted(robot.links, 'link')}, {counted(robot.joints, 'joint')}{unread}")
+            read = open_step or is_description(sidecar)
+            size = f"{counted(robot.links, 'link')}, {counted(robot.joints, 'joint')}; STEP not read (--step)"
+            write_filled(f"{several}ok: {robot.robot if read else size}")
+        if display.verbose:
+            show_joint_rows(robot.joint_table, verbose=True)
+        elif any(row.evidence.doubt for row in robot.joint_table):
+            _show_doubtful(robot)
 
 
-def _show_masses(words: str) -> None:
-    import sys
+def _show_doubtful(robot: "Checked") -> None:
+    from stepbot.report.summarizing import doubtful_joints
 
-    from .table import filled
-
-    write_result("\n".join(filled(printable(words), screen_width(sys.stdout))))
+    if weak := doubtful_joints(robot.joint_table):
+        show_joint_table(weak)

@@ -1,8 +1,8 @@
 """``stepbot convert``: convert a sidecar and a STEP file, and verify the written files."""
 
 import json
+import shlex
 import sys
-from collections import Counter
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,16 +14,15 @@ from stepbot.formats import FORMATS, default_formats, format_named
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option, names_option
+from .counts import counted
 from .descriptions import description_options, reject_descriptions
-from .diagnostic_text import printable
 from .engines import require_option
 from .joint_table import show_joint_rows, show_joint_table
 from .junit import junit_option, write_junit
 from .metadata_options import metadata_options
 from .progress import CONVERSION, progress_bar
-from .proof import show_proof
 from .reading import reading_options
-from .table import filled, show_table
+from .table import show_table, write_filled
 from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
@@ -31,7 +30,6 @@ if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Conversion, Options
     from stepbot.report.junit import Suite
     from stepbot.report.results import Results
-    from stepbot.report.summary import Summary
 
 _WRITTEN_BY_OPTIONS = {
     ("ros", "moveit", "xacro", "srdf", "ament"): "a ROS 2 package is written by `--ros2 NAME`",
@@ -227,11 +225,14 @@ def run_conversion(
         document = _document(conversion, folder)
         write_json({**document, "drive": _driven_json(driven)} if drive else document)
     else:
-        show_diagnostics(conversion.diagnostics, display)
-        if not (display.quiet or display.concise):
-            _show(conversion, folder, display)
+        shown = not (display.quiet or display.concise)
+        if shown:
+            _show_verdict(conversion, display)
             if driven is not None:
                 _show_driven(driven, display)
+        show_diagnostics(conversion.diagnostics, display)
+        if shown and conversion.files:
+            _show_files(conversion.files, folder, failed=conversion.diagnostics.has_errors)
     return conversion.diagnostics.exit_code
 
 
@@ -254,27 +255,27 @@ def _show_driven(driven: "Driven", display: Display) -> None:
     write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
 
 
-def _show(conversion: "Conversion", folder: Path, display: Display) -> None:
-    """Print the written files and the verification results."""
-    if conversion.files:
-        _show_filled(_files_words(conversion.files, folder))
-    if display.verbose:
-        if (report := conversion.report) is not None:
-            _show_in_full(report)
-    elif (summary := conversion.summary) is not None:
-        _show_summary(summary)
+def _show_verdict(conversion: "Conversion", display: Display) -> None:
+    """Print what the robot is, what is proven, and the joints on weak evidence; with -v all results."""
+    summary = conversion.summary
+    if summary is None:
+        return
+    write_filled(summary.robot, *summary.proof)
+    if display.verbose and (report := conversion.report) is not None:
+        write_result("")
+        _show_in_full(report)
+        write_result("")
+    elif summary.doubtful is not None:
+        show_joint_table(summary.doubtful)
 
 
-def _show_summary(summary: "Summary") -> None:
-    """Print the results."""
-    if summary.joint_table is not None:
-        show_joint_table(summary.joint_table)
-    if summary.masses:
-        _show_filled(summary.masses)
-    if summary.collisions:
-        _show_filled(summary.collisions)
-    if summary.proof is not None:
-        show_proof(summary.proof)
+def _show_files(files: Iterable[str], folder: Path, *, failed: bool) -> None:
+    """``19 files in arm: arm.urdf, ...``, and how to see the robot."""
+    words = f"{counted(len(list(files)), 'file')} in {folder.as_posix()}"
+    if failed:
+        write_filled(f"{words}, to look at; nothing else was changed")
+    else:
+        write_filled(f"{words}    see it: stepbot view {shlex.quote(folder.as_posix())}")
 
 
 def _show_in_full(report: "Results") -> None:
@@ -284,27 +285,12 @@ def _show_in_full(report: "Results") -> None:
 
     show_joint_rows(report.joint_table, verbose=True)
     if report.masses:
-        _show_filled(mass_summary(report.masses), *(f"  {link}: {mass_words(m)}" for link, m in report.masses.items()))
+        write_filled(mass_summary(report.masses), *(f"  {link}: {mass_words(m)}" for link, m in report.masses.items()))
     if shapes := report.collision_shapes:
         links = (f"  {one.link}: {collision_summary([one]).partition(': ')[2]}" for one in shapes)
-        _show_filled(collision_summary(shapes), *links)
+        write_filled(collision_summary(shapes), *links)
     if report.checks:
         show_table(report)
-
-
-def _show_filled(*paragraphs: str) -> None:
-    """Print paragraphs as wide as the terminal."""
-    width = screen_width(sys.stdout)
-    write_result("\n".join(line for text in paragraphs for line in filled(printable(text), width)))
-
-
-def _files_words(files: Iterable[str], folder: Path) -> str:
-    """``24 files in arm: arm.urdf, ..., 20 in meshes/``."""
-    names = list(files)
-    top = [name for name in names if "/" not in name]
-    below = Counter(name.partition("/")[0] for name in names if "/" in name)
-    words = ", ".join([*top, *(f"{count} in {name}/" for name, count in below.items())])
-    return f"{len(names)} files in {folder}: {words}"
 
 
 def default_output(sidecar: Path) -> Path:

@@ -1,5 +1,6 @@
 """Diagnostics as text, with code frames or one line each, or as JSON data."""
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -21,10 +22,14 @@ MOST_ERRORS = 5
 """Number of errors of one code that the default output shows in full; of the others it shows the message."""
 MOST_NOTES = 6
 """Number of notes of one diagnostic that the default output shows."""
+MOST_SUBJECTS = 12
+"""Number of further subjects of one finding that the default output names."""
 
-_MOST = {"error": MOST_ERRORS, "warning": MOST_WARNINGS, "note": 0}
+_MOST = {"error": MOST_ERRORS, "warning": MOST_WARNINGS}
 _COLORS = {"error": "1;31", "warning": "1;33", "note": "1;36"}
 _FRAME_COLOR = "34"
+_SUBJECT = re.compile(r"'[^']+'")
+"""The first name in quotes: the subject of a message."""
 
 
 def full(
@@ -55,7 +60,7 @@ def screen(
     width: int | None = None,
     counts: bool = True,
 ) -> str:
-    """The default output: the first errors and warnings of each code in full, one line for all notes, and the counts.
+    """The default output: findings of one cause as one, the first of each code in full, and the counts; no notes.
 
     Args:
         diagnostics: What to show.
@@ -64,14 +69,51 @@ def screen(
         width: Width of the screen; None if unknown, for lines that are not truncated.
         counts: Whether to end with the number of each severity.
     """
-    in_full, brief, folded = _sorted_out(diagnostics)
+    causes = _by_cause(one for one in diagnostics if one.severity != "note")
+    in_full, brief, folded = _sorted_out(causes)
     lines = [full(in_full, color=color, width=width or FRAME_WIDTH, most_notes=MOST_NOTES), ""] if in_full else []
     lines += [*(_headline(error, color) for error in brief), ""] if brief else []
-    lines += [_fold(of_code, in_full, color, width) for of_code in folded]
+    lines += [_fold(of_code, color, width) for of_code in folded]
     if counts:
-        all_shown = not (brief or folded or any(len(one.notes) > MOST_NOTES for one in in_full))
+        in_part = brief or folded or any(len(one.notes) > MOST_NOTES for one in in_full)
+        all_shown = not in_part and len(causes) == len(diagnostics)
         lines.append(summary(diagnostics, all_shown=all_shown, ignored=ignored))
     return "\n".join(lines).rstrip()
+
+
+def _by_cause(diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
+    """One diagnostic for all whose messages differ only in their subject: the first, which names the others."""
+    causes: dict[tuple[str, ...], list[Diagnostic]] = {}
+    for one in diagnostics:
+        name = _SUBJECT.search(one.message)
+        cause = one.message.replace(name[0], "''") if name else str(one)
+        causes.setdefault((one.code, one.severity, one.span.file, cause), []).append(one)
+    return [_merged(first, others) if others else first for first, *others in causes.values()]
+
+
+def _merged(first: Diagnostic, others: Sequence[Diagnostic]) -> Diagnostic:
+    """A diagnostic that names the subjects of the others, and the remedies of those that differ."""
+    shown = {f"{_subject(one)}{_line(one)}": one for one in others[:MOST_SUBJECTS]}
+    more = f" and {len(others) - len(shown)} more" if len(others) > len(shown) else ""
+    name = _subject(first)
+    usual = [text.replace(name, "''") for text in first.help]
+    own = [
+        f"{place}: {one.help[0]}"
+        for place, one in shown.items()
+        if one.help and one.help[0].replace(_subject(one), "''") not in usual
+    ]
+    same = f"the same for {', '.join(shown)}{more}"
+    return first._replace(notes=(same, *first.notes), help=(*first.help, *own))
+
+
+def _subject(one: Diagnostic) -> str:
+    """The first name in quotes; the place if there is none."""
+    name = _SUBJECT.search(one.message)
+    return name[0] if name else str(one.span)
+
+
+def _line(one: Diagnostic) -> str:
+    return f" (line {one.span.line})" if one.span.line else ""
 
 
 def _with_notes(diagnostic: Diagnostic, most: int) -> Diagnostic:
@@ -86,7 +128,7 @@ def _with_notes(diagnostic: Diagnostic, most: int) -> Diagnostic:
 def _sorted_out(
     diagnostics: Sequence[Diagnostic],
 ) -> tuple[list[Diagnostic], list[Diagnostic], list[list[Diagnostic]]]:
-    """Diagnostics to show in full (some of each code), further errors, and further warnings and notes by code."""
+    """Findings to show in full (some of each code), further errors, and further warnings by code."""
     in_full: list[Diagnostic] = []
     brief: list[Diagnostic] = []
     folded: dict[str, list[Diagnostic]] = {}
@@ -102,15 +144,10 @@ def _sorted_out(
     return in_full, brief, list(folded.values())
 
 
-def _fold(diagnostics: Sequence[Diagnostic], in_full: Sequence[Diagnostic], color: bool, width: int | None) -> str:
-    """One line for diagnostics of one code: the message of a single one, else their number and the code's title."""
+def _fold(diagnostics: Sequence[Diagnostic], color: bool, width: int | None) -> str:
+    """One line for further warnings of one code: their number and the code's title."""
     first = diagnostics[0]
-    if any(shown.code == first.code for shown in in_full):
-        text = f"{len(diagnostics)} more: {CODES[first.code].title}"
-    elif len(diagnostics) > 1:
-        text = f"{len(diagnostics)} x {CODES[first.code].title}"
-    else:
-        text = printable(first.message)
+    text = f"{len(diagnostics)} more: {CODES[first.code].title}"
     head = f"{first.severity}[{first.code}]"
     room = None if width is None else max(width - len(head) - 2, 1)
     return f"{paint(head, _COLORS[first.severity], color)}: {text if room is None else shortened(text, room)}"

@@ -1,5 +1,6 @@
 """The output of ``stepbot init``: what was found, on what evidence, and what to do next."""
 
+import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,15 +19,26 @@ def draft_text(draft: "Draft", sidecar: Path, text: str, *, verbose: bool = Fals
     from stepbot.draft.text.draft_names import names_of
 
     names = names_of(draft)
-    lines = [f"{printable(sidecar.as_posix())}: {_counts(draft)}; root link '{names.links[draft.root]}'"]
+    questions = _questions(draft, text)
+    verdict = f"{printable(sidecar.as_posix())}: {_counts(draft)}; root link '{names.links[draft.root]}'"
+    lines = [f"{verdict}; to decide: {', '.join(questions)}" if questions else verdict]
+    sure: list[str] = []
     for joint, name in zip(draft.joints, names.joints, strict=True):
         ends = f"{names.links[joint.parent]} -> {names.links[joint.child]}"
-        lines += _connection(joint, name, ends, verbose=verbose)
+        if verbose or joint.is_reviewed:
+            lines += _connection(joint, name, ends, verbose=verbose)
+        else:
+            sure.append(f"{printable(name)} ({joint.type})")
     for closure, name in zip(draft.closures, names.closures, strict=True):
         ends = f"{names.links[closure.link_a]} - {names.links[closure.link_b]}, closes a loop"
-        lines += _connection(closure, name, ends, verbose=verbose)
+        if verbose or closure.is_reviewed:
+            lines += _connection(closure, name, ends, verbose=verbose)
+        else:
+            sure.append(f"{printable(name)} ({closure.type}, closes a loop)")
+    if sure:
+        lines.append(f"  on strong evidence: {', '.join(sure)}; -v shows it")
     lines += [f"  {printable(note)}" for note in draft.notes]
-    return "\n".join([*lines, *_next(draft, sidecar, _reviews(text))])
+    return "\n".join([*lines, *_next(sidecar, questions)])
 
 
 def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
@@ -113,11 +125,15 @@ def _todo(draft: "Draft") -> int:
     )
 
 
-def _next(draft: "Draft", sidecar: Path, reviews: int) -> list[str]:
-    path, todo = printable(sidecar.as_posix()), _todo(draft)
-    edits = [
-        *([f"look at {counted(reviews, 'REVIEW mark')}"] if reviews else []),
-        *([f"fill in {todo} `limits: todo`"] if todo else []),
-    ]
-    lines = [f"edit {path}: {', '.join(edits)}"] if edits else []
-    return ["next:", *(f"  {line}" for line in (*lines, f"stepbot check --step {path}", f"stepbot convert {path}"))]
+def _questions(draft: "Draft", text: str) -> list[str]:
+    """What the author of a drafted sidecar has to decide."""
+    reviews, todo = _reviews(text), _todo(draft)
+    marks = [counted(reviews, "REVIEW mark")] if reviews else []
+    return [*marks, *([f"{todo} `limits: todo`"] if todo else [])]
+
+
+def _next(sidecar: Path, questions: list[str]) -> list[str]:
+    """The commands that follow: to see and decide, to check, to convert."""
+    path = printable(shlex.quote(sidecar.as_posix()))
+    see = [f"  stepbot view --edit {path}    shows each joint and takes the decisions"] if questions else []
+    return ["next:", *see, f"  stepbot check --step {path}", f"  stepbot convert {path}"]

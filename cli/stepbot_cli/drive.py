@@ -98,9 +98,9 @@ def command(
             }
         )
         return found.exit_code
-    show_diagnostics_of_use(found, display)
     if driven is not None and not (display.quiet or display.concise):
         write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
+    show_diagnostics_of_use(found, display)
     return found.exit_code
 
 

@@ -21,11 +21,15 @@ _HEADINGS = ("test", "engine", "result", "steps/s", "worst")
 
 
 def driven_lines(driven: "Driven", width: int | None, *, verbose: bool = False) -> list[str]:
-    """The verdicts as a table, then the tests that do not apply, the engines that did not run, and the counts."""
+    """The counts, the verdicts as a table, the tests that do not apply, and the engines that did not run."""
     speeds = [_speed(verdict) for verdict in driven.verdicts]
     digits = max(map(len, (*speeds, _HEADINGS[3])))
     texts = [_HEADINGS, *(_cells(*one) for one in zip(driven.verdicts, (s.rjust(digits) for s in speeds), strict=True))]
-    lines = status_lines(texts, [v.status.value for v in driven.verdicts], width, wants_color(sys.stdout))
+    statuses = [verdict.status.value for verdict in driven.verdicts]
+    counts = f"{counted(len(statuses), 'test')}: {statuses.count('passed')} passed, {statuses.count('failed')} failed"
+    absent = f"; not run in {' and '.join(driven.not_run)}" if driven.not_run else ""
+    lines = [f"driven: {counts}{absent}"]
+    lines += status_lines(texts, statuses, width, wants_color(sys.stdout))
     if verbose:
         for verdict in driven.verdicts:
             lines += filled(f"{verdict.test} in {verdict.engine}: {', '.join(_numbers(verdict))}", width)
@@ -36,10 +40,7 @@ def driven_lines(driven: "Driven", width: int | None, *, verbose: bool = False) 
             lines += filled(f"sweep covers {_covered(one)}", width)
     for engine, reason in driven.not_run.items():
         lines += filled(f"not run in {engine}: {printable(reason)}", width)
-    statuses = [verdict.status.value for verdict in driven.verdicts]
-    counts = f"{counted(len(statuses), 'test')}: {statuses.count('passed')} passed, {statuses.count('failed')} failed"
-    absent = f"; not run in {' and '.join(driven.not_run)}" if driven.not_run else ""
-    return [*lines, f"{counts}{absent}"]
+    return lines
 
 
 def _covered(one: "SweptRange") -> str:

@@ -113,11 +113,11 @@ def _show_result(
     if as_json:
         write_json(_document(draft, text, sidecar, step, found))
         return found.exit_code
-    show_diagnostics(found, display)
     if draft is not None and not found.has_errors and not (display.quiet or display.concise):
         from .draft_text import draft_text
 
         write_result(draft_text(draft, sidecar, text, verbose=display.verbose))
+    show_diagnostics(found, display)
     return found.exit_code
 
 

@@ -1,5 +1,6 @@
 """``stepbot library``: list, show or export the bundled robots."""
 
+import shlex
 import sys
 import textwrap
 from pathlib import Path
@@ -144,6 +145,7 @@ def _export_source(robot: "LibraryRobot", folder: Path, *, as_json: bool, displa
         show_diagnostics(found, display)
     else:
         write_result("\n".join((folder / name).as_posix() for name in files))
+        write_result(f"next: stepbot view {shlex.quote((folder / robot.sidecar.name).as_posix())}")
     return found.exit_code
 
 

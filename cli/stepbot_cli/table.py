@@ -113,3 +113,9 @@ def filled(text: str, width: int | None) -> list[str]:
     import textwrap
 
     return textwrap.wrap(text, width, subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)
+
+
+def write_filled(*paragraphs: str) -> None:
+    """Print paragraphs to standard output, as wide as the terminal."""
+    width = screen_width(sys.stdout)
+    write_result("\n".join(line for text in paragraphs for line in filled(printable(text), width)))

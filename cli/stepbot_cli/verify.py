@@ -12,9 +12,8 @@ from .engines import limit_options, require_option
 from .joint_table import show_joint_rows
 from .junit import junit_option, write_junit
 from .progress import progress_bar
-from .proof import show_proof
-from .table import show_table
-from .terminal import Display, show_diagnostics, write_json
+from .table import show_table, write_filled
+from .terminal import Display, show_diagnostics, write_json, write_result
 
 
 @click.command(
@@ -46,10 +45,9 @@ def command(
 
     The files may come from any source. Several files must describe the same robot, and are compared with the first.
     """
-    from stepbot.engines import optional_engines
+    from stepbot.pipeline.verdict import compared_words
     from stepbot.report.document import report_document
     from stepbot.report.junit import Suite
-    from stepbot.report.summarizing import proof_of
     from stepbot.verification import verify_files
 
     found = Diagnostics()
@@ -67,11 +65,13 @@ def command(
     if as_json:
         write_json({"report": document, "diagnostics": found, "exit_code": found.exit_code})
     else:
-        show_diagnostics(found, display)
-        if report.checks and not (display.quiet or display.concise):
-            show_joint_rows(report.joint_table, verbose=display.verbose)
+        shown = report.checks and not (display.quiet or display.concise)
+        if shown:
+            write_filled(*compared_words(report, [path.name for path in files]))
             if display.verbose:
+                show_joint_rows(report.joint_table, verbose=True)
                 show_table(report)
-            else:
-                show_proof(proof_of(report, optional_engines()))
+        show_diagnostics(found, display)
+        if shown and not display.verbose:
+            write_result("joints, engines and deviations: -v; every check: --json")
     return found.exit_code

@@ -61,7 +61,7 @@ def test_a_failed_robot_does_not_stop_the_others_and_is_repeated(library: Path, 
     (library / "bad.robot.yaml").unlink()
     run = stepbot("batch", "lib", "-o", "out", *FAST)
     assert run.code == 0
-    assert "2 robots: 0 converted, 2 unchanged, 0 failed" in run.out
+    assert "2 robots in out: 0 converted, 2 unchanged, 0 failed" in run.out
 
     Path("out/arm2/arm2.urdf").write_text("spoilt", encoding="utf-8")
     with (library / "four_bar" / "four_bar.step").open("a", encoding="utf-8") as step:

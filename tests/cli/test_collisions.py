@@ -143,7 +143,7 @@ def test_conversion_excludes_and_proves(stepbot: Stepbot, plates: Path) -> None:
     assert not (plates / "plain" / "plates.srdf").exists()
 
     sidecar.write_text(SIDECAR + "self_collision: {samples: 200}\n", encoding="utf-8")
-    run = stepbot("convert", "plates.robot.yaml", "-o", "out")
+    run = stepbot("convert", "plates.robot.yaml", "-o", "out", "-v")
     assert run.code == 0
     assert "SB620" in run.err
     assert "SB740" in run.err

@@ -52,8 +52,10 @@ def test_three_formats_and_a_proof(arm: Path, stepbot: Stepbot) -> None:
         (line,) = [line for line in lines if f" {file} " in line and f" {engine} " in line and "passed" in line]
         assert "tolerance" in line
     assert any(line.endswith("not run") and " 0 failed" in line for line in lines)
-    named = "arm2.urdf, arm2.sdf, arm2.world.sdf, arm2.xml, arm2.scene.xml, "
-    assert verbose.out.startswith(f"{len(snapshot(arm / 'arm2')) - 1} files in arm2: {named}")
+    assert run.out.startswith("arm2: 5 links, 4 joints, ")
+    files = f"{len(snapshot(arm / 'arm2')) - 1} files in arm2    see it: stepbot view arm2\n"
+    assert run.out.endswith(files)
+    assert verbose.out.endswith(files)
 
 
 @pytest.mark.slow

@@ -55,7 +55,7 @@ def test_results_in_the_cache_know_what_was_ignored(
     """Ignored codes are part of the cache key, and their counts are cached."""
     monkeypatch.setenv("STEPBOT_NO_CACHE", "")
     monkeypatch.setenv("STEPBOT_CACHE", str(arm.parent / "kept"))
-    check = ("check", "--step", SIDECAR)
+    check = ("check", "--step", SIDECAR, "-v")
     first, ignoring = stepbot(*check), stepbot(*check, "--ignore", "SB505")
     assert "note[SB505]" in first.out
     assert "1 ignored" in ignoring.out

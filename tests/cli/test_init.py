@@ -47,8 +47,8 @@ def test_draft_passes_the_check_and_converts(slider: Path, stepbot: Stepbot) -> 
     """A pair in the STEP becomes a joint; the sidecar passes `check --step` and converts unchanged."""
     run = stepbot("init", "slider.step")
     assert run.code == 0, run.err
-    assert run.out.startswith("slider.robot.yaml: 2 links, 1 joint; root link 'holder'\n")
-    assert "  slide: prismatic, holder -> block, score 1.00\n" in run.out
+    assert run.out.startswith("slider.robot.yaml: 2 links, 1 joint; root link 'holder'; to decide: 1 REVIEW mark, ")
+    assert "  on strong evidence: slide (prismatic); -v shows it\n" in run.out
     assert "stepbot check --step slider.robot.yaml" in run.out
     assert (slider / "robot-1.schema.json").read_bytes() == (stepbot("schema").out).encode()
     checked = stepbot("check", "--step", "slider.robot.yaml", "--json")
@@ -138,7 +138,7 @@ def test_interactive_asks_for_the_root_link(slider: Path, stepbot: Stepbot, monk
     import io
 
     monkeypatch.setattr("sys.stdin", io.StringIO("2\n"))
-    run = stepbot("init", "slider.step", "--interactive")
+    run = stepbot("init", "slider.step", "--interactive", "-v")
     assert run.code == 0, run.err
     assert "Which link is the root" in run.err
     assert "  slide: prismatic, block -> holder, score 1.00\n" in run.out
@@ -163,7 +163,7 @@ def test_answers_are_facts_to_infer_from(
     import io
 
     monkeypatch.setattr("sys.stdin", io.StringIO(answers))
-    run = stepbot("init", "chain.step", "--interactive", "--force")
+    run = stepbot("init", "chain.step", "--interactive", "--force", "-v")
     assert run.code == 0, run.err
     assert run.err.count(" move (") == motions
     lines = [line for line in run.out.splitlines() if "revolute, " in line]

@@ -117,8 +117,8 @@ def test_check_convert_and_verify_agree(stepbot: Stepbot, tmp_path: Path) -> Non
     names = ["shoulder", "elbow", "finger", "finger_mirror"]
     assert [(row["name"], row["basis"]) for row in table] == [(name, "fit") for name in names]
     out = tmp_path / "arm2"
-    converted = stepbot("convert", str(at_zero), "--step", step, "-o", str(out), "-f", "urdf", "--no-verify")
-    assert "shoulder: revolute, base -> upper_arm, axis +z through [0, 0, 102] mm\n" in converted.out
+    converted = stepbot("convert", str(at_zero), "--step", step, "-o", str(out), "-f", "urdf", "--no-verify", "-v")
+    assert "  shoulder: revolute, base -> upper_arm\n    axis +z through [0, 0, 102] mm\n" in converted.out
     assert json.loads((out / "report.json").read_text(encoding="utf-8"))["joint_table"] == table
     verified = json.loads(stepbot("verify", "--json", str(out / "arm2.urdf")).out)["report"]["joint_table"]
     seen = {row["name"]: row for row in verified}

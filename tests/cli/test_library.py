@@ -50,7 +50,12 @@ def test_export_of_the_source(
     monkeypatch.chdir(tmp_path)
     run = stepbot("library", "export", "arm2", "--source")
     assert (run.code, run.err) == (0, "")
-    assert run.out.split() == ["arm2/arm2.step", "arm2/arm2.robot.yaml", "arm2/robot-1.schema.json"]
+    assert run.out.splitlines() == [
+        "arm2/arm2.step",
+        "arm2/arm2.robot.yaml",
+        "arm2/robot-1.schema.json",
+        "next: stepbot view arm2/arm2.robot.yaml",
+    ]
     original = robot_library / "stepbot_arm2"
     assert (tmp_path / "arm2" / "arm2.step").read_bytes() == (original / "arm2.step").read_bytes()
     sidecar = tmp_path / "arm2" / "arm2.robot.yaml"

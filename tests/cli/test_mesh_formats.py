@@ -62,9 +62,9 @@ def test_budgets_hold_for_a_link_and_the_robot(
     budgets = SIDECAR.replace("[plate]}", "[plate], mesh: {{max_triangles: 60}}}")
     for name, text in (("plain", SIDECAR.format(mesh="{}")), ("coarse", budgets.format(mesh="{max_triangles: 160}"))):
         Path(f"{name}.robot.yaml").write_text(text, encoding="utf-8")
-        run = stepbot("convert", f"{name}.robot.yaml", "-o", name, "--no-verify", "-f", "urdf")
+        run = stepbot("convert", f"{name}.robot.yaml", "-o", name, "--no-verify", "-f", "urdf", "-v")
         assert run.code == 0, run.err
-    assert "note[SB611]: 2 x visual meshes simplified" in run.err
+    assert run.err.count("note[SB611]: ") == 2
     plain, coarse = (ET.parse(Path(name, "hinge.urdf")).getroot() for name in ("plain", "coarse"))
     for tag in ("inertial", "collision"):
         assert [ET.tostring(one) for one in plain.iter(tag)] == [ET.tostring(one) for one in coarse.iter(tag)]

@@ -47,6 +47,8 @@ class Engine:
     """Whether it is one of stepbot's own parsers, which confirms the text of a file but simulates nothing."""
     install: str = ""
     """Command that installs it; empty for ``pip install NAME``."""
+    title: str = ""
+    """Name in prose: ``MuJoCo``; empty for ``name``."""
 
     @property
     def observe_function(self) -> str:

@@ -60,7 +60,7 @@ class _Findings(NamedTuple):
     joints: int
     joint_table: bytes
     """An encoded tuple of :class:`stepbot.robot.joint_table.JointRow`; empty without joints."""
-    masses: str
+    robot: str
 
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
@@ -139,7 +139,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     if kept is not None:
         found.extend(kept.diagnostics)
         found.add_ignored(kept.ignored)
-        return Checked(kept.named, kept.links, kept.joints, _decoded_rows(kept.joint_table), kept.masses)
+        return Checked(kept.named, kept.links, kept.joints, _decoded_rows(kept.joint_table), kept.robot)
     from stepbot.pipeline import stages as pipeline
 
     before, local = _content(sidecar, cache), Diagnostics()
@@ -154,8 +154,8 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     if not (open_step and local.has_errors):
         after = _check_key(sidecar, options, open_step)
         if after and key in ("", after):
-            named, links, joints, rows, masses = checked
-            kept = _Findings(tuple(local), local.ignored, named, links, joints, _encoded_rows(rows), masses)
+            named, links, joints, rows, robot = checked
+            kept = _Findings(tuple(local), local.ignored, named, links, joints, _encoded_rows(rows), robot)
             TypedCache(cache, _Findings).put(after, kept)
     return checked
 

@@ -72,8 +72,8 @@ class Checked(NamedTuple):
     """Number of tree joints, and of joints that close loops."""
     joint_table: "tuple[JointRow, ...]" = ()
     """Position of each joint; empty if no STEP was read or there is no robot because of errors."""
-    masses: str = ""
-    """The masses of the links in words; empty as ``joint_table``."""
+    robot: str = ""
+    """Name, size and mass of the robot in words; empty as ``joint_table``."""
 
 
 class Kept(NamedTuple):
@@ -115,14 +115,13 @@ class Conversion(NamedTuple):
     @property
     def summary(self) -> "Summary | None":
         """What commands print about the results; None without files."""
-        if self.results is None:
-            return None
         if isinstance(self.results, Kept):
             return self.results.summary
-        from stepbot.engines import optional_engines
-        from stepbot.report.summarizing import summary_of
+        if self.results is None or self.robot is None:
+            return None
+        from .verdict import summary_of
 
-        return summary_of(self.results, optional_engines())
+        return summary_of(self.robot, self.results, "the CAD" if self.named else "its source")
 
 
 def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:

@@ -11,6 +11,7 @@ from stepbot.robot.model import Robot
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 from stepbot.verification.admission import admitted
 from stepbot.verification.files import format_of
+from stepbot.verification.folders import robot_file
 
 from .conversion import Options
 from .targets import report_missing
@@ -60,12 +61,13 @@ def described_robot(path: Path, options: Options, found: Diagnostics, *, drawn: 
     """The robot of a URDF, SDFormat or MJCF; None after an error.
 
     Args:
-        path: The description.
+        path: The description, or a folder with the files of one robot, as `stepbot convert` writes it.
         options: Time and memory limits.
         found: Receives the diagnostics.
         drawn: Whether it is for a picture, where shapes and joints that are not shown are reported as SB825; otherwise
             they are errors.
     """
+    path = robot_file(path)
     description = read_description(path, options, found)
     if description is None or found.has_errors:
         return None

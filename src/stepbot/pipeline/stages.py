@@ -17,7 +17,6 @@ from stepbot.assemble import link_components
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.formats import format_named
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.report.mass_words import mass_summary
 from stepbot.robot.model import Robot
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
@@ -29,6 +28,7 @@ from .conversion import REPORT, Checked, Conversion, Options, write
 from .loading import Loading
 from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
 from .source_names import is_description
+from .verdict import robot_words
 from .writing import all_files, judged_by_files, proven, rendered, report_unused, started_proof
 
 __all__ = ["REPORT", "Conversion", "Inspection", "Options", "check", "convert", "inspect", "produce", "step_of"]
@@ -157,8 +157,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
             with closing(Loading(source, what_to_read(loaded, options), options, found)) as loading:
                 built = build(loaded, loading.assembly(found), loading, options, found)
                 if built is not None:
-                    masses = mass_summary(_masses(built.robot))
-                    checked = checked._replace(joint_table=built.joint_table, masses=masses)
+                    checked = checked._replace(joint_table=built.joint_table, robot=robot_words(built.robot))
                     built.double_counting.report(options.timeout)
         if not found.has_errors:
             report_unused(found, _JUDGED_BY_BUILD if open_step else _JUDGED_BY_TEXT)

@@ -29,6 +29,7 @@ from .describing import read_description
 from .input_hashes import input_hashes, input_names
 from .self_collisions import with_self_collision
 from .source_names import is_description
+from .verdict import robot_words
 from .writing import Rendered, all_files, judged_by_files, proven, rendered, report_unused, started_proof
 
 __all__ = ["check_description", "is_description", "produce_translation"]
@@ -89,7 +90,8 @@ def check_description(path: Path, options: Options, found: Diagnostics) -> Check
     found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     robot, _ = _robot(path, _read(path, options, found), options, found)
     report_unused(found, _JUDGED)
-    return Checked("", len(robot.links), len(robot.joints) + len(robot.closures), _joint_table(robot))
+    joints = len(robot.joints) + len(robot.closures)
+    return Checked("", len(robot.links), joints, _joint_table(robot), robot_words(robot))
 
 
 def _joint_table(robot: Robot) -> tuple[JointRow, ...]:

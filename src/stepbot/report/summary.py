@@ -23,26 +23,15 @@ class JointTable(NamedTuple):
     title: str
     joints: tuple[JointText, ...]
     weak: str
-    """The joints on weak evidence; empty if there are none."""
-
-
-class Proof(NamedTuple):
-    """The verification results of each file in texts."""
-
-    rows: tuple[tuple[str, str, str, str, str], ...]
-    """Format, file, status, engines and worst deviation of each file."""
-    remarks: tuple[str, ...]
-    """Independent joints of a robot with loops, and the number of checks."""
+    """Number and names of the joints on weak evidence; empty if there are none."""
 
 
 class Summary(NamedTuple):
-    """All that is printed about a conversion, except its files and diagnostics."""
+    """What the default output prints about a conversion, except its files and diagnostics."""
 
-    joint_table: JointTable | None
-    """None without joints."""
-    masses: str
-    """The masses of the links; empty without links."""
-    collisions: str
-    """How well collision shapes match the solids; empty without collision shapes."""
-    proof: Proof | None
-    """None without checks."""
+    robot: str
+    """``four_bar: 4 links, 4 joints (1 closes a loop), 1 degree of freedom, 3.13 kg``."""
+    proof: tuple[str, ...]
+    """Lines: which formats are proven by which engines, and what is not."""
+    doubtful: JointTable | None
+    """The joints on weak evidence; None without any."""

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.formats import FORMATS
+from stepbot.formats.features import Feature, Level
 from stepbot.robot.step_names import is_step_name
 
 SCENES = (".drake.sdf", *(written.scene for written in FORMATS.values() if written.scene))
@@ -22,6 +23,16 @@ def main_files(folder: Path) -> list[Path]:
         return _main_files(folder.glob("*")) or _main_files(folder.glob("*/*"))
     except OSError:
         return []
+
+
+def robot_file(target: Path) -> Path:
+    """The file to show of a folder with the files of one robot: the first that keeps loops; else the target itself."""
+    files = main_files(target) if target.is_dir() else []
+    if len({path.stem for path in files}) != 1:
+        return target
+    formats = {written.suffix: written for written in FORMATS.values()}
+    loops = (path for path in files if formats[path.suffix].expresses[Feature.CLOSURE].level is Level.EXACT)
+    return next(loops, files[0])
 
 
 def _main_files(paths: Iterable[Path]) -> list[Path]:

@@ -11,4 +11,5 @@ ENGINE = Engine(
     probe_order=60,  # it reads no mimics
     optional=True,
     install="pip install 'stepbot[verify]'",
+    title="Drake",
 )

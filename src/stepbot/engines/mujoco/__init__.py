@@ -2,4 +2,11 @@
 
 from ..engine import Engine, installed
 
-ENGINE = Engine(__name__, "mujoco", formats=("urdf", "mjcf"), available=installed("mujoco"), order=10)
+ENGINE = Engine(
+    __name__,
+    "mujoco",
+    formats=("urdf", "mjcf"),
+    available=installed("mujoco"),
+    order=10,
+    title="MuJoCo",
+)

@@ -18,4 +18,5 @@ ENGINE = Engine(
     order=50,
     optional=True,
     install="pip install 'stepbot[newton]'",
+    title="Newton",
 )

@@ -23,4 +23,5 @@ ENGINE = Engine(
     order=50,
     optional=True,
     install="pip install 'stepbot[verify]'",
+    title="Pinocchio",
 )

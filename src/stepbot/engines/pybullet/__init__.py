@@ -24,4 +24,5 @@ ENGINE = Engine(
     available=available,
     order=40,
     install="pip install pybullet-arm64",  # the same module, with wheels for more systems
+    title="PyBullet",
 )

@@ -10,4 +10,5 @@ ENGINE = Engine(
     order=20,
     own_parser=True,
     install="pip install 'stepbot[usd]'",
+    title="OpenUSD",
 )
