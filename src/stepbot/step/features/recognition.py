@@ -4,11 +4,14 @@ The kernel fits the surface. A deviation up to the tolerance moves the axis of a
 a quarter of the circumference or more by less than ten times as much, 1e-6 m.
 """
 
+from collections.abc import Iterable
 from typing import Any
 
 from OCP.GeomAbs import GeomAbs_SurfaceType
 from OCP.gp import gp_Cone, gp_Cylinder, gp_Pln, gp_Sphere
 from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
+
+from ..kernel_errors import KERNEL_ERRORS, OUT_OF_MEMORY
 
 FREE_FORMS = (
     GeomAbs_SurfaceType.GeomAbs_BSplineSurface,
@@ -21,20 +24,27 @@ _TOLERANCE = 1e-4
 
 
 def revolved(face: Any) -> gp_Cylinder | gp_Cone | None:
-    """The cylinder or cone that a free-form face is on; None if it is on neither."""
-    recognition = ShapeAnalysis_CanonicalRecognition(face)
-    cylinder, cone = gp_Cylinder(), gp_Cone()
-    if recognition.IsCylinder(_TOLERANCE, cylinder):
-        return cylinder
-    return cone if recognition.IsCone(_TOLERANCE, cone) else None
+    """The cylinder or cone that a free-form face is on; None if it is on neither, or the kernel fails on it."""
+    return _first(face, (("IsCylinder", gp_Cylinder()), ("IsCone", gp_Cone())))
 
 
 def recognized(face: Any) -> gp_Pln | gp_Cylinder | gp_Cone | gp_Sphere | None:
-    """The plane, cylinder, cone or sphere that a free-form face is on; None if it is on none of them."""
-    plane, sphere = gp_Pln(), gp_Sphere()
-    if ShapeAnalysis_CanonicalRecognition(face).IsPlane(_TOLERANCE, plane):
-        return plane
-    quadric = revolved(face)
-    if quadric is not None:
-        return quadric
-    return sphere if ShapeAnalysis_CanonicalRecognition(face).IsSphere(_TOLERANCE, sphere) else None
+    """The plane, cylinder, cone or sphere that a free-form face is on; None as for :func:`revolved`."""
+    forms = ("IsPlane", gp_Pln()), ("IsCylinder", gp_Cylinder()), ("IsCone", gp_Cone()), ("IsSphere", gp_Sphere())
+    return _first(face, forms)
+
+
+def _first(face: Any, forms: Iterable[tuple[str, Any]]) -> Any:
+    """The first form that the face has, fitted to it.
+
+    Each is tried alone: the kernel fails on some faces, with a null curve or a division by zero.
+    """
+    for test, form in forms:
+        try:
+            if getattr(ShapeAnalysis_CanonicalRecognition(face), test)(_TOLERANCE, form):
+                return form
+        except OUT_OF_MEMORY:
+            raise
+        except KERNEL_ERRORS:
+            continue
+    return None

@@ -25,6 +25,8 @@ from .splines import Indices
 
 _ORDERS = ((8, 10), (32, 6), (float("inf"), 4))
 """Gauss points on each piece of an edge that has up to so many: many pieces are short."""
+_COARSE = {10: 7, 6: 4, 4: 3, 3: 3}
+"""Gauss points whose result shows the error of more; three are exact where the integrand is a polynomial."""
 _QUARTER = 0.5 * np.pi
 _SAMPLES = 8
 """Parts of a piece in each of which it is taken to cross a parameter once at most."""
@@ -62,8 +64,8 @@ class _Edge:
     frame: tuple[Array, Array] | None = None
     """Origin (3,) and axes (3, 2) of the plane of a curve in space; None where the curve is in the parameters."""
 
-    def rule(self, parts: int) -> Rule:
-        t, dt = _nodes(self.pieces, parts)
+    def rule(self, parts: int, coarse: bool) -> Rule:
+        t, dt = _nodes(self.pieces, parts, coarse)
         uv, duv = self.curve.at(t)
         if self.frame is not None:
             origin, axes = self.frame
@@ -81,16 +83,21 @@ class Contours:
     """Ellipses c + p cos t + q sin t in the plane: face, c, p, q, first and last t."""
     others: list[_Edge] = field(default_factory=list)
 
-    def rule(self, turning: bool, parts: int) -> Rule:
+    def rule(self, turning: bool, parts: int, coarse: bool = False) -> Rule:
         """All of them.
 
         Args:
             turning: Whether u is an angle; if not, the integrand is a polynomial of a low degree along lines.
             parts: How many parts each piece is divided into.
+            coarse: Whether with fewer points on each part.
         """
         lines, arcs = np.array(self.lines).reshape(-1, 5), np.array(self.arcs).reshape(-1, 9)
         return _joined(
-            [*_line_rules(lines, turning, parts), *_arc_rules(arcs, parts), *(edge.rule(parts) for edge in self.others)]
+            [
+                *_line_rules(lines, turning, parts, coarse),
+                *_arc_rules(arcs, parts, coarse),
+                *(edge.rule(parts, coarse) for edge in self.others),
+            ]
         )
 
 
@@ -163,20 +170,21 @@ def add_curved(contours: Contours, number: int, face: Any, breaks: tuple[Array, 
             contours.others.append(_Edge(number, curve, _divided(curve, breaks), is_reversed))
 
 
-def _line_rules(lines: Array, turning: bool, parts: int) -> Iterator[Rule]:
+def _line_rules(lines: Array, turning: bool, parts: int, coarse: bool) -> Iterator[Rule]:
     lines = lines[lines[:, 1] != lines[:, 3]]
     if not len(lines):
         return
     start, way = lines[:, 1:3], lines[:, 3:] - lines[:, 1:3]
-    owner, share, weight = _shares(way[:, 0] if turning else np.zeros(len(lines)), 10 if turning else 3, parts)
+    order = _order(10 if turning else 3, coarse)
+    owner, share, weight = _shares(way[:, 0] if turning else np.zeros(len(lines)), order, parts)
     uv = start[owner] + share[:, None] * way[owner]
     yield Rule(lines[owner, 0].astype(np.int64), uv, way[owner, 0] * weight)
 
 
-def _arc_rules(arcs: Array, parts: int) -> Iterator[Rule]:
+def _arc_rules(arcs: Array, parts: int, coarse: bool) -> Iterator[Rule]:
     if not len(arcs):
         return
-    owner, share, weight = _shares(arcs[:, 8] - arcs[:, 7], 10, parts)
+    owner, share, weight = _shares(arcs[:, 8] - arcs[:, 7], _order(10, coarse), parts)
     first, last = arcs[owner, 7], arcs[owner, 8]
     t = first + share * (last - first)
     cos, sin = np.cos(t)[:, None], np.sin(t)[:, None]
@@ -205,9 +213,13 @@ def _joined(rules: Sequence[Rule]) -> Rule:
     return Rule(*(np.concatenate([getattr(rule, name) for rule in rules]) for name in ("faces", "uv", "du")))
 
 
-def _nodes(pieces: Array, parts: int) -> tuple[Array, Array]:
+def _order(order: int, coarse: bool) -> int:
+    return _COARSE[order] if coarse else order
+
+
+def _nodes(pieces: Array, parts: int, coarse: bool) -> tuple[Array, Array]:
     """Gauss points on all pieces of a curve, and the parameter interval of each."""
-    nodes, weights = gauss(next(order for count, order in _ORDERS if len(pieces) <= count))
+    nodes, weights = gauss(_order(next(order for count, order in _ORDERS if len(pieces) <= count), coarse))
     share = np.arange(parts) / parts
     start = (pieces[:-1, None] + np.diff(pieces)[:, None] * share).reshape(-1)
     length = np.repeat(np.diff(pieces) / parts, parts)

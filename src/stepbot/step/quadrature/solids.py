@@ -3,9 +3,14 @@
 The divergence theorem makes an integral over a solid one over its faces: that of a homogeneous f of degree k is
 the flux of f S / (3 + k). Green's theorem makes that one around their boundaries (:mod:`.contours`). Surfaces and edges
 are cut where they are less smooth, at their knots, so that Gauss's rule converges on every piece as the pieces shrink.
+
+The error has two parts. Fewer Gauss points show that of the rule, which smaller pieces reduce. A boundary that does not
+close leaves the other: the integral then depends on where along v it starts, which no finer rule changes.
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -25,11 +30,14 @@ from ..kernel import MILLIMETRES_PER_METRE
 from ..topology import faces_of
 from .contours import Contours, Rule, add_curved, add_planar, gauss
 from .curves import curve_of, spline_surface
-from .splines import SplineSurface
+from .splines import Indices, SplineSurface
 from .surfaces import Extruded, Frames, Patch, Planes, Quadrics, Revolved, Sampled, Splined
 
-_ROWS = 1000
+_ROWS = 2000
 """Boundary points that are integrated to at once."""
+_MOST_PARTS = 8
+"""Parts of a smooth piece at most."""
+_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 _NONE = np.empty(0)
 
 
@@ -53,17 +61,64 @@ class _Surface:
     """Shape (n,): -1 for each face that looks the other way than its surface."""
     turning: bool
 
-    def integrals(self, parts: int) -> Array:
-        return _integral(self.patch, self.contours.rule(self.turning, parts), self.signs, parts)
+    def integrals(self, parts: int, *, coarse: bool = False) -> Array:
+        """What the faces contribute to the ten integrals."""
+        return self._integral(self.contours.rule(self.turning, parts, coarse), parts, coarse)
+
+    def undetermined(self) -> Array:
+        """How far the integrals depend on where they start, in a face whose boundary does not close."""
+        faces, v = self._whole.faces, self._whole.uv[:, 1]
+        if not len(faces):
+            return np.zeros(10)
+        gaps: Array = np.bincount(faces, self._whole.du, len(self.signs)).astype(np.float64)
+        low, high = np.full(len(gaps), np.inf), np.full(len(gaps), -np.inf)
+        np.minimum.at(low, faces, v)
+        np.maximum.at(high, faces, v)
+        each = np.unique(faces, return_index=True)[1]
+        used = faces[each]
+        start = self._starts[used]
+        end = np.where(high[used] - start > start - low[used], high[used], low[used])
+        across = Rule(used, np.stack([self._whole.uv[each, 0], end], axis=1), gaps[used])
+        return np.abs(self._integral(across, 1, coarse=False))
+
+    @cached_property
+    def _whole(self) -> Rule:
+        return self.contours.rule(self.turning, 1)
+
+    @cached_property
+    def _starts(self) -> Array:
+        """For each face the v that its integrals start at, however finely it is divided."""
+        starts = np.zeros(len(self.signs))
+        faces, first = np.unique(self._whole.faces, return_index=True)
+        starts[faces] = self._whole.uv[first, 1]
+        return starts
+
+    def _integral(self, rule: Rule, parts: int, coarse: bool) -> Array:
+        patch, total = self.patch, np.zeros(10)
+        # Along v an exact rule needs neither smaller pieces nor a check by fewer points.
+        order, parts = (patch.order, 1) if patch.is_exact else (patch.order * 2 // 3 if coarse else patch.order, parts)
+        nodes, weights = gauss(order)
+        starts = self._starts[rule.faces]
+        used = np.flatnonzero((rule.du != 0.0) & (rule.uv[:, 1] != starts))
+        for at in range(0, len(used), _ROWS):
+            cut = used[at : at + _ROWS]
+            faces, (u, v) = rule.faces[cut], rule.uv[cut].T
+            section, du = patch.section(u, faces), -self.signs[faces] * rule.du[cut]
+            for rows, low, high, lengths in _panels(starts[cut], v, patch.breaks[1], parts):
+                points, flux = section.at(rows, low + (high - low) * nodes[:, None])
+                total += _moments(points, du[rows] * lengths * weights[:, None] * flux)
+        return total
 
 
 class Boundary:
     """The faces of a solid, read from the kernel once, to integrate over as finely as it takes."""
 
+    _surfaces: list[_Surface]
+
     def __init__(self, shape: Any, origin: Array) -> None:
         """From a solid whose faces look outwards, and a point near it, which coordinates are taken with respect to."""
         planes, straight, round_ = _Group(), _Group(), _Group()
-        self._surfaces: list[_Surface] = []
+        self._surfaces = []
         for face in faces_of(shape):
             orientation = face.Orientation()
             if orientation not in (TopAbs_Orientation.TopAbs_FORWARD, TopAbs_Orientation.TopAbs_REVERSED):
@@ -93,7 +148,8 @@ class Boundary:
             self._surfaces.append(_Surface(flat, planes.contours, np.array(planes.signs), turning=False))
         for group, order in ((straight, 3), (round_, 24)):
             if group.signs:
-                quadrics = Quadrics(Frames.of(group.positions, origin), np.array(group.shapes), order)
+                frames = Frames.of(group.positions, origin)
+                quadrics = Quadrics(frames, np.array(group.shapes), order, is_exact=group is straight)
                 self._surfaces.append(_Surface(quadrics, group.contours, np.array(group.signs), turning=True))
 
     def integrals(self, parts: int) -> Array:
@@ -105,10 +161,71 @@ class Boundary:
         Returns:
             Shape (10,): volume; first moments; second moments xx, xy, xz, yy, yz, zz.
         """
-        total = np.zeros(10)
-        for surface in self._surfaces:
-            total += surface.integrals(parts)
-        return total
+        return _sum([surface.integrals(parts) for surface in self._surfaces] if parts > 1 else self._undivided)
+
+    def converged(self, tolerance: float) -> tuple[Array, float]:
+        """The integrals, with smaller pieces for surfaces whose error is above its share of the tolerance.
+
+        Returns:
+            Shape (10,), as of :meth:`integrals`; and the error, relative, of volume, centre and inertia.
+        """
+        found = list(self._undivided)
+        changes = [a - surface.integrals(1, coarse=True) for surface, a in zip(self._surfaces, found, strict=True)]
+        total = _sum(found)
+        for k in np.flatnonzero(relative_sizes(np.array(changes), total) > tolerance / len(found)):
+            parts, error = 1, np.inf
+            while parts < _MOST_PARTS and error > tolerance / len(found):
+                parts *= 2
+                finer = self._surfaces[k].integrals(parts)
+                changes[k], found[k] = finer - found[k], finer
+                error = relative_sizes(changes[k][None], total)[0]
+        total = _sum(found)
+        open_ = [surface.undetermined() for surface in self._surfaces]
+        return total, float(relative_sizes(np.array(changes + open_), total).sum())
+
+    @cached_property
+    def _undivided(self) -> list[Array]:
+        return [surface.integrals(1) for surface in self._surfaces]
+
+
+def relative_sizes(changes: Array, moments: Array) -> Array:
+    """Sizes (n,) of small changes (n, 10) of a solid's integrals (10,): the largest of volume, centre and inertia.
+
+    The inertia's is about the axis with the largest one, the centre's in radii of gyration.
+    """
+    volume = moments[0]
+    if not (np.isfinite(moments).all() and np.isfinite(changes).all() and volume > 0.0):
+        return np.full(len(changes), np.inf)
+    com = moments[1:4] / volume
+    principal, axes = np.linalg.eigh(_inertia(moments[4:] - volume * _products(com, com)))
+    if not principal[0] > 0.0:
+        return np.full(len(changes), np.inf)
+    of_volume = changes[:, 0]
+    shift = changes[:, 1:4] - com * of_volume[:, None]
+    second = changes[:, 4:] - 2.0 * _products(shift, com) - of_volume[:, None] * _products(com, com)
+    scaled = axes / np.sqrt(principal)
+    turned = np.linalg.eigvalsh(scaled.T @ _inertia(second) @ scaled)
+    gyration = np.sqrt(principal.sum() / (2.0 * volume))
+    moved = np.sqrt((shift**2).sum(axis=1)) / gyration
+    return np.asarray(np.max([np.abs(of_volume) / volume, moved / volume, np.abs(turned).max(axis=1)], axis=0))
+
+
+def _products(a: Array, b: Array) -> Array:
+    """The symmetric part of the products of two vectors: xx, xy, xz, yy, yz, zz."""
+    return np.stack([0.5 * (a[..., i] * b[..., j] + a[..., j] * b[..., i]) for i, j in _PAIRS], axis=-1)
+
+
+def _inertia(second: Array) -> Array:
+    """Inertia matrices (..., 3, 3) from second moments (..., 6)."""
+    matrix = second[..., [0, 1, 2, 1, 3, 4, 2, 4, 5]].reshape(*second.shape[:-1], 3, 3)
+    return (second[..., 0] + second[..., 3] + second[..., 5])[..., None, None] * np.eye(3) - matrix
+
+
+def _sum(parts: Sequence[Array]) -> Array:
+    total = np.zeros(10)
+    for part in parts:
+        total += part
+    return total
 
 
 def quadrature(shape: Any, origin: Array, parts: int) -> Array:
@@ -122,9 +239,7 @@ def properties_of(moments: Array, origin: Array) -> VolumeProperties | None:
     if not (np.isfinite(moments).all() and volume > 0.0):
         return None
     com = moments[1:4] / volume
-    xx, xy, xz, yy, yz, zz = moments[4:]
-    second = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) - volume * np.outer(com, com)
-    inertia = np.trace(second) * np.eye(3) - second
+    inertia = _inertia(moments[4:] - volume * _products(com, com))
     scale = MILLIMETRES_PER_METRE
     return VolumeProperties.rounded(volume / scale**3, (com + origin) / scale, inertia / scale**5)
 
@@ -179,41 +294,34 @@ def _intervals(surface: Any, direction: str) -> Array:
     return np.array(list(found))
 
 
-def _integral(patch: Patch, rule: Rule, signs: Array, parts: int) -> Array:
-    """What the faces of a patch contribute to the ten integrals."""
-    total = np.zeros(10)
-    if not len(rule.du):
-        return total
-    starts = np.zeros(len(signs))
-    order = np.unique(rule.faces, return_index=True)
-    starts[order[0]] = rule.uv[order[1], 1]
-    nodes, weights = gauss(patch.order)
-    for at in range(0, len(rule.du), _ROWS):
-        cut = slice(at, at + _ROWS)
-        faces, uv, du = rule.faces[cut], rule.uv[cut], rule.du[cut]
-        section = patch.section(uv[:, 0], faces)
-        rows, low, high = _panels(starts[faces], uv[:, 1], patch.breaks[1], parts)
-        v = (low[:, None] + (high - low)[:, None] * nodes).reshape(-1)
-        share = (-(signs[faces] * du)[rows, None] * (high - low)[:, None] * weights).reshape(-1)
-        points, flux = section.at(np.repeat(rows, len(nodes)), v)
-        total += _moments(points, share * flux)
-    return total
+def _panels(start: Array, end: Array, breaks: Array, parts: int) -> Iterator[tuple[Indices, Array, Array, Array]]:
+    """Ways (m,) from start to end, cut at breaks and then into parts, the pieces that are a whole interval together.
 
-
-def _panels(start: Array, end: Array, breaks: Array, parts: int) -> tuple[Any, Array, Array]:
-    """Ways from start to end, cut at breaks and then into parts: number of the way, and both ends of each panel."""
+    Yields:
+        Numbers of the ways (k,); lower and upper end of each piece, (k,) or (1,) where all have the same; and their
+        lengths (k,), negative downwards.
+    """
     edges = np.concatenate([[-np.inf], breaks[1:-1], [np.inf]])
     low = np.clip(start[:, None], edges[:-1], edges[1:])
     high = np.clip(end[:, None], edges[:-1], edges[1:])
-    rows, panels = np.nonzero(low != high)
-    low, high = low[rows, panels], high[rows, panels]
+    whole = np.abs(high - low) == np.diff(edges)
     share = np.arange(parts + 1) / parts
-    cuts = low[:, None] + (high - low)[:, None] * share
-    return np.repeat(rows, parts), cuts[:, :-1].reshape(-1), cuts[:, 1:].reshape(-1)
+    for interval in np.flatnonzero(whole.any(axis=0)).tolist():
+        rows = np.flatnonzero(whole[:, interval])
+        cuts = edges[interval] + (edges[interval + 1] - edges[interval]) * share
+        lengths = np.where(high[rows, interval] > low[rows, interval], 1.0, -1.0)
+        for a, b in zip(cuts[:-1, None], cuts[1:, None], strict=True):
+            yield rows, a, b, lengths * (b - a)
+    rows, panels = np.nonzero((low != high) & ~whole)
+    if len(rows):
+        low, high = low[rows, panels], high[rows, panels]
+        cuts = low[:, None] + (high - low)[:, None] * share
+        low, high = cuts[:, :-1].reshape(-1), cuts[:, 1:].reshape(-1)
+        yield np.repeat(rows, parts), low, high, high - low
 
 
 def _moments(points: Array, share: Array) -> Array:
-    x, y, z = points.T
+    (x, y, z), share = points.reshape(3, -1), share.reshape(-1)
     weighted = [share, share * x, share * y, share * z]
     second = [weighted[1] * x, weighted[1] * y, weighted[1] * z, weighted[2] * y, weighted[2] * z, weighted[3] * z]
     return np.array(

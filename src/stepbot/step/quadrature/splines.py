@@ -123,21 +123,39 @@ class SplineSurface:
         return self.u.breaks(rational), self.v.breaks(rational)
 
     def sections(self, u: Array) -> tuple[Array, Array]:
-        """Homogeneous poles (k, m, 4) of the curves along v at parameters (k,), and their derivatives by u."""
-        first, values, derivatives = self.u.at(u)
-        return _sums(self.poles, first, values), _sums(self.poles, first, derivatives)
+        """Poles of the curves along v at parameters (k,), and their derivatives by u.
 
-    def at(self, sections: tuple[Array, Array], rows: Indices, v: Array) -> tuple[Array, Array, Array]:
-        """Points and derivatives by u and v, each (m, 3), at parameters (m,) of the numbered sections (m,)."""
-        first, values, derivatives = self.v.at(v)
-        value, by_u, by_v = np.zeros((len(v), 4)), np.zeros((len(v), 4)), np.zeros((len(v), 4))
-        for k in range(values.shape[1]):
-            poles = sections[0][rows, first + k]
-            value += values[:, k, None] * poles
-            by_v += derivatives[:, k, None] * poles
-            by_u += values[:, k, None] * sections[1][rows, first + k]
-        point, tangent = divided(value, by_v)
-        return point, divided(value, by_u)[1], tangent
+        Both have shape (3, m, k); homogeneous poles of a rational surface have shape (4, m, k).
+        """
+        poles = self.poles if is_rational(self.poles) else self.poles[..., :3]
+        first, values, derivatives = self.u.at(u)
+        found = _sums(poles, first, values), _sums(poles, first, derivatives)
+        return np.ascontiguousarray(found[0].T), np.ascontiguousarray(found[1].T)
+
+    def at(self, sections: tuple[Array, Array], rows: Indices, v: Array) -> tuple[Array, ...]:
+        """Points and derivatives by u and v, each (3, n, m), of the numbered sections (m,).
+
+        Args:
+            sections: As of :meth:`sections`.
+            rows: Shape (m,).
+            v: Shape (n, m), or (n, 1) for the same parameters on all; those of a section are between the same knots.
+        """
+        first, values, derivatives = self.v.at(v.reshape(-1))
+        first = first.reshape(v.shape)[0]
+        weights, slopes = (each.T.reshape(-1, *v.shape) for each in (values, derivatives))
+        point, by_u, by_v = 0.0, 0.0, 0.0
+        for k, (weight, slope) in enumerate(zip(weights, slopes, strict=True)):
+            pole, turn = (section[:, first + k, rows][:, None] for section in sections)
+            point, by_u, by_v = point + weight * pole, by_u + weight * turn, by_v + slope * pole
+        return _divided(np.asarray(point), np.asarray(by_u), np.asarray(by_v))
+
+
+def _divided(value: Array, *derivatives: Array) -> tuple[Array, ...]:
+    """Points and derivatives (3, ...) from homogeneous ones (4, ...); points without weights unchanged."""
+    if len(value) == 3:
+        return value, *derivatives
+    point = value[:3] / value[3]
+    return point, *((derivative[:3] - point * derivative[3]) / value[3] for derivative in derivatives)
 
 
 def _sums(poles: Array, first: Indices, weights: Array) -> Array:

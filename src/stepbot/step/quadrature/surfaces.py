@@ -2,6 +2,7 @@
 
 A patch is one surface, or many of one kind. An integral over it runs along v first, from a start to each of many points
 of its boundary: the parameters u of those points are given beforehand, so that what depends on u is computed once.
+Points of a section are arrays (3, n, m), n on each of m ways along v: numpy is fastest where the last axis is long.
 """
 
 from collections.abc import Sequence
@@ -17,13 +18,21 @@ from .curves import Curve
 from .splines import Indices, SplineSurface, is_rational
 
 _NONE = np.empty(0)
+_MOST_POINTS = 14
+_EXACT_DEGREE = 5
+"""Degree of a B-spline along v up to which that many points are exact."""
 
 
 class Section(Protocol):
     """A patch at given parameters u."""
 
     def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
-        """Points (m, 3) and flux densities (m,) at the parameters v (m,) of the numbered u (m,)."""
+        """Points (3, n, m) and flux densities (n, m) on m ways along v.
+
+        Args:
+            rows: Shape (m,): which of the given u each is at.
+            v: Shape (n, m), or (n, 1) for the same parameters on all; no break lies between those of one way.
+        """
 
 
 class Patch(Protocol):
@@ -32,6 +41,10 @@ class Patch(Protocol):
     @property
     def order(self) -> int:
         """Gauss points that integrate along v, between two breaks, to rounding."""
+
+    @property
+    def is_exact(self) -> bool:
+        """Whether they integrate exactly, since the integrand is a polynomial of v."""
 
     @property
     def breaks(self) -> tuple[Array, Array]:
@@ -68,6 +81,7 @@ class Planes:
 
     frames: Frames
     order: int = 2
+    is_exact: bool = True
     breaks: tuple[Array, Array] = (_NONE, _NONE)
 
     def section(self, u: Array, faces: Indices) -> Section:
@@ -75,17 +89,20 @@ class Planes:
         frames = self.frames
         normal = np.cross(frames.x, frames.y)
         flux = (frames.origins * normal).sum(axis=1)
-        return _PlaneSection(frames.origins[faces] + u[:, None] * frames.x[faces], frames.y[faces], flux[faces])
+        start = frames.origins[faces] + u[:, None] * frames.x[faces]
+        return _PlaneSection(start.T, frames.y[faces].T, flux[faces])
 
 
 @dataclass(frozen=True, eq=False)
 class _PlaneSection:
     start: Array
+    """Shape (3, k), and so is ``along``."""
     along: Array
     flux: Array
 
     def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
-        return self.start[rows] + v[:, None] * self.along[rows], self.flux[rows]
+        points = self.start[:, None, rows] + v * self.along[:, None, rows]
+        return points, np.broadcast_to(self.flux[rows], points.shape[1:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +113,7 @@ class Quadrics:
     shape: Array
     """Shape (n, 4): r0, s, q, c of each."""
     order: int
+    is_exact: bool
     breaks: tuple[Array, Array] = (_NONE, _NONE)
 
     def section(self, u: Array, faces: Indices) -> Section:
@@ -103,24 +121,25 @@ class Quadrics:
         frames = self.frames
         handed = np.sign((np.cross(frames.x, frames.y) * frames.z).sum(axis=1))[faces]
         outwards = np.cos(u)[:, None] * frames.x[faces] + np.sin(u)[:, None] * frames.y[faces]
-        return _QuadricSection(frames.origins[faces], frames.z[faces], outwards, handed, self.shape[faces])
+        return _QuadricSection(frames.origins[faces].T, frames.z[faces].T, outwards.T, handed, self.shape[faces].T)
 
 
 @dataclass(frozen=True, eq=False)
 class _QuadricSection:
     origins: Array
+    """Shape (3, k), and so are ``axes`` and ``outwards``."""
     axes: Array
     outwards: Array
     handed: Array
     shape: Array
 
     def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
-        r0, s, q, c = self.shape[rows].T
+        r0, s, q, c = self.shape[:, rows]
         cos, sin = q * np.cos(v), q * np.sin(v)
         radius, height = r0 + s * v + cos, c * v + sin
-        origins, axes, outwards = self.origins[rows], self.axes[rows], self.outwards[rows]
-        point = origins + radius[:, None] * outwards + height[:, None] * axes
-        out, up = (point * outwards).sum(axis=1), (point * axes).sum(axis=1)
+        origins, axes, outwards = (vectors[:, None, rows] for vectors in (self.origins, self.axes, self.outwards))
+        point = origins + radius * outwards + height * axes
+        out, up = _dot(point, outwards), _dot(point, axes)
         return point, self.handed[rows] * radius * ((c + cos) * out - (s - sin) * up)
 
 
@@ -133,7 +152,12 @@ class Splined:
     @property
     def order(self) -> int:
         """See :meth:`Patch.order`."""
-        return min((5 * self.surface.v.degree + 1) // 2 + 4 * is_rational(self.surface.poles), 14)
+        return min((5 * self.surface.v.degree + 1) // 2 + 4 * is_rational(self.surface.poles), _MOST_POINTS)
+
+    @property
+    def is_exact(self) -> bool:
+        """See :meth:`Patch.is_exact`."""
+        return not is_rational(self.surface.poles) and self.surface.v.degree <= _EXACT_DEGREE
 
     @property
     def breaks(self) -> tuple[Array, Array]:
@@ -162,6 +186,7 @@ class Extruded:
     origin: Array
     direction: Array
     order: int = 2
+    is_exact: bool = True
 
     @property
     def breaks(self) -> tuple[Array, Array]:
@@ -173,7 +198,7 @@ class Extruded:
         points, tangents = self.curve.at(u)
         points = points - self.origin
         flux = (points * np.cross(tangents, self.direction)).sum(axis=1)
-        return _PlaneSection(points, np.broadcast_to(self.direction, points.shape), flux)
+        return _PlaneSection(points.T, np.broadcast_to(self.direction, points.shape).T, flux)
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,6 +211,7 @@ class Revolved:
     axis: Array
     origin: Array
     order: int = 10
+    is_exact: bool = False
 
     @property
     def breaks(self) -> tuple[Array, Array]:
@@ -204,17 +230,18 @@ class _RevolvedSection:
     sin: Array
 
     def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
-        points, tangents = self.patch.curve.at(v)
+        points, tangents = self.patch.curve.at(v.reshape(-1))
         center, axis = self.patch.center, self.patch.axis
-        cos, sin = self.cos[rows, None], self.sin[rows, None]
+        cos, sin = self.cos[rows], self.sin[rows]
 
-        def turned(vectors: Array) -> tuple[Array, Array]:
+        def turned(vectors: Array) -> Array:
             along = dot(vectors, axis)[:, None] * axis
             across, beside = vectors - along, np.cross(axis, vectors)
-            return along + cos * across + sin * beside, cos * beside - sin * across
+            fixed, a, b = (each.T.reshape(3, *v.shape) for each in (along, across, beside))
+            return np.stack([fixed + cos * a + sin * b, cos * b - sin * a])
 
-        point, by_u = turned(points - center)
-        return _with_flux(point + (center - self.patch.origin), by_u, turned(tangents)[0])
+        at, by_u = turned(points - center)
+        return _with_flux(at + (center - self.patch.origin)[:, None, None], by_u, turned(tangents)[0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,6 +252,7 @@ class Sampled:
     origin: Array
     breaks: tuple[Array, Array]
     order: int = 10
+    is_exact: bool = False
 
     def section(self, u: Array, _faces: Indices) -> Section:
         """See :meth:`Patch.section`."""
@@ -237,13 +265,21 @@ class _SampledSection:
     u: Array
 
     def at(self, rows: Indices, v: Array) -> tuple[Array, Array]:
-        found = np.empty((len(v), 3, 3))
+        v = np.broadcast_to(v, (len(v), len(rows)))
+        found = np.empty((9, v.size))
         point, by_u, by_v = gp_Pnt(), gp_Vec(), gp_Vec()
-        for i, (a, b) in enumerate(zip(self.u[rows].tolist(), v.tolist(), strict=True)):
+        u = np.broadcast_to(self.u[rows], v.shape)
+        for i, (a, b) in enumerate(zip(u.reshape(-1).tolist(), v.reshape(-1).tolist(), strict=True)):
             self.patch.adaptor.D1(a, b, point, by_u, by_v)
-            found[i] = [(each.X(), each.Y(), each.Z()) for each in (point, by_u, by_v)]
-        return _with_flux(found[:, 0] - self.patch.origin, found[:, 1], found[:, 2])
+            found[:, i] = [c for each in (point, by_u, by_v) for c in (each.X(), each.Y(), each.Z())]
+        at, along_u, along_v = found.reshape(3, 3, *v.shape)
+        return _with_flux(at - self.patch.origin[:, None, None], along_u, along_v)
 
 
 def _with_flux(point: Array, by_u: Array, by_v: Array) -> tuple[Array, Array]:
-    return point, (point * np.cross(by_u, by_v)).sum(axis=1)
+    (x, y, z), (a, b, c), (d, e, f) = point, by_u, by_v
+    return point, x * (b * f - c * e) + y * (c * d - a * f) + z * (a * e - b * d)
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.asarray(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])

@@ -2,12 +2,13 @@
 
     simple solids            the kernel's, which is exact to rounding
     both agree to 1e-5       stepbot's own; their difference is its error
-    both agree to 1e-3, and  stepbot's own; the larger of both differences is its error
-      stepbot's own changes
-      by 1e-5 at most as its
-      pieces are halved
+    both agree to 1e-3, and  stepbot's own; the larger of their difference and its own error is its error
+      stepbot's own is within
+      1e-5 by its own estimate
     else                     the one that increasingly fine meshes converge to; its error is the larger of its deviation
                              from their limit and its last change
+    meshes do not converge,  stepbot's own, if the kernel's adaptive integration (Gauss-Kronrod) agrees to 1e-3, its
+      or have holes          claim included
 
 An error above 1e-3 means that the mass properties are unknown.
 A solid is simple if all its faces are planes, cylinders, cones, spheres or tori between edges of few spans.
@@ -34,15 +35,16 @@ from ..assembly import CERTAIN
 from ..kernel import MILLIMETRES_PER_METRE
 from ..quadrature.solids import Boundary, properties_of
 from ..topology import faces_of, mean_of_vertices
+from .exact import adaptive_volume
 from .stitching import Stitched
-from .tessellation import Tessellation, tessellated
+from .tessellation import Tessellation, tessellated_once
 
 _SAME = 1e-9
 """Relative difference up to which the kernel's integration is used unchanged."""
 _AGREEMENT = 1e-5
 """Relative difference up to which two integration methods need no third."""
-_CONVERGED = 1e-7
-_MOST_PARTS = 8
+_CONVERGED = 1e-6
+"""Error of stepbot's own integration at which its pieces are not divided further."""
 _MOST_TRIANGLES = 50_000
 """Triangles beyond which no finer mesh is made as a second opinion."""
 _SIMPLE_ERROR = 1e-9
@@ -98,10 +100,17 @@ def estimated(shape: Any, kernel: VolumeProperties, mesh: Tessellation, *, is_cl
         return Estimate(kernel if apart <= _SAME else own.properties, max(apart, _SIMPLE_ERROR))
     if apart <= CERTAIN and own.error <= _AGREEMENT and fits(own.properties):
         return Estimate(own.properties, max(apart, own.error))
-    if is_closed:
-        return _by_meshes(shape, mesh, [own, Estimate(kernel, 0.0)])
     opinions = (("stepbot", own.properties.volume), ("the kernel", kernel.volume))
-    return Estimate(own.properties, max(apart, own.error), opinions)
+    best = Estimate(own.properties, max(apart, own.error), opinions)
+    if is_closed:
+        best = _by_meshes(shape, mesh, [own, Estimate(kernel, 0.0)])
+    if best.error > CERTAIN and own.error <= _AGREEMENT:
+        adaptive, claimed = adaptive_volume(shape, CERTAIN)
+        off = abs(adaptive / own.properties.volume - 1.0)
+        if max(off, claimed) <= CERTAIN:
+            return Estimate(own.properties, max(off, claimed, own.error))
+        best = replace(best, opinions=(*best.opinions, ("adaptive integration", adaptive)))
+    return best
 
 
 def is_simple(shape: Any) -> bool:
@@ -121,17 +130,14 @@ def is_simple(shape: Any) -> bool:
 
 
 def _integrated(shape: Any, origin: Array, kernel: VolumeProperties) -> Estimate | None:
-    """By stepbot's own integration, until it agrees with the kernel's or does not change any more."""
+    """By stepbot's own integration; its error is estimated where the kernel's does not agree with it."""
     boundary = Boundary(shape, origin)
-    last, parts, error = properties_of(boundary.integrals(1), origin), 1, inf
-    while last is not None and parts < _MOST_PARTS and error > _CONVERGED:
-        if _apart(last, kernel) <= _AGREEMENT:
-            return Estimate(last, _apart(last, kernel))
-        parts *= 2
-        finer = properties_of(boundary.integrals(parts), origin)
-        error = inf if finer is None else _apart(last, finer)
-        last = finer
-    return None if last is None else Estimate(last, error)
+    plain = properties_of(boundary.integrals(1), origin)
+    if plain is not None and (apart := _apart(plain, kernel)) <= _AGREEMENT:
+        return Estimate(plain, apart)
+    moments, error = boundary.converged(_CONVERGED)
+    properties = properties_of(moments, origin)
+    return None if properties is None else Estimate(properties, error)
 
 
 def _by_meshes(shape: Any, mesh: Tessellation, candidates: list[Estimate]) -> Estimate:
@@ -141,7 +147,7 @@ def _by_meshes(shape: Any, mesh: Tessellation, candidates: list[Estimate]) -> Es
     limit. The first two are the existing one and a coarser one.
     """
     origin = 0.5 * (mesh.mesh.vertices.min(axis=0) + mesh.mesh.vertices.max(axis=0))
-    coarse = tessellated(shape, mesh.fineness.scaled_by_square(2.0)).mesh
+    coarse = tessellated_once(shape, mesh.fineness.scaled_by_square(2.0)).mesh
     last = _moments(coarse, origin) if is_watertight(coarse.faces) else None
     current, fine, opinions = mesh.mesh, mesh.fineness, []
     best = replace(candidates[0], error=inf)
@@ -157,7 +163,7 @@ def _by_meshes(shape: Any, mesh: Tessellation, candidates: list[Estimate]) -> Es
         if best.error <= CERTAIN or len(current.faces) > _MOST_TRIANGLES:
             break
         fine = fine.scaled_by_square(0.5)
-        current = tessellated(shape, fine).mesh
+        current = tessellated_once(shape, fine).mesh
     if best.error <= CERTAIN:
         return best
     names = ("stepbot", "the kernel") if len(candidates) > 1 else ("the kernel",)

@@ -2,9 +2,11 @@
 
 It is exact to 1e-14 on planes, quadrics and tori between short edges. Elsewhere it is often off by 1e-5, and by 10 % on
 faces with many spans, which it does not integrate span by span; with adaptive subdivision it ends at another value for
-each tolerance. So :mod:`.error_estimate` compares it with stepbot's own integration.
+each tolerance. So :mod:`.error_estimate` compares it with stepbot's own integration. The kernel's Gauss-Kronrod
+integration was within its claim on every solid tried, wavy plates included, and takes up to seconds.
 """
 
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -24,6 +26,13 @@ def integrate(shape: Any) -> Any:
     properties = GProp_GProps()
     BRepGProp.VolumeProperties_s(shape, properties)
     return properties
+
+
+def adaptive_volume(shape: Any, tolerance: float) -> tuple[float, float]:
+    """Volume [m^3] by the kernel's Gauss-Kronrod integration, and the relative error that it claims."""
+    properties = GProp_GProps()
+    claimed = BRepGProp.VolumePropertiesGK_s(shape, properties, tolerance, False, False, False, False, False)
+    return properties.Mass() / MILLIMETRES_PER_METRE**3, claimed if claimed >= 0.0 else inf
 
 
 def surface_area(shape: Any) -> float:

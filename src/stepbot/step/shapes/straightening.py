@@ -3,6 +3,9 @@
 On a cylinder or a cone the seam is a vertical line in parameter space. Some programs write it slanted by the last bit
 (3e-16 to 1), and the mesher then mistakes the corners of the face for crossings: it omits the face, or half of it. An
 exactly vertical line is the same curve within 1e-9 of a radian.
+
+An edge without a curve in space, such as the apex of a cone, has its range from its curve in parameter space alone.
+Replacing that curve makes the range infinite, and the mesher then crashes or never ends: so the range is set again.
 """
 
 from typing import Any
@@ -24,24 +27,27 @@ def straighten(faces: list[Any]) -> int:
 
 
 def _straighten_face(face: Any) -> int:
-    builder, changed = BRep_Builder(), 0
+    changed = 0
     edges = TopExp_Explorer(face, TopAbs_ShapeEnum.TopAbs_EDGE)
     while edges.More():
-        edge = TopoDS.Edge(edges.Current().Oriented(TopAbs_Orientation.TopAbs_FORWARD))
+        changed += _straighten_edge(TopoDS.Edge(edges.Current().Oriented(TopAbs_Orientation.TopAbs_FORWARD)), face)
         edges.Next()
-        tolerance = BRep_Tool.Tolerance_s(edge)
-        curve = BRep_Tool.CurveOnSurface_s(edge, face, 0.0, 0.0)
-        straight = _straight(curve)
-        if BRep_Tool.IsClosed_s(edge, face):
-            opposite = BRep_Tool.CurveOnSurface_s(TopoDS.Edge(edge.Reversed()), face, 0.0, 0.0)
-            straight_opposite = _straight(opposite)
-            if straight is not None or straight_opposite is not None:
-                builder.UpdateEdge(edge, straight or curve, straight_opposite or opposite, face, tolerance)
-                changed += 1
-        elif straight is not None:
-            builder.UpdateEdge(edge, straight, face, tolerance)
-            changed += 1
     return changed
+
+
+def _straighten_edge(edge: Any, face: Any) -> bool:
+    """Whether an edge of a face had a line to straighten."""
+    curves = [BRep_Tool.CurveOnSurface_s(edge, face, 0.0, 0.0)]
+    if BRep_Tool.IsClosed_s(edge, face):
+        curves.append(BRep_Tool.CurveOnSurface_s(TopoDS.Edge(edge.Reversed()), face, 0.0, 0.0))
+    straight = [_straight(curve) for curve in curves]
+    if not any(straight):
+        return False
+    builder, (first, last) = BRep_Builder(), BRep_Tool.Range_s(edge, face)
+    replaced = [new or old for new, old in zip(straight, curves, strict=True)]
+    builder.UpdateEdge(edge, *replaced, face, BRep_Tool.Tolerance_s(edge))
+    builder.Range(edge, face, first, last)
+    return True
 
 
 def _straight(curve: Any) -> Geom2d_Line | None:

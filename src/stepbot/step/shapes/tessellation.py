@@ -1,8 +1,7 @@
 """Meshes bodies with the kernel's mesher, to a tolerance relative to each.
 
-If the mesher leaves holes it is run again: for a missing face, after straightening its curves (:mod:`.straightening`),
-then with its other algorithm and finer. In other cases straightening comes last, since it causes an endless loop of the
-mesher on some faces that it meshes well without.
+If the mesher leaves holes it is run again: after straightening curves of faces (:mod:`.straightening`), then with its
+other algorithm and finer.
 """
 
 import math

@@ -15,9 +15,10 @@ from stepbot.step.quadrature.solids import Boundary, properties_of, quadrature
 from stepbot.step.shapes.error_estimate import estimated, is_simple
 from stepbot.step.shapes.exact import integrate, volume_properties
 from stepbot.step.shapes.tessellation import Fineness, tessellated
+from stepbot.step.topology import faces_of
 from tests import solids
 from tests.unit.step.in_process import read_quietly
-from tests.unit.step.shapes.test_bodies import as_nurbs, only, write, write_with_parameter_curves
+from tests.unit.step.shapes.test_bodies import as_nurbs, edges_of, only, write, write_with_parameter_curves
 
 Closed = Callable[[Array], tuple[Array, Array]]
 """Points and tangents, each (n, 2), of a closed curve at parameters (n,)."""
@@ -205,7 +206,7 @@ def test_closed_forms(solid: solids.Solid, rational: bool) -> None:
     assert is_simple(shape) is not rational
 
 
-def test_what_nothing_confirms_is_uncertain() -> None:
+def test_what_nothing_confirms_is_uncertain(monkeypatch: pytest.MonkeyPatch) -> None:
     """A kernel's result that neither stepbot's integration nor meshes confirm has no small error."""
     shape = as_nurbs(solids.cylinder(3, 10).shape)
     right = properties_of(quadrature(shape, np.zeros(3), 2), np.zeros(3))
@@ -217,9 +218,13 @@ def test_what_nothing_confirms_is_uncertain() -> None:
     confirmed = estimated(shape, wrong, mesh, is_closed=True)
     assert confirmed.properties.volume == pytest.approx(right.volume, rel=1e-6)
     assert confirmed.error < 1e-3
+    adaptive = estimated(shape, wrong, mesh, is_closed=False)
+    assert adaptive.properties.volume == pytest.approx(right.volume, rel=1e-6)
+    assert adaptive.error < 1e-3
+    monkeypatch.setattr("stepbot.step.shapes.error_estimate.adaptive_volume", lambda *_: (right.volume, 2e-3))
     alone = estimated(shape, wrong, mesh, is_closed=False)
     assert alone.error > 0.1
-    assert [name for name, _ in alone.opinions] == ["stepbot", "the kernel"]
+    assert [name for name, _ in alone.opinions] == ["stepbot", "the kernel", "adaptive integration"]
 
 
 def scaled(properties: VolumeProperties, factor: float) -> VolumeProperties:
@@ -238,15 +243,67 @@ def test_the_larger_difference_is_the_error(monkeypatch: pytest.MonkeyPatch) -> 
     assert converged.properties.volume == pytest.approx(right.volume, rel=1e-8)
     assert converged.error == pytest.approx(2e-4, rel=1e-2)
 
+    def claiming(factor: float, error: float) -> None:
+        """Integrals scaled by a factor, with an error."""
+        monkeypatch.setattr(Boundary, "integrals", lambda self, parts: factor * integrals(self, parts))
+        monkeypatch.setattr(Boundary, "converged", lambda self, _: (self.integrals(1), error))
+
     integrals = Boundary.integrals
-    monkeypatch.setattr(Boundary, "integrals", lambda self, parts: (1 + 4e-4 / parts) * integrals(self, parts))
+    claiming(1.0 + 2e-4, 3e-4)
     alone = estimated(shape, right, mesh, is_closed=False)
-    assert alone.error == pytest.approx(5e-5, rel=1e-2), "changes by 5e-5, and is that far off the kernel"
+    assert alone.error == pytest.approx(3e-4, rel=1e-2), "further off than from the kernel"
     assert alone.opinions, "nothing was decided by two ways alone"
-    monkeypatch.setattr(Boundary, "integrals", lambda self, parts: (1 + 4e-2 / parts) * integrals(self, parts))
+    claiming(1.04, 1e-2)
     by_meshes = estimated(shape, right, mesh, is_closed=True)
     assert by_meshes.properties == right, "the one that meshes tend to"
     assert estimated(shape, right, mesh, is_closed=False).error > 1e-3, "neither converges"
+
+
+@pytest.mark.parametrize("gap", [0.0, 1e-7, 1e-5, 1e-3])
+def test_an_open_boundary_is_an_error_and_costs_no_time(gap: float) -> None:
+    """Where the boundary of a face does not close, smaller pieces change nothing, and the claimed error covers it."""
+    shape = opened(as_nurbs(solids.cylinder(3, 10).shape), gap)
+    expected = np.pi * 9 * 10
+    boundary = Boundary(shape, np.array([0.5, 0.3, 6.0]))
+    plain, halved, most = (boundary.integrals(parts) for parts in (1, 2, 8))
+    assert most == pytest.approx(halved, rel=1e-9, abs=1e-9)
+    assert plain == pytest.approx(halved, rel=1e-6, abs=1e-6)
+    moments, error = boundary.converged(1e-6)
+    assert abs(moments[0] / expected - 1.0) <= max(2.0 * error, 1e-9)
+    assert error < 1e-6 + 20.0 * gap
+
+
+def opened(shape: Any, gap: float) -> Any:
+    """A shape in which an edge of its curved face is shorter by a share, in the face's parameters alone."""
+    from OCP.BRep import BRep_Builder, BRep_Tool
+    from OCP.TopAbs import TopAbs_Orientation
+    from OCP.TopoDS import TopoDS
+
+    face = next(f for f in faces_of(shape) if any(BRep_Tool.IsClosed_s(e, f) for e in edges_of(f)))
+    face = TopoDS.Face(face.Oriented(TopAbs_Orientation.TopAbs_FORWARD))
+    edge = next(e for e in edges_of(face) if not BRep_Tool.IsClosed_s(e, face))
+    first, last = BRep_Tool.Range_s(edge, face)
+    BRep_Builder().Range(edge, face, first, last * (1.0 - gap) + first * gap)
+    return shape
+
+
+def test_what_meshes_cannot_confirm_adaptive_integration_does(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A plate with a wavy outline, which the kernel's plain integration misses by a tenth, and no further mesh."""
+    outline = Outline(60, lambda t: 40 + 2 * cos(15 * t))
+    shape = extruded(outline.face(), 30.0)
+    expected = prism(area_moments(*outline.nodes()), 30.0)
+    plain = volume_properties(integrate(shape))
+    assert plain is not None
+    wrong = scaled(plain, 0.9)
+    mesh = tessellated(shape, Fineness(4.0, 1.5))
+    monkeypatch.setattr("stepbot.step.shapes.error_estimate._MOST_TRIANGLES", 0)
+    estimate = estimated(shape, wrong, mesh, is_closed=True)
+    assert estimate.error < 1e-3
+    assert estimate.properties.volume * 1e9 == pytest.approx(expected[0], rel=1e-8)
+    monkeypatch.setattr("stepbot.step.shapes.error_estimate.adaptive_volume", lambda *_: (1.1 * plain.volume, 1e-6))
+    doubtful = estimated(shape, wrong, mesh, is_closed=True)
+    assert doubtful.error > 1e-3, "it contradicts"
+    assert [name for name, _ in doubtful.opinions][-1] == "adaptive integration"
 
 
 def test_simple_solids_keep_the_kernels_numbers(tmp_path: Path) -> None:

@@ -341,6 +341,34 @@ def test_a_slanted_seam_is_straightened(tmp_path: Path) -> None:
     assert straighten([face]) == 0
 
 
+@pytest.mark.parametrize("upper", [0.0, 4.0])
+def test_a_straightened_edge_keeps_its_range(upper: float) -> None:
+    """Also that of the apex of a cone, which has no curve in space; the mesher never ends on an infinite one."""
+    from OCP.BRep import BRep_Builder, BRep_Tool
+    from OCP.Geom2d import Geom2d_Line
+    from OCP.gp import gp_Dir2d
+    from OCP.TopAbs import TopAbs_Orientation
+    from OCP.TopoDS import TopoDS
+
+    from stepbot.step.shapes.straightening import straighten
+    from stepbot.step.shapes.tessellation import Fineness, tessellated
+    from stepbot.step.topology import faces_of
+
+    shape = solids.cone(9, upper, 20).shape
+    curved = (f for f in faces_of(shape) if any(BRep_Tool.IsClosed_s(e, f) for e in edges_of(f)))
+    face = TopoDS.Face(next(curved).Oriented(TopAbs_Orientation.TopAbs_FORWARD))
+    edges = [TopoDS.Edge(e.Oriented(TopAbs_Orientation.TopAbs_FORWARD)) for e in edges_of(face)]
+    level = [edge for edge in edges if not BRep_Tool.IsClosed_s(edge, face)]
+    ranges = [BRep_Tool.Range_s(edge, face) for edge in level]
+    for edge, (first, last) in zip(level, ranges, strict=True):
+        at = BRep_Tool.CurveOnSurface_s(edge, face, 0.0, 0.0).Lin2d().Location()
+        BRep_Builder().UpdateEdge(edge, Geom2d_Line(at, gp_Dir2d(1.0, 3e-16)), face, 1e-7)
+        BRep_Builder().Range(edge, face, first, last)
+    assert straighten([face]) == len(level) == 2
+    assert [BRep_Tool.Range_s(edge, face) for edge in level] == ranges
+    assert tessellated(shape, Fineness(0.1, 0.3)).is_complete
+
+
 def edges_of(face: Any) -> list[Any]:
     """The edges of a face."""
     from OCP.TopAbs import TopAbs_ShapeEnum
