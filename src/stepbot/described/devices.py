@@ -8,9 +8,10 @@ from stepbot.engines.observation import ObservedActuator, ObservedSensor, Quanti
 from stepbot.geometry.spatial import IDENTITY
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit
 from stepbot.robot.sensors import PLACED, SEEING, Sensor, SensorKind, View
+from stepbot.robot.tuning import Tuning
 from stepbot.robot.unique_names import free_name
 
-from .finding import DEVICE, NO_GAINS, Finding
+from .finding import DEVICE, Finding
 
 _ON_JOINTS = (SensorKind.JOINT, SensorKind.FORCE_TORQUE)
 
@@ -21,19 +22,32 @@ def actuators_of(description: Description, joints: Mapping[str, Joint], found: l
     taken: set[str] = set()
     for one in description.observation.actuators or ():
         joint = joints.get(one.joint)
-        if joint is None or joint.kind is JointKind.FIXED or one.kind not in set(ActuatorKind) or one.gear == 0.0:
+        powerless = _powerless(one)
+        if joint is None or joint.kind is JointKind.FIXED or one.kind not in set(ActuatorKind) or powerless:
             on = f" on '{one.joint}'" if one.joint else ""
-            why = " with a gear of 0" if one.gear == 0.0 else ""
+            why = f" with a {powerless} of 0" if powerless else ""
             text = f"actuator '{one.name}' of type '{one.kind}'{on}{why}: not converted"
             found.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
             continue
         name = free_name(one.name or f"{one.joint}_{one.kind}", "_2", taken)
-        if not (one.kind == ActuatorKind.MOTOR or one.kp or one.kv):
-            found.append(Finding(NO_GAINS, f"actuator '{name}' on '{one.joint}': no gains in the file"))
         gear = one.gear or 1.0
         limit = _own_limit(one, name, gear, joint.limit, found)
-        actuators.append(Actuator(name, one.joint, ActuatorKind(one.kind), one.kp, one.kv, gear, limit))
+        tuning = Tuning(at_least=True) if _gain(one) is None else None
+        kp, kv = (0.0, 0.0) if tuning else (one.kp or 0.0, one.kv or 0.0)
+        actuators.append(Actuator(name, one.joint, ActuatorKind(one.kind), kp, kv, gear, limit, tuning))
     return tuple(actuators)
+
+
+def _gain(one: ObservedActuator) -> float | None:
+    """The gain without which an actuator exerts no force, 1 for motors; None if the file gives none."""
+    return {ActuatorKind.POSITION: one.kp, ActuatorKind.VELOCITY: one.kv}.get(ActuatorKind(one.kind), 1.0)
+
+
+def _powerless(one: ObservedActuator) -> str:
+    """What makes an actuator exert no force; empty if nothing does."""
+    if one.gear == 0.0:
+        return "gear"
+    return "gain" if one.kind in set(ActuatorKind) and _gain(one) == 0.0 else ""
 
 
 def _own_limit(one: ObservedActuator, name: str, gear: float, joint: Limit, found: list[Finding]) -> Limit:
@@ -45,7 +59,7 @@ def _own_limit(one: ObservedActuator, name: str, gear: float, joint: Limit, foun
     limit = Limit()
     if one.kind == ActuatorKind.POSITION:
         limit = Limit(low, high, effort=effort)
-        if low < joint.lower or high > joint.upper:
+        if one.control is not None and (low < joint.lower or high > joint.upper):
             text = f"actuator '{name}': inputs beyond the limits of joint '{one.joint}' are not converted"
             found.append(Finding(DEVICE, f"{text}: {max(low, joint.lower):g} to {min(high, joint.upper):g} taken"))
     elif one.kind == ActuatorKind.VELOCITY:

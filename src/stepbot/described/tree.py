@@ -11,7 +11,7 @@ from math import inf, isnan
 import numpy as np
 
 from stepbot.engines.description import Description
-from stepbot.engines.observation import ObservedJoint
+from stepbot.engines.observation import ObservedJoint, Quantity
 from stepbot.geometry.spatial import IDENTITY, ZERO3, Pose
 from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link
@@ -83,7 +83,7 @@ class _Tree:
             self._found.append(Finding(UNSUPPORTED, f"link '{loose}' is not connected to '{root}', and moves freely"))
         else:
             text = f"link '{loose}' is not connected to '{root}'; a fixed joint holds it in its place"
-            self._found.append(Finding(REARRANGED, text))
+            self._found.append(Finding(REARRANGED, text, (Quantity.JOINTS,)))
 
     def _chain(self, child: str) -> list[Joint]:
         """The joints above a link; anchors beside its origin become links in between."""

@@ -189,8 +189,9 @@ class ObservedActuator:
     joint: str
     kind: str
     """An :class:`stepbot.robot.model.ActuatorKind` value, or the engine's word for other kinds."""
-    kp: float = 0.0
-    kv: float = 0.0
+    kp: float | None = 0.0
+    kv: float | None = 0.0
+    """Gains; None if the file gives none."""
     gear: float | None = 1.0
     """None if the format has no gears: gains and bounds are those at the joint."""
     control: tuple[float, float] | None = None

@@ -1,10 +1,16 @@
-"""Triangles and colours of mesh files, read by trimesh without any file that they name."""
+"""Triangles and colours of mesh files, read by trimesh, which opens no file that they name.
 
+A glTF file keeps its triangles in buffers of other files: those in its folder are read.
+"""
+
+import json
+from base64 import b64encode
 from collections.abc import Sequence
 from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 
@@ -15,7 +21,8 @@ KINDS = (".stl", ".obj", ".ply", ".dae", ".glb", ".gltf")
 """Suffixes of the files that are read."""
 _COLLADA = ".dae"
 _STL = ".stl"
-_LINEAR = (".glb", ".gltf")
+_GLTF = ".gltf"
+_LINEAR = (".glb", _GLTF)
 """Suffixes of files whose colours are linear, not sRGB."""
 
 Color = tuple[float, float, float, float]
@@ -32,6 +39,8 @@ class MeshContent:
     """The triangles by colour; empty if the file gives none."""
     has_other_looks: bool = False
     """Whether it has textures, colours of vertices, or materials in another file, none of which are read."""
+    buffers: tuple[Path, ...] = ()
+    """The other files that its triangles were read from."""
 
 
 def read_mesh(path: Path) -> TriMesh | None:
@@ -51,7 +60,9 @@ def read_content(path: Path) -> MeshContent | None:
     kind = path.suffix.lower()
     try:
         # From bytes: what else the file names is not opened.
-        content = path.read_bytes()
+        content, buffers = path.read_bytes(), tuple[Path, ...]()
+        if kind == _GLTF:
+            content, buffers = _with_buffers(content, path.parent)
         loaded = trimesh.load_scene(BytesIO(content), file_type=kind[1:], process=False)
         read = [mesh for mesh in _placed(loaded) if isinstance(mesh, trimesh.Trimesh)]
         unit = trimesh.units.unit_conversion(loaded.units, "meters") if kind == _COLLADA else 1.0
@@ -65,7 +76,26 @@ def read_content(path: Path) -> MeshContent | None:
         return None
     if found is None or not len(found.vertices) or not bool(np.isfinite(found.vertices).all()):
         return None
-    return MeshContent(found, _by_color(meshes, colors), other)
+    return MeshContent(found, _by_color(meshes, colors), other, buffers)
+
+
+def _with_buffers(content: bytes, folder: Path) -> tuple[bytes, tuple[Path, ...]]:
+    """A glTF file with the content of its buffers in it, and the files that they were in.
+
+    Raises:
+        ValueError: A buffer is not a regular file in the folder of the glTF file or below.
+    """
+    tree, files = json.loads(content), []
+    for buffer in tree.get("buffers", []):
+        uri = buffer["uri"]
+        if uri.startswith("data:"):
+            continue
+        file = (folder / unquote(uri)).resolve()
+        if not (file.is_relative_to(folder.resolve()) and file.is_file()):
+            raise ValueError(f"'{uri}' is not a file in the folder of the mesh")
+        buffer["uri"] = f"data:application/octet-stream;base64,{b64encode(file.read_bytes()).decode('ascii')}"
+        files.append(file)
+    return json.dumps(tree).encode(), tuple(files)
 
 
 def _placed(scene: Any) -> list[Any]:

@@ -17,8 +17,9 @@ from stepbot.engines.observation import Request
 from stepbot.engines.reference import observe_robot
 from stepbot.engines.workers import check_required
 from stepbot.formats import format_named
+from stepbot.robot.gains import tuned
 from stepbot.robot.joint_table import JointRow
-from stepbot.robot.model import Base, Robot
+from stepbot.robot.model import Actuator, ActuatorKind, Base, Robot
 from stepbot.robot.validity import check_robot
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.sidecar.self_collision import SelfCollisionSection
@@ -36,6 +37,12 @@ __all__ = ["check_description", "is_description", "produce_translation"]
 
 _JUDGED = ("SB4", "SB5", "SB86", "SB87")
 """Codes that are checked whenever a description becomes a robot."""
+_ASSUMED = {
+    "urdf": "0 taken, as URDF defines; MuJoCo computes a mass from the collisions, PyBullet takes 1 kg",
+    "sdf": "1 kg and 1 kg m^2 taken, as SDFormat defines",
+    "mjcf": "computed from the geoms, as MJCF defines",
+}
+"""Mass properties that a format defines where a file gives none."""
 
 
 def produce_translation(
@@ -122,7 +129,8 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
         found.add(one.code, one.text, span)
     if description.assumed:
         links = ", ".join(f"'{link}'" for link in description.assumed)
-        found.add("SB867", f"mass properties not given in the file: {links}", span)
+        taken = _ASSUMED[description.observation.format]
+        found.add("SB867", f"mass properties not given in the file: {links}", span, notes=[taken])
     for limit in description.open_limits:
         missing = " and ".join(f"'{bound}'" for bound in limit.missing)
         lacks = f"no {missing} in <limit>" if limit.has_element else "no <limit>"
@@ -134,7 +142,24 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
     if not found.has_errors:
         check_inertials(described.robot, found, span)
     found.raise_if_errors()
-    return described.robot, described
+    robot = _tuned(described.robot, span, found)
+    return robot, replace(described, robot=robot)
+
+
+def _tuned(robot: Robot, span: Span, found: Diagnostics) -> Robot:
+    """The robot with computed gains for actuators of which the file gives none (SB873)."""
+    weak: dict[str, str] = {}
+
+    def too_weak(actuator: Actuator, effort: float, weight: float) -> None:
+        weak[actuator.name] = f"its effort limit of {effort:g} does not hold the joint, whose weight is {weight:.3g}"
+
+    tuned_robot = tuned(robot, too_weak)
+    for one in tuned_robot.actuators:
+        if one.tuning is not None:
+            gains = f"kv = {one.kv:g}" if one.kind is ActuatorKind.VELOCITY else f"kp = {one.kp:g}, kv = {one.kv:g}"
+            text = f"actuator '{one.name}' on '{one.joint}': no gains in the file: {gains} computed"
+            found.add("SB873", text, span, notes=[weak[one.name]] if one.name in weak else ())
+    return tuned_robot
 
 
 def _report_base(robot: Robot, span: Span, found: Diagnostics) -> None:

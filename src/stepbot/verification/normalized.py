@@ -191,8 +191,8 @@ def _at_joint(drive: ObservedActuator) -> ObservedActuator:
     return replace(
         drive,
         gear=None,
-        kp=drive.kp * gear**2,
-        kv=drive.kv * gear**2,
+        kp=None if drive.kp is None else drive.kp * gear**2,
+        kv=None if drive.kv is None else drive.kv * gear**2,
         control=_scaled(drive.control, scale),
         force=_scaled(drive.force, gear),
     )

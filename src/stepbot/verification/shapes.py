@@ -11,7 +11,7 @@ from .deviation import Deviations
 from .links import link_pairs
 from .tolerances import COLOR
 
-_RENAMED = re.compile(r"_geom(_\d+)?$")
+_RENAMED = re.compile(r"(_geom)+(_\d+)?$")
 """Suffixes of formats that require different names of visuals and collisions."""
 
 
@@ -87,7 +87,7 @@ def _compare_series(
     for number, (a, b) in enumerate(zip(expected, found, strict=False), start=1):
         which = where.format(_called(a, number))
         if a.name is not None and b.name is not None:
-            deviations.equal(a.name in (b.name, plain_name(b.name)), f"{which}: named '{b.name}'")
+            deviations.equal(plain_name(a.name) == plain_name(b.name), f"{which}: named '{b.name}'")
         if a.rgba is not None and b.rgba is not None:
             _compare_colors(deviations, f"colour of {which}", a.rgba, b.rgba)
         if a.ambient is not None and b.ambient is not None:

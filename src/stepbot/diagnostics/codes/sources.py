@@ -116,8 +116,9 @@ CODES: tuple[Code, ...] = (
         "actuator without gains",
         "A position or velocity actuator of the converted file has no gains: a transmission of ROS 1 has none, and in "
         "`<ros2_control>` they are optional.",
-        "With gains of 0 it exerts no force in a simulation.",
-        "Set `kp` and `kv` in the written files, or as parameters `kp` and `kv` of the command interface in the source.",
+        "Without gains it would exert no force in a simulation. They are computed from the inertia and weight that it moves, as by "
+        "`gains: auto` in a sidecar.",
+        "Set parameters `kp` and `kv` of the command interface in the source, or edit the written files.",
     ),
     Code(
         "SB874",

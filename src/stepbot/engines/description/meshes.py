@@ -54,8 +54,9 @@ class MeshFiles:
         path = resolve(uri, self._description, self._packages)
         if path is None or path.suffix.lower() not in KINDS:
             return None
-        self._files.append(path.resolve())
-        return read_content(path)
+        content = read_content(path)
+        self._files += [path.resolve(), *(content.buffers if content else ())]
+        return content
 
 
 def _scaled(mesh: TriMesh, scale: tuple[float, ...]) -> TriMesh:

@@ -49,6 +49,7 @@ def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:
         URDF.unread(top),
         files.files,
         plain_meshes=files.plain,
+        assumed=tuple(_name(link) for link in top.findall("link") if _is_unweighed(link)),
         open_limits=tuple(open_limits(top)),
     )
 
@@ -72,6 +73,12 @@ def _with_extensions(seen: Observation, blocks: Observation) -> Observation:
         actuators=blocks.actuators,
         sensors=blocks.sensors,
     )
+
+
+def _is_unweighed(link: Element) -> bool:
+    """Whether a link with geometry does not state a mass."""
+    is_frame = link.find("visual") is None and link.find("collision") is None
+    return not is_frame and link.find("inertial/mass") is None
 
 
 def _name(element: Element | None, key: str = "name") -> str:

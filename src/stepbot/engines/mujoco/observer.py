@@ -109,9 +109,10 @@ def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:
             spec = _urdf_spec(engine, path, substitutes)
             for mesh in spec.meshes:  # URDF states every mass, so a flat mesh is not a fault
                 mesh.inertia = engine.mjtMeshInertia.mjMESH_INERTIA_SHELL
+            unstated = _without_inferred_masses(spec)
             model, notes = _with_weightless_links(engine, spec)
             model, rounded = without_rounding(engine, model, lambda: spec)
-            return model, (*notes, *rounded, *substitutes.notes())
+            return model, (*unstated, *notes, *rounded, *substitutes.notes())
         model = engine.MjModel.from_xml_path(str(path))
         return without_rounding(engine, model, lambda: engine.MjSpec.from_file(str(path)))
     except ValueError as error:
@@ -120,6 +121,19 @@ def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:
             raise EngineCannotRead(f"MuJoCo has no floating joints within a robot: {floating}") from error
         # Local folders must not be in a message that may be part of a report.
         raise EngineRefused(str(error).replace(f"{path.parent.as_posix()}/", "").strip()) from error
+
+
+def _without_inferred_masses(spec: Any) -> tuple[str, ...]:
+    """Give links without ``<inertial>`` the mass 0 that URDF defines; returns a note on those that have geometry.
+
+    MuJoCo computes the mass of these from the volume of their collisions and a density of 1000 kg/m^3.
+    """
+    unstated = [body for body in spec.bodies if body.name != "world" and not body.explicitinertial]
+    inferred = [body.name for body in unstated if body.geoms]
+    for body in unstated:
+        body.explicitinertial, body.mass, body.inertia, body.ipos = True, 0.0, [0.0] * 3, [0.0] * 3
+    names = ", ".join(inferred)
+    return (f"mass 0 in place of one that MuJoCo computes from geometry, without <inertial>: {names}",) if names else ()
 
 
 def _with_weightless_links(engine: Any, spec: Any) -> tuple[Any, tuple[str, ...]]:

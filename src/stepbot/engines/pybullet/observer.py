@@ -70,6 +70,7 @@ _UNIT_AXIS = re.compile(r"axis of motion not a unit axis \(\[(\S+) (\S+) (\S+)\]
 """Bullet's warning of an axis that is not exactly of length 1, as after any rotation."""
 _PRINTED = 2e-6
 """Largest error of the length of an axis that is printed with six digits."""
+_HELD = "base not compared: PyBullet fixes a root link without mass"
 _NO_LIMIT = 1e15
 """SDFormat's value for unlimited is 1e16."""
 
@@ -141,8 +142,11 @@ def _observe_sdf(engine: Any, request: Request) -> Observation:
     with tree_copy(file) as (path, notes), _loaded(engine, path, "sdf") as body:
         observation = replace(_tree(body, request), notes=tuple(notes), not_run=_NOT_RUN["sdf"])
     with tree_copy(file, held=True, shapes=False) as (path, _), _loaded(engine, path, "sdf") as body:
-        base = "floating" if engine.getDynamicsInfo(body.id, -1)[0] else "fixed"
-        return replace(observation, base=base, dynamics=_weights(body, request) if base == "fixed" else ())
+        mass = engine.getDynamicsInfo(body.id, -1)[0]
+        observation = replace(observation, dynamics=() if mass else _weights(body, request))
+    if not observation.links[0].mass:  # fixed, whatever the file states
+        return replace(observation, notes=(*observation.notes, _HELD))
+    return replace(observation, base="floating" if mass else "fixed")
 
 
 def _observe_urdf(engine: Any, request: Request) -> Observation:

@@ -32,7 +32,7 @@ from .frames import MODEL, WORLD, Frames, bool_at, ends, number_at, numbers, rea
 from .gz_plugins import plugin_actuators, plugin_sensors
 from .sensors import model_sensors
 from .shapes import shapes_of
-from .tree import closing_joints, joints_to_world, read_model
+from .tree import closing_joints, joints_to_world, read_model, repeated_names
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -88,6 +88,7 @@ def observe(request: Request) -> Observation:
         not_run={
             Quantity.SIMULATION: "a parser cannot simulate",
         },
+        warnings=tuple(repeated_names(model)),
         notes=(_NOTE,),
     )
     return with_motion(

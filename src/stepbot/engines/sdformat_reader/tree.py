@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 else:
     Element = object
 
+_SIBLINGS = ("link", "joint", "frame", "visual", "collision", "sensor", "light")
+"""Elements that need a name that no other element beside them has."""
 _READABLE = (".obj", ".stl", ".dae")
 """Suffixes of meshes; PyBullet rejects a file with any other, such as ``.glb``."""
 
@@ -59,6 +61,14 @@ def check_names(model: Element) -> None:
         for end, tag in zip(ends(joint), ("parent", "child"), strict=True):
             if not end:
                 raise EngineRefused(f"joint '{joint.get('name')}' has no <{tag}>")
+
+
+def repeated_names(model: Element) -> Iterator[str]:
+    """Names that elements of different types share, which libsdformat rejects."""
+    for parent in (model, *model.findall("link"), *model.findall("joint")):
+        names = [child.get("name") for child in parent if child.tag in _SIBLINGS and child.get("name")]
+        where = f"{parent.tag} '{parent.get('name', '')}'"
+        yield from (f"{where}: {count} elements named '{name}'" for name, count in Counter(names).items() if count > 1)
 
 
 def the_model(top: Element) -> Element:

@@ -97,7 +97,7 @@ def observed_actuators(top: Element) -> Iterator[ObservedActuator]:
     for element in old.values():
         joint, word, gear = _of_ros_1(element)
         taken.add((joint, word))
-        yield ObservedActuator(element.get("name", ""), joint, word, gear=gear)
+        yield ObservedActuator(element.get("name", ""), joint, word, None, None, gear)
     for holder in top.findall("ros2_control/joint"):
         joint = holder.get("name", "")
         for command in holder.findall("command_interface"):
@@ -153,7 +153,7 @@ def _commanded(name: str, joint: str, kind: ActuatorKind, command: Element, gear
     if kind is ActuatorKind.MOTOR:
         return seen
     force = values.get("max_effort", inf) / abs(gear)
-    return replace(seen, kp=values.get("kp", 0.0), kv=values.get("kv", 0.0), force=(-force, force))
+    return replace(seen, kp=values.get("kp"), kv=values.get("kv"), force=(-force, force))
 
 
 def _one(parameter: Element) -> float:

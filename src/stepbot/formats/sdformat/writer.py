@@ -5,6 +5,7 @@ understand them. A loop is closed by an additional joint: its frame is given in 
 follows from the poses in the file, so the loop must close at q = 0 (:data:`Feature.LOOP_ZERO`).
 """
 
+from dataclasses import replace
 from math import isfinite, isinf, pi
 
 from stepbot.geometry.spatial import IDENTITY, Pose, Vector3
@@ -175,6 +176,7 @@ def _tree(top: Element, robot: Robot) -> Element:
     model = element(top, "model", name=robot.name)
     X_ML, files, patterns = _link_poses(robot), MeshFiles(robot), Patterns()
     for link in robot.links:
+        link = _with_own_names(link, robot)
         shapes = [collision.name for collision in link.collisions]
         sensors_on_link(_link(model, link, X_ML[link.name], files, patterns), link, robot.sensors, shapes)
     if robot.base is Base.FIXED:
@@ -205,6 +207,16 @@ def _world_joint_name(robot: Robot) -> str:
     taken = {*robot.link_by_name, *robot.joint_by_name}
     taken |= {closure.name for closure in robot.closures} | {frame.name for frame in robot.frames}
     return free_name(f"world_to_{robot.root.name}", "_joint", taken)
+
+
+def _with_own_names(link: Link, robot: Robot) -> Link:
+    """A link with names of shapes that no other element in it has."""
+    taken = {sensor.name for sensor in robot.sensors if sensor.link == link.name}
+    return replace(
+        link,
+        visuals=tuple(replace(one, name=free_name(one.name, "_geom", taken)) for one in link.visuals),
+        collisions=tuple(replace(one, name=free_name(one.name, "_geom", taken)) for one in link.collisions),
+    )
 
 
 def _link(model: Element, link: Link, X_ML: Pose, files: MeshFiles, patterns: Patterns) -> Element:

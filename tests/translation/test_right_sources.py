@@ -1,0 +1,191 @@
+"""Right descriptions that other programs accept: each converts, and proves against its source."""
+
+import base64
+import json
+from collections import Counter
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import mujoco
+import numpy as np
+import pytest
+
+from stepbot.engines import engine_of
+from stepbot.engines.observation import Request
+from stepbot.geometry.mesh_files import read_content
+from stepbot.jobs.incremental import convert
+from stepbot.pipeline.conversion import Conversion, Options
+
+_INERTIAL = '<inertial><mass value="1"/><inertia ixx="1e-2" iyy="1e-2" izz="1e-2" ixy="0" ixz="0" iyz="0"/></inertial>'
+_TURN = """<joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
+  <limit lower="-1" upper="1" effort="10" velocity="2"/></joint>"""
+
+
+def urdf(*elements: str) -> str:
+    """A robot of an arm with mass that turns on a base, and of further elements."""
+    arm = _INERTIAL.replace("<mass", '<origin xyz="0.1 0 0"/><mass')
+    return f'<robot name="robot"><link name="arm">{arm}</link>{_TURN}{"".join(elements)}</robot>'
+
+
+def proven(folder: Path, suffix: str, text: str, *formats: str, base: str = "fixed") -> Conversion:
+    """A description converted with proof, without errors."""
+    path = folder / f"robot{suffix}"
+    path.write_text(text, encoding="utf-8")
+    conversion = convert(path, Options(folder / "out", formats=formats, base=base))
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert conversion.report is not None
+    assert not conversion.report.failed
+    return conversion
+
+
+def told(conversion: Conversion, code: str) -> list[str]:
+    """The messages with a code."""
+    return [one.message for one in conversion.diagnostics if one.code == code]
+
+
+def test_link_with_collision_and_without_inertial(tmp_path: Path) -> None:
+    """It has no mass, as URDF defines, although MuJoCo computes one when it loads the source; and this is reported."""
+    base, tool = (
+        f'<link name="{name}">{own}<collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>'
+        for name, own in (("base", _INERTIAL), ("tool", ""))
+    )
+    mount = '<joint name="mount" type="fixed"><parent link="arm"/><child link="tool"/><origin xyz="0.1 0 0"/></joint>'
+    source = urdf(base, tool, mount)
+    assert mujoco.MjModel.from_xml_string(source).body_mass.sum() == pytest.approx(2.0)  # 1 kg for the tool
+    conversion = proven(tmp_path, ".urdf", source, "urdf", "mjcf")
+    assert told(conversion, "SB867") == ["mass properties not given in the file: 'tool'"]
+    for file in ("robot.urdf", "robot.xml"):
+        model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / file))
+        assert model.body_mass.sum() == pytest.approx(2.0 if file.endswith(".xml") else 1.0)
+
+
+def test_floating_root_without_mass(tmp_path: Path) -> None:
+    """PyBullet fixes it in SDFormat: whether the base floats is then not compared, and the report says so."""
+    body = f'<link name="base"/><link name="body">{_INERTIAL}</link>'
+    mount = (
+        '<joint name="mount" type="fixed"><parent link="base"/><child link="body"/><origin xyz="0.1 0 0.2"/></joint>'
+    )
+    conversion = proven(tmp_path, ".urdf", urdf(body, mount), "sdf", base="floating")
+    assert conversion.report is not None
+    assert any("PyBullet fixes" in note for notes in conversion.report.notes.values() for note in notes)
+
+
+def test_servo_without_gains_holds_its_joint(tmp_path: Path) -> None:
+    """Gains are computed, and reported; the arm then sags by less than 0.04 rad."""
+    servo = """<transmission name="servo"><type>transmission_interface/SimpleTransmission</type>
+      <joint name="turn"><hardwareInterface>hardware_interface/PositionJointInterface</hardwareInterface></joint>
+      <actuator name="servo"><mechanicalReduction>1</mechanicalReduction></actuator></transmission>"""
+    conversion = proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}</link>', servo), "mjcf")
+    (message,) = told(conversion, "SB873")
+    assert message.startswith("actuator 'servo' on 'turn': no gains in the file: kp = ")
+    assert told(conversion, "SB863") == []
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    data = mujoco.MjData(model)
+    for _ in range(2000):
+        mujoco.mj_step(model, data)
+    assert 0.0 < abs(data.joint("turn").qpos[0]) < 0.04
+
+
+def test_actuator_with_a_gain_of_0_is_lost(tmp_path: Path) -> None:
+    """It exerts no force, and MuJoCo has no such position actuator."""
+    control = """<ros2_control name="c" type="system"><hardware><plugin>p</plugin></hardware><joint name="turn">
+      <command_interface name="position"><param name="kp">0</param></command_interface></joint></ros2_control>"""
+    conversion = proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}</link>', control), "mjcf")
+    assert told(conversion, "SB863") == ["actuator '' of type 'position' on 'turn' with a gain of 0: not converted"]
+
+
+def test_slides_with_armature_in_one_body(tmp_path: Path) -> None:
+    """The mass matrix of the source is read without its armatures, which MuJoCo adds when it compiles."""
+    inertial = '<inertial pos="0 0 0" mass="1" diaginertia="0.1 0.1 0.1"/>'
+    source = f"""<mujoco model="robot"><worldbody><body name="base">{inertial}<body name="cart">{inertial}
+      <joint name="x" type="slide" axis="1 0 0" armature="0.1"/>
+      <joint name="y" type="slide" axis="0 1 0" armature="0.2"/>
+      </body></body></worldbody></mujoco>"""
+    proven(tmp_path, ".xml", source, "urdf", "mjcf")
+    path = str(tmp_path / "robot.xml")
+    seen = engine_of("mujoco").observer.observe(Request(path, "mjcf", configurations=({},), simulate=0.0))
+    assert seen.dynamics[0].mass_matrix == pytest.approx(np.eye(2), abs=1e-15)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    assert model.dof_armature == pytest.approx([0.1, 0.2])
+
+
+def test_ambient_colour_of_its_own(tmp_path: Path) -> None:
+    """It is reported as lost, and not found as a difference again."""
+    source = """<sdf version="1.9"><model name="robot"><link name="base">
+      <inertial><mass>1</mass><inertia><ixx>1e-3</ixx><iyy>1e-3</iyy><izz>1e-3</izz></inertia></inertial>
+      <visual name="v"><geometry><box><size>0.1 0.1 0.1</size></box></geometry>
+      <material><ambient>1 0 0 1</ambient><diffuse>0 1 0 1</diffuse></material></visual></link></model></sdf>"""
+    conversion = proven(tmp_path, ".sdf", source, "urdf", "sdf")
+    assert told(conversion, "SB860") == ["<ambient> in <material>: not converted"]
+
+
+def test_geom_that_is_visual_and_collision(tmp_path: Path) -> None:
+    """SDFormat allows no two elements of a link with one name: libsdformat rejects the file."""
+    body = '<body name="base"><freejoint/><geom name="g" type="sphere" size="0.1"/></body>'
+    source = f'<mujoco model="robot"><worldbody>{body}</worldbody></mujoco>'
+    proven(tmp_path, ".xml", source, "sdf", "urdf", base="")
+    for model in ET.parse(tmp_path / "out" / "robot.sdf").iter("model"):
+        for parent in (model, *model.iter("link")):
+            names = Counter(one.get("name") for one in parent if one.get("name"))
+            assert set(names.values()) <= {1}, names
+    assert {one.get("name") for one in ET.parse(tmp_path / "out" / "robot.sdf").iter("collision")} == {"g_geom"}
+
+
+def test_repeated_names_are_noticed_without_libsdformat(tmp_path: Path) -> None:
+    """stepbot's own reader warns of them, which fails the proof of a file that stepbot writes."""
+    path = tmp_path / "robot.sdf"
+    shape = '<{0} name="g"><geometry><sphere><radius>1</radius></sphere></geometry></{0}>'
+    shapes = shape.format("visual") + shape.format("collision")
+    path.write_text(f'<sdf version="1.9"><model name="m"><link name="base">{shapes}</link></model></sdf>', "utf-8")
+    seen = engine_of("reader").observer.observe(Request(str(path), "sdf", simulate=0.0))
+    assert seen.warnings == ("link 'base': 2 elements named 'g'",)
+
+
+TRIANGLES = (
+    np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "<f4").tobytes()
+    + np.array([0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3], "<u2").tobytes()
+)
+
+
+def gltf(uri: str) -> str:
+    """A tetrahedron of 1/6 m^3 whose triangles are in a buffer."""
+    views = [{"buffer": 0, "byteOffset": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}]
+    content = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0] * 3, "max": [1] * 3},
+            {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"},
+        ],
+        "bufferViews": views,
+        "buffers": [{"uri": uri, "byteLength": 72}],
+    }
+    return json.dumps(content)
+
+
+def test_gltf_with_its_triangles_in_another_file(tmp_path: Path) -> None:
+    """The buffer is read, and is an input of the conversion."""
+    (tmp_path / "a part.bin").write_bytes(TRIANGLES)
+    (tmp_path / "part.gltf").write_text(gltf("a%20part.bin"), encoding="utf-8")
+    visual = '<visual><geometry><mesh filename="part.gltf"/></geometry></visual>'
+    conversion = proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}{visual}</link>'), "mjcf")
+    assert conversion.report is not None
+    assert set(conversion.report.inputs) == {"robot.urdf", "part.gltf", "a part.bin"}
+    assert (tmp_path / "out" / "meshes" / "part.obj").is_file()
+
+
+def test_only_files_beside_a_gltf_are_its_buffers(tmp_path: Path) -> None:
+    """A buffer may be in the file itself; one outside of its folder is not opened."""
+    folder = tmp_path / "meshes"
+    folder.mkdir()
+    (tmp_path / "part.bin").write_bytes(TRIANGLES)
+    path = folder / "part.gltf"
+    path.write_text(gltf("../part.bin"), encoding="utf-8")
+    assert read_content(path) is None
+    path.write_text(gltf(f"data:application/octet-stream;base64,{base64.b64encode(TRIANGLES).decode()}"), "utf-8")
+    content = read_content(path)
+    assert content is not None
+    assert len(content.mesh.faces) == 4
+    assert content.buffers == ()
