@@ -10,6 +10,7 @@ import click
 
 from stepbot.diagnostics import did_you_mean
 from stepbot.diagnostics.codes import CODES
+from stepbot.runtime.file import exists
 
 from .terminal import Display
 
@@ -68,7 +69,7 @@ def _formats_apart(args: list[str]) -> list[str]:
     from stepbot.formats import FORMATS
 
     known = {name for one in FORMATS.values() for name in (one.name, *one.aliases)}
-    apart = list(takewhile(lambda arg: arg.casefold() in known and not Path(arg).exists(), args[option + 2 :]))
+    apart = list(takewhile(lambda arg: arg.casefold() in known and not exists(Path(arg)), args[option + 2 :]))
     return [args[option + 1], *apart] if apart else []
 
 

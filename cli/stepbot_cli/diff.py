@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.runtime.file import exists, is_folder
 
 from .caching import say_trouble
 from .columns import wrapped_rows
@@ -72,10 +73,10 @@ def _kind(old: Path, new: Path) -> str:
     kinds = []
     for path in (old, new):
         suffix = path.suffix.lower()
-        if not (suffix or path.exists()):
+        if not (suffix or exists(path)):
             continue
         is_step, is_sidecar = suffix in _STEP, suffix in _SIDECAR
-        kinds.append("robot" if path.is_dir() else "step" if is_step else "sidecar" if is_sidecar else "robot")
+        kinds.append("robot" if is_folder(path) else "step" if is_step else "sidecar" if is_sidecar else "robot")
     if len(set(kinds)) > 1:
         raise click.UsageError(f"cannot compare a {kinds[0]} with a {kinds[1]}: '{old}' and '{new}'")
     return kinds[0] if kinds else "robot"

@@ -1,6 +1,5 @@
 """``stepbot check --fix``: renamed paths rewritten in sidecars."""
 
-import contextlib
 import difflib
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -47,13 +46,10 @@ def fix_paths(sidecar: Path, options: "Options", found: Diagnostics) -> Fixed | 
     fixed = fix_renamed_paths(sidecar, options, found)
     if fixed is None:
         return None
-    target, trouble = sidecar.resolve(), Diagnostics()
-    mode = target.stat().st_mode
-    write_file(target, fixed.sidecar, trouble)
+    trouble = Diagnostics()
+    write_file(sidecar, fixed.sidecar, trouble, replaces=fixed.before)
     found.extend(trouble)
     if trouble.has_errors:
         return None
-    with contextlib.suppress(OSError):  # who may write a file need not own it
-        target.chmod(mode)
-    write_file(lock_path(sidecar).resolve(), fixed.lock, found)
+    write_file(lock_path(sidecar), fixed.lock, found)
     return Fixed(sidecar, fixed.before.decode("utf-8"), fixed.sidecar.decode("utf-8"), fixed.paths)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.file import exists
 
 from .caching import say_trouble
 from .command import Command, display_options, json_option
@@ -72,7 +73,7 @@ def command(
         raise click.UsageError("--interactive and --json cannot be combined")
     sidecar = output or _beside(step)
     found = Diagnostics()
-    if sidecar.exists() and not force:
+    if exists(sidecar) and not force:
         help = ["write another file with -o, or overwrite it with --force"]
         found.add("SB012", "sidecar already exists", Span(sidecar.as_posix()), help=help)
         return _show_result(None, "", sidecar, step, found, as_json=as_json, display=display)

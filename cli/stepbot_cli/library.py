@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+from stepbot.runtime.file import exists, is_file, read_regular
 
 from .columns import aligned, table_lines
 from .command import Command, display_options, json_option
@@ -127,7 +128,7 @@ def _export_source(robot: "LibraryRobot", folder: Path, *, as_json: bool, displa
     help = ["choose another folder with -o DIR"]
     for name, content in files.items():
         path = folder / name
-        if path.exists() and not (path.is_file() and path.read_bytes() == content):
+        if exists(path) and not (is_file(path) and read_regular(path) == content):
             found.add("SB004", "a different file with this name exists", Span(path.as_posix()), help=help)
     if not found.has_errors:
         try:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.runtime.file import resolved
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
@@ -87,7 +88,7 @@ def command(
     compared = 0
     with progress_bar() as progress:
         for path in paths:
-            folders = filled.get(path.resolve()) or [_folder(output or "{name}", robot_name(path), path)]
+            folders = filled.get(resolved(path)) or [_folder(output or "{name}", robot_name(path), path)]
             for folder in folders:
                 asked = options._replace(output=folder, gazebo=model_of(folder, formats) if gazebo else "")
                 check_up_to_date(path, asked, found, exclude=exclude, progress=progress)

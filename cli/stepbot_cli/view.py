@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
+from stepbot.runtime.file import exists
 
 from .caching import say_trouble
 from .command import Command, display_options, json_option
@@ -119,7 +120,7 @@ def _editable(target: Path, options: "Options", found: Diagnostics) -> tuple[Pat
     if not is_step_name(target.name):
         raise click.UsageError("--edit needs a sidecar or a STEP file")
     sidecar = target.with_name(starter_name(target))
-    if sidecar.exists():
+    if exists(sidecar):
         return sidecar, ""
     with progress_bar(("draft",)) as progress:
         progress("draft")

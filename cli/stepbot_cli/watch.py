@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.file import is_file
 
 from .caching import say_trouble
 from .command import Command, display_options, json_option
@@ -108,7 +109,7 @@ def _sessions(
     from stepbot.serving.session import Session
 
     for path in sidecars:
-        if not path.is_file():
+        if not is_file(path):
             report_missing(path, found)
     tasks = plan(sidecars, output or Path(), found)
     if found.has_errors:

@@ -18,6 +18,7 @@ from stepbot.formats.sdformat.model_name import model_name
 from stepbot.formats.urdf.package import package_of
 from stepbot.pipeline.conversion import Checked, Conversion, Options
 from stepbot.runtime.cache import Cache, default_folder
+from stepbot.runtime.file import read_regular
 from stepbot.runtime.limits import DEFAULT_TIMEOUT
 
 if TYPE_CHECKING:
@@ -257,7 +258,7 @@ def close_loops(body: int, report: AnyPath | Mapping[str, Any], client: int = 0)
     """
     from stepbot.robot.pybullet_closures import add_constraints
 
-    document = report if isinstance(report, Mapping) else json.loads(Path(report).read_text(encoding="utf-8"))
+    document = report if isinstance(report, Mapping) else json.loads(read_regular(Path(report)).decode("utf-8"))
     return add_constraints(body, document["robot"]["pybullet"], client)
 
 

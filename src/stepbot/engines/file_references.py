@@ -10,6 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from stepbot.runtime.file import exists, is_file, is_folder, open_regular, read_regular, resolved
+
 from .resources import candidates
 from .usd.layers import layer_references
 
@@ -46,7 +48,7 @@ def refusals(file: str, written_in: str) -> tuple[Refusal, ...]:
         file: Path of the description.
         written_in: Its format.
     """
-    given, main = Path(file), Path(file).resolve()  # engines resolve symbolic links
+    given, main = Path(file), resolved(Path(file))  # engines resolve symbolic links
     found = _layer_refusals(main) if written_in == "usd" else _refusals(main, written_in == "mjcf")
     return tuple(replace(one, file=_shown(one.file, main, given)) for one in found)
 
@@ -54,7 +56,7 @@ def refusals(file: str, written_in: str) -> tuple[Refusal, ...]:
 def _layer_refusals(main: Path) -> Iterator[Refusal]:
     """Layers of a stage that are outside of its folder, or not regular files."""
     for one in layer_references(main):
-        if not one.path.resolve().is_relative_to(main.parent):
+        if not resolved(one.path).is_relative_to(main.parent):
             message = f"refers to '{one.name}', which is outside the folder of {main.name}"
             yield Refusal(OUTSIDE, message, str(one.layer))
         elif _is_irregular(one.path):
@@ -79,7 +81,7 @@ def first_element(path: Path) -> Element:
     from lxml import etree
 
     parser = etree.XMLPullParser(events=("start",), resolve_entities=False, no_network=True)
-    with path.open("rb") as file:  # lxml itself opens no file whose name is not UTF-8
+    with open_regular(path) as file:  # lxml itself opens no file whose name is not UTF-8
         while chunk := file.read(_CHUNK):
             fault = None
             try:
@@ -116,13 +118,13 @@ def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
             if not name:
                 continue
             included = main.parent / name
-            if not included.resolve().is_relative_to(main.parent.resolve()):
+            if not resolved(included).is_relative_to(resolved(main.parent)):
                 message = f"includes '{name}', which is outside the folder of {main.name}"
                 yield Refusal(OUTSIDE, message, str(path), element.sourceline or 0)
             elif _is_irregular(included):
                 yield Refusal(NOT_REGULAR, f"'{name}' is not a regular file", str(path), element.sourceline or 0)
-            elif included.is_file() and included.resolve() not in seen and len(seen) < _MOST_INCLUDES:
-                seen.add(included.resolve())
+            elif is_file(included) and resolved(included) not in seen and len(seen) < _MOST_INCLUDES:
+                seen.add(resolved(included))
                 pending.append(included)
     # The settings of one file apply to all files included together.
     folders = [main.parent / folder for folder in ("", *(name for _, root in roots for name in _folders(root)))]
@@ -140,7 +142,7 @@ def _parsed(path: Path) -> Element | None:
         first = first_element(path)
         if declares_entities(first):
             return first
-        return etree.fromstring(path.read_bytes(), etree.XMLParser(resolve_entities=False, no_network=True))
+        return etree.fromstring(read_regular(path), etree.XMLParser(resolve_entities=False, no_network=True))
     except (etree.XMLSyntaxError, OSError):
         return None
 
@@ -162,6 +164,6 @@ def _irregular(element: Element, main: Path, folders: list[Path], path: Path) ->
 def _is_irregular(path: Path) -> bool:
     """Whether the path is neither a file nor a folder: a pipe, a device, a socket."""
     try:
-        return path.exists() and not path.is_file() and not path.is_dir()
+        return exists(path) and not is_file(path) and not is_folder(path)
     except (OSError, ValueError):  # not a valid file name
         return False

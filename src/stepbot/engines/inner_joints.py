@@ -3,6 +3,8 @@
 from collections.abc import Collection
 from pathlib import Path
 
+from stepbot.runtime.file import is_file
+
 from .xml_root import xml_root
 
 
@@ -19,7 +21,7 @@ def inner_joints(file: Path, kinds: Collection[str] = ("planar", "floating")) ->
         EngineRefused: The file is not XML.
     """
     found = []
-    for joint in xml_root(file).iterfind("joint") if file.is_file() else ():  # engines reject what is not there
+    for joint in xml_root(file).iterfind("joint") if is_file(file) else ():  # engines reject what is not there
         kind, parent = joint.get("type"), joint.find("parent")
         on_world = kind == "floating" and parent is not None and parent.get("link") == "world"
         if kind in kinds and not on_world:

@@ -8,6 +8,7 @@ import tempfile
 from functools import cache
 from pathlib import Path
 
+from stepbot.runtime.file import is_folder, resolved
 from stepbot.runtime.temporary import run_folder
 
 
@@ -17,7 +18,7 @@ def openable(path: Path) -> Path:
     Raises:
         OSError: There cannot be a symbolic link.
     """
-    absolute = path.resolve()  # not cached: what a relative path refers to changes with the current folder
+    absolute = resolved(path)  # not cached: what a relative path refers to changes with the current folder
     return absolute if _is_utf8(absolute) else _linked(absolute)
 
 
@@ -31,7 +32,7 @@ def _linked(path: Path) -> Path:
         return place / "folder" / path.relative_to(folder)
     for beside in path.parent.iterdir():
         if _is_utf8(Path(beside.name)):
-            (place / beside.name).symlink_to(beside, target_is_directory=beside.is_dir())
+            (place / beside.name).symlink_to(beside, target_is_directory=is_folder(beside))
     description = place / f"{place.name}{path.suffix if _is_utf8(Path(path.suffix)) else ''}"
     description.symlink_to(path)
     return description

@@ -4,6 +4,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
+from stepbot.runtime.file import is_file
+
 _SCHEMES = ("package", "model", "file")
 
 
@@ -14,7 +16,7 @@ def resolve(uri: str, description: Path, packages: Iterable[Path] = ()) -> Path 
     folder above that contains it, or in its subfolder ``arm``; before that in ``packages``, folders of packages or the
     folders that contain them.
     """
-    return next((candidate for candidate in candidates(uri, description, packages) if candidate.is_file()), None)
+    return next((candidate for candidate in candidates(uri, description, packages) if is_file(candidate)), None)
 
 
 def candidates(uri: str, description: Path, packages: Iterable[Path] = ()) -> Iterator[Path]:

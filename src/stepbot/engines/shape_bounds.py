@@ -9,6 +9,7 @@ import numpy as np
 from stepbot.geometry.mesh_files import read_mesh
 from stepbot.geometry.spatial import Array, Pose, join_bounds
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds
+from stepbot.runtime.file import read_regular
 
 from .observation import ObservedShape
 from .resources import resolve
@@ -40,7 +41,7 @@ def mesh_file_bounds(
 
 def vertices_of(path: Path) -> Array | None:
     """Vertices (n, 3) of a mesh file; None if it cannot be read."""
-    content = path.read_bytes()
+    content = read_regular(path)
     return _of_obj(content) if path.suffix.lower() == ".obj" else _of_other(path, content)
 
 

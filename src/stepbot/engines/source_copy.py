@@ -4,6 +4,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from stepbot.runtime.file import resolved
+
 from .observation import EngineRefused
 from .resources import resolve
 from .urdf_chains import ChainNames, with_chains
@@ -80,9 +82,9 @@ def _locate(top: Element, file: Path, packages: Iterable[Path]) -> None:
         uri = element.get("filename", "") or (element.text or "").strip()
         found = resolve(uri, file, packages) if uri else None
         if found is not None and element.get("filename"):
-            element.set("filename", found.resolve().as_posix())
+            element.set("filename", resolved(found).as_posix())
         elif found is not None:
-            element.text = found.resolve().as_posix()
+            element.text = resolved(found).as_posix()
 
 
 def _complete_limits(robot: Element) -> None:

@@ -14,6 +14,8 @@ from urllib.parse import unquote
 
 import numpy as np
 
+from stepbot.runtime.file import read_regular
+
 from .colors import srgb_from_linear
 from .mesh import TriMesh, joined, merged
 
@@ -60,7 +62,7 @@ def read_content(path: Path) -> MeshContent | None:
     kind = path.suffix.lower()
     try:
         # From bytes: what else the file names is not opened.
-        content, buffers = path.read_bytes(), tuple[Path, ...]()
+        content, buffers = read_regular(path), tuple[Path, ...]()
         if kind == _GLTF:
             content, buffers = _with_buffers(content, path.parent)
         loaded = trimesh.load_scene(BytesIO(content), file_type=kind[1:], process=False)

@@ -11,6 +11,7 @@ import mujoco
 
 from stepbot.engines.mujoco.warnings import collected_warnings
 from stepbot.robot.jaws import is_jaw
+from stepbot.runtime.file import is_file, open_regular
 
 SCENE = ".scene.xml"
 """End of the name of the scene that stepbot writes beside a robot's file: floor, light and camera."""
@@ -34,9 +35,9 @@ def load(path: str | PathLike[str], *, scene: bool = True) -> Model:
     """
     file = Path(path)
     beside = file.with_suffix(SCENE)
-    if scene and not file.name.endswith(SCENE) and beside.is_file():
+    if scene and not file.name.endswith(SCENE) and is_file(beside):
         file = beside
-    if not file.is_file():
+    if not is_file(file):
         raise ValueError(f"no file {file}; `stepbot convert <robot>.robot.yaml -f mjcf` writes one")
     if file.suffix.lower() != ".xml" and not _is_xml(file):
         sidecar = file.name if file.suffix.lower() in (".yaml", ".yml") else "<robot>.robot.yaml"
@@ -50,7 +51,7 @@ def load(path: str | PathLike[str], *, scene: bool = True) -> Model:
 
 def _is_xml(file: Path) -> bool:
     """Whether a file begins as XML does: MuJoCo loads a robot under any suffix, and reports other files by a number."""
-    with file.open("rb") as stream:
+    with open_regular(file) as stream:
         return stream.read(64).removeprefix(BOM_UTF8).lstrip().startswith(b"<")
 
 

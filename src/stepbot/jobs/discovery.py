@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.file import is_folder, read_regular, resolved
 
 _SIDECAR = re.compile(r"(?:^|\.)robot\.ya?ml$")
 """Names of sidecars, as in the hooks for pre-commit."""
@@ -27,7 +28,7 @@ def find_sidecars(named: Iterable[Path], found: Diagnostics) -> list[Path]:
 
 
 def _meant(path: Path, found: Diagnostics) -> list[Path]:
-    if path.is_dir():
+    if is_folder(path):
         below = _below(path)
         if not below:
             help = ["sidecars are named `<robot>.robot.yaml`"]
@@ -36,7 +37,7 @@ def _meant(path: Path, found: Diagnostics) -> list[Path]:
     if path.suffix != _LIST:
         return [path]
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = read_regular(path).decode("utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         found.add("SB001", f"cannot read the list of sidecars: {error}", Span(path.as_posix()))
         return []
@@ -55,4 +56,4 @@ def _below(folder: Path) -> list[Path]:
 def robot_name(sidecar: Path) -> str:
     """Name of a sidecar's output: ``arm.robot.yaml`` gives ``arm``, and so does ``arm/robot.yaml``."""
     name = sidecar.name.removesuffix(sidecar.suffix).removesuffix(".robot")
-    return (sidecar.resolve().parent.name or name) if name == "robot" else name
+    return (resolved(sidecar).parent.name or name) if name == "robot" else name

@@ -7,6 +7,8 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from stepbot.runtime.file import exists
+
 _PACKAGE = Path(__file__).resolve().parents[1]
 _PLACES = (_PACKAGE / "robots", _PACKAGE.parents[1] / "robot_library")
 """In an installed package; in a checkout."""
@@ -81,7 +83,7 @@ class LibraryRobot:
 
 def schema_file() -> Path:
     """The JSON Schema of sidecars, as a file: in an installed package, or in a checkout."""
-    return next(path for place in _PLACES if (path := place.parent / "schemas" / SCHEMA).exists())
+    return next(path for place in _PLACES if exists(path := place.parent / "schemas" / SCHEMA))
 
 
 def library_robots() -> tuple[LibraryRobot, ...]:

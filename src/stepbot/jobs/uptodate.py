@@ -16,6 +16,7 @@ from typing import Any
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.formats import FORMATS, default_formats
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE, Options
+from stepbot.runtime.file import exists, is_folder, read_regular, resolved
 from stepbot.runtime.output_list import MANIFEST, sidecars_of
 
 from .incremental import check, produce, recorded
@@ -36,7 +37,7 @@ def output_folders(below: Path) -> dict[Path, list[Path]]:
         if MANIFEST in files:
             folder = Path(place)
             for sidecar in dict.fromkeys(sidecars_of(folder).values()):
-                folders.setdefault((folder / sidecar).resolve(), []).append(folder)
+                folders.setdefault(resolved(folder / sidecar), []).append(folder)
     return folders
 
 
@@ -60,7 +61,7 @@ def check_up_to_date(
     excluded = tuple(exclude)
     folder = options.output
     remedy = [f"`{shlex.join(_command(sidecar, options))}`"]
-    if sidecar.exists() and not folder.is_dir():
+    if exists(sidecar) and not is_folder(folder):
         faults = Diagnostics()
         check(sidecar, options, faults)
         if faults.has_errors:  # no output folder would help
@@ -74,7 +75,7 @@ def check_up_to_date(
         found.extend(diagnostics)
         return
     files = {name: content for name, content in expected.items() if not _is_excluded(name, excluded)}
-    if not (folder / REPORT).exists():
+    if not exists(folder / REPORT):
         files.pop(REPORT, None)
     for name, what in _differences(files, folder):
         found.add("SB007", what, Span((folder / name).as_posix()), help=remedy)
@@ -117,7 +118,7 @@ def _differences(files: Mapping[str, bytes], folder: Path) -> list[tuple[str, st
     different = []
     for name, content in files.items():
         try:
-            there = (folder / name).read_bytes()
+            there = read_regular(folder / name)
         except OSError:
             different.append((name, "missing"))
             continue
@@ -144,15 +145,15 @@ def _left_over(files: Mapping[str, bytes], folder: Path, sidecar: Path) -> list[
     """Existing files that an earlier run wrote for this sidecar, by its own list."""
     sources = sidecars_of(folder)
     try:
-        written = json.loads((folder / MANIFEST).read_bytes())["files"]
+        written = json.loads(read_regular(folder / MANIFEST))["files"]
         ours = [
-            name for name in written if (folder / sources.get(name, sidecar.resolve())).resolve() == sidecar.resolve()
+            name for name in written if resolved(folder / sources.get(name, resolved(sidecar))) == resolved(sidecar)
         ]
         needed_by_others = {path for name in written if name not in ours for path in written[name]}
         names = sorted({*ours, *(path for name in ours for path in written[name])} - needed_by_others)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):  # unknown origin
         return []
-    return [name for name in names if name not in files and (folder / name).exists()]
+    return [name for name in names if name not in files and exists(folder / name)]
 
 
 def _is_excluded(name: str, globs: tuple[str, ...]) -> bool:

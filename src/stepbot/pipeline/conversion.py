@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.formats import default_formats
 from stepbot.runtime.cache import Cache
+from stepbot.runtime.file import exists
 from stepbot.runtime.limits import DEFAULT_TIMEOUT
 
 if TYPE_CHECKING:
@@ -155,7 +156,7 @@ def _report_others(files: Mapping[str, bytes], output: Path, found: Diagnostics)
     from stepbot.runtime.output import beside
 
     others = beside(files, output)
-    if others.robots and REPORT in files and (output / REPORT).exists():
+    if others.robots and REPORT in files and exists(output / REPORT):
         names = ", ".join(f"'{name}'" for name in others.robots)
         message = f"the folder has files of {names}, too, and {REPORT} is of one robot"
         help = "convert each robot into a folder of its own: `-o FOLDER`"

@@ -8,6 +8,7 @@ from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
 from stepbot.engines.openable import openable
 from stepbot.robot.model import Robot
+from stepbot.runtime.file import exists
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 from stepbot.verification.admission import admitted
 from stepbot.verification.files import format_of
@@ -27,7 +28,7 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
         options: Time and memory limits.
         found: Takes SB001, SB814, SB820, SB821, SB822, SB823 and SB902.
     """
-    if not path.exists():
+    if not exists(path):
         report_missing(path, found)
         return None
     written_in = format_of(path, found)

@@ -11,6 +11,7 @@ from stepbot.engines.observation import Observation, Request
 from stepbot.engines.reference import observe_robot
 from stepbot.revisions.differences import Difference, robot_differences, step_differences
 from stepbot.revisions.snapshot import Snapshot, snapshot
+from stepbot.runtime.file import exists, is_file, is_folder
 from stepbot.step.assembly import ReadOptions
 from stepbot.verification.compare import compare
 from stepbot.verification.files import compare_two
@@ -69,7 +70,7 @@ def robot_files(old: Path, new: Path, found: Diagnostics) -> tuple[Path, Path] |
     Of folders the files of one format are taken: URDF where both have one, else SDFormat, else MJCF.
     """
     for path in (old, new):
-        if not path.exists():
+        if not exists(path):
             report_missing(path, found)
     if found.has_errors:
         return None
@@ -77,10 +78,10 @@ def robot_files(old: Path, new: Path, found: Diagnostics) -> tuple[Path, Path] |
     for suffix in choices[0]:
         if suffix in choices[1]:
             return choices[0][suffix], choices[1][suffix]
-    if not (old.is_dir() or new.is_dir()):
+    if not (is_folder(old) or is_folder(new)):
         return old, new
     for path in (old, new):
-        if path.is_dir() and not _by_suffix(path):
+        if is_folder(path) and not _by_suffix(path):
             found.add("SB001", "no URDF, SDFormat or MJCF file in this folder", Span(path.as_posix()))
     if not found.has_errors:
         found.add("SB001", f"no file of a format that '{old.as_posix()}' has, too", Span(new.as_posix()))
@@ -89,9 +90,9 @@ def robot_files(old: Path, new: Path, found: Diagnostics) -> tuple[Path, Path] |
 
 def _by_suffix(path: Path) -> dict[str, Path]:
     """Robot files by suffix, in the order of preference."""
-    if not path.is_dir():
+    if not is_folder(path):
         return {path.suffix: path}
-    files = sorted(file for file in path.iterdir() if file.is_file() and not file.name.endswith(SCENES))
+    files = sorted(file for file in path.iterdir() if is_file(file) and not file.name.endswith(SCENES))
     return {suffix: file for suffix in (".urdf", ".sdf", ".xml") for file in reversed(files) if file.suffix == suffix}
 
 

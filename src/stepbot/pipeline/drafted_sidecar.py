@@ -5,7 +5,7 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostics
 from stepbot.draft.draft import Draft
 from stepbot.draft.text.sidecar_text import SCHEMA_FILE, relative_step, sidecar_text
-from stepbot.runtime.file import write_file
+from stepbot.runtime.file import exists, write_file
 from stepbot.sidecar.schema import schema_text
 
 
@@ -18,6 +18,6 @@ def write_draft(draft: Draft, sidecar: Path, step: Path, encoding: str, found: D
     text = sidecar_text(draft, relative_step(step, sidecar), encoding=encoding)
     schema = sidecar.with_name(SCHEMA_FILE)
     write_file(sidecar, text.encode("utf-8"), found)
-    if not found.has_errors and not schema.exists():
+    if not found.has_errors and not exists(schema):
         write_file(schema, schema_text().encode("utf-8"), found)
     return text

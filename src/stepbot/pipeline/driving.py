@@ -13,6 +13,7 @@ from stepbot.driving.driving import Driven, drive_files, missing_engines, report
 from stepbot.driving.limits import Demands, InvalidLimits, demands
 from stepbot.driving.names import ENGINES
 from stepbot.formats import FORMATS
+from stepbot.runtime.file import exists, is_file, is_folder, read_regular
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
 from stepbot.verification.admission import located
@@ -50,7 +51,7 @@ def drive(
         found: Receives the diagnostics.
         progress: Called at the start of each stage.
     """
-    if not target.exists():
+    if not exists(target):
         report_missing(target, found)
         return None
     demanded = read_demands(chosen.limits, found)
@@ -76,7 +77,7 @@ def read_demands(path: Path | None, found: Diagnostics) -> Demands | None:
         return demands(None)
     span = Span(path.as_posix())
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(read_regular(path).decode("utf-8"))
         if not isinstance(content, dict):
             raise InvalidLimits("the file is not an object")
         return demands(content.get("drive"))
@@ -111,7 +112,7 @@ def _drive_written(
     found: Diagnostics,
 ) -> Driven | None:
     """Drive a folder, or one file of a folder; ``copies`` receives files with absolute paths of meshes in packages."""
-    folder = target if target.is_dir() else target.parent
+    folder = target if is_folder(target) else target.parent
     document = _report(folder, target, found)
     if document is None:
         return None
@@ -145,7 +146,7 @@ def _drive_written(
 def _report(folder: Path, target: Path, found: Diagnostics) -> dict[str, Any] | None:
     """The report of a folder; None after SB833."""
     try:
-        document = json.loads((folder / REPORT).read_text(encoding="utf-8"))
+        document = json.loads(read_regular(folder / REPORT).decode("utf-8"))
     except OSError:
         found.add("SB833", f"no {REPORT} in '{folder.as_posix()}'", Span(target.as_posix()))
         return None
@@ -168,8 +169,8 @@ def _files(document: Mapping[str, Any], folder: Path, target: Path, engines: Ite
     name = str(document["robot"].get("name", ""))
     listed = {one.get("path") for one in document["files"] if isinstance(one, Mapping)}
     found = {engine: folder / f"{name}{_suffix(engine)}" for engine in engines}
-    chosen = {engine: path for engine, path in found.items() if path.is_file() and path.name in listed}
-    if target.is_dir():
+    chosen = {engine: path for engine, path in found.items() if is_file(path) and path.name in listed}
+    if is_folder(target):
         return chosen
     return {engine: path for engine, path in chosen.items() if path.name == target.name}
 

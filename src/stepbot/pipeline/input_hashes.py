@@ -4,6 +4,8 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from stepbot.runtime.file import open_regular, resolved
+
 
 def input_hashes(files: Mapping[str, Path]) -> dict[str, str]:
     """SHA-256 of each file by its name in the report.
@@ -13,7 +15,7 @@ def input_hashes(files: Mapping[str, Path]) -> dict[str, str]:
     found = {}
     for name, path in files.items():
         try:
-            with path.open("rb") as file:
+            with open_regular(path) as file:
                 digest = hashlib.file_digest(file, "sha256").hexdigest()
         except OSError:
             return {}
@@ -26,9 +28,9 @@ def input_names(first: Path, others: Iterable[Path]) -> dict[str, Path]:
 
     Those outside of it have their own names, with as many of the folders above them as tell them apart.
     """
-    main = first.resolve()
+    main = resolved(first)
     named: dict[str, Path] = {}
-    for path in dict.fromkeys((main, *(one.resolve() for one in others))):
+    for path in dict.fromkeys((main, *(resolved(one) for one in others))):
         inside = path.is_relative_to(main.parent)
         name, folders = path.relative_to(main.parent).as_posix() if inside else path.name, 1
         while name in named:

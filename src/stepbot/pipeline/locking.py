@@ -17,6 +17,7 @@ from stepbot.revisions.lock_path import lock_path
 from stepbot.revisions.outdated_lock import report_outdated
 from stepbot.revisions.renaming import certain_renamings, renamed_lock
 from stepbot.revisions.snapshot import Snapshot, snapshot, with_sidecar
+from stepbot.runtime.file import exists, is_file, read_regular
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.rewriting import rewritten
 from stepbot.step.assembly import Assembly
@@ -115,9 +116,9 @@ def fix_renamed_paths(sidecar: Path, options: Options, found: Diagnostics) -> Fi
     elsewhere = Diagnostics()
     path = lock_path(sidecar)
     try:
-        content = sidecar.read_bytes() if sidecar.is_file() else b""
+        content = read_regular(sidecar) if is_file(sidecar) else b""
         loaded = load(sidecar, options, elsewhere)
-        if not path.exists():
+        if not exists(path):
             remedy = f"create one while sidecar and STEP agree: `{shlex.join(['stepbot', 'lock', sidecar.as_posix()])}`"
             found.add("SB017", "no lock file, so renamed components cannot be found", loaded.span(), help=[remedy])
             return None

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stepbot.runtime.cache import Cache, Digest, environment
+from stepbot.runtime.file import is_file, open_regular
 from stepbot.runtime.worker import Worker
 from stepbot.step import KERNEL
 from stepbot.step.exchange.input_files import input_digest
@@ -26,7 +27,7 @@ _LARGEST_SIDECAR = 1 << 20
 def started_kernel(sidecar: Path, options: Options) -> Worker | None:
     """A process that is loading the kernel; None if none will be needed, as far as can be determined."""
     step = options.step or _guessed_step(sidecar)
-    if step is None or not step.is_file():
+    if step is None or not is_file(step):
         return None
     if options.cache is not None and was_read(options.cache, input_digest(step) or ""):
         return None
@@ -59,7 +60,7 @@ def _read_key(content: str) -> str:
 
 def _guessed_step(sidecar: Path) -> Path | None:
     try:
-        with sidecar.open("rb") as file:
+        with open_regular(sidecar) as file:
             text = file.read(_LARGEST_SIDECAR).decode("utf-8-sig", "replace")
     except OSError:
         return None

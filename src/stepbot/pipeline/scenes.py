@@ -8,6 +8,7 @@ from typing import Any
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.robot.model import Robot
 from stepbot.robot.step_names import is_step_name, step_stem
+from stepbot.runtime.file import exists
 from stepbot.sidecar.draft_comments import drafted_reviews, drafted_stops
 from stepbot.step.assembly import Assembly
 from stepbot.viewing.connections import evidence_of_rows
@@ -47,7 +48,7 @@ def show(target: Path, options: Options) -> Shown:
     if target.suffix.lower() in SIDECAR_SUFFIXES:
         return _show_sidecar(target, options)
     found = Diagnostics()
-    if not target.exists():
+    if not exists(target):
         report_missing(target, found)
         return Shown(found)
     return (_show_step if is_step_name(target.name) else _show_description)(target, options, found)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from stepbot.assemble.reading import read_options
 from stepbot.diagnostics import Diagnostics, Ignore, Span, did_you_mean
+from stepbot.runtime.file import exists, is_folder
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.ignored import ignores
 from stepbot.sidecar.load import load_sidecar, parse_sidecar
@@ -45,9 +46,9 @@ def named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
         StepbotError: It does not exist.
     """
     path = sidecar.step_path
-    if not path.exists():
+    if not exists(path):
         folder = path.parent
-        beside = sorted(file.name for file in folder.iterdir()) if folder.is_dir() else []
+        beside = sorted(file.name for file in folder.iterdir()) if is_folder(folder) else []
         remedies = (
             *did_you_mean(path.name, beside),
             "`step` is relative to the sidecar; `--step FILE` selects another file",

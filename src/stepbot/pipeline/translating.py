@@ -21,6 +21,7 @@ from stepbot.robot.gains import tuned
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Robot
 from stepbot.robot.validity import check_robot
+from stepbot.runtime.file import resolved
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.sidecar.self_collision import SelfCollisionSection
 from stepbot.verification.joint_rows import joint_rows
@@ -170,9 +171,9 @@ def _report_base(robot: Robot, span: Span, found: Diagnostics) -> None:
 
 def _check_overwritten(written: Rendered, sources: Iterable[Path], options: Options, found: Diagnostics) -> None:
     """Report files that the conversion would write over its own source (SB869)."""
-    read = {source.resolve() for source in sources}
+    read = {resolved(source) for source in sources}
     for path in (path for files in written.by_format.values() for path in files):
-        if (options.output / path).resolve() in read:
+        if resolved(options.output / path) in read:
             found.add(
                 "SB869",
                 f"the conversion would overwrite '{path}', which it reads",

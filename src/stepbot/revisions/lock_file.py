@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.file import open_regular
 
 from .records import Invalid, Record
 from .snapshot import Joint, Part, Reference, Shape, Snapshot
@@ -54,7 +55,7 @@ def read_lock(path: Path, robot: str, found: Diagnostics) -> Snapshot | None:
     span = Span(path.as_posix())
     remedy = [f"restore '{path.name}' from version control, or replace it with `stepbot lock`"]
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             content = file.read(LARGEST_FILE + 1)
     except FileNotFoundError:
         return None

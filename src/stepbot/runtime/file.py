@@ -1,21 +1,115 @@
-"""Writes one file: all of it or nothing."""
+"""Files and paths that others name: reads that cannot hang, questions that cannot raise, writes of all or nothing.
 
+A name in a sidecar, a description or a command may be longer than the file system allows, or lead to a loop of links, a
+pipe or a device. ``Path.exists``, ``is_file``, ``is_dir`` and ``resolve`` raise an exception for some of these, and
+reading a pipe or ``/dev/zero`` never ends. The functions below do neither.
+"""
+
+import contextlib
+import errno
 import os
+import secrets
+import sys
+from io import BufferedReader
 from pathlib import Path
+from stat import S_IMODE, S_ISDIR, S_ISREG
 
 from stepbot.diagnostics import Diagnostics, Span
 
+_READ = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+_NO_LINKS = getattr(os, "O_NOFOLLOW", 0)
 
-def write_file(path: Path, content: bytes, found: Diagnostics) -> None:
-    """Write a file, or keep the previous one and report the error (SB004) in ``found``."""
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+
+def exists(path: Path) -> bool:
+    """Whether something is at a path; False for an invalid one."""
+    return os.path.exists(path)
+
+
+def is_file(path: Path) -> bool:
+    """Whether a path is that of a regular file, or of a link to one."""
+    return os.path.isfile(path)
+
+
+def is_folder(path: Path) -> bool:
+    """Whether a path is that of a folder, or of a link to one."""
+    return os.path.isdir(path)
+
+
+def resolved(path: Path) -> Path:
+    """An absolute path without symbolic links; from the first link of a loop on, the path as given."""
+    try:
+        return Path(os.path.realpath(path))
+    except (OSError, ValueError):
+        return Path(os.path.abspath(path))
+
+
+def open_regular(path: Path, *, follow_links: bool = True) -> BufferedReader:
+    """Open a regular file for reading, without waiting for a pipe or a device.
+
+    Raises:
+        OSError: The file cannot be opened, or is not a regular one.
+    """
+    descriptor = os.open(path, _READ if follow_links else _READ | _NO_LINKS)
+    try:
+        mode = os.fstat(descriptor).st_mode
+        if S_ISDIR(mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+        if not S_ISREG(mode):
+            raise OSError(errno.EINVAL, "not a regular file", str(path))
+        return os.fdopen(descriptor, "rb")
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def read_regular(path: Path) -> bytes:
+    """The content of a regular file.
+
+    Raises:
+        OSError: As for :func:`open_regular`.
+    """
+    with open_regular(path) as file:
+        return file.read()
+
+
+def write_file(path: Path, content: bytes, found: Diagnostics, *, replaces: bytes | None = None) -> None:
+    """Write a file, or keep the previous one and report the error (SB004) in ``found``.
+
+    The file keeps its mode; where ``path`` is a symbolic link, the file that it leads to is written.
+
+    Args:
+        path: The file.
+        content: Its new content.
+        found: Receives the error.
+        replaces: The content that the new one was made from: a file with another one was saved meanwhile, and is kept.
+    """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            with part.open("xb") as file:
-                file.write(content)
-            part.replace(path)
-        finally:
-            part.unlink(missing_ok=True)
-    except OSError as error:
-        found.add("SB004", f"cannot write the file: {error.strerror or error}", Span(path.as_posix()))
+        _replace(Path(os.path.realpath(path)), content, replaces)
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+        found.add("SB004", f"cannot write the file: {reason}", Span(path.as_posix()))
+
+
+def _replace(target: Path, content: bytes, replaces: bytes | None) -> None:
+    status = target.lstat() if os.path.lexists(target) else None
+    if status is not None and not S_ISREG(status.st_mode):
+        raise OSError(errno.EINVAL, "not a regular file")
+    part = target.with_name(f".{secrets.token_hex(8)}.part")
+    try:
+        with part.open("xb") as file:
+            file.write(content)
+        if status is not None:
+            _keep_owner(part, status)
+            part.chmod(S_IMODE(status.st_mode))
+        if replaces is not None and read_regular(target) != replaces:
+            raise OSError(errno.EBUSY, "it was changed elsewhere meanwhile")
+        part.replace(target)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _keep_owner(part: Path, status: os.stat_result) -> None:
+    if sys.platform != "win32":
+        with contextlib.suppress(OSError):  # who may write a file need not own it
+            os.chown(part, status.st_uid, status.st_gid)

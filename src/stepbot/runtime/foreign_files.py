@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from stat import S_ISREG
 
+from .file import open_regular, read_regular
 from .output_list import Manifest
 
 _MARK = b"stepbot"
@@ -36,14 +37,14 @@ def _differs(target: Path, content: bytes) -> bool:
     """Whether a regular file is there, with another content."""
     try:
         status = target.lstat()
-        return S_ISREG(status.st_mode) and (status.st_size != len(content) or target.read_bytes() != content)
+        return S_ISREG(status.st_mode) and (status.st_size != len(content) or read_regular(target) != content)
     except OSError:
         return False
 
 
 def _is_marked(target: Path) -> bool:
     try:
-        with target.open("rb") as file:
+        with open_regular(target) as file:
             return _is_marked_by(file.read(_HEAD))
     except OSError:
         return False

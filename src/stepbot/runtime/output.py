@@ -21,6 +21,7 @@ from typing import Any, NamedTuple, NoReturn
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
+from .file import exists, is_file, is_folder, read_regular, resolved
 from .folder_lock import LOCK, FolderInUse, locked
 from .foreign_files import foreign_files
 from .output_list import (
@@ -48,7 +49,7 @@ _LONGEST_WAIT = 60.0
 
 def failed_output(folder: Path) -> Path:
     """Folder for the files of a run that failed verification: next to ``folder``, whose content is kept."""
-    return folder.parent / f"{folder.resolve().name}.failed"
+    return folder.parent / f"{resolved(folder).name}.failed"
 
 
 def check_writable(folder: Path) -> None:
@@ -58,7 +59,7 @@ def check_writable(folder: Path) -> None:
         StepbotError: A file is in the way, or write permission is missing (SB004).
     """
     nearest = next((path for path in (folder, *folder.absolute().parents) if os.path.lexists(path)), folder)
-    if not nearest.is_dir():
+    if not is_folder(nearest):
         _refuse(folder, f"cannot write {folder}: '{nearest}' is not a folder")
     if not os.access(nearest, os.W_OK | os.X_OK):
         _refuse(folder, f"cannot write {folder}: no write permission in '{nearest}'")
@@ -147,7 +148,7 @@ def beside(files: Mapping[str, bytes], folder: Path) -> Beside:
     before, own = read_manifest(folder), top_files(files)
     ours = set(map(_robot_of, own))
     others = (name for name in before if name not in files and not name.endswith(".json"))
-    same = (name for name in others if _robot_of(name) in ours and (folder / name).exists())
+    same = (name for name in others if _robot_of(name) in ours and exists(folder / name))
     return Beside(tuple(sorted(set(map(_robot_of, _of_others(own, before, folder))))), tuple(sorted(same)))
 
 
@@ -165,7 +166,7 @@ def _from_folder(sidecar: Path | None, folder: Path) -> str:
     """The relative path from an output folder to a sidecar; empty if one of them is outside the current folder."""
     if sidecar is None:
         return ""
-    here, source, target = Path.cwd().resolve(), sidecar.resolve(), folder.resolve()
+    here, source, target = resolved(Path.cwd()), resolved(sidecar), resolved(folder)
     if not (source.is_relative_to(here) and target.is_relative_to(here)):
         return ""
     return Path(os.path.relpath(source, target)).as_posix()
@@ -272,18 +273,18 @@ def _holds(target: Path, content: bytes) -> bool:
     """Whether ``target`` is a regular file with this content."""
     try:
         status = target.lstat()
-        return S_ISREG(status.st_mode) and status.st_size == len(content) and target.read_bytes() == content
+        return S_ISREG(status.st_mode) and status.st_size == len(content) and read_regular(target) == content
     except OSError:
         return False
 
 
 def _make_folders(folder: Path, made: list[Path]) -> None:
     """Create a folder and its missing parents, which are added to ``made``, top first."""
-    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    missing = [path for path in (folder, *folder.parents) if not exists(path)]
     for path in reversed(missing):
         path.mkdir(exist_ok=True)
         made.append(path)
-    if not folder.is_dir():
+    if not is_folder(folder):
         raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder))
 
 
@@ -298,9 +299,9 @@ def _remove_stale(folder: Path, path: str, digest: str) -> None:
     target = folder / path
     try:
         if (
-            target.is_file()
+            is_file(target)
             and _link_in(path, folder) is None
-            and hashlib.sha256(target.read_bytes()).hexdigest() == digest
+            and hashlib.sha256(read_regular(target)).hexdigest() == digest
         ):
             target.unlink()
             _remove_if_empty(target.parent)
@@ -312,7 +313,7 @@ def _remove_abandoned(folder: Path, staging: Path | None = None) -> None:
     """Remove leftovers of killed runs."""
     for path in sorted(folder.glob(f"{STAGING}*")):
         try:
-            if path != staging and path.is_dir() and time.time() - path.stat().st_mtime > _ABANDONED_AFTER:
+            if path != staging and is_folder(path) and time.time() - path.stat().st_mtime > _ABANDONED_AFTER:
                 import shutil
 
                 shutil.rmtree(path, ignore_errors=True)
@@ -339,7 +340,7 @@ def _link_in(path: str, folder: Path) -> str | None:
 def _check_case(files: Mapping[str, bytes], staging: Path, folder: Path) -> None:
     """Reject files that differ only in case, on a file system that ignores it."""
     (staging / "case").write_bytes(b"")
-    if not (staging / "CASE").exists():
+    if not exists(staging / "CASE"):
         return
     first: dict[str, str] = {}
     for path in files:
@@ -373,7 +374,7 @@ def _of_others(own: Iterable[str], before: Manifest, folder: Path) -> Manifest:
     return {
         name: needs
         for name, needs in before.items()
-        if not name.endswith(".json") and _robot_of(name) not in ours and (folder / name).exists()
+        if not name.endswith(".json") and _robot_of(name) not in ours and exists(folder / name)
     }
 
 

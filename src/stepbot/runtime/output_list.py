@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from .file import is_file, read_regular
 from .folder_lock import LOCK
 
 MANIFEST = ".stepbot.json"
@@ -100,7 +101,7 @@ def manifest_in(document: Any) -> Manifest:
 def read_list(folder: Path) -> Any:
     """The parsed list of an output folder; empty if it is unreadable, or a pipe or device, which might block."""
     try:
-        return json.loads((folder / MANIFEST).read_bytes()) if (folder / MANIFEST).is_file() else {}
+        return json.loads(read_regular(folder / MANIFEST)) if is_file(folder / MANIFEST) else {}
     except (OSError, ValueError, RecursionError):
         return {}
 

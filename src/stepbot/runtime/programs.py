@@ -5,12 +5,14 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+from .file import exists, resolved
+
 
 def find_program(name: str) -> str | None:
     """Absolute path of a program in ``PATH``, ignoring the current folder and relative entries."""
     for folder in os.environ.get("PATH", "").split(os.pathsep):
         program = Path(folder, name)
-        if not program.is_absolute() or (os.name == "posix" and not program.exists()):
+        if not program.is_absolute() or (os.name == "posix" and not exists(program)):
             continue
         import shutil  # only now: most machines have none of the programs, and this import takes longer than the search
 
@@ -34,7 +36,7 @@ def program_fingerprints() -> list[str]:
     """
     files: list[Path] = []
     for program in map(Path, sdf_programs()):
-        share = program.resolve().parents[1] / "share"
+        share = resolved(program).parents[1] / "share"
         variable = os.environ.get(f"{program.stem.upper()}_CONFIG_PATH", "")
         folders = [*map(Path, filter(None, variable.split(os.pathsep))), share / "gz", share / "ignition"]
         files += [program, *(file for folder in folders for file in sorted(folder.glob("*sdf*.yaml")))]

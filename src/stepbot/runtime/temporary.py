@@ -14,6 +14,8 @@ import time
 from functools import cache
 from pathlib import Path
 
+from .file import exists
+
 if sys.platform != "win32":
     import fcntl
 
@@ -47,7 +49,7 @@ def _is_taken(folder: Path) -> bool:
         return False
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        is_there = folder.exists()
+        is_there = exists(folder)
     except BlockingIOError:
         is_there = False
     except OSError:  # a file system without locks: no run considers the folder abandoned

@@ -13,7 +13,7 @@ from typing import Any
 from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.scenes import Shown, show_text
-from stepbot.runtime.file import write_file
+from stepbot.runtime.file import read_regular, write_file
 from stepbot.sidecar.editing import CannotEdit, edited
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
@@ -64,7 +64,7 @@ class Editor:
             mark = _BYTE_ORDER_MARK if before.startswith(_BYTE_ORDER_MARK) else b""
             after = mark + changed.replace("\n", newline).encode()
             if after != before:
-                shown = self._written(after)
+                shown = self._written(before, after)
                 self._done.append(_Step(before, after))
                 self._undone.clear()
                 self._show(shown)
@@ -106,7 +106,7 @@ class Editor:
             now, then = (step.after, step.before) if back else (step.before, step.after)
             if self._content() != now:
                 raise Refused("the sidecar was changed elsewhere; its steps cannot be undone any more")
-            shown = self._written(then)
+            shown = self._written(now, then)
             given.append(taken.pop())
             self._show(shown)
             return self.state()
@@ -119,17 +119,20 @@ class Editor:
 
     def _content(self) -> bytes:
         try:
-            return self._sidecar.read_bytes()
+            return read_regular(self._sidecar)
         except OSError as error:
             raise Refused(f"the sidecar cannot be read: {error.strerror}") from error
 
-    def _written(self, content: bytes) -> Shown:
-        """Check, then write; returns what to show."""
+    def _written(self, before: bytes, content: bytes) -> Shown:
+        """Check, then write in place of ``before``; returns what to show.
+
+        A check takes seconds: what another program saved meanwhile stays, and the edit is refused.
+        """
         shown = show_text(self._sidecar, _lines(content)[0], self._options)
         if shown.diagnostics.has_errors:
             raise Refused(_reasons(shown.diagnostics, "`check` would reject this"))
         found = Diagnostics()
-        write_file(self._sidecar, content, found)
+        write_file(self._sidecar, content, found, replaces=before)
         if found.has_errors:
             raise Refused(_reasons(found, "the sidecar cannot be written"))
         return shown

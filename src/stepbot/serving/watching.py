@@ -11,6 +11,7 @@ from threading import Event, Thread
 
 from stepbot.pipeline.conversion import Conversion
 from stepbot.pipeline.scenes import Shown
+from stepbot.runtime.file import is_folder, resolved
 
 from .session import Session
 
@@ -104,9 +105,9 @@ def watch(sessions: Sequence[Session], changed: Callable[[Session, Shown], None]
         for found in changes(
             *folders, watch_filter=None, debounce=LONGEST, step=QUIET, stop_event=ended, recursive=False
         ):
-            paths = {Path(path).resolve() for _, path in found}
+            paths = {resolved(Path(path)) for _, path in found}
             for session in sessions:
-                if paths & {path.resolve() for path in session.files}:
+                if paths & {resolved(path) for path in session.files}:
                     changed(session, session.load())
             if _folders(sessions) != folders:  # a sidecar names a STEP file elsewhere
                 break
@@ -114,4 +115,4 @@ def watch(sessions: Sequence[Session], changed: Callable[[Session, Shown], None]
 
 def _folders(sessions: Iterable[Session]) -> list[Path]:
     """The folders of all files: editors replace a file when they save it, which only its folder reports."""
-    return sorted({path.resolve().parent for session in sessions for path in session.files if path.parent.is_dir()})
+    return sorted({resolved(path).parent for session in sessions for path in session.files if is_folder(path.parent)})

@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+from stepbot.runtime.file import is_folder, open_regular
 
 LARGEST_FILE = 1 << 20
 """Maximum size [bytes] of a file."""
@@ -25,7 +26,7 @@ def read_text(path: Path, found: Diagnostics) -> str | None:
     """
     whole = Span(file_name(path))
     try:
-        with path.open("rb") as stream:
+        with open_regular(path) as stream:
             content = stream.read(LARGEST_FILE + 1)
     except OSError as failure:
         found.add("SB001", _reason(path, failure), whole, help=_meant(path))
@@ -89,9 +90,9 @@ def _place(file: str, before: str) -> Span:
 
 def _meant(path: Path) -> tuple[str, ...]:
     """Suggestions of existing sidecars."""
-    folder = path if path.is_dir() else path.parent
+    folder = path if is_folder(path) else path.parent
     near = [one.name for one in folder.glob("*.yaml")] + [one.name for one in folder.glob("*.yml")]
-    if path.is_dir() and near:
+    if is_folder(path) and near:
         return (f"use a file in it: {', '.join(sorted(near)[:3])}",)
     return did_you_mean(path.name, sorted(near)) or ("sidecars are usually named `<robot>.robot.yaml`",)
 
@@ -99,6 +100,6 @@ def _meant(path: Path) -> tuple[str, ...]:
 def _reason(path: Path, failure: OSError) -> str:
     if isinstance(failure, FileNotFoundError):
         return "file not found"
-    if isinstance(failure, IsADirectoryError) or path.is_dir():
+    if isinstance(failure, IsADirectoryError) or is_folder(path):
         return "is a folder, not a file"
     return f"cannot be read: {failure.strerror or failure}"

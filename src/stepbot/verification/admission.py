@@ -11,6 +11,7 @@ from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.examination import Examined
 from stepbot.engines.openable import openable
 from stepbot.engines.source_copy import MissingMesh
+from stepbot.runtime.file import exists
 from stepbot.runtime.worker import Start, Worker, WorkerDied
 
 _EXAMINE = "stepbot.engines.examination:examine"
@@ -69,7 +70,7 @@ def located(
         if one.missing:
             _report_missing(path, one.missing, found)
         else:
-            places[path] = copy if copy is not None and copy.exists() else path
+            places[path] = copy if copy is not None and exists(copy) else path
     return places
 
 

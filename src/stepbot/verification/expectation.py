@@ -13,6 +13,7 @@ from stepbot.robot.closures import driven_joints, held_by_a_point, loop_ways
 from stepbot.robot.kinematics import complete, configurations, independent_joints, initial_configuration, rates
 from stepbot.robot.model import Base, Robot
 from stepbot.robot.multi_dof import ball_coordinates, universal_coordinates
+from stepbot.runtime.file import resolved
 
 CONFIGURATIONS = 32
 """Number of random configurations at which poses and dynamics are compared."""
@@ -94,7 +95,7 @@ def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Pat
             solved.append(_Solved(moved, driven_joints(moved), held_by_a_point(moved), ways))
         loops = (known or solved[-1:])[0]
         asked[name] = Request(
-            file=str(file.resolve()),
+            file=str(resolved(file)),
             format=name,
             configurations=configurations(written, CONFIGURATIONS, SEED),
             rates=rates(moved, CONFIGURATIONS, SEED),

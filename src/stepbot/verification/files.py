@@ -24,6 +24,7 @@ from stepbot.report.record import Check, Report
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import configurations, rates
 from stepbot.robot.model import Link, Robot
+from stepbot.runtime.file import open_regular
 from stepbot.runtime.limits import DEFAULT_TIMEOUT
 from stepbot.runtime.temporary import run_folder
 
@@ -232,7 +233,7 @@ def format_of(path: Path, found: Diagnostics) -> str | None:
 
 def _signed(path: Path) -> str | None:
     """Format of a file that is not XML, by its first bytes."""
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         start = file.read(_SIGNATURE)
     return next((one.name for one in FORMATS.values() if one.signatures and start.startswith(one.signatures)), None)
 

@@ -7,6 +7,7 @@ from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.formats import FORMATS
 from stepbot.formats.features import Feature, Level
 from stepbot.robot.step_names import is_step_name
+from stepbot.runtime.file import is_file, is_folder, open_regular
 
 SCENES = (".drake.sdf", *(written.scene for written in FORMATS.values() if written.scene))
 """Ends of the names of files that contain the robot of a main file once more."""
@@ -44,9 +45,9 @@ def _main_files(paths: Iterable[Path]) -> list[Path]:
 def _is_robot(path: Path) -> bool:
     """Whether a file of a robot's suffix may be one; of XML files, such as manifests, those with MJCF's element."""
     if path.suffix != ".xml":
-        return path.is_file()
+        return is_file(path)
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             return b"<mujoco" in file.read(_BEGINNING)
     except OSError:
         return False
@@ -61,12 +62,12 @@ def is_robot_file(path: Path, found: Diagnostics) -> bool:
             STEP.
     """
     span = Span(path.as_posix())
-    if path.is_file():
+    if is_file(path):
         source = "a sidecar" if path.suffix in (".yaml", ".yml") else "a STEP file" if is_step_name(path.name) else ""
         if source:
             found.add("SB814", f"{source}, not a robot description", span, help=[_FROM_SIDECAR])
         return not source
-    if path.is_dir():
+    if is_folder(path):
         inside = _listed(main_files(path))
         help = f"use a file in it: {inside}" if inside else "it contains no robot file; `stepbot convert` writes them"
         found.add("SB001", "is a folder, not a file", span, help=[help])

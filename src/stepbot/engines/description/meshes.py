@@ -5,6 +5,7 @@ from pathlib import Path
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_files import KINDS, Color, MeshContent, read_content
+from stepbot.runtime.file import resolved
 
 from ..resources import resolve
 
@@ -55,7 +56,7 @@ class MeshFiles:
         if path is None or path.suffix.lower() not in KINDS:
             return None
         content = read_content(path)
-        self._files += [path.resolve(), *(content.buffers if content else ())]
+        self._files += [resolved(path), *(content.buffers if content else ())]
         return content
 
 

@@ -12,6 +12,7 @@ from stepbot.geometry.mesh_files import KINDS
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 from stepbot.robot.simulation import Integrator, Simulation
+from stepbot.runtime.file import is_file
 
 from ..description.description import DescribedShape, Description, Primitive
 from ..description.meshes import MeshFiles
@@ -163,7 +164,7 @@ class _MeshFiles:
         stated = next((mesh for mesh in self._spec.meshes if mesh.id == number), None)
         if stated is not None and stated.file and not any(stated.refpos) and list(stated.refquat) == [1, 0, 0, 0]:
             below = (self._folder / self._spec.meshdir / stated.file, self._folder / stated.file)
-            file = next((one for one in below if one.is_file()), None)
+            file = next((one for one in below if is_file(one)), None)
             if file is not None and file.suffix.lower() in KINDS:
                 mesh = self.files.mesh(file.as_posix(), tuple(stated.scale))
                 X = Pose.from_quaternion(model.mesh_quat[number].tolist(), model.mesh_pos[number]).inverse()
@@ -197,7 +198,7 @@ def _drop_missing(spec: Any, folder: Path) -> tuple[str, ...]:
 
 
 def _is_there(folder: Path, below: str, name: str) -> bool:
-    return (folder / below / name).is_file() or (folder / name).is_file()
+    return is_file(folder / below / name) or is_file(folder / name)
 
 
 def _shapes(compiled: Compiled, body: int, meshes: _MeshFiles) -> Iterator[DescribedShape]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.model import Base
+from stepbot.runtime.file import is_file
 
 from ..observation import EngineRefused
 from ..simulation import DOWN, FRICTION, GRAVITY, HEIGHT, Mechanism, Setup
@@ -223,7 +224,7 @@ class MujocoSimulation:
 def _spec(engine: Any, file: str, mechanism: Mechanism, setup: Setup) -> Any:
     """The robot's file, or the scene that includes it, with what a test adds."""
     scene = Path(file).with_suffix(SCENE)
-    spec = engine.MjSpec.from_file(str(scene) if setup.floor and scene.is_file() else file)
+    spec = engine.MjSpec.from_file(str(scene) if setup.floor and is_file(scene) else file)
     for key in list(spec.keys):  # a keyframe does not fit a model with a cube
         spec.delete(key)
     if setup.floor and not any(geom.type == engine.mjtGeom.mjGEOM_PLANE for geom in spec.worldbody.geoms):

@@ -21,6 +21,7 @@ from stepbot.geometry.spatial import Pose, join_bounds, matrix3, turn_inertia, v
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.model import Box, Capsule, Cylinder, JointDynamics, Limit, Sphere
+from stepbot.runtime.file import is_file
 
 from ..captured_output import printed
 from ..distribution import provider
@@ -153,7 +154,7 @@ def _observe_urdf(engine: Any, request: Request) -> Observation:
     from .motion import close_in_simulation, simulate
 
     path = Path(request.file)
-    joints = xml_root(path).iter("joint") if path.is_file() else ()  # PyBullet rejects what is not there
+    joints = xml_root(path).iter("joint") if is_file(path) else ()  # PyBullet rejects what is not there
     unmoved = [joint for joint in joints if joint.get("type") in ("planar", "floating")]
     if unmoved:
         names = ", ".join(f"'{joint.get('name')}' ({joint.get('type')})" for joint in unmoved)

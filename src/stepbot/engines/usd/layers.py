@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from stepbot.runtime.file import is_file, resolved
+
 _MOST_LAYERS = 1000
 
 
@@ -39,7 +41,7 @@ def layer_references(main: Path) -> Iterator[LayerReference]:
         for name in filter(None, names):  # a reference without a file is to a prim of the same one
             target = Path(layer.ComputeAbsolutePath(name.partition("[")[0]))
             yield LayerReference(path, name, target)
-            inside = target.resolve().is_relative_to(main.parent)
-            if inside and target.is_file() and target.resolve() not in seen:
-                seen.add(target.resolve())
+            inside = resolved(target).is_relative_to(main.parent)
+            if inside and is_file(target) and resolved(target) not in seen:
+                seen.add(resolved(target))
                 pending.append(target)

@@ -13,6 +13,7 @@ import numpy as np
 from stepbot.geometry.spatial import Pose, matrix3, rotation_about, unit, vector3
 from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.model import JointDynamics, JointKind, Limit
+from stepbot.runtime.file import read_regular
 from stepbot.version import __version__
 
 from ..observation import (
@@ -87,7 +88,7 @@ def observe(request: Request) -> Observation:
 
 def _text(file: Path) -> str:
     try:
-        return file.read_text(encoding="utf-8")
+        return read_regular(file).decode("utf-8")
     except UnicodeDecodeError as error:
         raise EngineRefused(f"not UTF-8: byte {error.start} of the file") from error
 

@@ -4,6 +4,8 @@ import re
 from collections.abc import Collection
 from pathlib import Path
 
+from stepbot.runtime.file import resolved
+
 from . import FORMAT
 
 
@@ -19,7 +21,7 @@ def model_name(folder: Path, formats: Collection[str]) -> str:
     """
     if FORMAT.name not in formats:
         raise ValueError(f"the format {FORMAT.name} is not written")
-    name = folder.resolve().name
+    name = resolved(folder).name
     if not re.fullmatch(r"\w[\w.-]*", name, flags=re.ASCII):
         raise ValueError(f"a folder named '{name}' cannot be a Gazebo model: ASCII letters, digits and _ . - only")
     return name

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE
+from stepbot.runtime.file import is_file, read_regular
 from stepbot.runtime.output import failed_output
 from stepbot.viewing.report.index import Entry, index_page
 
@@ -33,9 +34,7 @@ def _entry(folder: Path, outcome: Outcome) -> Entry:
     has_failed = outcome.status is Status.FAILED
     place = failed_output(outcome.task.output) if has_failed else outcome.task.output
     is_current = not has_failed or bool(outcome.files)  # otherwise the files are from an earlier run
-    page = (
-        (place / REPORT_PAGE).relative_to(folder).as_posix() if is_current and (place / REPORT_PAGE).is_file() else ""
-    )
+    page = (place / REPORT_PAGE).relative_to(folder).as_posix() if is_current and is_file(place / REPORT_PAGE) else ""
     robot = _robot(place / REPORT) if is_current else {}
     checks = check_counts(outcome)
     return Entry(
@@ -56,7 +55,7 @@ def _entry(folder: Path, outcome: Outcome) -> Entry:
 def _robot(report: Path) -> dict[str, Any]:
     """The robot in a report; empty without a readable one."""
     try:
-        robot: dict[str, Any] = json.loads(report.read_bytes())["robot"]
+        robot: dict[str, Any] = json.loads(read_regular(report))["robot"]
     except (OSError, ValueError, KeyError):
         return {}
     return robot

@@ -10,6 +10,7 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.pipeline.conversion import Conversion, Options, write
 from stepbot.runtime.cache import bytes_digest
+from stepbot.runtime.file import read_regular
 from stepbot.runtime.output import stamp
 from stepbot.runtime.worker import RemoteError, WorkerDied
 from stepbot.step.exchange.input_files import combined_digest, input_files
@@ -108,8 +109,8 @@ def _parcel(task: Task, options: Options) -> Parcel | Work:
     if step is None:
         return Work({}, tuple(found))
     try:
-        text = task.sidecar.read_bytes()
-        files = {name: path.read_bytes() for name, path in input_files(step).items()}
+        text = read_regular(task.sidecar)
+        files = {name: read_regular(path) for name, path in input_files(step).items()}
     except OSError as error:
         found.add("SB001", f"cannot be read: {error.strerror or error}", Span(str(error.filename)))
         return Work({}, tuple(found))

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from stepbot.pipeline.conversion import Options
 from stepbot.runtime.cache import file_digest
+from stepbot.runtime.file import read_regular
 from stepbot.step.exchange.input_files import input_digest
 
 from ..incremental import conversion_key
@@ -71,7 +72,7 @@ class State:
     def _read(self, task: Task) -> _Done | None:
         """None if the file is missing or invalid: then the robot is converted."""
         try:
-            document = json.loads(self._path(task).read_bytes())
+            document = json.loads(read_regular(self._path(task)))
             if document["version"] != _VERSION:
                 return None
             files = {str(name): str(digest) for name, digest in document["files"].items()}
@@ -82,6 +83,6 @@ class State:
 
 def _sha256(path: Path) -> str:
     try:
-        return hashlib.sha256(path.read_bytes()).hexdigest()
+        return hashlib.sha256(read_regular(path)).hexdigest()
     except OSError:
         return ""

@@ -7,6 +7,7 @@ from typing import Any
 
 from stepbot.pipeline.conversion import REPORT
 from stepbot.report.junit import Suite
+from stepbot.runtime.file import read_regular
 from stepbot.runtime.output import failed_output
 
 from .runs import Outcome, Status
@@ -21,7 +22,7 @@ def checks_of(outcome: Outcome) -> list[Mapping[str, Any]]:
     if outcome.status is Status.FAILED and not outcome.files:  # the existing report is from an earlier run
         return []
     try:
-        checks: list[Mapping[str, Any]] = json.loads((folder / REPORT).read_bytes())["checks"]
+        checks: list[Mapping[str, Any]] = json.loads(read_regular(folder / REPORT))["checks"]
     except (OSError, ValueError, KeyError):
         return []
     return checks

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.file import resolved
 
 from ..discovery import robot_name
 
@@ -31,7 +32,7 @@ def plan(sidecars: Sequence[Path], folder: Path, found: Diagnostics) -> list[Tas
     names = [robot_name(sidecar) for sidecar in sidecars]
     shared = {name for name, count in Counter(names).items() if count > 1}
     names = [
-        f"{sidecar.resolve().parent.name}-{name}" if name in shared else name
+        f"{resolved(sidecar).parent.name}-{name}" if name in shared else name
         for sidecar, name in zip(sidecars, names, strict=True)
     ]
     first: dict[str, Path] = {}

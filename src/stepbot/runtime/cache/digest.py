@@ -4,6 +4,8 @@ import hashlib
 from collections.abc import Mapping
 from pathlib import Path
 
+from ..file import open_regular
+
 _CHUNK = 1 << 22
 _SIZE = 20
 
@@ -38,7 +40,7 @@ def file_digest(path: Path) -> str | None:
     """Hash of a file's bytes; None if the file is missing or unreadable."""
     hashed = hashlib.blake2b(digest_size=_SIZE)
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             while chunk := file.read(_CHUNK):
                 hashed.update(chunk)
     except OSError:

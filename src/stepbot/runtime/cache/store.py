@@ -6,14 +6,22 @@ folder/entries-1/ab/.new-...     an entry being written, by a running or a kille
 A file is renamed to its final name when it is complete; the hash covers key and content, so that a file truncated by a
 full disk or a crash is a miss. Reading marks an entry as used; above the size limit, the least recently used entries
 are removed. Runs need not coordinate: a later one finds the entry, or computes it again.
+
+Only regular files with the names of entries are read and removed, and no symbolic link is followed below the folder:
+what someone else has put there, or links from there, stays as it is.
 """
 
+import errno
 import hashlib
 import os
+import re
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from stat import S_ISREG
 from typing import NamedTuple
+
+from ..file import exists, open_regular
 
 DEFAULT_LIMIT = 2 * 2**30
 """Maximum size [bytes] of all entries."""
@@ -21,6 +29,9 @@ DEFAULT_LIMIT = 2 * 2**30
 _FORMAT = "entries-1"
 _HEAD = b"stepbot cache entry 2\n"
 _DIGEST_SIZE = 32
+_ENTRY = re.compile("[0-9a-f]{30,}")
+"""Name of an entry: its key without the first two digits, which name its folder."""
+_FOLDER = re.compile("[0-9a-f]{2}")
 _NEW = ".new-"
 _ABANDONED_AFTER = 3600.0
 """Age [s] from which an unfinished file belongs to a killed process."""
@@ -63,7 +74,11 @@ class Cache:
         """The entry under a key; None if it is missing or damaged."""
         path = self._path(key)
         try:
-            with path.open("rb") as file:
+            if _is_linked(path):
+                return None
+            with open_regular(path, follow_links=False) as file:
+                if os.fstat(file.fileno()).st_size > self.limit:
+                    return None
                 head, hashed, content = file.read(len(_HEAD)), file.read(_DIGEST_SIZE), file.read()
         except OSError:
             return None
@@ -82,6 +97,8 @@ class Cache:
         path = self._path(key)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
+            if _is_linked(path):
+                raise OSError(errno.ELOOP, "a folder of the cache is a symbolic link", str(path.parent))
             _write(path, _HEAD + _digest(key, content) + content)
         except OSError as error:
             self.trouble = f"cannot write {error.filename or path}: {error.strerror or error}"
@@ -118,19 +135,29 @@ class Cache:
     def _entries(self, formats: str = _FORMAT) -> Iterator[_Entry]:
         """All entries; abandoned temporary files are removed on the way."""
         for folder in sorted(self.folder.glob(f"{formats}/??")):
+            if not _FOLDER.fullmatch(folder.name) or _is_linked(folder / _NEW):
+                continue
             try:
-                files = sorted(folder.iterdir())
+                with os.scandir(folder) as found:
+                    files = sorted(found, key=lambda one: one.name)
             except OSError:  # removed, or not a folder: then it has no entries
                 continue
             for file in files:
                 try:
-                    status = file.stat()
+                    status = file.stat(follow_symlinks=False)
                 except OSError:  # removed by another process
                     continue
-                if not file.name.startswith(_NEW):
-                    yield _Entry(file, status.st_size, status.st_mtime)
-                elif time.time() - status.st_mtime > _ABANDONED_AFTER:
-                    _removed(file)
+                if not S_ISREG(status.st_mode):
+                    continue
+                if _ENTRY.fullmatch(file.name):
+                    yield _Entry(Path(file.path), status.st_size, status.st_mtime)
+                elif file.name.startswith(_NEW) and time.time() - status.st_mtime > _ABANDONED_AFTER:
+                    _removed(Path(file.path))
+
+
+def _is_linked(path: Path) -> bool:
+    """Whether the folder of an entry, or that of its format, is a symbolic link."""
+    return path.parent.is_symlink() or path.parent.parent.is_symlink()
 
 
 def _write(path: Path, data: bytes) -> None:
@@ -145,7 +172,7 @@ def _write(path: Path, data: bytes) -> None:
         draft.replace(path)
     except PermissionError:
         _removed(draft)
-        if not path.exists():  # on Windows a file that is being read cannot be replaced: it has the same content
+        if not exists(path):  # on Windows a file that is being read cannot be replaced: it has the same content
             raise
     except BaseException:
         _removed(draft)

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, cast
 
 from stepbot.robot.step_names import is_step_name
+from stepbot.runtime.file import open_regular
 
 if TYPE_CHECKING:
     import zipfile
@@ -42,7 +43,7 @@ def is_compressed(path: Path) -> bool:
     Raises:
         OSError: It cannot be read.
     """
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         return file.read(4).startswith((_GZIP, _ZIP, _EMPTY_ZIP))
 
 
@@ -55,7 +56,7 @@ def decompressed(path: Path) -> Iterator[IO[bytes]]:
         OSError: It cannot be read.
     """
     if not is_compressed(path):
-        with path.open("rb") as plain:
+        with open_regular(path) as plain:
             yield plain
         return
     with tempfile.TemporaryFile(prefix="stepbot-") as file:
@@ -89,7 +90,7 @@ def _decompress(path: Path, target: IO[bytes]) -> None:
 
 @contextmanager
 def _content(path: Path) -> Iterator[IO[bytes]]:
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         is_gzip = file.read(2) == _GZIP
     if is_gzip:
         import gzip

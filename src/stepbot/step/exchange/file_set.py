@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
 from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.runtime.file import is_file, resolved
 
 from . import DOCUMENT_FILE
 from .part21 import Part21, check_step, opened
@@ -110,8 +111,8 @@ def _references(path: Path, _name: PurePosixPath) -> Sequence[ExternalReference]
 
 def _walk(step: Path, references: Callable[[Path, PurePosixPath], Sequence[ExternalReference]]) -> Iterator[_Member]:
     """All files that can be reached, each once, in the order of the references to them."""
-    folder = step.parent.resolve()
-    index = {step.resolve(): 0}
+    folder = resolved(step.parent)
+    index = {resolved(step): 0}
     pending = [(step, PurePosixPath(step.name))]
     while pending:
         path, name = pending.pop(0)
@@ -122,7 +123,7 @@ def _walk(step: Path, references: Callable[[Path, PurePosixPath], Sequence[Exter
             if isinstance(target, _Refusal):
                 links.append(_link(reference, fault=target.fault, help=(*target.help, _ONE_FILE)))
                 continue
-            real = target.resolve()
+            real = resolved(target)
             if real not in index:
                 index[real] = len(index)
                 pending.append((target, PurePosixPath(target.relative_to(step.parent).as_posix())))
@@ -161,7 +162,7 @@ def _resolve(
         path = root / beside / name
         try:
             real = path.resolve(strict=True)
-            if not real.is_file():
+            if not is_file(real):
                 continue
         # missing, no access, a cycle of symbolic links, an invalid file name
         except (OSError, RuntimeError, ValueError):

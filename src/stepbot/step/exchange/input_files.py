@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from stepbot.runtime.cache import Digest, file_digest
+from stepbot.runtime.file import open_regular
 
 from . import DOCUMENT_FILE
 
@@ -41,7 +42,7 @@ def combined_digest(digests: Mapping[str, str | None]) -> str | None:
 def _may_refer(step: Path) -> bool:
     """Whether a file may refer to others; False if it cannot be read."""
     try:
-        with step.open("rb") as file:
+        with open_regular(step) as file:
             if file.read(2) in _STARTS_OF_ARCHIVES:
                 return True
             if file.seek(0, 2) == 0:

@@ -33,6 +33,7 @@ from OCP.StepShape import (
 )
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.file import read_regular
 
 from .statements import Statement, duplicates, find_statements
 
@@ -93,7 +94,7 @@ class _Statements:
     @cached_property
     def data(self) -> bytes:
         """The bytes of the file."""
-        return self._path.read_bytes()
+        return read_regular(self._path)
 
     @cached_property
     def all(self) -> list[Statement]:

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.file import read_regular
 
 from .encodings import line_of
 
@@ -24,7 +25,7 @@ def report_long_tokens(path: Path, place: str, found: Diagnostics) -> bool:
         place: The file in diagnostics.
         found: Receives the diagnostic.
     """
-    data = path.read_bytes()
+    data = read_regular(path)
     tokens = [(line_of(data, start), what) for start, what in _long_tokens(data)]
     if not tokens:
         return False

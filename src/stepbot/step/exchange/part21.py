@@ -13,6 +13,7 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.robot.step_names import is_step_name
+from stepbot.runtime.file import is_folder
 
 from .compression import ArchiveFault, decompressed
 from .encodings import BYTE_ORDER_MARK, FALLBACK, Text, check_encoding, line_of
@@ -110,7 +111,7 @@ def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -
 
 def _meant(path: Path) -> tuple[str, ...]:
     """The STEP files in the folder of a missing one, the likeliest first."""
-    folder = path if path.is_dir() else path.parent
+    folder = path if is_folder(path) else path.parent
     try:
         beside = sorted(file.name for file in folder.iterdir() if is_step_name(file.name))
     except OSError:  # the folder does not exist, or is not readable
@@ -129,7 +130,7 @@ def opened(path: Path) -> Iterator[Text]:
         ArchiveFault: It is a compressed file that cannot be read.
         OSError: It cannot be read.
     """
-    if path.is_dir():
+    if is_folder(path):
         raise IsADirectoryError(path)
     with decompressed(path) as file:
         if file.seek(0, 2) == 0:

@@ -157,3 +157,67 @@ def test_processes_at_once_and_one_killed(tmp_path: Path) -> None:
     assert 0 < cache.usage().size <= 400_000
     for number in range(40):
         assert cache.get(Digest("test").add(str(number)).key) in (None, bytes([number]) * 20_000)
+
+
+POSIX = pytest.mark.skipif(os.name == "nt", reason="needs links and pipes")
+
+
+@POSIX
+@pytest.mark.parametrize("place", ["entries-1", "entries-1/{}", "entries-0"])
+def test_links_are_not_followed(tmp_path: Path, place: str) -> None:
+    """What is behind a link in place of a folder of the cache is neither used, nor removed, nor added to."""
+    elsewhere, cache = tmp_path / "elsewhere", Cache(tmp_path / "cache", limit=1)
+    Cache(elsewhere).put(key(1), b"content")
+    link = cache.folder / place.format(key(1)[:2])
+    link.parent.mkdir(parents=True)
+    link.symlink_to(elsewhere / "entries-1" / (key(1)[:2] if "{" in place else ""))
+    entry = only_file(elsewhere)
+    before = (entry.read_bytes(), entry.stat().st_mtime_ns)
+    is_used = place != "entries-0"
+    assert cache.get(key(1)) is None
+    cache = Cache(cache.folder)
+    cache.put(key(1), b"content")
+    assert bool(cache.trouble) == is_used
+    cache.limit = 1
+    cache.trim()
+    cache.clear()
+    assert only_file(elsewhere) == entry
+    assert (entry.read_bytes(), entry.stat().st_mtime_ns) == before
+
+
+@POSIX
+@pytest.mark.parametrize("kind", ["pipe", "zero", "link"])
+def test_entry_that_is_no_file(tmp_path: Path, kind: str) -> None:
+    """A pipe, a device or a link in place of an entry is a miss at once; clearing leaves it, storing replaces it."""
+    cache, elsewhere = Cache(tmp_path / "cache"), tmp_path / "elsewhere"
+    cache.put(key(1), b"content")
+    path = only_file(cache.folder)
+    elsewhere.write_bytes(path.read_bytes())
+    path.unlink()
+    if kind == "pipe":
+        os.mkfifo(path)
+    else:
+        path.symlink_to("/dev/zero" if kind == "zero" else elsewhere)
+    assert cache.get(key(1)) is None
+    assert cache.clear().entries == 0
+    assert os.path.lexists(path)
+    cache.put(key(1), b"content")
+    assert cache.get(key(1)) == b"content"
+    assert elsewhere.exists()
+
+
+def test_files_of_others_stay(tmp_path: Path) -> None:
+    """Clearing and trimming leave files with names that are not those of entries, wherever they are."""
+    cache = Cache(tmp_path)
+    cache.put(key(1), b"content")
+    entry = only_file(tmp_path)
+    others = [tmp_path / "notes", entry.parent / "notes.txt", tmp_path / "entries-1" / "my" / "thesis.tex"]
+    for path in others:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(b"mine")
+        os.utime(path, (1, 1))
+    cache.limit = 0
+    cache.trim()
+    cache.clear()
+    assert not entry.exists()
+    assert all(path.read_bytes() == b"mine" for path in others)
