@@ -47,7 +47,7 @@ def _cores(text: str) -> int:
     required=True,
     type=click.Path(path_type=Path),
     metavar="DIR",
-    help="Output folder, with a subfolder per robot.",
+    help="Output folder, with a subfolder per robot; or DIR/{name}, and {folder} for the folder of its sidecar.",
 )
 @click.option("-j", "--jobs", type=_cores, metavar="N", help="Number of cores.  [default: all]")
 @click.option("--scheduler", metavar="ADDRESS", help="Convert on the Dask cluster at tcp://HOST:PORT.")
@@ -84,12 +84,16 @@ def command(
     whose input and files are unchanged are skipped, so an interrupted batch can be resumed. A URDF, SDFormat or MJCF in
     place of a sidecar is always converted again.
     """
-    from stepbot.jobs.batch import plan
+    from stepbot.jobs.batch import common_folder, plan
     from stepbot.jobs.discovery import find_sidecars
     from stepbot.runtime.output import check_writable
 
     found = Diagnostics()
-    tasks = plan(find_sidecars(sidecars, found), output, found)
+    try:
+        tasks = plan(find_sidecars(sidecars, found), output, found)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from None
+    output = common_folder(output)
     if scheduler is not None:
         reject_descriptions("--scheduler", (task.sidecar for task in tasks))
     try:

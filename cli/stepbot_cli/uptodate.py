@@ -104,7 +104,9 @@ def command(
 
 
 def _folder(template: str, name: str, sidecar: Path) -> Path:
+    from stepbot.jobs.discovery import output_folder
+
     try:
-        return Path(template.format(name=name, folder=sidecar.parent.as_posix()))
-    except (KeyError, IndexError, ValueError):
-        raise click.BadParameter(f"'{template}' contains a placeholder other than {{name}} and {{folder}}") from None
+        return output_folder(template, name, sidecar)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from None

@@ -111,7 +111,10 @@ def _sessions(
     for path in sidecars:
         if not is_file(path):
             report_missing(path, found)
-    tasks = plan(sidecars, output or Path(), found)
+    try:
+        tasks = plan(sidecars, output or Path(), found)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from None
     if found.has_errors:
         return []
     folders = [output or Path()] if len(tasks) == 1 else [task.output for task in tasks]

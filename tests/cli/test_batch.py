@@ -63,7 +63,12 @@ def test_a_failed_robot_does_not_stop_the_others_and_is_repeated(library: Path, 
     assert run.code == 0
     assert "2 robots in out: 0 converted, 2 unchanged, 0 failed" in run.out
 
-    Path("out/arm2/arm2.urdf").write_text("spoilt", encoding="utf-8")
+    Path("out/arm2/arm2.urdf").write_text("by hand", encoding="utf-8")
+    run = stepbot("batch", "lib", "-o", "out", *FAST)
+    assert run.code == 1
+    assert "'arm2.urdf' was edited since stepbot wrote it" in run.err
+    assert Path("out/arm2/arm2.urdf").read_text(encoding="utf-8") == "by hand"
+    Path("out/arm2/arm2.urdf").unlink()
     with (library / "four_bar" / "four_bar.step").open("a", encoding="utf-8") as step:
         step.write("\n")
     document = json.loads(stepbot("batch", "lib", "-o", "out", "--json", *FAST).out)

@@ -225,3 +225,24 @@ def test_formats_of_an_earlier_run(written: Path, stepbot: Stepbot) -> None:
     for name in ("arm2.scene.xml", "arm2.sdf", "arm2.world.sdf", "arm2.xml"):
         (written / name).unlink()
     assert "SB023" not in stepbot(*arguments).err
+
+
+@pytest.mark.parametrize(
+    "template", ["{name.foo}", "{name[0]}", "{name!r}", "{name:9}", "{}", "{0}", "{other}", "{", "a}"]
+)
+@pytest.mark.parametrize("command", ["uptodate", "batch"])
+def test_templates_of_folders(written: Path, stepbot: Stepbot, command: str, template: str) -> None:
+    """`batch` and `uptodate` take the same placeholders, and refuse the same others as a wrong option."""
+    run = stepbot(command, "arm2.robot.yaml", "-o", f"other/{template}")
+    assert run.code == 2
+    assert "placeholder" in run.err
+    assert "Traceback" not in run.err
+    assert not Path("other").exists()
+
+
+def test_one_template_for_batch_and_uptodate(written: Path, stepbot: Stepbot) -> None:
+    """What `batch` writes by a template, `uptodate` finds by it."""
+    assert stepbot("batch", "arm2.robot.yaml", "-o", "other/{name}/files", "-f", "urdf", "--no-verify").code == 0
+    assert Path("other/arm2/files/arm2.urdf").is_file()
+    assert Path("other/.stepbot-batch").is_dir()
+    assert stepbot("uptodate", "arm2.robot.yaml", "-o", "other/{name}/files", "-f", "urdf").code == 0

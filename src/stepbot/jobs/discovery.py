@@ -4,6 +4,7 @@ import os
 import re
 from collections.abc import Iterable
 from pathlib import Path
+from string import Formatter
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.runtime.file import is_folder, read_regular, resolved
@@ -57,3 +58,26 @@ def robot_name(sidecar: Path) -> str:
     """Name of a sidecar's output: ``arm.robot.yaml`` gives ``arm``, and so does ``arm/robot.yaml``."""
     name = sidecar.name.removesuffix(sidecar.suffix).removesuffix(".robot")
     return (resolved(sidecar).parent.name or name) if name == "robot" else name
+
+
+def output_folder(template: str, name: str, sidecar: Path) -> Path:
+    """The folder that ``-o`` names for one of several robots.
+
+    Args:
+        template: Path in which ``{name}`` is the robot and ``{folder}`` the folder of its sidecar.
+        name: The robot.
+        sidecar: Its sidecar.
+
+    Raises:
+        ValueError: The template has another placeholder, or a single brace.
+    """
+    values = {"name": name, "folder": sidecar.parent.as_posix()}
+    try:
+        fields = {
+            (field, spec, conversion) for _, field, spec, conversion in Formatter().parse(template) if field is not None
+        }
+    except ValueError:
+        fields = {("", "", None)}
+    if not fields <= {(known, "", None) for known in values}:
+        raise ValueError(f"'{template}' contains a placeholder other than {{name}} and {{folder}}")
+    return Path(template.format(**values))

@@ -13,21 +13,23 @@ import contextlib
 import errno
 import hashlib
 import os
+import re
 import time
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path, PurePosixPath
-from stat import S_ISREG
+from stat import S_ISDIR, S_ISREG
 from typing import Any, NamedTuple, NoReturn
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .file import exists, is_file, is_folder, read_regular, resolved
 from .folder_lock import LOCK, FolderInUse, locked
-from .foreign_files import foreign_files
+from .foreign_files import kept_files
 from .output_list import (
     MANIFEST,
     STAGING,
     Manifest,
+    Owners,
     content_hashes,
     is_below,
     list_document,
@@ -36,6 +38,10 @@ from .output_list import (
     manifest_of,
     read_list,
     read_manifest,
+    replaced_in,
+    robot_in,
+    robot_of,
+    robots_in,
     sidecars_in,
     stale_files,
     top_files,
@@ -43,6 +49,9 @@ from .output_list import (
 
 _ABANDONED_AFTER = 24 * 3600.0
 """Age [s] from which a staging folder belongs to a killed run."""
+_LEFTOVER = re.compile(rf"\d+\.(new|old)|case|{re.escape(MANIFEST)}")
+"""Names in a staging folder."""
+_EMPTY_STAGING = re.compile(rf"{re.escape(STAGING)}[a-z0-9_]{{8}}")
 _LONGEST_WAIT = 60.0
 """Maximum waiting time [s] for another run that writes into the same folder."""
 
@@ -96,7 +105,7 @@ def write_atomically(
             if not is_alone and found is not None:
                 message = "file system without locks: concurrent conversions into this folder are not detected"
                 found.add("SB011", message, Span(str(folder)), help=["run one conversion at a time"])
-            lists = _listed_after(hashes or content_hashes(files), folder, _from_folder(sidecar, folder))
+            lists = _listed_after(files, hashes or content_hashes(files), folder, _from_folder(sidecar, folder))
             if _is_current(files, folder, lists):
                 stamp(folder)
                 _remove_abandoned(folder)
@@ -145,11 +154,25 @@ class Beside(NamedTuple):
 
 def beside(files: Mapping[str, bytes], folder: Path) -> Beside:
     """What earlier runs wrote into a folder, beside ``files``, and what is still there."""
-    before, own = read_manifest(folder), top_files(files)
-    ours = set(map(_robot_of, own))
-    others = (name for name in before if name not in files and not name.endswith(".json"))
-    same = (name for name in others if _robot_of(name) in ours and exists(folder / name))
-    return Beside(tuple(sorted(set(map(_robot_of, _of_others(own, before, folder))))), tuple(sorted(same)))
+    document = read_list(folder)
+    others = _others(files, document, folder)
+    same = (
+        name
+        for name in manifest_in(document)
+        if name not in files and name not in others and not name.endswith(".json") and exists(folder / name)
+    )
+    return Beside(tuple(sorted(set(others.values()))), tuple(sorted(same)))
+
+
+def _others(files: Mapping[str, bytes], document: Any, folder: Path) -> dict[str, str]:
+    """Files at the top of a folder that are those of other robots than the one of ``files``, each with its robot."""
+    names = [name for name in manifest_in(document) if not name.endswith(".json")]
+    if set(names) <= set(files) and not robots_in(document):
+        return {}
+    robots, robot = robots_in(document), robot_in(files)
+    ours = {robot_of(name) for name in top_files(files)} if robot is None else {robot}
+    owners = {name: robots.get(name) or robot_of(name) for name in names}
+    return {name: owner for name, owner in owners.items() if owner not in ours and exists(folder / name)}
 
 
 def stamp(folder: Path) -> None:
@@ -181,15 +204,19 @@ class _Lists(NamedTuple):
     own: Manifest
     """The part that is about the files of this run."""
     after: Manifest
-    sidecars: Mapping[str, str]
+    owners: Owners
 
 
-def _listed_after(hashes: Mapping[str, str], folder: Path, sidecar: str) -> _Lists:
+def _listed_after(files: Mapping[str, bytes], hashes: Mapping[str, str], folder: Path, sidecar: str) -> _Lists:
     document = read_list(folder)
     before, own = manifest_in(document), manifest_of(hashes)
     after = {**before, **own}
     sidecars = {name: source for name, source in sidecars_in(document).items() if name in after}
-    return _Lists(document, before, own, after, sidecars | dict.fromkeys(own, sidecar))
+    robots = {name: robot for name, robot in robots_in(document).items() if name in after}
+    robot = robot_in(files)
+    if robot is not None:
+        robots.update(dict.fromkeys((name for name in own if not name.endswith(".json")), robot))
+    return _Lists(document, before, own, after, Owners(sidecars | dict.fromkeys(own, sidecar), robots))
 
 
 def _is_current(files: Mapping[str, bytes], folder: Path, lists: _Lists) -> bool:
@@ -198,7 +225,7 @@ def _is_current(files: Mapping[str, bytes], folder: Path, lists: _Lists) -> bool
         _holds(folder / path, content) for path, content in files.items()
     ):
         return False
-    is_same = list_document(lists.after, lists.sidecars) == lists.document
+    is_same = list_document(lists.after, lists.owners, {}) == lists.document
     return is_same and not (folder / MANIFEST).is_symlink()
 
 
@@ -210,32 +237,44 @@ def _write(files: Mapping[str, bytes], folder: Path, lists: _Lists, made: list[P
     staging = Path(tempfile.mkdtemp(prefix=STAGING, dir=folder))
     try:
         _check_case(files, staging, folder)
-        _check_others(lists, folder)
-        _check_foreign(files, lists, folder)
+        _check_others(files, lists, folder)
+        _check_kept(files, lists, folder)
         _replace(files, folder, staging, lists, made)
     finally:
         shutil.rmtree(staging, ignore_errors=True)
 
 
 def _replace(files: Mapping[str, bytes], folder: Path, staging: Path, lists: _Lists, made: list[Path]) -> None:
-    _, before, own, after, sidecars = lists
+    document, before, own, after, owners = lists
     stale = stale_files(before, after)
     # While files are moved, the manifest lists old and new, so that a killed run leaves no unlisted file.
     during = {**after, **{name: {**before.get(name, {}), **needs} for name, needs in own.items()}}
+    replaced = _replaced(document, before, own)
     below = {path: content for path, content in files.items() if "/" in path}
     top = {path: content for path, content in files.items() if "/" not in path}
-    moves = {MANIFEST: manifest_bytes(during, sidecars), **below, **top}
+    moves = {MANIFEST: manifest_bytes(during, owners, replaced), **below, **top}
     changed = {path: content for path, content in moves.items() if not _holds(folder / path, content)}
     for number, (path, content) in enumerate(changed.items()):
         (staging / f"{number}.new").write_bytes(content)
         _make_folders((folder / path).parent, made)
-    (staging / MANIFEST).write_bytes(manifest_bytes(after, sidecars))
+    (staging / MANIFEST).write_bytes(manifest_bytes(after, owners))
     _move(list(changed), folder, staging)
     for path, digest in stale.items():
         _remove_stale(folder, path, digest)
     (staging / MANIFEST).touch()  # the time stamp of this run, which make compares with the input
     (staging / MANIFEST).replace(folder / MANIFEST)
     _remove_abandoned(folder, staging)
+
+
+def _replaced(document: Any, before: Manifest, own: Manifest) -> dict[str, list[str]]:
+    """What files may hold until they are moved, beside their new content, so that a killed run edits none."""
+    possible = {path: set(digests) for path, digests in replaced_in(document).items()}
+    for needs in before.values():
+        for path, digest in needs.items():
+            possible.setdefault(path, set()).add(digest)
+    new = {path: digest for needs in own.values() for path, digest in needs.items()}
+    former = {path: sorted(possible.get(path, set()) - {digest}) for path, digest in new.items()}
+    return {path: digests for path, digests in former.items() if digests}
 
 
 def _move(paths: list[str], folder: Path, staging: Path) -> None:
@@ -310,13 +349,19 @@ def _remove_stale(folder: Path, path: str, digest: str) -> None:
 
 
 def _remove_abandoned(folder: Path, staging: Path | None = None) -> None:
-    """Remove leftovers of killed runs."""
+    """Remove leftovers of killed runs: folders with nothing but the files of a run."""
     for path in sorted(folder.glob(f"{STAGING}*")):
         try:
-            if path != staging and is_folder(path) and time.time() - path.stat().st_mtime > _ABANDONED_AFTER:
-                import shutil
-
-                shutil.rmtree(path, ignore_errors=True)
+            status = path.lstat()
+            if path == staging or not S_ISDIR(status.st_mode) or time.time() - status.st_mtime <= _ABANDONED_AFTER:
+                continue
+            leftovers = list(path.iterdir())
+            if all(_LEFTOVER.fullmatch(one.name) and S_ISREG(one.lstat().st_mode) for one in leftovers) and (
+                leftovers or _EMPTY_STAGING.fullmatch(path.name)
+            ):
+                for one in leftovers:
+                    one.unlink()
+                path.rmdir()
         except OSError:  # another run is removing it
             continue
 
@@ -334,7 +379,7 @@ def _link_in(path: str, folder: Path) -> str | None:
     """The part of a path below ``folder`` that is a symbolic link, and so leads elsewhere."""
     parts = PurePosixPath(path).parts
     heads = ("/".join(parts[: number + 1]) for number in range(len(parts)))
-    return next((head for head in heads if (folder / head).is_symlink()), None)
+    return next((head for head in heads if os.path.islink(folder / head)), None)  # noqa: PTH114 - long names
 
 
 def _check_case(files: Mapping[str, bytes], staging: Path, folder: Path) -> None:
@@ -350,40 +395,25 @@ def _check_case(files: Mapping[str, bytes], staging: Path, folder: Path) -> None
             _refuse(folder, message, "choose names in the sidecar that differ in more than case")
 
 
-def _check_others(lists: _Lists, folder: Path) -> None:
-    """Two robots may share a folder and identical meshes, but must not change files that the other refers to."""
-    changed = {path: digest for needs in lists.own.values() for path, digest in needs.items() if "/" in path}
-    for name, needs in _of_others(lists.own, lists.before, folder).items():
-        lost = [path for path, digest in needs.items() if changed.get(path, digest) != digest]
-        if lost:
-            message = f"mesh '{lost[0]}' would overwrite a different mesh of '{name}'"
+def _check_others(files: Mapping[str, bytes], lists: _Lists, folder: Path) -> None:
+    """Two robots may share a folder and identical files, but must not change files of the other."""
+    changed = {path: digest for needs in lists.own.values() for path, digest in needs.items()}
+    for name, robot in _others(files, lists.document, folder).items():
+        needs = lists.before[name]
+        lost = next((path for path, digest in needs.items() if changed.get(path, digest) != digest), None)
+        if lost is not None:
+            what = f"a file of robot '{robot}'" if lost == name else f"a different mesh of '{name}'"
+            message = f"{'' if lost == name else 'mesh '}'{lost}' would overwrite {what}"
             _refuse(folder, message, f"give each robot its own folder with -o, or remove '{name}'")
 
 
-def _check_foreign(files: Mapping[str, bytes], lists: _Lists, folder: Path) -> None:
-    foreign = foreign_files(files, folder, lists.before)
-    if foreign:
-        more = f", nor {len(foreign) - 1} more that would be overwritten" if len(foreign) > 1 else ""
-        message = f"'{foreign[0]}' exists, and stepbot has not written it{more}"
+def _check_kept(files: Mapping[str, bytes], lists: _Lists, folder: Path) -> None:
+    kept = kept_files(files, folder, lists.before, replaced_in(lists.document))
+    if kept:
+        path, reason = next(iter(kept.items()))
+        more = f"; so do {len(kept) - 1} more that would be overwritten" if len(kept) > 1 else ""
+        message = f"'{path}' {reason}{more}"
         _refuse(folder, message, "choose another folder with -o, or move or remove the file")
-
-
-def _of_others(own: Iterable[str], before: Manifest, folder: Path) -> Manifest:
-    """The part of a manifest that is about robots other than those of some files at the top."""
-    ours = set(map(_robot_of, own))
-    return {
-        name: needs
-        for name, needs in before.items()
-        if not name.endswith(".json") and _robot_of(name) not in ours and exists(folder / name)
-    }
-
-
-def _robot_of(name: str) -> str:
-    """The robot that a file at the top is named after; suffixes of formats may have two parts."""
-    stem, _, _ = name.rpartition(".")
-    for part in (".drake", ".world", ".scene"):
-        stem = stem.removesuffix(part)
-    return stem
 
 
 def _refuse(

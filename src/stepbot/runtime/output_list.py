@@ -9,7 +9,8 @@ import json
 import os
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from types import MappingProxyType
+from typing import Any, NamedTuple
 
 from .file import is_file, read_regular
 from .folder_lock import LOCK
@@ -32,10 +33,43 @@ def sidecars_of(folder: Path) -> dict[str, str]:
 
 def sidecars_in(document: Any) -> dict[str, str]:
     """:func:`sidecars_of` a parsed list."""
+    return _texts(document, "sidecars")
+
+
+def _texts(document: Any, key: str) -> dict[str, str]:
     try:
-        return {str(name): str(sidecar) for name, sidecar in document["sidecars"].items()}
+        return {str(name): str(text) for name, text in document[key].items()}
     except (KeyError, TypeError, AttributeError):
         return {}
+
+
+def robots_in(document: Any) -> dict[str, str]:
+    """For each file at the top of an output folder, the robot that it belongs to, if its list has it."""
+    return _texts(document, "robots")
+
+
+def replaced_in(document: Any) -> dict[str, list[str]]:
+    """For each file that a killed run may not have replaced, the SHA-256 of what it may hold instead."""
+    try:
+        return {str(path): list(map(str, digests)) for path, digests in document["replaced"].items()}
+    except (KeyError, TypeError, AttributeError):
+        return {}
+
+
+def robot_of(name: str) -> str:
+    """The robot that a file at the top is named after; suffixes of formats may have two parts."""
+    stem, _, _ = name.rpartition(".")
+    for part in (".drake", ".world", ".scene"):
+        stem = stem.removesuffix(part)
+    return stem
+
+
+def robot_in(files: Mapping[str, bytes]) -> str | None:
+    """The robot that the files of a run belong to, by its report; None without one."""
+    try:
+        return str(json.loads(files["report.json"])["robot"]["name"])
+    except (KeyError, ValueError, TypeError, RecursionError):
+        return None
 
 
 def content_hashes(files: Mapping[str, bytes]) -> dict[str, str]:
@@ -64,15 +98,33 @@ def _pages(files: Iterable[str]) -> dict[str, str]:
     return {path.removesuffix(".html") + ".json": path for path in files if path.endswith(".html")}
 
 
-def list_document(manifest: Manifest, sidecars: Mapping[str, str]) -> dict[str, Any]:
-    """The list as JSON data: its entries, and the sidecars of the files at the top."""
-    known = {name: sidecar for name, sidecar in sidecars.items() if sidecar}
-    return {"version": 1, "files": manifest, **({"sidecars": known} if known else {})}
+class Owners(NamedTuple):
+    """Where the files at the top of a folder come from."""
+
+    sidecars: Mapping[str, str] = {}
+    """For each file the relative path of its sidecar; empty or missing where it is not known."""
+    robots: Mapping[str, str] = {}
+    """For each file its robot."""
 
 
-def manifest_bytes(manifest: Manifest, sidecars: Mapping[str, str]) -> bytes:
+def list_document(manifest: Manifest, owners: Owners, replaced: Mapping[str, list[str]]) -> dict[str, Any]:
+    """The list as JSON data: its entries, and what is known about the files at the top.
+
+    Args:
+        manifest: The entries.
+        owners: Sidecars and robots.
+        replaced: While files are moved: see :func:`replaced_in`.
+    """
+    known = {name: sidecar for name, sidecar in owners.sidecars.items() if sidecar}
+    parts = {"sidecars": known, "robots": owners.robots, "replaced": replaced}
+    return {"version": 1, "files": manifest, **{key: part for key, part in parts.items() if part}}
+
+
+def manifest_bytes(
+    manifest: Manifest, owners: Owners, replaced: Mapping[str, list[str]] = MappingProxyType({})
+) -> bytes:
     """:func:`list_document` as a file."""
-    document = list_document(manifest, sidecars)
+    document = list_document(manifest, owners, replaced)
     return (json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n").encode(
         "utf-8", "backslashreplace"
     )

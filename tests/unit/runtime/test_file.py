@@ -40,7 +40,7 @@ NAMES: dict[str, Callable[[Path], Path]] = {
 def test_names_that_cannot_be_files(tmp_path: Path, kind: str) -> None:
     """Each question has an answer, and writing is a coded error."""
     path = NAMES[kind](tmp_path)
-    assert not (exists(path) or is_file(path) or is_folder(path))
+    assert not any(question(path) for question in (exists, is_file, is_folder))
     assert resolved(path).is_absolute()
     if kind != "surrogate":
         before = sorted(tmp_path.iterdir())
@@ -56,7 +56,7 @@ def test_only_regular_files_are_opened(tmp_path: Path, device: str) -> None:
     path = {"pipe": pipe, "folder": lambda folder: folder}.get(device, lambda _: Path(device))(tmp_path)
     (tmp_path / "link").symlink_to(path)
     for name in (path, tmp_path / "link"):
-        with pytest.raises(OSError, match="regular|directory"):
+        with pytest.raises(OSError, match=r"regular|directory"):
             open_regular(name)
         write_file(name, b"new", found := Diagnostics())
         assert [one.code for one in found] == ["SB004"]

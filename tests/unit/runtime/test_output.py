@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from stepbot.diagnostics import Diagnostics, StepbotError
-from stepbot.runtime.output import discard, write_atomically
+from stepbot.runtime.output import beside, discard, failed_output, write_atomically
 from stepbot.runtime.output_list import MANIFEST
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="needs links and pipes in folders")
@@ -383,3 +383,89 @@ def test_discarded(tmp_path: Path) -> None:
     (out / "notes.txt").write_bytes(b"mine too")
     discard(out)
     assert contents(out) == {"arm.urdf": b"mine", "notes.txt": b"mine too"}
+
+
+MARK = b"<!-- Written by stepbot 0.1.0 from arm.step. -->\n"
+
+
+@pytest.mark.parametrize("words", [b"<!-- tuned for stepbot -->", b"stepbot", b"# not Written by stepbot"])
+def test_word_is_no_mark(tmp_path: Path, words: bytes) -> None:
+    """A file of someone else that mentions stepbot at its start is kept."""
+    (tmp_path / "arm.urdf").write_bytes(words)
+    with pytest.raises(StepbotError, match=r"'arm\.urdf' exists, and stepbot has not written it"):
+        write_atomically(ARM, tmp_path)
+    assert contents(tmp_path) == {"arm.urdf": words}
+
+
+@pytest.mark.parametrize("path", ["arm.urdf", "meshes/a.obj"])
+def test_edited_files_are_kept(tmp_path: Path, path: str) -> None:
+    """A file that was edited since stepbot wrote it is an error and stays; an edit that the run would make is not."""
+    marked = {**ARM, "arm.urdf": MARK}
+    write_atomically(marked, tmp_path)
+    (tmp_path / path).write_bytes(marked[path] + b"by hand")
+    before, newer = contents(tmp_path), {name: content + b"2" for name, content in marked.items()}
+    with pytest.raises(StepbotError, match=f"'{path}' was edited since stepbot wrote it"):
+        write_atomically(newer, tmp_path)
+    assert contents(tmp_path) == before
+    (tmp_path / path).write_bytes(newer[path])
+    write_atomically(newer, tmp_path)
+    assert contents(tmp_path) == newer
+
+
+@POSIX
+@pytest.mark.parametrize("path", ["arm.urdf", "meshes/a.obj"])
+def test_pipe_in_place_of_a_file(tmp_path: Path, path: str) -> None:
+    """A pipe at the path of a file is an error at once, and stays, whether the folder has a list or not."""
+    (tmp_path / "meshes").mkdir()
+    os.mkfifo(tmp_path / path)
+    with pytest.raises(StepbotError, match=f"'{path}' exists, and is not a regular file"):
+        write_atomically(ARM, tmp_path)
+    (tmp_path / path).unlink()
+    write_atomically(ARM, tmp_path)
+    (tmp_path / path).unlink()
+    os.mkfifo(tmp_path / path)
+    with pytest.raises(StepbotError, match=f"'{path}' exists, and is not a regular file"):
+        write_atomically({name: content + b"2" for name, content in ARM.items()}, tmp_path)
+    assert not (tmp_path / path).is_file()
+
+
+@pytest.mark.parametrize("name", [".stepbot-notes", ".stepbot-abcdefgh"])
+def test_hidden_folders_of_others_stay(tmp_path: Path, name: str) -> None:
+    """A folder with anything but the files of a killed run is not a leftover, whatever its name and age."""
+    (tmp_path / name).mkdir()
+    (tmp_path / name / "notes.md").write_bytes(b"mine")
+    os.utime(tmp_path / name, (1, 1))
+    write_atomically(ARM, tmp_path)
+    assert (tmp_path / name / "notes.md").read_bytes() == b"mine"
+
+
+def run_of(robot: str, content: bytes) -> dict[str, bytes]:
+    """The files of a robot, as all formats name them."""
+    names = (f"{robot}.urdf", f"{robot}.sdf", f"{robot}.world.sdf", f"{robot}.xml", f"{robot}.scene.xml")
+    report = json.dumps({"robot": {"name": robot}}).encode()
+    return {"report.json": report, **dict.fromkeys(names, content), "meshes/a.obj": content}
+
+
+@pytest.mark.parametrize("names", [("two", "two.world"), ("two.world", "two"), ("two", "two.scene")])
+def test_robot_named_like_a_file_of_another(tmp_path: Path, names: tuple[str, str]) -> None:
+    """The names of robots, not those of their files, say which robot a file belongs to."""
+    first, second = names
+    write_atomically(run_of(first, b"1"), tmp_path)
+    before = contents(tmp_path)
+    with pytest.raises(StepbotError, match="would overwrite a"):
+        write_atomically(run_of(second, b"2"), tmp_path)
+    assert contents(tmp_path) == before
+    assert beside(run_of(second, b"2"), tmp_path).robots == (first,)
+    write_atomically(run_of(first, b"3"), tmp_path)
+    assert contents(tmp_path) == run_of(first, b"3")
+
+
+@POSIX
+def test_output_behind_a_loop_of_links(tmp_path: Path) -> None:
+    """A loop of links in place of the folder, or above it, is a coded error, and so is a name that is too long."""
+    (tmp_path / "loop").symlink_to("loop")
+    for folder in (tmp_path / "loop", tmp_path / "loop" / "out", tmp_path / ("x" * 300), tmp_path / ("x" * 5000)):
+        with pytest.raises(StepbotError) as error:
+            write_atomically(ARM, folder)
+        assert codes(error.value) == ["SB004"]
+        assert failed_output(folder).name.endswith(".failed")

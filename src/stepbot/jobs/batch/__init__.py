@@ -12,7 +12,7 @@ index      what came of it, as a page; imported when it is written
 from .executors import ClusterUnreachable, local_executor, on_cluster
 from .runs import Outcome, Status, run_batch
 from .summary import batch_document, check_counts, suites
-from .tasks import Task, plan
+from .tasks import Task, common_folder, plan
 
 __all__ = [
     "ClusterUnreachable",
@@ -21,6 +21,7 @@ __all__ = [
     "Task",
     "batch_document",
     "check_counts",
+    "common_folder",
     "local_executor",
     "on_cluster",
     "plan",
