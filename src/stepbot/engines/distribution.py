@@ -6,6 +6,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TypedDict
 
+from stepbot.runtime.file import read_regular
+
 
 class Provider(TypedDict):
     """Name and version of a distribution, as fields of an observation."""
@@ -39,7 +41,7 @@ def _listing(site: Path, file: Path) -> list[Provider]:
     start, end = f"\n{file.relative_to(site).as_posix()},".encode(), f",{file.stat().st_size}".encode()
     found = []
     for record in sorted(site.glob("*.dist-info/RECORD")):
-        _, listed, rest = (b"\n" + record.read_bytes()).partition(start)
+        _, listed, rest = (b"\n" + read_regular(record)).partition(start)
         if listed and rest.partition(b"\n")[0].rstrip().endswith(end):
             name, _, version = record.parent.name.removesuffix(".dist-info").partition("-")
             found.append(Provider(distribution=name.replace("_", "-"), version=version))

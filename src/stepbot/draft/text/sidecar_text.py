@@ -16,6 +16,7 @@ from stepbot.draft.text.connection_text import closure_lines, inertial_lines, jo
 from stepbot.draft.text.draft_names import DraftNames, names_of
 from stepbot.draft.text.values import alternative_origin, angles, comment, flow, lengths, listed, number, origin_text
 from stepbot.robot.model import Base, JointKind
+from stepbot.runtime.file import resolved
 from stepbot.sidecar.starter import robot_name, scalar
 from stepbot.step.assembly import Assembly, BodyKind
 from stepbot.step.features.ground import Standing, standing
@@ -247,9 +248,9 @@ def relative_step(step: Path, sidecar: Path) -> str:
 
     Symbolic links in the folders are resolved, since ``..`` is relative to their target.
     """
-    target = step.parent.resolve() / step.name
+    target = resolved(step.parent) / step.name
     try:
-        relative = os.path.relpath(target, sidecar.parent.resolve())
+        relative = os.path.relpath(target, resolved(sidecar.parent))
     except ValueError:  # another Windows drive
         return target.as_posix()
     return Path(relative).as_posix()

@@ -3,6 +3,8 @@
 from importlib.util import find_spec
 from pathlib import Path
 
+from stepbot.runtime.file import is_file
+
 from ..engine import Engine
 
 
@@ -11,7 +13,7 @@ def available() -> str | None:
     # A test framework of the same name is on the package index as well; it has no robots.
     spec = find_spec("pinocchio")
     folders = spec.submodule_search_locations if spec is not None else None
-    has_robots = any(Path(folder, "robot_wrapper.py").is_file() for folder in folders or ())
+    has_robots = any(is_file(Path(folder, "robot_wrapper.py")) for folder in folders or ())
     return None if has_robots else "pinocchio is not installed"
 
 
