@@ -14,7 +14,7 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from stepbot.runtime.file import read_regular
+from stepbot.runtime.file import is_file, read_regular, resolved
 
 from .colors import srgb_from_linear
 from .mesh import TriMesh, joined, merged
@@ -92,10 +92,10 @@ def _with_buffers(content: bytes, folder: Path) -> tuple[bytes, tuple[Path, ...]
         uri = buffer["uri"]
         if uri.startswith("data:"):
             continue
-        file = (folder / unquote(uri)).resolve()
-        if not (file.is_relative_to(folder.resolve()) and file.is_file()):
+        file = resolved(folder / unquote(uri))
+        if not (file.is_relative_to(resolved(folder)) and is_file(file)):
             raise ValueError(f"'{uri}' is not a file in the folder of the mesh")
-        buffer["uri"] = f"data:application/octet-stream;base64,{b64encode(file.read_bytes()).decode('ascii')}"
+        buffer["uri"] = f"data:application/octet-stream;base64,{b64encode(read_regular(file)).decode('ascii')}"
         files.append(file)
     return json.dumps(tree).encode(), tuple(files)
 

@@ -28,7 +28,7 @@ def main_files(folder: Path) -> list[Path]:
 
 def robot_file(target: Path) -> Path:
     """The file to show of a folder with the files of one robot: the first that keeps loops; else the target itself."""
-    files = main_files(target) if target.is_dir() else []
+    files = main_files(target) if is_folder(target) else []
     if len({path.stem for path in files}) != 1:
         return target
     formats = {written.suffix: written for written in FORMATS.values()}
