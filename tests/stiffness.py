@@ -36,7 +36,7 @@ def largest_gap(model: Any, seed: int = 1, efforts: float = 5.0, fastest: float 
         if k % steps == 0:
             signs = random.choice((-1.0, 1.0), len(joints))
         for sign, joint, effort in zip(signs, joints, efforts_of, strict=True):
-            fast = sign * data.qvel[joint.dofadr[0]] > limits.get(f"{joint.name}/velocity", fastest)
+            fast = sign * data.qvel[joint.dofadr[0]] > limits.get(f"{joint.name}::velocity", fastest)
             data.qfrc_applied[joint.dofadr[0]] = 0.0 if fast else sign * effort
         mujoco.mj_step(model, data)
         worst = max(worst, *(_gap(model, data, e) for e in range(model.neq)))

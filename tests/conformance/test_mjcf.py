@@ -18,6 +18,7 @@ from stepbot.robot.kinematics import configurations, initial_configuration, link
 from stepbot.robot.model import Base, Collision, JointKind, Link, LoopClosure, MeshAsset, MeshRef, Robot, Sphere, Visual
 from stepbot.robot.standing import standing_height
 from tests.conformance.conftest import Write
+from tests.devices import equipped
 from tests.robots import SINGLE_FREEDOMS, four_bar, one_link, pendulum
 
 pytestmark = pytest.mark.mujoco
@@ -112,7 +113,7 @@ def test_joints_have_their_limits_and_dynamics(name: str, write: Write) -> None:
         force = model.jnt_actfrcrange[read.id][1] if model.jnt_actfrclimited[read.id] else np.inf
         assert force == limit.effort
         if np.isfinite(limit.velocity):
-            assert model.numeric(f"{joint.name}/velocity").data[0] == limit.velocity
+            assert model.numeric(f"{joint.name}::velocity").data[0] == limit.velocity
 
 
 @every_robot
@@ -321,3 +322,18 @@ def test_visual_and_collision_of_one_name_both_live() -> None:
     )
     model = compiled_from_memory(robot)
     assert model.geom(f"{link.visuals[0].name}_geom").group[0] == 3
+
+
+@pytest.mark.parametrize("robot", [equipped(), four_bar()], ids=["equipped", "four_bar"])
+def test_dm_control_reads_the_file(robot: Robot, tmp_path: Path) -> None:
+    """It rejects a slash in a name, and elements that it does not know; where it is missing, the first is tested."""
+    files = render(robot, "mjcf", Diagnostics())
+    main = next(iter(files))
+    elements = list(etree.fromstring(files[main]).iter("*"))
+    assert [one.get("name") for one in elements if "/" in (one.get("name") or "")] == []
+    assert {one.tag for one in elements} & {"replicate", "frame", "attach", "model"} == set()
+    mjcf = pytest.importorskip("dm_control.mjcf")
+    for path, content in files.items():
+        (tmp_path / path).parent.mkdir(exist_ok=True)
+        (tmp_path / path).write_bytes(content)
+    assert mjcf.from_path(str(tmp_path / main)).model == robot.name

@@ -49,11 +49,10 @@ _SDFORMAT = (
 _MJCF = (
     (r"mujoco/option(@.*)?", "settings of the simulation, not of the robot"),
     (r"default/(equality|site)(@.*)?", "stiffness of closures, and the group of sites that viewers do not draw"),
-    (r"(body|replicate)/site@class|equality/.*@class", "its settings alone: group or stiffness"),
+    (r"body/site@class|equality/.*@class", "its settings alone: group or stiffness"),
     (r"actuator/\w+@name", "an actuator without a name is matched by its joint"),
     (r"body/freejoint@name", "the free joint of the base is not a joint of the robot"),
     (r"body/geom@pos", "at the link's origin, except for rounding of a product of poses"),
-    (r"frame/replicate@sep", "affects only the names of rays"),
     (r"mujoco/keyframe|keyframe/key.*", "all joints are drawn at zero, MuJoCo's default"),
     (r"key/.*|keyframe/key@ctrl", "the actuators' targets in the keyframe are not compared"),
     (r"equality/connect.*", "one of two constraints of a pin: in a plane, one is sufficient"),
@@ -61,9 +60,8 @@ _MJCF = (
     (r"body/site@quat", "rotation of the site of a point constraint, without effect; for a weld, only rounding"),
     (r"(body/camera|sensor/contact)@name", "a device without a name is matched by its link"),
     (r"sensor/contact@(data|reduce)", "the readings of a contact sensor are not compared"),
-    (r"frame/replicate@euler", "a single ray, so that the angle has no effect"),
     (r"actuator/.*@(ctrlrange|forcerange)", "MuJoCo's default range"),
-    (r"(body/camera|body/site|body/frame|frame/|replicate/|sensor/).*", "MuJoCo's default pose or rate"),
+    (r"(body/camera|body/site|body/frame|frame/|sensor/).*", "MuJoCo's default pose or rate"),
 )
 _URDF = (
     (r"mimic@.*|joint/mimic", "the follower does not move at the requested positions"),

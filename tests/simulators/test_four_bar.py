@@ -50,7 +50,7 @@ def test_newton_in_mujoco_agrees_with_the_closed_form_over_a_full_turn(folder: F
     request = _turning(folder, "mjcf")
     (closure,) = look("mujoco", request).closures or ()
     assert closure.name == "rocker_pin"
-    assert closure.axes is not None  # by a second constraint, rocker_pin/axis
+    assert closure.axes is not None  # by a second constraint, rocker_pin::axis
     assert closure.angle_error is not None
     assert closure.angle_error < 1e-9
     assert closure.residual is not None

@@ -66,7 +66,7 @@ def test_the_gap_of_a_whirling_loop_is_its_sagitta_of_one_step(stiffness: float,
     for _ in range(round(0.5 / timestep)):
         mujoco.mj_step(model, data)
     mujoco.mj_forward(model, data)
-    gap = float(np.linalg.norm(data.site("pin/a").xpos - data.site("pin/b").xpos))
+    gap = float(np.linalg.norm(data.site("pin::a").xpos - data.site("pin::b").xpos))
     expected = 0.5 * SPEED**2 * RADIUS * timestep**2 / stiffness
     assert data.joint("turn").qvel[0] == pytest.approx(SPEED, rel=0.01)
     assert gap == pytest.approx(expected, rel=0.05)

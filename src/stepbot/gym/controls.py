@@ -9,6 +9,7 @@ import mujoco
 import numpy as np
 
 from stepbot.geometry.spatial import Array
+from stepbot.robot.unique_names import SCOPE
 
 from .model import Model, joint_kind, name
 
@@ -190,9 +191,9 @@ def _range(model: Model, one: Actuator, home: float, *, endless: bool) -> tuple[
 
 
 def velocity_limit(model: Model, joint: int) -> float | None:
-    """Velocity limit [rad/s or m/s], which stepbot writes as ``<numeric name="<joint>/velocity">``, if there is one."""
+    """Velocity limit [rad/s or m/s], which stepbot writes as ``<numeric name="<joint>::velocity">``."""
     for index in range(model.nnumeric):
-        if name(model, "NUMERIC", index) == f"{name(model, 'JOINT', joint)}/velocity":
+        if name(model, "NUMERIC", index) == f"{name(model, 'JOINT', joint)}{SCOPE}velocity":
             data: Any = model.numeric_data[model.numeric_adr[index]]
             return float(data)
     return None
@@ -204,7 +205,7 @@ def _speed(model: Model, one: Actuator, most: float | None) -> float:
     if speed is None:
         joint = name(model, "JOINT", one.joint)
         raise ValueError(
-            f"joint '{joint}' has no velocity limit, <numeric name=\"{joint}/velocity\" data=...> in the MJCF; pass "
-            "max_speed=... [rad/s or m/s], or action='target' to set positions"
+            f"joint '{joint}' has no velocity limit, <numeric name=\"{joint}{SCOPE}velocity\" data=...> in the MJCF; "
+            "pass max_speed=... [rad/s or m/s], or action='target' to set positions"
         )
     return float(speed)

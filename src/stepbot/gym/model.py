@@ -11,6 +11,7 @@ import mujoco
 
 from stepbot.engines.mujoco.warnings import collected_warnings
 from stepbot.robot.jaws import is_jaw
+from stepbot.robot.unique_names import SCOPE
 from stepbot.runtime.file import is_file, open_regular
 
 SCENE = ".scene.xml"
@@ -174,12 +175,14 @@ def _moving_joints(model: Model, body: int) -> int:
 
 
 def frames_of(model: Model, body: int) -> list[int]:
-    """The sites of a body that are named frames: names with a slash belong to sensors and closures."""
+    """The sites of a body that are named frames: names with ``::`` belong to sensors and closures."""
     return [
-        site for site in range(model.nsite) if model.site_bodyid[site] == body and "/" not in name(model, "SITE", site)
+        site
+        for site in range(model.nsite)
+        if model.site_bodyid[site] == body and SCOPE not in name(model, "SITE", site)
     ]
 
 
 def frame_names(model: Model) -> list[str]:
     """Names of the sites that are named frames."""
-    return [one for one in (name(model, "SITE", site) for site in range(model.nsite)) if "/" not in one]
+    return [one for one in (name(model, "SITE", site) for site in range(model.nsite)) if SCOPE not in one]

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from stepbot.geometry.spatial import Array
+from stepbot.robot.unique_names import SCOPE
 
 from .model import Model, floating_base, joint_kind, joint_name, name
 from .sensor_units import sensor_parts
@@ -102,7 +103,7 @@ def _sensors(model: Model, but: tuple[Any, ...]) -> Iterator[Value]:
     for sensor in range(model.nsensor):
         if mujoco.mjtSensor(int(model.sensor_type[sensor])) in but:
             continue
-        start, of = int(model.sensor_adr[sensor]), name(model, "SENSOR", sensor)
+        start, of = int(model.sensor_adr[sensor]), name(model, "SENSOR", sensor).replace(SCOPE, "/")
         cutoff = float(model.sensor_cutoff[sensor])
         # A range finder without an echo measures -1.
         most = max(cutoff, 1.0) if cutoff > 0.0 else np.inf

@@ -1,4 +1,10 @@
-"""Unique names."""
+"""Unique names, and names of their parts."""
+
+SCOPE = "::"
+"""Between the name of an element and those of its parts in a file: no name of a robot contains it.
+
+dm_control rejects a slash in names of MJCF.
+"""
 
 
 def free_name(name: str, suffix: str, taken: set[str]) -> str:

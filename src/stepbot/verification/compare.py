@@ -12,6 +12,7 @@ import numpy as np
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, Quantity
 from stepbot.geometry.spatial import Array, angle_between
+from stepbot.robot.unique_names import SCOPE
 
 from .deviation import Deviations
 from .devices import compare_actuators, compare_sensors
@@ -208,8 +209,8 @@ def _compare_frames(deviations: Deviations, reference: Observation, observed: Ob
     if reference.frames is None or observed.frames is None:
         return
     loops = {closure.name for closure in reference.closures or ()}
-    # MuJoCo's sites include the ends of closures, as <closure>/a.
-    extra = [name for name in observed.frames if name not in reference.frames and name.split("/")[0] not in loops]
+    # MuJoCo's sites include the ends of closures, as <closure>::a.
+    extra = [name for name in observed.frames if name not in reference.frames and name.split(SCOPE)[0] not in loops]
     for name in extra:
         deviations.equal(False, f"frame '{name}' is not in the robot")
     for name, (link, X_LF) in reference.frames.items():

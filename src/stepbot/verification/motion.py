@@ -8,6 +8,7 @@ from stepbot.engines.observation import Observation, ObservedClosure
 from stepbot.geometry.spatial import ZERO3, Array, angle_between, vector3
 from stepbot.geometry.sums import exact_sum
 from stepbot.robot.dynamics import GRAVITY
+from stepbot.robot.unique_names import SCOPE
 
 from .deviation import Deviations
 from .tolerances import DRIVEN_ANGLE, SEVERAL_LOOPS, Tolerance
@@ -112,8 +113,8 @@ def compare_closures(deviations: Deviations, reference: Observation, observed: O
         return
     theirs = {closure.name: closure for closure in observed.closures}
     known = {closure.name for closure in reference.closures}
-    for name in theirs:  # MuJoCo constrains the axis of a closure by a second constraint, <closure>/axis
-        if name.split("/")[0] not in known:
+    for name in theirs:  # MuJoCo constrains the axis of a closure by a second constraint, <closure>::axis
+        if name.split(SCOPE)[0] not in known:
             deviations.equal(False, f"closure '{name}' is not in the robot")
     gap = exact_sum(closure.residual or 0.0 for closure in observed.closures)
     for ours in reference.closures:

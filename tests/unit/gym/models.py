@@ -31,8 +31,8 @@ ARM = f"""
     <force name="wrist" site="tool"/>
   </sensor>
   <custom>
-    <numeric name="shoulder/velocity" data="{SPEED}"/>
-    <numeric name="elbow/velocity" data="{SPEED}"/>
+    <numeric name="shoulder::velocity" data="{SPEED}"/>
+    <numeric name="elbow::velocity" data="{SPEED}"/>
   </custom>
   <keyframe><key name="home" qpos="0.3 -0.5" ctrl="0.3 -0.5"/></keyframe>
 </mujoco>

@@ -363,7 +363,7 @@ def test_only_a_jaw_is_left_out(jaw: str, tip: str, tmp_path: Path) -> None:
         (ARM, {"home": {"elbow": float("nan")}}, "joint 'elbow' at nan rad"),
         (ARM, {"spread": 0.0}, "spread must be in"),
         (ARM, {"frame_skip": 0}, "frame_skip must be at least 1"),
-        (ARM.replace("shoulder/velocity", "else"), {}, "joint 'shoulder' has no velocity limit.*max_speed"),
+        (ARM.replace("shoulder::velocity", "else"), {}, "joint 'shoulder' has no velocity limit.*max_speed"),
         (
             BOX.replace(' ctrlrange="-0.01 0.01"', ""),
             {"task": "stand"},

@@ -2,6 +2,8 @@
 
 from typing import Any
 
+from stepbot.robot.unique_names import SCOPE
+
 from .vocabulary import Unread, Vocabulary, each, paths
 
 _PLACE = "pos quat axisangle xyaxes zaxis euler"
@@ -119,7 +121,7 @@ def unread_of_mjcf(root: Any, file: str) -> tuple[Unread, ...]:
         file: The file, relative to the description's folder; empty for the description itself.
     """
     for number in root.iter("numeric"):
-        if number.get("name", "").endswith("/velocity"):  # a limit, as stepbot writes it
+        if number.get("name", "").endswith(f"{SCOPE}velocity"):  # a limit, as stepbot writes it
             number.tag = "velocity"
     return (MJCF if root.tag == "mujoco" else _INCLUDED).unread(root, file)
 

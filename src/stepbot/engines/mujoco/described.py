@@ -12,6 +12,7 @@ from stepbot.geometry.mesh_files import KINDS
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 from stepbot.robot.simulation import Integrator, Simulation
+from stepbot.robot.unique_names import SCOPE
 from stepbot.runtime.file import is_file
 
 from ..description.description import DescribedShape, Description, Primitive
@@ -97,7 +98,7 @@ def _roots(path: Path) -> list[tuple[Any, str]]:
 def _without_ends(observation: Observation) -> dict[str, tuple[str, Pose]]:
     """The frames without the sites that mark the ends of closures."""
     closures = {closure.name for closure in observation.closures or ()}
-    return {name: place for name, place in (observation.frames or {}).items() if name.split("/")[0] not in closures}
+    return {name: place for name, place in (observation.frames or {}).items() if name.split(SCOPE)[0] not in closures}
 
 
 def _free(compiled: Compiled) -> Iterator[str]:

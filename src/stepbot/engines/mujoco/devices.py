@@ -1,6 +1,6 @@
 """Actuators, sensors and frames of a MuJoCo model.
 
-Each of MuJoCo's sensors has one reading: sensors whose names share a prefix up to a slash are one sensor. The type of a
+Each of MuJoCo's sensors has one reading: sensors whose names share a prefix up to ``::`` are one sensor. The type of a
 group follows from its readings; an unknown group keeps MuJoCo's names.
 """
 
@@ -14,6 +14,7 @@ import numpy as np
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import ActuatorKind
 from stepbot.robot.sensors import SensorKind
+from stepbot.robot.unique_names import SCOPE
 
 from ..observation import ObservedActuator, ObservedSensor
 
@@ -44,7 +45,7 @@ def observed_frames(compiled: "Compiled", sensors: Sequence[ObservedSensor]) -> 
     model = compiled.model
     names = [(s, compiled.name("SITE", s)) for s in range(model.nsite)]
     named = [(s, name) for s, name in names if name]
-    return {name: _site(compiled, s) for s, name in named if "/" not in name or name.split("/")[0] not in marks}
+    return {name: _site(compiled, s) for s, name in named if SCOPE not in name or name.split(SCOPE)[0] not in marks}
 
 
 def _site(compiled: "Compiled", s: int) -> tuple[str, Pose]:
@@ -119,7 +120,7 @@ def observed_sensors(compiled: "Compiled") -> tuple[ObservedSensor, ...]:
     groups: dict[str, list[_Reading]] = {}
     for s in range(compiled.model.nsensor):
         reading = _reading(compiled, s)
-        groups.setdefault(reading.name.split("/")[0] or f"sensor_{s}", []).append(reading)
+        groups.setdefault(reading.name.split(SCOPE)[0] or f"sensor_{s}", []).append(reading)
     sensors = [_sensor(compiled, name, readings) for name, readings in groups.items()]
     return (*sensors, *_cameras(compiled))
 

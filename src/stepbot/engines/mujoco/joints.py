@@ -9,13 +9,14 @@ import numpy as np
 
 from stepbot.geometry.spatial import vector3
 from stepbot.robot.model import JointDynamics, Limit, Mimic
+from stepbot.robot.unique_names import SCOPE
 
 from ..observation import ObservedJoint
 
 if TYPE_CHECKING:
     from .model import NamedModel
 
-VELOCITY = "/velocity"
+VELOCITY = f"{SCOPE}velocity"
 """Suffix of the custom number with a joint's velocity limit, for which MJCF has no attribute."""
 
 _TURNING = ("revolute", "continuous")

@@ -8,6 +8,7 @@ import numpy as np
 
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, vector3
 from stepbot.robot.closures import RANK_TOLERANCE, closure_gap
+from stepbot.robot.unique_names import SCOPE
 
 from ..observation import ObservedClosure, Request
 from .gimbals import Gimbals
@@ -68,7 +69,7 @@ def close_by_newton(compiled: "Compiled", request: Request) -> tuple[ObservedClo
 
 
 _NO_POSES: tuple[Pose | None, Pose | None] = None, None
-AXIS = "/axis"
+AXIS = f"{SCOPE}axis"
 """Suffix of a second constraint, which constrains another point on the axis of the closure of that name."""
 
 

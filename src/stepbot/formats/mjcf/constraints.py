@@ -1,6 +1,6 @@
 """Closures and mimics in MJCF: sites, equality constraints, and their stiffness.
 
-Closures constrain sites: ``<closure>/a`` and ``<closure>/b`` are the two F frames. A revolute closure is two
+Closures constrain sites: ``<closure>::a`` and ``<closure>::b`` are the two F frames. A revolute closure is two
 ``connect``, at F and at a second point of its axis: six rows, five of which are independent, two in a planar loop.
 Sites, not anchors, because MuJoCo places an anchor in the second body by the pose at q = 0, where the loop need not
 close; the keyframe ``home`` is the drawn pose, where it does.
@@ -13,6 +13,7 @@ import numpy as np
 from stepbot.robot.model import JointKind, Link, LoopClosure, Mimic, Robot
 from stepbot.robot.multi_dof import steps_by_child
 from stepbot.robot.simulation_settings import Settings, settings_of
+from stepbot.robot.unique_names import SCOPE
 
 from ..xml import Element, Value, element
 from .devices import MARK, mjcf_pose
@@ -55,11 +56,11 @@ def closure_sites(body: Element, link: Link, robot: Robot) -> None:
     for closure in robot.closures:
         for side, holder, X_LF in (("a", closure.link_a, closure.X_AF), ("b", closure.link_b, closure.X_BF)):
             if holder == link.name:
-                name = f"{closure.name}/{side}"
+                name = f"{closure.name}{SCOPE}{side}"
                 element(body, "site", name=name, class_=MARK, **mjcf_pose(X_LF))
                 if closure.kind is JointKind.REVOLUTE:
                     point = X_LF.apply(_second_point(closure)).tolist()
-                    element(body, "site", name=f"{name}/axis", class_=MARK, pos=point)
+                    element(body, "site", name=f"{name}{SCOPE}axis", class_=MARK, pos=point)
 
 
 def _second_point(closure: LoopClosure) -> list[float]:
@@ -81,8 +82,8 @@ def equality(top: Element, robot: Robot) -> None:
         element(xml, "joint", class_=_CLOSURE, joint1=name, joint2=mimic.joint, **given)
     for closure in robot.closures:
         kind = "weld" if closure.kind is JointKind.FIXED else "connect"
-        sides = {"site1": f"{closure.name}/a", "site2": f"{closure.name}/b"}
+        sides = {"site1": f"{closure.name}{SCOPE}a", "site2": f"{closure.name}{SCOPE}b"}
         element(xml, kind, name=closure.name, class_=_CLOSURE, **sides)
         if closure.kind is JointKind.REVOLUTE:
-            on_axis = {side: f"{site}/axis" for side, site in sides.items()}
-            element(xml, kind, name=f"{closure.name}/axis", class_=_CLOSURE, **on_axis)
+            on_axis = {side: f"{site}{SCOPE}axis" for side, site in sides.items()}
+            element(xml, kind, name=f"{closure.name}{SCOPE}axis", class_=_CLOSURE, **on_axis)

@@ -1,16 +1,17 @@
 """Actuators and sensors of MJCF.
 
-The readings of a sensor are named ``<sensor>/<reading>``, and its site ``<sensor>/site``, which no name of the robot
+The readings of a sensor are named ``<sensor>::<reading>``, and its site ``<sensor>::site``, which no name of the robot
 can be. MuJoCo's cameras look along -z with y up, its rangefinders along z.
 """
 
-from math import atan, degrees, isfinite, isqrt, tan
+from math import atan, degrees, isfinite, tan
 
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.actuators import control_range, force_range
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Link, Robot
 from stepbot.robot.multi_dof import steps_by_child
 from stepbot.robot.sensors import Sensor, SensorKind
+from stepbot.robot.unique_names import SCOPE
 
 from ..xml import Element, Value, element
 
@@ -20,7 +21,6 @@ MARK = "mark"
 """Class of the sites that only mark the pose of a sensor or a closure."""
 RAY = "ray"
 """Last part of the names of a lidar's rays, before their numbers."""
-_FEW_RAYS = 64
 
 # The camera's x, y, z in the axes of the sensor: right is -y, up is z, and it looks along x.
 _X_SC = Pose(((0.0, 0.0, -1.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
@@ -65,7 +65,7 @@ def mounts(body: Element, link: Link, robot: Robot) -> None:
         if sensor.link != link.name:
             continue
         if sensor.kind in _READINGS:
-            element(body, "site", name=f"{sensor.name}/{SITE}", class_=MARK, **mjcf_pose(sensor.X_LS))
+            element(body, "site", name=f"{sensor.name}{SCOPE}{SITE}", class_=MARK, **mjcf_pose(sensor.X_LS))
         elif sensor.kind is SensorKind.CAMERA:
             view = sensor.view
             fovy = degrees(2.0 * atan(tan(0.5 * view.fov) * view.rows / view.columns))
@@ -76,26 +76,21 @@ def mounts(body: Element, link: Link, robot: Robot) -> None:
 
 
 def _rays(body: Element, sensor: Sensor) -> None:
-    """A site for each ray of a lidar, from the right edge of its field of view to the left one."""
+    """A site for each ray of a lidar, from the right edge of its field of view to the left one.
+
+    Each is written, since dm_control has no ``<replicate>``.
+    """
     view = sensor.view
-    first = Pose.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, -0.5 * view.fov))
-    holder = element(body, "frame", **mjcf_pose(sensor.X_LS @ first))
     step = view.fov / (view.columns - 1) if view.columns > 1 else 0.0
-    # MuJoCo copies a block in time proportional to its count and to the size of the file: in two levels, 720 rays load
-    # in a twentieth of the time.
-    block = _block(view.columns)
-    if block > 1:
-        angle = (0.0, 0.0, block * step)
-        holder = element(holder, "replicate", count=view.columns // block, euler=angle, sep="/")
-    count = view.columns if block == 1 else block
-    rays = element(holder, "replicate", count=count, euler=(0.0, 0.0, step), sep="/")
-    element(rays, "site", name=f"{sensor.name}/{RAY}", class_=MARK, **mjcf_pose(_QUARTER_ABOUT_Y))
+    for number, site in enumerate(_ray_names(sensor, RAY)):
+        turn = Pose.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, number * step - 0.5 * view.fov))
+        element(body, "site", name=site, class_=MARK, **mjcf_pose(sensor.X_LS @ turn @ _QUARTER_ABOUT_Y))
 
 
-def _block(count: int) -> int:
-    """Rays in each of equal blocks: of the divisors, the largest up to the square root; 1 for few rays."""
-    most = isqrt(count) if count > _FEW_RAYS else 1
-    return next(size for size in range(most, 0, -1) if count % size == 0)
+def _ray_names(sensor: Sensor, part: str) -> list[str]:
+    """A name for each ray of a lidar."""
+    digits = len(str(sensor.view.columns - 1))
+    return [f"{sensor.name}{SCOPE}{part}{SCOPE}{number:0{digits}}" for number in range(sensor.view.columns)]
 
 
 def sensors(top: Element, robot: Robot) -> None:
@@ -113,17 +108,17 @@ def _readings(xml: Element, sensor: Sensor, robot: Robot) -> None:
     match sensor.kind:
         case SensorKind.IMU | SensorKind.FORCE_TORQUE:
             for reading, tag in _READINGS[sensor.kind].items():
-                site = f"{sensor.name}/{SITE}"
+                site = f"{sensor.name}{SCOPE}{SITE}"
                 place = {"objtype": "site", "objname": site} if tag == "framequat" else {"site": site}
-                element(xml, tag, name=f"{sensor.name}/{reading}", **place, **timing)
+                element(xml, tag, name=f"{sensor.name}{SCOPE}{reading}", **place, **timing)
         case SensorKind.JOINT:
             steps = [step for step in steps_by_child(robot)[sensor.link] if step.mimic is None]
             for step in steps or [robot.joint_by_name[sensor.joint]]:
                 _joint_readings(xml, sensor, step, alone=len(steps) <= 1, timing=timing)
         case SensorKind.LIDAR:
             farthest: dict[str, Value] = {"cutoff": sensor.view.farthest} if isfinite(sensor.view.farthest) else {}
-            site = f"{sensor.name}/{RAY}"
-            element(xml, "rangefinder", name=f"{sensor.name}/range", site=site, **farthest, **timing)
+            for name, site in zip(_ray_names(sensor, "range"), _ray_names(sensor, RAY), strict=True):
+                element(xml, "rangefinder", name=name, site=site, **farthest, **timing)
         case SensorKind.CONTACT:
             what: dict[str, Value] = {"data": "found force torque", "reduce": "netforce"}
             element(xml, "contact", name=sensor.name, body1=sensor.link, **what, **timing)
@@ -131,9 +126,9 @@ def _readings(xml: Element, sensor: Sensor, robot: Robot) -> None:
 
 def _joint_readings(xml: Element, sensor: Sensor, step: Joint, *, alone: bool, timing: dict[str, Value]) -> None:
     ball = step.kind is JointKind.BALL
-    stem = sensor.name if alone else f"{sensor.name}/{step.name}"
-    element(xml, "ballquat" if ball else "jointpos", name=f"{stem}/position", joint=step.name, **timing)
-    element(xml, "ballangvel" if ball else "jointvel", name=f"{stem}/velocity", joint=step.name, **timing)
+    stem = sensor.name if alone else f"{sensor.name}{SCOPE}{step.name}"
+    element(xml, "ballquat" if ball else "jointpos", name=f"{stem}{SCOPE}position", joint=step.name, **timing)
+    element(xml, "ballangvel" if ball else "jointvel", name=f"{stem}{SCOPE}velocity", joint=step.name, **timing)
 
 
 def mjcf_pose(X: Pose) -> dict[str, Value]:

@@ -32,6 +32,7 @@ from stepbot.robot.multi_dof import steps_by_child
 from stepbot.robot.simulation import Integrator
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.standing import standing_height
+from stepbot.robot.unique_names import SCOPE
 
 from ..companion import Companion
 from ..lowering import Feature, exact, free_name, lowered, refused, reported
@@ -108,7 +109,7 @@ EXPRESSES = {
     Feature.FORCE_TORQUE: exact("`<force>`, `<torque>` at a site"),
     Feature.OFF_JOINT: exact("`<force>`, `<torque>` at a site"),
     Feature.CAMERA: exact("`<camera>`"),
-    Feature.LIDAR: exact("`<rangefinder>` at each of `<replicate>` sites"),
+    Feature.LIDAR: exact("`<rangefinder>` at a site for each ray"),
     Feature.CONTACT: exact("`<contact>` of a body"),
     Feature.SENSOR_PLACE: exact("`<site>`, `<camera>`"),
     Feature.SENSOR_RATE: exact("`interval`, with a buffer of one reading"),
@@ -368,4 +369,4 @@ def _velocity_limits(top: Element, robot: Robot) -> None:
     if limited:
         custom = element(top, "custom")
         for joint in limited:
-            element(custom, "numeric", name=f"{joint.name}/velocity", data=joint.limit.velocity)
+            element(custom, "numeric", name=f"{joint.name}{SCOPE}velocity", data=joint.limit.velocity)

@@ -9,6 +9,7 @@ from math import isinf
 from stepbot.robot.actuators import actuator_limit
 from stepbot.robot.model import Actuator, Joint, JointKind, Robot
 from stepbot.robot.sensors import Sensor, SensorKind
+from stepbot.robot.unique_names import SCOPE
 
 from ..lowering import UNLIMITED
 from ..lowering.stops import has_stops
@@ -33,10 +34,10 @@ def joint_devices(joint: Joint, robot: Robot) -> list[Node]:
     devices = []
     if joint.name in drives:
         drive = drives[joint.name]
-        name = f"{drive.name}::{joint.name}" if joint.name in followed else drive.name
+        name = f"{drive.name}{SCOPE}{joint.name}" if joint.name in followed else drive.name
         devices.append(_motor(name, joint, drive))
     elif joint.mimic is not None and joint.mimic.joint in drives:
-        name = f"{drives[joint.mimic.joint].name}::{joint.name}"
+        name = f"{drives[joint.mimic.joint].name}{SCOPE}{joint.name}"
         devices.append(_motor(name, joint, None).set("multiplier", joint.mimic.multiplier))
     return [*devices, Node("PositionSensor").set("name", text(f"{joint.name}_sensor"))]
 
