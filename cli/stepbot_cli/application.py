@@ -14,6 +14,7 @@ import click
 import stepbot
 
 from .group import Group
+from .streams import CannotPrint, open_closed_streams
 
 COMMANDS = {
     "init": "Draft a sidecar from a STEP file.",
@@ -95,6 +96,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     Args:
         argv: Arguments without the program name; default ``sys.argv[1:]``.
     """
+    open_closed_streams()
     gc.set_threshold(100_000, 20, 20)  # a command creates objects that stay: modules, a robot
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a name in Cyrillic must not raise an exception if the locale is ASCII
@@ -109,6 +111,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     except click.Abort:
         click.echo("interrupted", err=True)
         return INTERRUPTED
+    except (CannotPrint, OSError) as error:  # click raises what the system says
+        from .failures import show_exception, show_full_output
+
+        is_full = isinstance(error, CannotPrint) or error.filename is None
+        return show_full_output(error) if is_full else show_exception(error, as_json=False)
     except Exception as error:  # noqa: BLE001 - the last place before the user would see a bare traceback
         from .failures import show_exception
 

@@ -12,6 +12,7 @@ from stepbot.diagnostics import did_you_mean
 from stepbot.diagnostics.codes import CODES
 from stepbot.runtime.file import exists
 
+from .streams import CannotPrint
 from .terminal import Display
 
 
@@ -44,7 +45,7 @@ class Command(click.Command):
         """Run the command; returns its exit code."""
         try:
             return super().invoke(ctx)
-        except (click.ClickException, click.Abort, click.exceptions.Exit, BrokenPipeError):
+        except (click.ClickException, click.Abort, click.exceptions.Exit, BrokenPipeError, CannotPrint):
             raise
         except Exception as error:  # noqa: BLE001 - reported with its traceback
             from .failures import show_exception

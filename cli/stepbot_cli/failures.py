@@ -1,6 +1,7 @@
 """Reports exceptions as diagnostics, with a traceback for bug reports."""
 
 import io
+import sys
 import traceback
 
 import click
@@ -8,6 +9,7 @@ import click
 from stepbot.diagnostics import Diagnostics, ExitCode, Span, StepbotError
 
 from .diagnostic_text import printable
+from .streams import discard
 from .terminal import show_diagnostics, write_error, write_json
 
 _OURS = ("stepbot", "stepbot_cli")
@@ -45,6 +47,17 @@ def show_usage_error(error: click.ClickException, *, as_json: bool) -> ExitCode:
     found = Diagnostics()
     found.add("SB010", error.format_message(), Span(command), help=[f"`{command} --help`"])
     write_json({"diagnostics": found, "exit_code": found.exit_code})
+    return found.exit_code
+
+
+def show_full_output(error: Exception) -> ExitCode:
+    """Report that results could not be printed; returns the exit code."""
+    discard(sys.stdout)
+    found = Diagnostics()
+    reason = (error.strerror if isinstance(error, OSError) else None) or str(error)
+    help = ["the command has run; repeat it with another standard output for its results"]
+    found.add("SB004", f"cannot write to standard output: {reason}", Span("stepbot"), help=help)
+    show_diagnostics(found)
     return found.exit_code
 
 

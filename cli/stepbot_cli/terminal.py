@@ -12,6 +12,7 @@ from typing import Any, NamedTuple, TextIO
 from stepbot.diagnostics import Diagnostic, Diagnostics
 
 from . import diagnostic_text
+from .streams import CannotPrint, discard
 
 NARROWEST = 40
 """Minimum width of the screen for layouts."""
@@ -118,8 +119,16 @@ def _is_of_conversion(code: str) -> bool:
 
 
 def _write(stream: TextIO, text: str) -> None:
-    stream.write(text if text.endswith("\n") else text + "\n")
-    stream.flush()
+    """Print; where standard error takes nothing, nobody can be told, and the exit code is still that of the command."""
+    try:
+        stream.write(text if text.endswith("\n") else text + "\n")
+        stream.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        discard(stream)
+        if stream is not sys.stderr:
+            raise CannotPrint(error.strerror) from error
 
 
 def _plain(value: object) -> Any:

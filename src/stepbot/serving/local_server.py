@@ -9,6 +9,7 @@ import secrets
 from collections.abc import Callable, Mapping
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from math import isfinite
 from queue import Empty, SimpleQueue
 from threading import Lock, Thread
 from typing import Any
@@ -22,6 +23,8 @@ LARGEST_QUESTION = 1 << 20
 HEARTBEAT = 10.0
 """Seconds between two signs of life to a page: a closed one is noticed."""
 _TOKEN_BYTES = 24
+_LONGEST_LENGTH = 12
+"""Digits of a length; more are too large, and Python converts no more than 4,300."""
 
 
 class Refused(Exception):
@@ -148,16 +151,21 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _answer(self, answer: Answer) -> None:
         length = self.headers.get("Content-Length", "")
-        if not length.isascii() or not length.isdigit() or int(length) > LARGEST_QUESTION:
+        if (
+            not (length.isascii() and length.isdigit())
+            or len(length) > _LONGEST_LENGTH
+            or int(length) > LARGEST_QUESTION
+        ):
             self._refuse(HTTPStatus.REQUEST_ENTITY_TOO_LARGE)
             return
         try:
-            question = json.loads(self.rfile.read(int(length)))
-            if not isinstance(question, dict):
-                raise Refused("a JSON object is expected")
-            self._send(json.dumps(answer(question)).encode(), "application/json")
-        except (Refused, ValueError, RecursionError) as error:
-            self._send(str(error).encode(), "text/plain; charset=utf-8", HTTPStatus.BAD_REQUEST)
+            question = _parsed(self.rfile.read(int(length)))
+            content = json.dumps(answer(question)).encode()
+        except (Refused, ValueError, OverflowError, RecursionError) as error:
+            reason = str(error).encode("utf-8", "backslashreplace")
+            self._send(reason, "text/plain; charset=utf-8", HTTPStatus.BAD_REQUEST)
+        else:
+            self._send(content, "application/json")
 
     def _place(self) -> str | None:
         """The path below the token; None for a request that must not be answered."""
@@ -214,3 +222,27 @@ class _Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - the base class's name
         """Requests are not logged: their paths hold the token."""
+
+
+def _parsed(content: bytes) -> Json:
+    """A question whose texts are Unicode and whose numbers are finite doubles, so that every answer can use them.
+
+    Raises:
+        Refused: It is not a JSON object of these.
+        ValueError: It is not JSON.
+    """
+    question = json.loads(content, parse_int=_number, parse_float=_number, parse_constant=_number)
+    if not isinstance(question, dict):
+        raise Refused("a JSON object is expected")
+    try:
+        json.dumps(question, ensure_ascii=False).encode()
+    except UnicodeEncodeError:
+        raise Refused("a text has half of a surrogate pair") from None
+    return question
+
+
+def _number(text: str) -> float:
+    value = float(text)
+    if not isfinite(value):
+        raise Refused("a number is too large")
+    return int(text) if text.lstrip("-").isdigit() else value

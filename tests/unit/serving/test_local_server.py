@@ -155,3 +155,31 @@ def test_server_listens_on_this_machine_only(server: LocalServer) -> None:
     """The address is the loopback interface."""
     assert server._http.server_address[0] == "127.0.0.1"
     assert server.url.startswith("http://127.0.0.1:")
+
+
+JSON = {"Content_Type": "application/json"}
+TOO_LARGE = [b"9" * 400, b"-" + b"9" * 400, b"9" * 5000, b"1e400", b"-1e999", b"Infinity", b"NaN"]
+
+
+@pytest.mark.parametrize("number", TOO_LARGE, ids=lambda number: number[:9].decode())
+@pytest.mark.parametrize("place", [b'{"q": %s}', b'{"q": {"elbow": [%s]}}', b"%s"])
+def test_numbers_that_are_none(server: LocalServer, number: bytes, place: bytes) -> None:
+    """A number that no double holds is refused, wherever it is."""
+    status, text, _ = request(server, "POST", f"/{server.token}/ask/echo", place % number, **JSON)
+    assert status == 400
+    assert text
+
+
+@pytest.mark.parametrize("body", [rb'{"name": "\ud800"}', rb'{"\udfff": 1}', rb'{"a": [{"b": "\ud8"}]}', b"\xff\xfe{"])
+def test_text_that_is_none(server: LocalServer, body: bytes) -> None:
+    """Half of a surrogate pair, and what is not UTF-8, are refused; a whole pair is text."""
+    assert request(server, "POST", f"/{server.token}/ask/echo", body, **JSON)[0] == 400
+    pair = rb'{"name": "\ud83e\udd16"}'
+    assert request(server, "POST", f"/{server.token}/ask/echo", pair, **JSON)[0] == 200
+
+
+@pytest.mark.parametrize("length", ["9" * 5000, "9" * 13, "-1", "1_0", "0x10", "1e3", "\u00b2", ""])
+def test_lengths_that_are_none(server: LocalServer, length: str) -> None:
+    """A length with more digits than any request has, or that is no number, is refused."""
+    headers = {**JSON, "Content_Length": length}
+    assert request(server, "POST", f"/{server.token}/ask/echo", b"{}", **headers)[0] == 413
