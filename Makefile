@@ -83,7 +83,7 @@ library: install  ## draw, convert, verify and render every robot of the library
 	$(BIN)/python -m pip install --quiet -e '.[draw,verify]'
 	$(BIN)/python -m robot_library
 
-benchmarks: install  ## run every benchmark once on small input; docs/performance.md describes measuring
+benchmarks: install  ## run every benchmark once on small input; benchmarks/NOTES.md describes measuring
 	$(BIN)/python -m benchmarks smoke
 
 gate: install  ## fail if stepbot needs 10 % more processor time than at the last tag, or at AGAINST=REVISION

@@ -1,1 +1,1 @@
-"""How long stepbot takes, beside others on the same files; ``python -m benchmarks --help``, docs/performance.md."""
+"""How long stepbot takes, beside others on the same files; ``python -m benchmarks --help``, benchmarks/NOTES.md."""

@@ -8,7 +8,7 @@ python -m benchmarks memory DIR|LIST                    memory of a batch of 1,0
 python -m benchmarks cores SIDECAR...                   the bare script twice, in turn and at once: what two cores give
 python -m benchmarks scaling                            ever more definitions, ever more occurrences
 python -m benchmarks gate --against REVISION            processor time of the working tree against a tag's
-python -m benchmarks report                             tables in docs/performance.md from the results of ``--keep``
+python -m benchmarks report                             tables in benchmarks/NOTES.md from the results of ``--keep``
 python -m benchmarks inference                          links and joints from plain STEP files, against the known ones
 python -m benchmarks drafting STEP                      copies of an assembly in a row: links, joints and stops
 python -m benchmarks collision STEP                     convex pieces of its solids, by stepbot and by CoACD
@@ -105,7 +105,7 @@ def _parser() -> argparse.ArgumentParser:
     gated.add_argument("--against", metavar="REVISION", help="[default: the last tag]")
     gated.add_argument("--calibrate", type=int, metavar="N", help="instead, N rounds of HEAD against itself")
     gated.set_defaults(run=_gate)
-    commands.add_parser("report", help="update the tables in docs/performance.md").set_defaults(run=_report)
+    commands.add_parser("report", help="update the tables in benchmarks/NOTES.md").set_defaults(run=_report)
     drafted = commands.add_parser("inference", help="how many joints are found, how many drafted ones are right")
     drafted.add_argument("--only", default="", metavar="TEXT", help="robots whose name contains this")
     drafted.add_argument("--write", action="store_true", help="update the table in docs/authoring.md")

@@ -1,4 +1,4 @@
-"""Writes the results to docs/performance.md: tables between markers, and a picture. Nothing is measured here."""
+"""Writes the results to benchmarks/NOTES.md: tables between markers, and a picture. Nothing is measured here."""
 
 import re
 from collections.abc import Mapping
@@ -8,16 +8,15 @@ from pathlib import Path
 from .overview import PICTURE, picture, tables
 from .results import load, rows_of, table
 
-PAGE = "performance.md"
+PAGE = Path(__file__).with_name("NOTES.md")
 OVER_FILES = ("cold", "cold-hulls")
 """Kinds of results that have a row per file, and the first one the picture; other kinds have a table per file."""
 _PART = re.compile(r"(<!-- results: ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def write_report(docs: Path) -> None:
-    """Update the tables of the page, and the picture if matplotlib is installed."""
-    page = docs / PAGE
-    page.write_text(page_with_results(page.read_text(encoding="utf-8")), encoding="utf-8", newline="\n")
+    """Update the tables of the notes, and the picture in ``docs`` if matplotlib is installed."""
+    PAGE.write_text(page_with_results(PAGE.read_text(encoding="utf-8")), encoding="utf-8", newline="\n")
     if find_spec("matplotlib") is None:
         print(f"{PICTURE} is not updated: pip install 'stepbot[draw]'")
     elif results := {case: rows_of(entry) for case, entry in load().get(OVER_FILES[0], {}).items()}:

@@ -1,7 +1,4 @@
-"""Write the files that are generated from the code, or list outdated ones with ``--check``.
-
-README.md is written by hand except for the parts between ``<!-- generated: NAME -->`` and ``<!-- end -->``.
-"""
+"""Write the files that are generated from the code, or list outdated ones with ``--check``."""
 
 import re
 import sys
@@ -10,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from click import Context
+from reference import reference_page  # beside this file
 
 from stepbot.diagnostics.codes.page import diagnostics_page
 from stepbot.driving.limits import LIMITS, UNITS
@@ -18,26 +16,18 @@ from stepbot.sidecar.schema import schema_text
 from stepbot_cli.application import application
 
 ROOT = Path(__file__).resolve().parents[1]
-_GENERATED_PART = re.compile(r"(<!-- generated: (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+_HELP = re.compile(r"(<!-- generated: help -->\n).*?(<!-- end -->)", re.DOTALL)
 
 _MOST_LINES = 8
 """Maximum number of lines of a diagnostic's example."""
 _LAYERS = re.compile(r"(## Who may import whom\n\n```text\n).*?(```\n)", re.DOTALL)
 
 
-def readme() -> str:
-    """README.md with its generated parts updated."""
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    return _GENERATED_PART.sub(lambda match: match[1] + _README_PARTS[match[2]]() + match[3], text)
-
-
-def help_text() -> str:
-    """``stepbot --help``."""
+def commands() -> str:
+    """docs/commands.md with ``stepbot --help``."""
     context = Context(application, info_name="stepbot", terminal_width=100, help_option_names=["-h", "--help"])
-    return f"```text\n{application.get_help(context)}\n```\n"
-
-
-_README_PARTS: dict[str, Callable[[], str]] = {"help": help_text}
+    text = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+    return _HELP.sub(lambda match: f"{match[1]}```text\n{application.get_help(context)}\n```\n{match[2]}", text)
 
 
 def architecture() -> str:
@@ -93,7 +83,8 @@ GENERATED: dict[str, Callable[[], str]] = {
     "docs/diagnostics.md": diagnostics,
     "docs/mapping.md": mapping_page,
     "docs/drive.md": drive,
-    "README.md": readme,
+    "docs/commands.md": commands,
+    "docs/api-reference.md": reference_page,
 }
 
 

@@ -132,36 +132,15 @@ def _subject(
     target: Path, options: "Options", joints: tuple[str, ...], found: Diagnostics, progress: Any
 ) -> tuple["Subject | None", dict[str, str]]:
     """What to draw, and the positions of the joints in words; None after errors."""
+    from stepbot.pipeline.picturing import assembly_to_draw, robot_to_draw
     from stepbot.robot.step_names import is_step_name
 
     if not is_step_name(target.name):
-        return _robot_subject(_robot(target, options, found, progress), joints)
+        return _robot_subject(robot_to_draw(target, options, found, progress), joints)
     if joints:
         raise click.BadParameter("a STEP file has no joints; give a sidecar", param_hint="--joint")
-    from stepbot.pipeline.picturing import assembly_subject, part_labels
-    from stepbot.pipeline.stages import inspect
-
     progress("read")
-    inspection = inspect(target, options)
-    found.extend(inspection.diagnostics)
-    assembly = inspection.assembly
-    if assembly is None:
-        return None, {}
-    return assembly_subject(assembly, part_labels(assembly, assembly.children[0], folded=True)), {}
-
-
-def _robot(target: Path, options: "Options", found: Diagnostics, progress: Any) -> "Robot | None":
-    """The robot of a sidecar, or of a URDF, SDFormat or MJCF file; None after errors."""
-    if target.suffix.lower() not in _SIDECARS:
-        from stepbot.pipeline.describing import described_robot
-
-        progress("read")
-        return described_robot(target, options, found)
-    from stepbot.pipeline.picturing import robot_of
-
-    built = robot_of(target, options, progress)
-    found.extend(built.diagnostics)
-    return built.robot
+    return assembly_to_draw(target, options, found), {}
 
 
 def _robot_subject(robot: "Robot | None", joints: tuple[str, ...]) -> tuple["Subject | None", dict[str, str]]:

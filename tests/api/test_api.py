@@ -5,6 +5,7 @@ import re
 import runpy
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ PAGE = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^## (.*?)\n.*?^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
 PRINTED = {
     "Convert": r"\['arm2.scene.xml', 'arm2.urdf', 'arm2.xml', 'report.json'\]\nshoulder revolute base -> upper_arm\n",
+    "Draft": r"(?m)^revolute base -> \S+ 0\.\d+$",
     "Check": r"5 links, 4 joints\n",
     "Inspect": r"(?m)^forearm/\S+ \(",
     "Verify": r"^0 failed$",
@@ -70,7 +72,7 @@ def test_names_are_listed_and_documented() -> None:
     for name in stepbot.__all__:
         assert getattr(stepbot, name).__doc__, name
         assert name in dir(stepbot)
-    for name in ("convert", "check", "inspect", "verify", "close_loops"):
+    for name in ("convert", "check", "inspect", "draft", "render", "drive", "verify", "close_loops"):
         assert f"| `{name}(" in PAGE
     with pytest.raises(AttributeError, match="no attribute 'konvert'"):
         _ = stepbot.konvert  # type: ignore[attr-defined, unused-ignore]
@@ -98,6 +100,45 @@ def test_findings_are_results(tmp_path: Path) -> None:
     for formats in (["urfd"], "urfd"):
         with pytest.raises(ValueError, match="no format 'urfd'"):
             stepbot.convert(sidecar, formats=formats)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (
+            lambda: stepbot.convert("arm.robot.yaml", out="arm"),
+            "no argument 'out'; did you mean 'output'",
+        ),
+        (lambda: stepbot.convert("arm.robot.yaml", format="urdf"), "did you mean 'formats'"),
+        (
+            lambda: stepbot.check("arm.robot.yaml", step=True),
+            "takes a path, not True; `open_step=True`",
+        ),
+        (lambda: stepbot.drive("arm", tests="grab"), "no test 'grab'"),
+        (lambda: stepbot.render("arm.step", view="korner"), "no view 'korner'; did you mean 'corner'"),
+    ],
+)
+def test_wrong_arguments_name_the_right_ones(call: Callable[[], object], message: str) -> None:
+    """An unknown argument, a flag for a path and an unknown name are errors before anything is read."""
+    with pytest.raises((TypeError, ValueError), match=message):
+        call()
+
+
+def test_draft_and_render_write_files(folder: Path) -> None:
+    """A draft is a sidecar that `check` accepts; a picture is a PNG of the size asked for."""
+    pytest.importorskip("embreex")
+    sidecar, picture = folder / "arm2" / "draft.robot.yaml", folder / "arm2.png"
+    drafted = stepbot.draft(folder / "arm2" / "arm2.step", output=sidecar)
+    assert sidecar.read_text(encoding="utf-8") == drafted.text
+    assert drafted.draft is not None
+    assert drafted.draft.robot == "draft"
+    assert stepbot.check(sidecar, open_step=True).checked.joints == len(drafted.draft.joints) == 4
+    arm = folder / "arm2" / "arm2.robot.yaml"
+    png = stepbot.render(arm, output=picture, joints={"elbow": 0.5}, size=(80, 60), samples=1).png
+    assert picture.read_bytes() == png
+    assert (png[:4], int.from_bytes(png[16:20]), int.from_bytes(png[20:24])) == (b"\x89PNG", 80, 60)
+    with pytest.raises(ValueError, match="no moving joint 'ellbow'"):
+        stepbot.render(arm, joints={"ellbow": 0.5})
 
 
 def test_one_string_is_one_name(tmp_path: Path) -> None:

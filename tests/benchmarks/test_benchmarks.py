@@ -150,7 +150,7 @@ def test_an_edit_changes_the_frame_and_nothing_else(tmp_path: Path) -> None:
 
 def test_page_has_the_tables_of_the_results() -> None:
     """``python -m benchmarks report`` leaves the page unchanged."""
-    page = (ROOT / "docs" / PAGE).read_text(encoding="utf-8")
+    page = PAGE.read_text(encoding="utf-8")
     assert page_with_results(page) == page
     for kind in ("cold", "check", "batch", "scaling"):
         assert f"<!-- results: {kind} -->" in page

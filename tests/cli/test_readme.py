@@ -1,4 +1,4 @@
-"""The commands of the README run and print what it shows."""
+"""The commands of the README and of docs/commands.md run, and print what is shown."""
 
 import json
 import os
@@ -17,11 +17,12 @@ from tests.corpus.test_first_hour import comparable
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+COMMANDS = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
 
 
-def blocks(language: str) -> list[str]:
-    """Code blocks of the README in a language."""
-    return re.findall(rf"^```{language}\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
+def blocks(language: str, page: str = README) -> list[str]:
+    """Code blocks of a page in a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
 
 
 @pytest.fixture
@@ -43,18 +44,21 @@ def test_opens_with_two_commands() -> None:
 
 def test_example_runs(example: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """Every command of the example succeeds, prints what the page shows, and writes the files it names."""
-    commands = re.findall(r"^(?:\$ )?(stepbot .*)$", "\n".join(blocks("(?:sh|console)")), re.MULTILINE)
+    commands = re.findall(
+        r"^(?:\$ )?(stepbot .*)$", "\n".join(blocks("(?:sh|console)") + blocks("sh", COMMANDS)), re.MULTILINE
+    )
     names = [command.split()[1] for command in commands]
-    assert names == ["library", "inspect", "check", "convert", "library", "library", "library", "batch", "uptodate"]
+    assert names == ["library", "check", "convert", "batch", "uptodate"]
     shown = {command: lines for command, *lines in (block.splitlines() for block in blocks("console"))}
-    assert len(shown) == 3
+    assert len(shown) == 2
     monkeypatch.setenv("COLUMNS", "100")
     for command in commands:
         code = main(shlex.split(command)[1:])
         captured = capsys.readouterr()
         assert code == 0, captured.err
         if lines := shown.get(f"$ {command}"):
-            printed = [line.rstrip() for line in (captured.err + captured.out).splitlines()]
+            *verdict, where = captured.out.rstrip("\n").splitlines()  # notes are counted before the last line
+            printed = [*verdict, *captured.err.splitlines(), where]
             assert comparable(printed) == comparable(lines)
     written = {file.name for file in (example / "arm").iterdir()}
     assert {"arm.urdf", "arm.sdf", "arm.xml", "meshes", "report.json"} <= written
@@ -66,7 +70,7 @@ def test_example_runs(example: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
 def test_rule_in_a_makefile(example: Path) -> None:
     """The Makefile rule converts if its stamp is older than the input, also from the cache, and only once."""
     shutil.copy(library_robot("arm2").step, example)
-    (rule,) = blocks("make")
+    (rule,) = blocks("make", COMMANDS)
     command = f"{shlex.quote(sys.executable)} -m stepbot_cli convert --no-verify"
     (example / "Makefile").write_text(rule.replace("stepbot convert", command), encoding="utf-8")
 

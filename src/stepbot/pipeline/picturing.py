@@ -16,11 +16,15 @@ from stepbot.pictures.primitives import box_mesh, capsule_mesh, cylinder_mesh
 from stepbot.pictures.scene import Axis, Shape, Subject
 from stepbot.robot.kinematics import Configuration, link_poses
 from stepbot.robot.model import GREY, Box, Capsule, Cylinder, Geometry, JointKind, MeshRef, Rgba, Robot, Sphere
+from stepbot.robot.posing import NotReached, posed
+from stepbot.robot.step_names import is_step_name
 from stepbot.step.assembly import Assembly, Body, Component
 from stepbot.step.structure.paths import nearest_claim, plain_name
 
 from .conversion import Options
-from .stages import produce
+from .describing import described_robot
+from .sidecars import SIDECAR_SUFFIXES
+from .stages import inspect, produce
 
 _UNNAMED = re.compile(r"body(#\d+)?")
 """Segments of paths that stepbot made for bodies without names."""
@@ -39,6 +43,49 @@ def robot_of(sidecar: Path, options: Options, progress: Callable[[str], None] = 
     """The robot that a sidecar describes, without writing or verifying files."""
     conversion = produce(sidecar, options._replace(formats=(), verify=False), progress)
     return BuiltRobot(conversion.diagnostics, conversion.robot)
+
+
+def robot_to_draw(
+    target: Path, options: Options, found: Diagnostics, progress: Callable[[str], None] = lambda stage: None
+) -> Robot | None:
+    """The robot of a sidecar, or of a URDF, SDFormat or MJCF; None after errors."""
+    if target.suffix.lower() in SIDECAR_SUFFIXES:
+        built = robot_of(target, options, progress)
+        found.extend(built.diagnostics)
+        return built.robot
+    progress("read")
+    return described_robot(target, options, found)
+
+
+def assembly_to_draw(step: Path, options: Options, found: Diagnostics) -> Subject | None:
+    """A STEP file with the names of the root's children; None after errors."""
+    inspection = inspect(step, options)
+    found.extend(inspection.diagnostics)
+    assembly = inspection.assembly
+    if assembly is None:
+        return None
+    return assembly_subject(assembly, part_labels(assembly, assembly.children[0], folded=True))
+
+
+def subject_of(target: Path, options: Options, positions: Configuration, found: Diagnostics) -> Subject | None:
+    """A robot with some joints at given positions [rad] or [m], or a STEP file; None after errors.
+
+    Raises:
+        ValueError: A name is not that of a moving joint, or the loops do not close there.
+    """
+    if is_step_name(target.name):
+        if positions:
+            raise ValueError("a STEP file has no joints; give a sidecar")
+        return assembly_to_draw(target, options, found)
+    robot = robot_to_draw(target, options, found)
+    if robot is None:
+        return None
+    try:
+        return robot_subject(robot, posed(robot, positions))
+    except KeyError as error:
+        raise ValueError(f"no moving joint {error}") from None
+    except NotReached as error:
+        raise ValueError(f"the loops or limits stop the mechanism at {dict(error.reached)}") from None
 
 
 def robot_subject(robot: Robot, q: Configuration) -> Subject:

@@ -1,0 +1,149 @@
+"""``inspect``, ``draft`` and ``render``."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.limits import DEFAULT_TIMEOUT
+
+from .arguments import AnyPath, checked, known, reading
+from .results import Drafted, Rendered
+
+if TYPE_CHECKING:
+    from stepbot.pipeline.stages import Inspection
+
+
+@checked
+def inspect(
+    step: AnyPath,
+    *,
+    encoding: str = "",
+    timeout: float = DEFAULT_TIMEOUT,
+    memory_limit: int | None = None,
+    cache: AnyPath | bool = True,
+) -> "Inspection":
+    """Read a STEP file, or the one named in a sidecar: ``stepbot inspect``.
+
+    Args:
+        step: STEP file or sidecar.
+        encoding: Code page of names in the STEP; empty for the sidecar's.
+        timeout: Time limit [s] of the geometry kernel.
+        memory_limit: Address space [bytes] of worker processes; None for no limit.
+        cache: Folder of the cache; True for the user's, False for none.
+
+    Returns:
+        The assembly with its components, bodies and axis lines, or None after an error; trimesh's mass properties of
+            each body; and the diagnostics.
+    """
+    from stepbot.pipeline.stages import inspect as inspect_step
+
+    return inspect_step(Path(step), reading(encoding, timeout, memory_limit, cache, ()))
+
+
+@checked
+def draft(
+    step: AnyPath,
+    *,
+    output: AnyPath | None = None,
+    description: AnyPath | None = None,
+    encoding: str = "",
+    timeout: float = DEFAULT_TIMEOUT,
+    memory_limit: int | None = None,
+    cache: AnyPath | bool = True,
+    package_path: AnyPath | Iterable[AnyPath] = (),
+) -> Drafted:
+    """Draft a sidecar from a STEP file: ``stepbot init``.
+
+    Args:
+        step: The STEP file.
+        output: File for the sidecar, replaced if it exists; None to write nothing.
+        description: URDF, SDFormat or MJCF of the same robot, whose names, joints, limits and masses are taken.
+        encoding: Code page of names in the STEP.
+        timeout: Time limit [s] of the geometry kernel.
+        memory_limit: Address space [bytes] of worker processes; None for no limit.
+        cache: Folder of the cache; True for the user's, False for none.
+        package_path: Folder, or several, of the packages that ``description`` names.
+
+    Returns:
+        The draft, the text of the sidecar, and the diagnostics.
+    """
+    from stepbot.draft.text.sidecar_text import relative_step, sidecar_text
+    from stepbot.pipeline.drafted_sidecar import write_draft
+    from stepbot.pipeline.drafting import draft_step
+    from stepbot.sidecar.starter import starter_name
+
+    path = Path(step)
+    sidecar = Path(output) if output is not None else path.with_name(starter_name(path))
+    options = reading(encoding, timeout, memory_limit, cache, package_path)
+    drafting = draft_step(path, options, Path(description) if description is not None else None)
+    found = drafting.diagnostics
+    if drafting.draft is None or found.has_errors:
+        return Drafted(found)
+    drafted = replace(drafting.draft, robot=sidecar.name.removesuffix(sidecar.suffix).removesuffix(".robot"))
+    if output is None:
+        return Drafted(found, drafted, sidecar_text(drafted, relative_step(path, sidecar), encoding=encoding))
+    return Drafted(found, drafted, write_draft(drafted, sidecar, path, encoding, found))
+
+
+@checked
+def render(
+    target: AnyPath,
+    *,
+    output: AnyPath | None = None,
+    joints: Mapping[str, float] | None = None,
+    view: str = "corner",
+    labels: bool = False,
+    size: tuple[int, int] = (1200, 900),
+    samples: int = 3,
+    encoding: str = "",
+    timeout: float = DEFAULT_TIMEOUT,
+    memory_limit: int | None = None,
+    cache: AnyPath | bool = True,
+    package_path: AnyPath | Iterable[AnyPath] = (),
+) -> Rendered:
+    """Draw a robot or a STEP file without a window: ``stepbot render``; needs ``stepbot[render]``.
+
+    Args:
+        target: Sidecar, STEP file, URDF, SDFormat or MJCF, or a folder that :func:`convert` wrote.
+        output: PNG file to write; None to write nothing.
+        joints: Positions [rad] or [m] of joints; the others are as drawn, or as loops require.
+        view: ``corner``, ``iso``, ``front``, ``left``, ``back``, ``right``, ``top`` or ``bottom``.
+        labels: Whether to name links and joints, or components.
+        size: Width and height [px].
+        samples: Square root of the number of rays for each pixel.
+        encoding: Code page of names in the STEP; empty for the sidecar's.
+        timeout: Time limit [s] of the geometry kernel.
+        memory_limit: Address space [bytes] of worker processes; None for no limit.
+        cache: Folder of the cache; True for the user's, False for none.
+        package_path: Folder, or several, of the packages that a description names.
+
+    Returns:
+        The picture and the diagnostics.
+
+    Raises:
+        ModuleNotFoundError: A package of the extra ``render`` is missing.
+        ValueError: There is no such view, a name in ``joints`` is not that of a moving joint, or the loops do not
+            close there.
+        OSError: ``output`` cannot be written.
+    """
+    from stepbot.pictures.camera import VIEWS
+    from stepbot.pictures.picture import NothingToDraw, Sheet, draw, png_bytes
+    from stepbot.pipeline.picturing import subject_of
+
+    (chosen,) = known(view, VIEWS, "view")
+    found = Diagnostics()
+    options = reading(encoding, timeout, memory_limit, cache, package_path)
+    subject = subject_of(Path(target), options, joints or {}, found)
+    if subject is None or found.has_errors:
+        return Rendered(found)
+    try:
+        picture = draw(subject, Sheet(*size, samples=samples, view=VIEWS[chosen], labels=labels))
+    except NothingToDraw as error:
+        found.add("SB020", str(error), Span(Path(target).as_posix()))
+        return Rendered(found)
+    png = png_bytes(picture.pixels)
+    if output is not None:
+        Path(output).write_bytes(png)
+    return Rendered(found, png)
