@@ -90,10 +90,11 @@ def _convert(step: Path, read: Read, trial: _Trial) -> None:
         return
     trial.faults += unsound(assembly)
     if _has_errors(trial):
-        trial.outcome = "body failed" if _has(trial, _BODY_FAILED) else "refused"
+        trial.outcome = "refused"
         return
     measures = tuple(measured(body.mesh) for body in assembly.bodies)
-    trial.outcome = "robot" if make_robot(assembly, measures, _sidecar(), trial.found, trial.faults) else "no robot"
+    made = make_robot(assembly, measures, _sidecar(), trial.found, trial.faults)
+    trial.outcome = "robot" if made else "body failed" if _has(trial, _BODY_FAILED) else "no robot"
 
 
 def make_robot(

@@ -7,7 +7,7 @@ from stepbot.diagnostics import Diagnostics, Span
 
 from .exchange.file_set import StepFile
 from .exchange.length_unit import LengthUnit
-from .one_file import FileContent, guarded, read_file
+from .one_file import FileContent, guarded, optional, read_file
 from .structure.composition import FileDefinitions, compose
 from .structure.source import Definition
 from .structure.tree import Tree, grow
@@ -67,11 +67,15 @@ def _put_together(
     if not tree.variants and is_complete:
         found.add("SB206", "the kernel could build no geometry", Span(place), help=["export it as a B-rep"])
         return None
-    stated = [  # of an incomplete assembly, what the file states is of other parts, too
-        value
-        for content, places in zip(contents.values(), composition.places, strict=True)
-        for value in (_stated(content, places, definitions, tree) if is_complete else ())
-    ]
+
+    def read_stated() -> list[Stated]:
+        read = zip(contents.values(), composition.places, strict=True)
+        return [value for content, places in read for value in _stated(content, places, definitions, tree)]
+
+    # Of an incomplete assembly, what the file states is of other parts, too.
+    stated: list[Stated] = []
+    if is_complete:
+        stated = optional("validation properties", place, found, read_stated, stated)
     external = tuple(files[file].name for file in contents if file)
     return Content(_unit(contents), definitions, tree, stated, contents[0].mechanisms, external)
 

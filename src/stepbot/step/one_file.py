@@ -65,6 +65,17 @@ def guarded(place: str, found: Diagnostics, read: Callable[[], T | None]) -> T |
         return None
 
 
+def optional(what: str, place: str, found: Diagnostics, read: Callable[[], T], instead: T) -> T:
+    """What a file can be read without; where it fails that is reported."""
+    try:
+        return read()
+    except OUT_OF_MEMORY:
+        raise MemoryError from None
+    except Exception as error:  # noqa: BLE001 - whatever it is, it costs this result alone
+        found.add("SB233", f"reading {what} failed ({type(error).__name__} {error})".replace(" )", ")"), Span(place))
+        return instead
+
+
 def read_file(file: StepFile, found: Diagnostics) -> FileContent | None:
     """Read a file; None, with the reason in ``found``, after an error."""
 
@@ -93,7 +104,7 @@ def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent 
     unit = read_length_unit(model.session, place, found)
     if unit is None:
         return None
-    materials = Materials(model.session, place, found)
+    materials = optional("materials", place, found, lambda: Materials(model.session, place, found), None)
     products = Products(model.session, take_out=take_out)
     if products.tree_size() > MAX_COMPONENTS:  # the kernel would expand each of them
         report_too_large(products.tree_size(), place, found)
@@ -101,12 +112,22 @@ def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent 
     correct_operators(model.session)
     forget_external_files(model.session)
     definitions = Definitions(transfer(model), products)
-    _check_solids(len(entities(model.session, StepShape_SolidModel)), definitions.all, place, found)
+    if definitions.color_errors:
+        message = f"reading {len(definitions.color_errors)} colors failed ({definitions.color_errors[0]})"
+        found.add("SB233", message, Span(place))
+    written = optional("its solids", place, found, lambda: len(entities(model.session, StepShape_SolidModel)), 0)
+    _check_solids(written, definitions.all, place, found)
     elsewhere = _elsewhere(file, model.session, products, definitions.all, found)
     if elsewhere is None:
         return None
-    made_of = [_material(definition, materials, products) for definition in definitions.all]
-    mechanisms = mechanism_count(model.session)
+    made_of = optional(
+        "materials",
+        place,
+        found,
+        lambda: [_material(definition, materials, products) for definition in definitions.all],
+        [StepMaterial()] * len(definitions.all),
+    )
+    mechanisms = optional("mechanisms", place, found, lambda: mechanism_count(model.session), 0)
     return FileContent(place, model.session, unit, products, definitions, made_of, mechanisms, elsewhere)
 
 
@@ -166,7 +187,7 @@ def _check_solids(written: int, definitions: list[Definition], place: str, found
         )
 
 
-def _material(definition: Definition, materials: Materials, products: Products) -> StepMaterial:
-    if definition.product == NONE:
+def _material(definition: Definition, materials: Materials | None, products: Products) -> StepMaterial:
+    if definition.product == NONE or materials is None:
         return StepMaterial()
     return materials.of(products.products[definition.product].entity, definition.name)

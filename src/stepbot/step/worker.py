@@ -23,12 +23,13 @@ from stepbot.runtime.parallel import Died, Raised, run
 from stepbot.runtime.processes import thread_count
 
 from . import BODY_SECONDS
-from .assembly import Assembly, Body, BodyKind, Component, Quantity, ReadOptions
+from .assembly import Assembly, Body, BodyKind, Component, Quantity, ReadOptions, Validation
 from .content import Content, read_content
 from .exchange.encodings import encoding_fact
 from .exchange.file_set import StepFile
 from .exchange.part21 import Part21
-from .kernel_errors import KERNEL_ERRORS, OUT_OF_MEMORY
+from .kernel_errors import OUT_OF_MEMORY
+from .one_file import optional
 from .shapes.bodies import BodyRequest, Finding, ReadBody, read_body
 from .shapes.mirroring import variant
 from .structure.source import NONE, BodySource, Definition
@@ -58,6 +59,14 @@ def read(
     made = bodies.make(options, attempt)
     components = content.tree.components
     stated = content.stated if options.geometry else []
+    none: tuple[Validation, ...] = ()
+    validations = optional(
+        "validation properties",
+        place,
+        found,
+        lambda: compare(stated, content.definitions, components, made, place, found),
+        none,
+    )
     assembly = Assembly(
         source=files[0].name.encode("utf-8", "backslashreplace").decode(),
         schema=part21.header.schema,
@@ -68,7 +77,7 @@ def read(
         bodies=bodies.variants(made),
         definitions=content.tree.definition_count,
         external_files=content.external,
-        validations=compare(stated, content.definitions, components, made, place, found),
+        validations=validations,
         diagnostics=tuple(found),
         facts=_facts(part21, content),
     )
@@ -120,11 +129,14 @@ class _Bodies:
             self._components, [self._number[v.definition, v.body] for v in self._variants], options
         )
 
+        count = len(self._sources)
+        failed: dict[int, str] = {}
+
         def make(number: int) -> ReadBody:
-            return read_body(
-                self._sources[number],
-                BodyRequest(tolerances[number], options.refine_mass_to, self._areas, options.faces),
-            )
+            """A body; with ``count`` added to its number, its mesh alone."""
+            whose = number % count
+            request = BodyRequest(tolerances[whose], options.refine_mass_to, self._areas, options.faces)
+            return read_body(self._sources[whose], replace(request, only_mesh=failed.get(whose, "")))
 
         if options.refine_mass_to > 0.0:
             prepare_measuring()  # once, before there are several processes
@@ -132,10 +144,21 @@ class _Bodies:
         order = sorted(range(len(weights)), key=lambda number: -weights[number])
         # Processes with threads cannot fork safely: then this process makes all bodies.
         processes, seconds = (None, BODY_SECONDS) if thread_count() == 1 else (1, 0.0)
-        results = run(make, order, processes=processes, failures=KERNEL_ERRORS, seconds=seconds, attempt=attempt)
+
+        def made(numbers: list[int]) -> dict[int, ReadBody | Died | Raised]:
+            return run(make, numbers, processes=processes, failures=(Exception,), seconds=seconds, attempt=attempt)
+
+        results = made(order)
+        failed.update(
+            (number, _reason(result)) for number, result in results.items() if not isinstance(result, ReadBody)
+        )
+        again = made([number + count for number in failed]) if failed else {}
         bodies = []
-        for number in range(len(self._sources)):
+        for number in range(count):
             result = results[number]
+            second = again.get(number + count, result)
+            if isinstance(result, Died | Raised) and isinstance(second, ReadBody):
+                result = second
             if isinstance(result, Died | Raised):
                 bodies.append(self._failed(number, result))
                 continue
@@ -145,13 +168,14 @@ class _Bodies:
         return bodies
 
     def _failed(self, number: int, result: Died | Raised) -> Body:
-        reason = result.reason if isinstance(result, Died) else f"{result.kind} {result.text}".rstrip()
+        reason = _reason(result)
         help = "repair the body in CAD and export again"
         if isinstance(result, Raised) and result.kind in (kind.__name__ for kind in OUT_OF_MEMORY):
             reason, help = "out of memory", "raise `--memory-limit`, or use a coarser mesh"
         message = f"the geometry kernel failed ({reason})"
         self._report(number, Finding("SB213", message, (help,)))
-        return replace(_outline(self._sources[number]), defect=message)
+        # A conversion must not miss its mass, whatever it is.
+        return replace(_outline(self._sources[number]), kind=BodyKind.SOLID, defect=message)
 
     def _report(self, number: int, finding: Finding) -> None:
         """Add a diagnostic of a body, with the first component that displays it."""
@@ -173,6 +197,13 @@ class _Bodies:
                 shown, others = first.get(number, (component, -1))
                 first[number] = (shown, others + 1)
         return first
+
+
+def _reason(result: Died | Raised | ReadBody) -> str:
+    """Why a body failed, for messages."""
+    if isinstance(result, Raised):
+        return f"{result.kind} {result.text}".rstrip()
+    return result.reason if isinstance(result, Died) else ""
 
 
 def _outline(source: BodySource) -> Body:

@@ -107,11 +107,11 @@ CODES = (
     ),
     Code(
         "SB213",
-        "error",
+        "warning",
         "geometry kernel failed on a body",
         "The geometry kernel crashed or failed on one body of the assembly. The other bodies were read.",
-        "Without this body every mass property of the robot would be wrong.",
-        "Repair or delete the body in CAD, and export again. A sidecar cannot ignore a body that cannot be read.",
+        "The body has no mesh, no axes and no mass. A robot with it is not built (SB507).",
+        "Repair or delete the body in CAD, and export again. Otherwise ignore it in `parts`, or give its link an `inertial`.",
     ),
     Code(
         "SB214",
@@ -261,5 +261,15 @@ CODES = (
         "stepbot reads archives of one STEP file, as CAD programs write them (`.stpZ`, `.step.gz`). The limits keep a "
         "small archive from filling the disk.",
         "Unpack the archive and pass the STEP file to stepbot.",
+    ),
+    Code(
+        "SB233",
+        "warning",
+        "partly evaluated geometry",
+        "The geometry kernel or stepbot failed on a property that geometry can be read without: axes, faces, area or mass "
+        "properties of a body; materials, colors, mechanisms or validation properties of a file.",
+        "Joints cannot bind to axes that are missing. A solid whose mass properties were not confirmed has none (SB507, "
+        "SB516).",
+        "Repair the named body in CAD and export again, or state in the sidecar what is missing.",
     ),
 )

@@ -19,6 +19,7 @@ from OCP.TopoDS import TopoDS
 
 from ..assembly import AxisFace
 from ..kernel import MILLIMETRES_PER_METRE
+from ..kernel_errors import evaluated
 from .recognition import FREE_FORMS, revolved
 
 _SAMPLES = 16
@@ -34,10 +35,9 @@ _SMALLEST = 1e-6
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
-def axis_faces(faces: list[Any]) -> tuple[AxisFace, ...]:
-    """The faces of a body that are on a cylinder or a cone, in order."""
-    found = (_axis_face(face) for face in faces)
-    return tuple(face for face in found if face is not None)
+def axis_faces(faces: list[Any], errors: list[str]) -> tuple[AxisFace, ...]:
+    """The faces of a body that are on a cylinder or a cone, in order; ``errors`` as for :func:`.evaluated`."""
+    return tuple(face for face in evaluated(_axis_face, faces, errors) if face is not None)
 
 
 def _axis_face(face: Any) -> AxisFace | None:

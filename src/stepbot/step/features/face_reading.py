@@ -1,4 +1,4 @@
-"""Reads all faces of a body: see :mod:`stepbot.step.faces`. Faces that the kernel cannot evaluate are left out."""
+"""Reads all faces of a body: see :mod:`stepbot.step.faces`."""
 
 import math
 from typing import Any
@@ -19,7 +19,7 @@ from stepbot.geometry.spatial import Array, Vector3, dot
 
 from ..faces import Face, FaceKind
 from ..kernel import MILLIMETRES_PER_METRE
-from ..kernel_errors import KERNEL_ERRORS, OUT_OF_MEMORY
+from ..kernel_errors import evaluated
 from .axis_faces import cone_radius, extent, is_bore
 from .recognition import FREE_FORMS, recognized
 
@@ -33,19 +33,9 @@ _ALL_ROUND = 2.0 * math.pi
 _NO_AXIS = (0.0, 0.0, 1.0)
 
 
-def read_faces(faces: list[Any]) -> tuple[Face, ...]:
-    """All of a body's faces that the kernel can evaluate, in their order."""
-    found = []
-    for face in faces:
-        try:
-            made = _read_face(face)
-        except OUT_OF_MEMORY:
-            raise
-        except KERNEL_ERRORS:
-            made = None
-        if made is not None:
-            found.append(made)
-    return tuple(found)
+def read_faces(faces: list[Any], errors: list[str]) -> tuple[Face, ...]:
+    """All of a body's faces that the kernel can evaluate, in their order; ``errors`` as for :func:`.evaluated`."""
+    return tuple(face for face in evaluated(_read_face, faces, errors) if face is not None)
 
 
 def _read_face(face: Any) -> Face | None:

@@ -1,7 +1,12 @@
-"""One body of a definition: healed, measured exactly, meshed, its axes found; all of this once per shape."""
+"""One body of a definition: healed, measured exactly, meshed, its axes found; all of this once per shape.
+
+Only healing and the mesh are necessary. What fails beyond them is reported (SB233) and left out.
+"""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,9 +24,10 @@ from ..features.axis_faces import axis_faces
 from ..features.face_counts import face_counts
 from ..features.face_reading import read_faces
 from ..kernel import MILLIMETRES_PER_METRE
+from ..kernel_errors import OUT_OF_MEMORY
 from ..structure.source import BodySource
 from ..topology import faces_of
-from .error_estimate import estimated
+from .error_estimate import Estimate, by_mesh, estimated
 from .exact import integrate, surface_area, volume_properties
 from .healing import Healed, copied, healed, unhealed
 from .measuring import Refinement, refine
@@ -29,11 +35,13 @@ from .self_intersection import share_within
 from .sewing import sewn
 from .splitting import split
 from .stitching import Stitched, merged_by_position
-from .tessellation import Fineness, Tessellation, diagonal, fineness, fitted
+from .tessellation import RETRY_SECONDS, Fineness, Tessellation, diagonal, fineness, fitted, plainly_tessellated
 from .triangles import faceted_faces
 
 _ROUNDING = 1e-12
 """Volume over area^1.5 below which a body has no volume."""
+T = TypeVar("T")
+
 _NO_MESH = TriMesh.of(np.empty((0, 3)), np.empty((0, 3)))
 
 
@@ -65,6 +73,8 @@ class BodyRequest:
     """Whether to integrate its area."""
     faces: bool = False
     """Whether to keep every face."""
+    only_mesh: str = ""
+    """Why only a mesh is to be made: what the complete body failed of, for messages."""
 
 
 @dataclass
@@ -83,6 +93,27 @@ class _Work:
         self.findings.append(Finding(code, message, help))
         return message
 
+    def optional(self, what: str, compute: Callable[[], T], instead: T) -> T:
+        """A result that the body can do without; where it fails that is reported."""
+        try:
+            return compute()
+        except OUT_OF_MEMORY:
+            raise
+        except Exception as error:  # noqa: BLE001 - whatever it is, it costs this result alone
+            self.say("SB233", f"{what} failed ({type(error).__name__} {error})".replace(" )", ")"))
+            return instead
+
+    def of_faces(
+        self, what: str, read: Callable[[list[Any], list[str]], tuple[T, ...]], faces: list[Any]
+    ) -> tuple[T, ...]:
+        """What is read of each face, without the faces that it fails on."""
+        errors: list[str] = []
+        none: tuple[T, ...] = ()
+        found = self.optional(what, lambda: read(faces, errors), none)
+        if errors:
+            self.say("SB233", f"{what} failed on {len(errors)} of its {len(faces)} faces ({errors[0]})")
+        return found
+
 
 def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
     """Heal, measure and mesh a body."""
@@ -91,28 +122,53 @@ def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
     shape = copied(source.shape)
     if not _has_surfaces(shape):
         return _triangles_only(source, shape)
+    if request.only_mesh:
+        return _mesh_only(source, shape, request)
     work = _healed(source, shape)
     size = diagonal(work.healed.shape)
     wanted = fineness(request.tolerances, size)
     result = fitted(work.healed.shape, wanted, size)
-    if result.mesh.open_edges and _sew(work):
+    if result.mesh.open_edges and work.optional("sewing its faces", lambda: _sew(work), False):
         result = fitted(work.healed.shape, wanted, size)
+    found = faces_of(work.healed.shape)
     if request.area:
-        work.area = surface_area(work.healed.shape)
-    faces = axis_faces(faces_of(work.healed.shape))
+        work.area = work.optional("integrating its area", lambda: surface_area(work.healed.shape), math.nan)
+    axes = work.of_faces("finding axes", axis_faces, found)
     mesh = TriMesh.of(result.mesh.vertices / MILLIMETRES_PER_METRE, result.mesh.faces)
     watertight = is_watertight(mesh.faces)
     defect = _defect(work, result, wanted, watertight)
-    refinement = Refinement()
-    if request.refine_mass_to > 0.0 and work.kind == BodyKind.SOLID and (work.exact or watertight):
-        refinement = refine(work.healed.shape, mesh, result.fineness, work.exact, request.refine_mass_to)
-        if refinement.shortfall:
-            work.say("SB606", refinement.shortfall)
-    body = _body(work, result.mesh, mesh, watertight, defect, refinement.properties, faces)
-    body = replace(body, face_counts=face_counts(faces_of(work.healed.shape)))
+    body = _body(work, result.mesh, mesh, watertight, defect, _refined(work, mesh, result, request, watertight), axes)
+    body = replace(body, face_counts=work.optional("counting its faces", lambda: face_counts(found), ()))
     if request.faces:
-        body = replace(body, faces=read_faces(faces_of(work.healed.shape)))
+        body = replace(body, faces=work.of_faces("reading faces", read_faces, found))
     return ReadBody(body, tuple(work.findings))
+
+
+def _mesh_only(source: BodySource, shape: object, request: BodyRequest) -> ReadBody:
+    """A body with the kernel's plain mesh, without anything else that may fail."""
+    body = healed(shape, source.precision, sorted(source.face_colors))
+    is_solid = _holds(source.shape, TopAbs_ShapeEnum.TopAbs_SOLID)
+    work = _Work(source, BodyKind.SOLID if is_solid else BodyKind.SURFACE, body)
+    result = plainly_tessellated(body.shape, fineness(request.tolerances, diagonal(body.shape)))
+    mesh = TriMesh.of(result.mesh.vertices / MILLIMETRES_PER_METRE, result.mesh.faces)
+    defect = work.say("SB233", f"measuring it and finding its axes failed ({request.only_mesh}); it has a mesh alone")
+    return ReadBody(_body(work, result.mesh, mesh, False, defect, None, ()), tuple(work.findings))
+
+
+def _refined(
+    work: _Work, mesh: TriMesh, result: Tessellation, request: BodyRequest, watertight: bool
+) -> VolumeProperties | None:
+    """Mass properties of a measuring mesh, if the sidecar asks for it."""
+    if not (request.refine_mass_to > 0.0 and work.kind == BodyKind.SOLID and (work.exact or watertight)):
+        return None
+
+    def compute() -> Refinement:
+        return refine(work.healed.shape, mesh, result.fineness, work.exact, request.refine_mass_to)
+
+    refinement = work.optional("refining its measuring mesh", compute, Refinement())
+    if refinement.shortfall:
+        work.say("SB606", refinement.shortfall)
+    return refinement.properties
 
 
 def _healed(source: BodySource, shape: object) -> _Work:
@@ -123,13 +179,18 @@ def _healed(source: BodySource, shape: object) -> _Work:
     if not _holds(body.shape, TopAbs_ShapeEnum.TopAbs_SOLID):
         return _Work(source, BodyKind.SOLID if is_solid else BodyKind.SURFACE, body)
     work = _Work(source, BodyKind.SOLID, body)
-    properties = integrate(body.shape)
+    work.optional("integrating its volume", lambda: _integrate(work), None)
+    return work
+
+
+def _integrate(work: _Work) -> None:
+    """Integrate the volume, and turn the faces of a body with a negative one outwards."""
+    properties = integrate(work.healed.shape)
     if properties.Mass() < 0.0:
-        work.healed = Healed(body.shape.Reversed(), body.origin)
+        work.healed = Healed(work.healed.shape.Reversed(), work.healed.origin)
         work.say("SB217", "inward-facing solid reoriented")
         properties = integrate(work.healed.shape)
     work.exact = volume_properties(properties)
-    return work
 
 
 def _sew(work: _Work) -> bool:
@@ -153,7 +214,7 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
     if result.missing:
         faces = f"{len(result.missing)} of its faces" if len(result.missing) > 1 else "one of its faces"
         _estimate(work, result, is_closed=False)
-        return work.say("SB601", f"{faces} could not be meshed")
+        return work.say("SB601", f"{faces} could not be meshed{_hurried(result)}")
     if work.kind != BodyKind.SOLID:
         return "encloses no volume: surface without a solid"
     if result.mesh.open_edges:
@@ -163,11 +224,13 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
         )
     if not watertight:
         _estimate(work, result, is_closed=False)
-        return work.say("SB604", "mesh is not manifold")
+        return work.say("SB604", f"mesh is not manifold{_hurried(result)}")
+    if work.exact is None:  # the kernel integrates over some faces to nothing, or to no number
+        work.exact = by_mesh(result.mesh)
     if work.exact is None or _is_nothing(work.exact, result.mesh):
         work.exact = None
         return work.say("SB602", "it encloses no volume")
-    if within := share_within(result.mesh):
+    if within := work.optional("checking for self-intersection", lambda: share_within(result.mesh), 0.0):
         return work.say(
             "SB607",
             f"self-intersecting: {within:.0%} of its surface lies inside it, so its volume is wrong",
@@ -181,12 +244,22 @@ def _estimate(work: _Work, result: Tessellation, *, is_closed: bool) -> str:
     """Confirm the exact mass properties; returns their fault, for messages."""
     if work.exact is None:
         return ""
-    estimate = estimated(work.healed.shape, work.exact, result, is_closed=is_closed)
+    exact = work.exact
+    estimate = work.optional(
+        "estimating the error of its mass properties",
+        lambda: estimated(work.healed.shape, exact, result, is_closed=is_closed),
+        Estimate(exact, math.inf),
+    )
     work.exact, work.exact_error = estimate.properties, min(estimate.error, 1.0)
     if estimate.error <= CERTAIN:
         return ""
     volumes = ", ".join(f"{volume * MILLIMETRES_PER_METRE**3:.6g} mm^3 by {way}" for way, volume in estimate.opinions)
     return work.say("SB605", f"mass properties do not converge: {volumes or 'nothing to compare with'}")
+
+
+def _hurried(result: Tessellation) -> str:
+    """For messages, whether all ways were tried."""
+    return f"; tries ended at {RETRY_SECONDS:g} s of processor time" if result.is_hurried else ""
 
 
 def _is_nothing(exact: VolumeProperties, mesh: Stitched) -> bool:

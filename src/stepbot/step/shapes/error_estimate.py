@@ -113,6 +113,12 @@ def estimated(shape: Any, kernel: VolumeProperties, mesh: Tessellation, *, is_cl
     return best
 
 
+def by_mesh(mesh: Stitched) -> VolumeProperties | None:
+    """Mass properties of a closed mesh [mm], where the kernel's integration has no result; None without a volume."""
+    origin = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+    return properties_of(_moments(mesh, origin), origin)
+
+
 def is_simple(shape: Any) -> bool:
     """Whether all faces are planes, cylinders, cones, spheres or tori, and all edges short."""
     if any(BRepAdaptor_Surface(face, False).GetType() not in _SIMPLE for face in faces_of(shape)):

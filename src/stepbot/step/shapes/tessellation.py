@@ -1,12 +1,13 @@
 """Meshes bodies with the kernel's mesher, to a tolerance relative to each.
 
 If the mesher leaves holes it is run again: after straightening curves of faces (:mod:`.straightening`), then with its
-other algorithm and finer.
+other algorithm and finer, until a limit of processor time; the best mesh is kept.
 """
 
 import math
+import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from OCP.Bnd import Bnd_Box
@@ -31,6 +32,8 @@ MAX_FACES = 200_000
 _DELABELLA = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella
 """Divide and conquer: as accurate as the kernel's default in 0.6 of its time, over the bodies of ten assemblies."""
 _WATSON = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Watson
+RETRY_SECONDS = 5.0
+"""Processor time [s] after which no further way is tried; the last one may take longer."""
 _COARSEST_ANGLE = math.pi / 2
 _COARSEST_DEFLECTION = 0.1
 
@@ -63,6 +66,8 @@ class Tessellation:
     """The tolerance that was used in the end."""
     missing: list[int] = field(default_factory=list)
     """Indices of faces without triangles."""
+    is_hurried: bool = False
+    """Whether ways to complete it were left untried at the time limit."""
 
     @property
     def volume_tolerance(self) -> float:
@@ -99,7 +104,12 @@ def tessellated(shape: Any, wanted: Fineness) -> Tessellation:
     """Mesh a shape, in several ways until no face is missing and the mesh is as closed as the shape."""
     faces = faces_of(shape)
     best = _meshed(shape, faces, wanted, _DELABELLA)
-    for algorithm, factor in () if best.is_complete else _ways(faces, bool(best.missing)):
+    if best.is_complete:
+        return best
+    start = time.process_time()
+    for algorithm, factor in _ways(faces):
+        if time.process_time() - start > RETRY_SECONDS:
+            return replace(best, is_hurried=True)
         other = _meshed(shape, faces, wanted.scaled(factor), algorithm)
         if other.is_complete:
             return other
@@ -113,13 +123,17 @@ def tessellated_once(shape: Any, wanted: Fineness) -> Tessellation:
     return _meshed(shape, faces_of(shape), wanted, _DELABELLA)
 
 
-def _ways(faces: list[Any], is_lacking: bool) -> Iterator[tuple[IMeshTools_MeshAlgoType, float]]:
-    """Algorithms and tolerance factors to try on a body with an incomplete mesh; straightens it on the way."""
-    if is_lacking and straighten(faces):
-        yield _DELABELLA, 1.0
-    yield from ((_WATSON, 1.0), (_DELABELLA, 0.5), (_WATSON, 0.25))
+def plainly_tessellated(shape: Any, wanted: Fineness) -> Tessellation:
+    """Mesh a shape once by the kernel's own default, on which the method used here may have failed."""
+    return _meshed(shape, faces_of(shape), wanted, _WATSON)
+
+
+def _ways(faces: list[Any]) -> Iterator[tuple[IMeshTools_MeshAlgoType, float]]:
+    """Algorithms and tolerance factors to try on a body with an incomplete mesh; straightens it first."""
     if straighten(faces):
-        yield from ((_DELABELLA, 1.0), (_WATSON, 1.0))
+        yield from ((_DELABELLA, 1.0), (_WATSON, 1.0), (_DELABELLA, 0.5), (_WATSON, 0.25))
+    else:
+        yield from ((_WATSON, 1.0), (_DELABELLA, 0.5), (_WATSON, 0.25))
 
 
 def fitted(shape: Any, wanted: Fineness, size: float) -> Tessellation:

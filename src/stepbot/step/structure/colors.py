@@ -17,6 +17,8 @@ from OCP.XCAFDoc import XCAFDoc_ColorTool, XCAFDoc_ColorType, XCAFDoc_DocumentTo
 
 from stepbot.robot.model import Rgba
 
+from ..kernel_errors import evaluated
+
 _KINDS = (XCAFDoc_ColorType.XCAFDoc_ColorSurf, XCAFDoc_ColorType.XCAFDoc_ColorGen)
 _DIGITS = 6
 """The kernel stores colours in single precision; further digits are noise."""
@@ -31,9 +33,19 @@ class Colors:
     def __init__(self, document: Any) -> None:
         # Accessing the tool creates it: a document without colours would have none.
         XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+        self.errors: list[str] = []
+        """Failures of the kernel; what they concern has no colour of its own."""
 
     def of_label(self, label: Any) -> Rgba | None:
         """The colour of a part or an occurrence; None if it has none of its own."""
+        return next(iter(evaluated(self._of_label, [label], self.errors)), None)
+
+    def of_parts(self, label: Any, bodies: Sequence[Any]) -> list[BodyStyle]:
+        """The colours of a part's bodies and of their faces."""
+        plain: list[BodyStyle] = [(None, {}) for _ in bodies]
+        return next(iter(evaluated(lambda part: self._of_parts(part, bodies), [label], self.errors)), plain)
+
+    def _of_label(self, label: Any) -> Rgba | None:
         color = Quantity_ColorRGBA()
         for kind in _KINDS:
             if XCAFDoc_ColorTool.GetColor_s(label, kind, color):
@@ -41,8 +53,7 @@ class Colors:
                 return (round(red, _DIGITS), round(green, _DIGITS), round(blue, _DIGITS), round(color.Alpha(), _DIGITS))
         return None
 
-    def of_parts(self, label: Any, bodies: Sequence[Any]) -> list[BodyStyle]:
-        """The colours of a part's bodies and of their faces."""
+    def _of_parts(self, label: Any, bodies: Sequence[Any]) -> list[BodyStyle]:
         styles: list[BodyStyle] = [(None, {}) for _ in bodies]
         labels = Sequence_TDF_Label()
         XCAFDoc_ShapeTool.GetSubShapes_s(label, labels)

@@ -35,6 +35,7 @@ class Definitions:
         self._colors = Colors(document)
         self._index: dict[str, int] = {}
         self.all: list[Definition] = []
+        self.color_errors = self._colors.errors
         self.roots = [self._read(label, DEFAULT_PRECISION) for label in _listed(self._shapes.GetFreeShapes)]
 
     def _read(self, label: Any, precision: float) -> int:

@@ -5,7 +5,7 @@ Values are summed over definitions, each once, so that the cost does not depend 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from math import dist, inf, sqrt
+from math import dist, inf, isnan, sqrt
 
 import numpy as np
 
@@ -76,7 +76,12 @@ def compare(
     validations, left_out = [], 0
     for value in stated:
         read = sums.of(value.subject) if value.subject is not None and value.value else None
-        if value.subject is None or read is None or not read.is_exact:
+        if (
+            value.subject is None
+            or read is None
+            or not read.is_exact
+            or (value.quantity is Quantity.AREA and isnan(read.area))
+        ):
             left_out += 1
         else:
             validations.append(_validation(value.subject.component, value, read))

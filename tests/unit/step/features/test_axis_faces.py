@@ -27,7 +27,7 @@ def test_cylinder_cut_aslant(turn: float) -> None:
     plane = gp_Pln(gp_Ax3(gp_Pnt(0.0, 0.0, 15.0), gp_Dir(0.5, 0.0, 1.0)))
     face = BRepBuilderAPI_MakeFace(plane, -50.0, 50.0, -50.0, 50.0).Face()
     below = BRepPrimAPI_MakeHalfSpace(face, gp_Pnt()).Solid()
-    (found,) = axis_faces(faces_of(BRepAlgoAPI_Common(rod, below).Shape()))
+    (found,) = axis_faces(faces_of(BRepAlgoAPI_Common(rod, below).Shape()), [])
     assert (found.low, found.high) == pytest.approx((0.0, 15e-3 + 0.5 * 5e-3), abs=1e-12)
 
 
@@ -45,8 +45,8 @@ def test_axis_of_a_solid_of_splines(radius: float, solid: Any) -> None:
     """The axis of a cylinder or cone that is exported as rational B-splines is that of the original, to 1e-12 m."""
     radii = (radius,) if solid is BRepPrimAPI_MakeCylinder else (radius, radius / 2)
     exact = solid(AXIS, *radii, 30.0).Shape()
-    (expected,) = axis_faces(faces_of(exact))
-    (found,) = axis_faces(faces_of(BRepBuilderAPI_NurbsConvert(exact, True).Shape()))
+    (expected,) = axis_faces(faces_of(exact), [])
+    (found,) = axis_faces(faces_of(BRepBuilderAPI_NurbsConvert(exact, True).Shape()), [])
     assert deviation(found) == pytest.approx((0.0, 0.0), abs=1e-12)
     assert (found.radius, found.high - found.low) == pytest.approx((radius / 1e3, 0.03), abs=1e-11)
     assert (found.bore, found.cone) == (expected.bore, expected.cone)
@@ -59,7 +59,7 @@ def test_axis_of_an_approximated_cylinder(accuracy: float) -> None:
     third = Geom_RectangularTrimmedSurface(cylinder, 0.0, 2.0, 0.0, 30.0, True, True)
     spline = GeomConvert_ApproxSurface(third, accuracy, GeomAbs_C1, GeomAbs_C1, 5, 5, 50, 1)
     assert not spline.Surface().IsURational()
-    (found,) = axis_faces([BRepBuilderAPI_MakeFace(spline.Surface(), 1e-6).Face()])
+    (found,) = axis_faces([BRepBuilderAPI_MakeFace(spline.Surface(), 1e-6).Face()], [])
     distance, angle = deviation(found)
     assert distance < 1e-6
     assert angle < 1e-6
@@ -72,4 +72,4 @@ def test_free_form_near_a_cylinder_is_none() -> None:
     third = Geom_RectangularTrimmedSurface(cylinder, 0.0, 2.0, 0.0, 30.0, True, True)
     spline = GeomConvert_ApproxSurface(third, 1e-1, GeomAbs_C1, GeomAbs_C1, 3, 3, 4, 1)
     assert spline.MaxError() > 1e-3
-    assert axis_faces([BRepBuilderAPI_MakeFace(spline.Surface(), 1e-6).Face()]) == ()
+    assert axis_faces([BRepBuilderAPI_MakeFace(spline.Surface(), 1e-6).Face()], []) == ()

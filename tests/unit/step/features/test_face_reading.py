@@ -32,7 +32,7 @@ def as_splines(shape: Any) -> Any:
 
 def of_kind(shape: Any, kind: FaceKind) -> list[Face]:
     """The faces of one kind."""
-    return [face for face in read_faces(faces_of(shape)) if face.kind == kind]
+    return [face for face in read_faces(faces_of(shape), []) if face.kind == kind]
 
 
 def shoelace(ring: Array, normal: Array) -> float:
@@ -58,7 +58,7 @@ def test_outlines_enclose_the_area_of_their_faces() -> None:
     """The rings of a face with a hole, outer first, enclose its area except for chords of the circle."""
     shape = drilled_block()
     faces = faces_of(shape)
-    for kernel_face, face in zip(faces, read_faces(faces), strict=True):
+    for kernel_face, face in zip(faces, read_faces(faces, []), strict=True):
         if face.kind != FaceKind.PLANE:
             continue
         properties = GProp_GProps()

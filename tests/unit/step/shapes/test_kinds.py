@@ -410,4 +410,4 @@ def test_a_cylinder_without_a_radius_has_no_axis(radius: float, count: int) -> N
     from stepbot.step.features.axis_faces import axis_faces
 
     face = BRepBuilderAPI_MakeFace(Geom_CylindricalSurface(gp_Ax3(), radius), 0.0, 6.0, 0.0, 10.0, 1e-12).Face()
-    assert len(axis_faces([face])) == count
+    assert len(axis_faces([face], [])) == count
