@@ -1,5 +1,6 @@
 """Densities, measured masses and inertias: the source of each mass, against closed forms."""
 
+from math import fsum
 from pathlib import Path
 
 import numpy as np
@@ -386,6 +387,18 @@ def test_nested_masses_that_do_not_add_up(tmp_path: Path, found: ReadDiagnostics
     assert robot is not None
     assert _mass(robot.root).mass == pytest.approx(0.09)
     assert found.codes() == ["SB504"]
+
+
+@pytest.mark.parametrize("masses", [(0.011, 0.011, 0.013), (0.013, 0.011, 0.011)])
+def test_decimal_masses_that_add_up(masses: tuple[float, ...], tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Masses whose decimals add up to the outer one do not contradict it, although their doubles do not add up."""
+    motor, tube, cap = masses
+    assert fsum(masses) != 0.035
+    inner = f"motor: {{mass: {motor}}}, tube: {{mass: {tube}}}, cap: {{mass: {cap}}}"
+    robot = build(_nested_shop(), tmp_path, f"    parts: {{{inner}, arm: {{mass: 0.035}}}}\n" + ONE, found)
+    assert robot is not None
+    assert _masses(robot)["arm/cap"] == pytest.approx(cap)
+    assert "SB504" not in found.codes()
 
 
 def test_mass_on_a_surface_is_an_error(tmp_path: Path, found: ReadDiagnostics) -> None:

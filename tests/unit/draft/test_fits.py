@@ -2,7 +2,8 @@
 
 import pytest
 
-from stepbot.draft.contacts.contacts import Fit, FitKind
+from stepbot.draft.contacts.contacts import Fit, FitKind, LineFace
+from stepbot.draft.contacts.shafts import _joined
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from tests.assembled import Node, assembled, part
 from tests.solids import Solid, box, cylinder
@@ -51,3 +52,15 @@ def test_two_halves_of_a_bore_are_one() -> None:
     jaw = BRepAlgoAPI_Cut(half, cylinder(8, 10).shape).Shape()
     found = fits(part("jaw", jaw), part("shaft", cylinder(8, 40), z=-15))
     assert [(fit.kind, fit.full) for fit in found] == [(FitKind.SHAFT, False)]
+
+
+@pytest.mark.parametrize("shift", [0.0, 5e-8, -5e-8])
+def test_pieces_of_a_shaft_are_one(shift: float) -> None:
+    """Faces end to end are one although a STEP file rounds their radii and ends; faces 1 um apart in radius are two."""
+    pieces = [
+        LineFace(4e-3, 0.0, 0.01, True, 3.0, False),
+        LineFace(4e-3 + shift, 0.01 + abs(shift), 0.02, True, 3.0, False),
+    ]
+    (joined,) = _joined(pieces)
+    assert (joined.low, joined.high) == (0.0, 0.02)
+    assert len(_joined([pieces[0], LineFace(4.001e-3, 0.0, 0.01, True, 3.0, False)])) == 2

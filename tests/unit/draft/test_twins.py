@@ -29,6 +29,17 @@ def test_two_equal_bodies_before_a_larger_one_slide() -> None:
         assert arc.evidence.review == "guessed from its shape; no contact shows this joint"
 
 
+@pytest.mark.parametrize("ratio", [1.0 - 5e-4, 1.0 + 5e-4])
+def test_fingers_that_are_equal_but_for_a_rounding(ratio: float) -> None:
+    """Bodies whose volumes differ by half a thousandth are equal."""
+    palm, one, _ = gripper(100.0)
+    two = part("two", box(20, 15, 60 * ratio), x=25.0, z=82.0)
+    assert joints(inferred(palm, one, two, sources=BARE)) == [
+        ("prismatic", "one", "palm"),
+        ("prismatic", "palm", "two"),
+    ]
+
+
 def test_tiny_fingers_are_offered_only() -> None:
     """Fingers of less than two thousandths of the volume belong to the palm; their motion is offered."""
     found = inferred(*gripper(400.0), sources=BARE)
