@@ -9,6 +9,7 @@ from stepbot.draft.draft import CHOSEN
 from stepbot.draft.evidence.bearings import bearing_evidence
 from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvidence
 from stepbot.draft.evidence.guides import cross_evidence, guide_evidence
+from stepbot.draft.evidence.linkages import linkage_evidence
 from stepbot.draft.evidence.motor_outputs import motor_evidence
 from stepbot.draft.evidence.motors import Motor, find_motors
 from stepbot.draft.evidence.pairs import PairEvidence, several_axes
@@ -83,6 +84,7 @@ def _infer(survey: Survey, facts: Facts, needed: Mapping[JointKey, str]) -> Infe
     fact_evidence(survey, facts, evidence)
     body_welds(survey, [motor.parts for motor in motors], evidence)
     motor_evidence(survey, motors, evidence)
+    linkage_evidence(survey, motors, evidence)
     structure = Structure(survey, evidence.mechanisms)
     structure.welds(evidence)
     PairEvidence(survey, structure, evidence).collect(motors)

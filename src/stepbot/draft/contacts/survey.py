@@ -23,6 +23,8 @@ from stepbot.step.assembly import Assembly
 
 _SMALL_SHARE = 0.35
 """Share of the assembly's size from which a part is not a fastener, whatever its name."""
+_LARGE = 0.2
+"""Share of the assembly's volume from which a turned part is not a fastener, whatever its name."""
 _SCREW_REACH = 4e-3
 """Distance [m] from a screw's bounding box within which it clamps."""
 
@@ -53,7 +55,14 @@ class Survey:
         self.box = joint_box(self.parts.values())
         self.extent = float(np.linalg.norm(self.box[1] - self.box[0]))
         self.volume = exact_sum(part.volume for part in self.parts.values()) or 1.0
-        self.small = {i for i, p in self.parts.items() if p.is_small and p.size < _SMALL_SHARE * self.extent}
+        self.small = {i for i, p in self.parts.items() if p.is_small and self._is_trifle(i)}
+
+    def _is_trifle(self, part: int) -> bool:
+        """Whether a part that is named a fastener may be one: it is small, or turned."""
+        one, lines = self.parts[part], self.turned.get(part, ())
+        if one.size < _SMALL_SHARE * self.extent:
+            return True
+        return one.volume < _LARGE * self.volume and any(one.is_balanced(axis) for axis in lines[:3])
 
     def relation(self, a: int, b: int) -> Relation | None:
         """The relation of two parts; None if they do not touch."""
@@ -95,6 +104,16 @@ class Survey:
         lines, boxes = self._screws
         near = (axis.point > boxes[:, 0] - _SCREW_REACH) & (axis.point < boxes[:, 1] + _SCREW_REACH)
         return any(axis.same(lines[k]) for k in np.flatnonzero(near.all(axis=1)).tolist())
+
+    @cached_property
+    def tops(self) -> set[int]:
+        """The highest component with more than one child, and those above it: they are no link."""
+        top, found = 0, {-1, 0}
+        children = self.assembly.children
+        while len(children[top]) == 1 and children[children[top][0]]:
+            top = children[top][0]
+            found.add(top)
+        return found
 
     def islands(self, members: Iterable[int]) -> list[list[int]]:
         """Parts in groups that touch each other."""

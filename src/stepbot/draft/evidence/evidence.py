@@ -74,6 +74,8 @@ class JointEvidence:
     """Whether it is confirmed by a part with that purpose, such as a bearing."""
     of_roller: bool = False
     """Whether one side is a roller of an omnidirectional wheel."""
+    of_linkage: bool = False
+    """Whether a linkage needs it: its sides share no other line."""
     through: int = -1
     """A part that has the axis by itself, such as a bearing; -1 for none."""
     review: str = ""

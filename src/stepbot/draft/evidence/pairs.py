@@ -19,6 +19,8 @@ class PairEvidence:
 
     def __init__(self, survey: Survey, structure: Structure, found: Evidence) -> None:
         self._survey, self._structure, self._found = survey, structure, found
+        self._pivots = found.mechanisms
+        """Pairs that a linkage needs to turn: an exact fit does not tell."""
         self._draws_play = any(relation.journals for _, relation in survey.pairs())
 
     def collect(self, motors: list[Motor]) -> None:
@@ -86,7 +88,8 @@ class PairEvidence:
         if not across and r.axis is not None and self._survey.has_screw_at(r.axis):
             score -= 0.25
             self._weld(r, 0.51, "clamped by a screw on its axis")
-        if not across and self._draws_play and max(fit.clearance for fit in r.shafts) < _EXACT:
+        is_exact = max(fit.clearance for fit in r.shafts) < _EXACT
+        if not across and self._draws_play and is_exact and (r.a, r.b) not in self._pivots:
             self._weld(r, 0.74, "shaft as thick as its bore, where others have play")
         shoulder = " with a shoulder" if r.freedom.kind == FreedomKind.REVOLUTE else ""
         self._joint(r, score, JointKind.REVOLUTE, f"{_engaged(r)}{shoulder}")

@@ -15,6 +15,7 @@ from stepbot.draft.evidence.evidence import JointEvidence, Priority, Verdict
 from stepbot.draft.evidence.subassemblies import Structure
 from stepbot.draft.mechanism.decide import Decision
 from stepbot.draft.parts.axis import Axis, are_parallel
+from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import box_gap
 from stepbot.geometry.spatial import perpendicular_frame, unit
@@ -34,6 +35,8 @@ _EQUAL = 0.01
 """Relative difference of volume up to which two bodies are equal."""
 _SCREW = 2e-3
 """Share of the assembly's volume up to which a subassembly that spins is a screw drawn as several bodies."""
+_ALIGNED, _ROD = 0.9999, 2.0
+"""Cosine up to which a body is aligned with the assembly; length in diagonals of its section from which it is a rod."""
 _WHEEL = 0.08
 """Share of the assembly's size from which a spinning body in its own subassembly is a wheel."""
 
@@ -65,6 +68,7 @@ class Mechanism:
         self.joints: list[Joint] = []
         self.offered: list[JointEvidence] = []
         self._gather()
+        self._drop_repeated()
         while self._drop_spinner():
             pass
         while self._unite_two_sides():
@@ -91,6 +95,25 @@ class Mechanism:
                 self.offered.append(h)
         self.joints = list(taken.values())
 
+    def _drop_repeated(self) -> None:
+        """Leave out joints between bodies that others on the same line connect: three plates on a pin have two."""
+        lines: list[tuple[Axis, Clusters]] = []
+        kept = []
+        for j in self.joints:
+            if j.evidence.type != JointKind.REVOLUTE:
+                kept.append(j)
+                continue
+            tied = next((tied for axis, tied in lines if axis.same(j.axis, _SAME_AXIS)), None)
+            if tied is None:
+                tied = Clusters(self._clusters.groups())
+                lines.append((j.axis, tied))
+            if tied.find(j.a) == tied.find(j.b):
+                j.evidence.verdict = Verdict.REPEATED
+            else:
+                tied.join(j.a, j.b)
+                kept.append(j)
+        self.joints = kept
+
     def _of(self) -> dict[int, list[Joint]]:
         found: dict[int, list[Joint]] = defaultdict(list)
         for joint in self.joints:
@@ -110,7 +133,7 @@ class Mechanism:
                 continue
             if len(joints) >= 2 and len(of) > 2 and all(j.axis.same(joints[0].axis) for j in joints):
                 victim = min(joints, key=self._hold)
-            elif len(joints) == 1 and len(self.joints) > 1 and not self._is_wheel(members[root], joints[0]):
+            elif len(joints) == 1 and self._is_pin(members[root], joints[0]):
                 if joints[0].evidence.type not in (JointKind.REVOLUTE, JointKind.UNIVERSAL):
                     continue
                 victim = joints[0]
@@ -153,7 +176,7 @@ class Mechanism:
                     # Two equal bodies that are connected to nothing else are wheels, not two sides of one.
                     if len(of[one]) == len(of[two]) == 1 and self._are_equal(one, two):
                         continue
-                    if self._are_serial(hub, one, two):
+                    if self._are_serial(hub, one, two) or (j.evidence.of_linkage and k.evidence.of_linkage):
                         continue
                     first_goes = len(of[one]) == 1 and (len(of[two]) > 1 or j.evidence.score < k.evidence.score)
                     gone, kept, leaf = (j, k, one) if first_goes else (k, j, two)
@@ -192,8 +215,18 @@ class Mechanism:
         volume = self._survey.total_volume(members)
         if axis.direction is None or not 0.0 < volume <= _SPINNER * self._survey.volume:
             return False
-        parts = [self._survey.parts[i] for i in members]
+        parts = [self._survey.parts[i] for i in members if i not in self._survey.small]
         return all(part.is_balanced(axis) for part in parts if part.volume > _TRIFLE * volume)
+
+    def _is_pin(self, members: Sequence[int], joint: Joint) -> bool:
+        """Whether a body that only spins is a rod, or a ring beside other joints, and no wheel."""
+        box, d = self._survey.box_of(members), np.abs(joint.axis.d)
+        along, size = float((box[1] - box[0]) @ d), float(np.linalg.norm(box[1] - box[0]))
+        r = joint.evidence.relation
+        is_inner = r is not None and any(fit.shaft in members for fit in r.shafts)
+        if is_inner and d.max() > _ALIGNED and along > _ROD * (size**2 - along**2) ** 0.5:
+            return True
+        return len(self.joints) > 1 and not self._is_wheel(members, joint)
 
     def _is_wheel(self, members: Sequence[int], joint: Joint) -> bool:
         if any(Role.WHEEL in self._survey.parts[i].roles or Role.WHEEL in self._structure.names(i) for i in members):

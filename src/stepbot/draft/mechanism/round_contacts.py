@@ -10,7 +10,7 @@ body alone, and what it carries has another joint, one of the round contacts bet
 
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -24,8 +24,7 @@ from stepbot.draft.mechanism.decide import Decision
 from stepbot.draft.mechanism.locked import JointKey
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
-from stepbot.draft.parts.parts import Part, joint_box, largest
-from stepbot.geometry.inertia import MassProperties, combined
+from stepbot.draft.parts.parts import whole
 from stepbot.step.faces import FaceKind
 
 _FLAT = 1e-4
@@ -186,17 +185,5 @@ class _Sides:
 
 def _is_lopsided(survey: Survey, members: Sequence[int], axis: Axis) -> bool:
     """Whether the mass of parts is considerable and not symmetric about an axis."""
-    whole = _whole([survey.parts[i] for i in members if survey.parts[i].volume])
-    return whole is not None and whole.volume > _LEAST * survey.volume and not whole.is_balanced(axis, _CLEARLY)
-
-
-def _whole(parts: Sequence[Part]) -> Part | None:
-    """Several solids as one part."""
-    if not parts:
-        return None
-    whole = combined(MassProperties.of(part.volume, part.com.tolist(), part.inertia) for part in parts)  # of density 1
-    low, high = joint_box(parts)
-    size = float(np.linalg.norm(high - low))
-    return replace(
-        largest(parts), volume=whole.mass, com=np.array(whole.com), inertia=np.array(whole.inertia), size=size
-    )
+    body = whole([survey.parts[i] for i in members if survey.parts[i].volume])
+    return body is not None and body.volume > _LEAST * survey.volume and not body.is_balanced(axis, _CLEARLY)

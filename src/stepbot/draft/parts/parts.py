@@ -1,12 +1,13 @@
 """One part: its role, size and centroid."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import SMALL_PARTS, Role
+from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.spatial import Array, cross, perpendicular_frame
 
 _OFF_AXIS = 0.01
@@ -86,3 +87,15 @@ def box_gaps(some: Array, others: Array) -> Array:
 def largest(parts: Sequence[Part]) -> Part:
     """The part with the largest volume; the first of equal ones."""
     return max(parts, key=lambda part: (part.volume, -part.index))
+
+
+def whole(parts: Sequence[Part]) -> Part | None:
+    """Several solids as one part; None without any."""
+    if not parts:
+        return None
+    whole = combined(MassProperties.of(part.volume, part.com.tolist(), part.inertia) for part in parts)  # of density 1
+    low, high = joint_box(parts)
+    size = float(np.linalg.norm(high - low))
+    return replace(
+        largest(parts), volume=whole.mass, com=np.array(whole.com), inertia=np.array(whole.inertia), size=size
+    )

@@ -1,0 +1,332 @@
+"""Linkages: bodies that one pin, one screw or one pair of round holes joins, and nothing else locks.
+
+Pairs alone do not show it: a plate that is clamped by one screw and a bar that turns on one look alike. So all lines on
+which bodies are held are collected first, with the pins, washers and bearings on each. Bodies that share two lines, or
+whose contacts leave nothing free, are one. What is left is a mechanism: its mobility decides which lines can turn, and
+those that cannot are no joints.
+"""
+
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations, pairwise
+
+import numpy as np
+
+from stepbot.draft.contacts.contacts import CoaxialLine, FitKind
+from stepbot.draft.contacts.freedom import FreedomKind
+from stepbot.draft.contacts.relations import Relation, merged
+from stepbot.draft.contacts.shafts import HALF_ROUND
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence
+from stepbot.draft.evidence.motors import Motor
+from stepbot.draft.parts.axis import SAME_LINE, Axis
+from stepbot.draft.parts.clusters import Clusters
+from stepbot.draft.parts.names import Role
+from stepbot.draft.parts.parts import Part, whole
+from stepbot.geometry.spatial import Array, cross_matrix, perpendicular_frame
+from stepbot.robot.model import JointKind
+
+REVIEW = "held on one line that nothing else locks: it may be clamped"
+"""What to review of each such joint."""
+_RIGID = 0.87
+"""Score of a weld from which two parts are one body of a linkage."""
+_IN_LOOP, _IN_CHAIN, _ALONE, _HIDDEN = 0.79, 0.72, 0.62, 0.35
+"""Scores of a joint in a loop that moves, of one of several, of a single one, and of one within a subassembly."""
+_LOCKED = 0.745
+"""Score of a weld where the loops of a linkage lock a line."""
+_CHAIN = 3
+"""Number of joints from which connected ones are a linkage."""
+_AXLE = 0.05
+"""Share of the assembly's volume up to which a turned part on a line is its pin, spacer or bearing."""
+_TRIFLE, _TAG = 1e-4, 2e-3
+"""Shares of the assembly's volume below which a body is no link: in a linkage, and held on one line alone."""
+_STACK = 2
+"""Number of bodies held on one line alone from which on they are a stack of pulleys or disks on a shaft."""
+_MOST = 150
+"""Number of bodies of one linkage up to which its mobility is computed."""
+_NULL = 1e-4
+_METRES = 10.0
+"""Twists are in decimetres, so that rotations and translations have similar magnitudes."""
+_TURNS = (FreedomKind.REVOLUTE, FreedomKind.CYLINDRICAL)
+
+
+@dataclass(frozen=True, eq=False)
+class _Pivot:
+    """Parts that are held on one line, in their order along it."""
+
+    axis: Axis
+    hosts: tuple[int, ...]
+    turns: bool = True
+    """Whether they are fitted on the line; a seal between two faces only holds them."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Hinge:
+    """A line between two bodies, given by a part of each."""
+
+    axis: Axis
+    a: int
+    b: int
+    is_extra: bool = False
+    """Whether other pairs on the same line already connect its sides; it keeps them from being one."""
+
+
+def linkage_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
+    """Add the joints of all linkages."""
+    pivots = [pivot for line in survey.contacts.lines for pivot in _pivots(survey, line)]
+    if pivots:
+        _Linkages(survey, motors, found, [*pivots, *_held_by_faces(survey)]).add()
+
+
+def _pivots(survey: Survey, line: CoaxialLine) -> Iterator[_Pivot]:
+    """The groups of parts that touch each other on a line."""
+    on = [i for i, faces in line.faces.items() if any(f.span > HALF_ROUND and not f.cone for f in faces)]
+    if len(on) < 2:
+        return
+    touching, inside = Clusters(on), set(on)
+    for i in on:
+        for r in survey.near.get(i, ()):
+            if r.a == i and r.b in inside and _is_about(r, line.axis):
+                touching.join(r.a, r.b)
+    for members in touching.groups().values():
+        hosts = [i for i in members if not _is_axle(survey, i, line.axis)]
+        if len(hosts) >= 2:
+            middle = {i: min(f.low for f in line.faces[i]) + max(f.high for f in line.faces[i]) for i in hosts}
+            ordered = sorted(hosts, key=lambda i: (round(middle[i], 6), i))
+            at = 0.25 * (middle[ordered[0]] + middle[ordered[-1]])
+            yield _Pivot(Axis(line.axis.point + line.axis.d * at, line.axis.d), tuple(ordered))
+
+
+def _held_by_faces(survey: Survey) -> Iterator[_Pivot]:
+    """Parts that a disk or seal between them, which is on no pin itself, touches about one axis."""
+    for i in survey.parts:
+        if any(r.fits for r in survey.near.get(i, ())):
+            continue
+        about = [(other, r.turns) for other, r in survey.around(i) if r.turns is not None]
+        for n, (a, axis) in enumerate(about):
+            yield from (_Pivot(axis, (a, b), turns=False) for b, other in about[n + 1 :] if axis.same(other))
+
+
+def _is_about(r: Relation, axis: Axis) -> bool:
+    """Whether two parts are fitted on a line."""
+    return any(f.kind != FitKind.FLUSH and f.full and axis.distance(f.axis.point) < SAME_LINE for f in r.fits)
+
+
+def _is_axle(survey: Survey, i: int, axis: Axis) -> bool:
+    """Whether a part is a pin, a screw, a washer or a bearing on a line, and not what turns on it."""
+    part = survey.parts[i]
+    if i in survey.small or Role.BEARING in part.roles:
+        return True
+    fits = (fit for r in survey.near.get(i, ()) for fit in r.fits if fit.kind != FitKind.FLUSH and fit.full)
+    if any(not fit.axis.same(axis) for fit in fits):
+        return False  # what something else is held on is no pin
+    return 0.0 < part.volume < _AXLE * survey.volume and part.is_balanced(axis)
+
+
+class _Linkages:
+    def __init__(self, survey: Survey, motors: Sequence[Motor], found: Evidence, pivots: Sequence[_Pivot]) -> None:
+        self._survey, self._found, self._pivots = survey, found, pivots
+        self._in_motor = {i for motor in motors for i in motor.parts}
+        larger = [i for i in survey.parts if i not in survey.small]
+        self._bodies = Clusters(larger)
+        self._unite_rigid()
+        while self._unite_locked():
+            pass
+
+    def add(self) -> None:
+        """Add the joints, by linkage."""
+        hinges = self._pruned(list(self._hinges()))
+        hinges = [h for h in hinges if not {h.a, h.b} & self._in_motor]
+        for group in self._connected(hinges):
+            tree = [h for h in group if not h.is_extra]
+            turning, looped = self._turning(tree)
+            for n, h in enumerate(tree):
+                if n in turning:
+                    self._joint(h, len(turning), is_looped=n in looped)
+                else:
+                    self._found.weld(_LOCKED, h.a, h.b, "on one line of a loop that cannot move")
+            for h in group:
+                if h.is_extra and any(tree[n].axis.same(h.axis) for n in turning):
+                    self._joint(h, len(turning), is_looped=False)
+
+    def _joint(self, h: _Hinge, count: int, *, is_looped: bool) -> None:
+        survey = self._survey
+        a, b = sorted((h.a, h.b))
+        score = _IN_LOOP if is_looped else _IN_CHAIN if count >= _CHAIN else _ALONE
+        home = survey.scene.component(a).parent
+        together = survey.sources.tree and home == survey.scene.component(b).parent and home not in survey.tops
+        if together and not is_looped and count < _CHAIN:
+            score = _HIDDEN
+        why = "the only line that holds both" + (", in a loop that moves" if is_looped else "")
+        relation = survey.relation(a, b)
+        self._found.joint(
+            JointEvidence(score, a, b, JointKind.REVOLUTE, h.axis, why, relation, review=REVIEW, of_linkage=True)
+        )
+
+    def _unite_rigid(self) -> None:
+        for weld in self._found.welds:
+            if weld.score >= _RIGID and weld.a in self._bodies and weld.b in self._bodies:
+                self._bodies.join(weld.a, weld.b)
+        for (a, b), r in self._survey.pairs():
+            if r.is_rigid:
+                self._bodies.join(a, b)
+
+    def _unite_locked(self) -> bool:
+        """Unite two bodies that share two lines, or that are locked together; False if there are none."""
+        lines: dict[tuple[int, int], list[Axis]] = defaultdict(list)
+        for pivot in self._pivots:
+            for pair in combinations(sorted({self._bodies.find(i) for i in pivot.hosts}), 2):
+                if not any(axis.same(pivot.axis) for axis in lines[pair]):
+                    lines[pair].append(pivot.axis)
+        done = False
+        between = self._between()
+        for (a, b), axes in lines.items():
+            relations = between.get((a, b), [])
+            locked = len(axes) > 1
+            if not locked and len(relations) > 1:
+                locked = merged(relations, (a, b), ()).freedom.kind == FreedomKind.RIGID
+            if locked and self._bodies.find(a) != self._bodies.find(b):
+                done |= self._bodies.join(a, b)
+        return done
+
+    def _between(self) -> dict[tuple[int, int], list[Relation]]:
+        """The relations between each pair of bodies."""
+        found: dict[tuple[int, int], list[Relation]] = defaultdict(list)
+        for (a, b), r in self._survey.pairs():
+            one, two = sorted((self._bodies.find(a), self._bodies.find(b)))
+            if one != two:
+                found[one, two].append(r)
+        return found
+
+    def _hinges(self) -> Iterator[_Hinge]:
+        """Pairs on each line whose contacts let them turn about it: those that touch first, then neighbours."""
+        between = self._between()
+        seen: list[tuple[int, int, Axis]] = []
+        for pivot in (pivot for pivot in self._pivots if pivot.turns):
+            first = {self._bodies.find(i): i for i in reversed(pivot.hosts)}
+            ordered = sorted(first.values(), key=pivot.hosts.index)
+            keys = {pair: tuple(sorted(map(self._bodies.find, pair))) for pair in combinations(ordered, 2)}
+            touching = [pair for pair in combinations(ordered, 2) if keys[pair] in between]
+            tied = Clusters(ordered)
+            for a, b in dict.fromkeys([*touching, *pairwise(ordered)]):
+                one, two = keys[a, b]
+                known = any((one, two) == (x, y) and axis.same(pivot.axis) for x, y, axis in seen)
+                if known or not _can_turn(between.get((one, two), []), (one, two), pivot.axis):
+                    continue
+                seen.append((one, two, pivot.axis))
+                is_extra = tied.find(a) == tied.find(b)
+                if not is_extra or (a, b) in touching:
+                    tied.join(a, b)
+                    yield _Hinge(pivot.axis, min(a, b), max(a, b), is_extra)
+
+    def _pruned(self, hinges: list[_Hinge]) -> list[_Hinge]:
+        """Without bodies that are held on one line alone and are turned about it, or are tags."""
+        while True:
+            of = self._by_body(hinges)
+            gone = self._stacked(of) | {
+                id(mine[0])
+                for body, mine in of.items()
+                if all(h.axis.same(mine[0].axis) for h in mine)
+                and self._is_idle(self._bodies.members(body), mine[0].axis)
+            }
+            tiny = {id(h) for body, mine in of.items() for h in mine if self._share(body) < _TRIFLE}
+            gone |= tiny
+            if not gone:
+                return hinges
+            hinges = [h for h in hinges if id(h) not in gone]
+
+    def _stacked(self, of: Mapping[int, Sequence[_Hinge]]) -> set[int]:
+        """Hinges of bodies that are held on one line alone, where there are several: a stack on a shaft."""
+        stacks: list[tuple[Axis, list[_Hinge]]] = []
+        for mine in of.values():
+            axis = mine[0].axis
+            if any(not h.axis.same(axis) for h in mine):
+                continue
+            stack = next((hinges for other, hinges in stacks if other.same(axis)), None)
+            if stack is None:
+                stacks.append((axis, [mine[0]]))
+            else:
+                stack.append(mine[0])
+        lines = [axis for axis, stack in stacks if len(stack) > _STACK]
+        return {id(h) for mine in of.values() for h in mine if any(axis.same(h.axis) for axis in lines)}
+
+    def _is_idle(self, members: Sequence[int], axis: Axis) -> bool:
+        parts = [self._survey.parts[i] for i in members if self._survey.parts[i].volume]
+        body: Part | None = whole(parts)
+        return body is None or body.volume < _TAG * self._survey.volume or body.is_balanced(axis)
+
+    def _share(self, body: int) -> float:
+        return self._survey.total_volume(self._bodies.members(body)) / self._survey.volume
+
+    def _by_body(self, hinges: Sequence[_Hinge]) -> dict[int, list[_Hinge]]:
+        of: dict[int, list[_Hinge]] = defaultdict(list)
+        for h in hinges:
+            of[self._bodies.find(h.a)].append(h)
+            of[self._bodies.find(h.b)].append(h)
+        return of
+
+    def _connected(self, hinges: Sequence[_Hinge]) -> list[list[_Hinge]]:
+        tied = Clusters({self._bodies.find(i) for h in hinges for i in (h.a, h.b)})
+        for h in hinges:
+            tied.join(self._bodies.find(h.a), self._bodies.find(h.b))
+        groups: dict[int, list[_Hinge]] = defaultdict(list)
+        for h in hinges:
+            groups[tied.find(self._bodies.find(h.a))].append(h)
+        return list(groups.values())
+
+    def _turning(self, hinges: Sequence[_Hinge]) -> tuple[Collection[int], Collection[int]]:
+        """Those that can turn, and those of them that are in loops."""
+        bodies = sorted({self._bodies.find(i) for h in hinges for i in (h.a, h.b)})
+        looped = self._in_loops(hinges, bodies)
+        if not looped or len(bodies) > _MOST:
+            return range(len(hinges)), ()
+        number = {body: n for n, body in enumerate(bodies)}
+        rows, turns = [], []
+        for h in hinges:
+            a, b = number[self._bodies.find(h.a)], number[self._bodies.find(h.b)]
+            rows.append(_held(h.axis, a, b, len(bodies)))
+            turn = np.zeros(6 * len(bodies))
+            turn[6 * a : 6 * a + 3], turn[6 * b : 6 * b + 3] = h.axis.d, -h.axis.d
+            turns.append(turn)
+        still = np.eye(6, 6 * len(bodies))
+        _, values, basis = np.linalg.svd(np.concatenate([still, *rows]), full_matrices=True)
+        free = basis[int((values > _NULL).sum()) :]
+        moves = np.abs(np.array(turns) @ free.T).max(axis=1, initial=0.0) > _NULL
+        turning = set(np.flatnonzero(moves).tolist())
+        return turning, looped & turning
+
+    def _in_loops(self, hinges: Sequence[_Hinge], bodies: Sequence[int]) -> set[int]:
+        """Hinges whose bodies stay connected without them."""
+        found = set()
+        for n, h in enumerate(hinges):
+            tied = Clusters(bodies)
+            for m, other in enumerate(hinges):
+                if m != n:
+                    tied.join(self._bodies.find(other.a), self._bodies.find(other.b))
+            if tied.find(self._bodies.find(h.a)) == tied.find(self._bodies.find(h.b)):
+                found.add(n)
+        return found
+
+
+def _can_turn(relations: Sequence[Relation], pair: tuple[int, int], axis: Axis) -> bool:
+    """Whether all contacts of two bodies leave the rotation about a line free; bodies on one pin need not touch."""
+    if not relations:
+        return True
+    r = merged(relations, pair, ())
+    free = r.freedom
+    if free.kind not in _TURNS or free.direction is None or not axis.is_along(free.direction):
+        return all(axis.is_along(p.normal) for p in r.patches) and not r.shafts and not r.holes
+    return True
+
+
+def _held(axis: Axis, a: int, b: int, count: int) -> Array:
+    """Rows (5, 6 n) that a hinge keeps from moving: twists (w, v) of bodies, v of what is at the origin [dm/s]."""
+    rows = np.zeros((5, 6 * count))
+    across = perpendicular_frame(axis.d)[:, :2].T
+    at = -cross_matrix(axis.point * _METRES)
+    for body, sign in ((a, 1.0), (b, -1.0)):
+        rows[:2, 6 * body : 6 * body + 3] = sign * across
+        rows[2:, 6 * body : 6 * body + 3] = sign * at
+        rows[2:, 6 * body + 3 : 6 * body + 6] = sign * np.eye(3)
+    return rows
