@@ -3,7 +3,7 @@
 import os
 import signal
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import pi
 from pathlib import Path
@@ -22,9 +22,10 @@ from stepbot.assemble.overlaps import OverlapSearch
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_worker import MESH_WORKER
-from stepbot.geometry.solids.manifolds import Solid
+from stepbot.geometry.solids import overlapping
+from stepbot.geometry.solids.manifolds import Solid, union_volume
 from stepbot.geometry.solids.overlapping import Candidate, Group, Overlaps, Search, overlaps_of
-from stepbot.geometry.spatial import Pose
+from stepbot.geometry.spatial import Pose, rotation_about
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.worker import Worker, call_isolated
 from tests.conftest import ReadDiagnostics
@@ -331,3 +332,36 @@ def test_many_pairs_are_intersected_in_processes() -> None:
     lenses = {n: pi / 12.0 * (4.0 * radius + n * step) * (2.0 * radius - n * step) ** 2 for n in (1, 2)}
     for pair in here.pairs:
         assert pair.volume == pytest.approx(lenses[pair.second - pair.first], rel=0.02)
+
+
+def test_equal_instances_share_one_union(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three balls that overlap, in several places and each time turned: one union, and its mass for each of them."""
+    radius, step = 0.01, 0.006
+    ball = trimesh.creation.icosphere(2, radius=radius)
+    axis = np.array([1.0, 2.0, 2.0]) / 3.0
+    instances = [Pose.of(rotation_about(axis, 0.7 * k), (0.1 * k, 0.03 * k, 0.0)) for k in range(4)]
+    poses = {3 * k + i: X @ Pose.of(position=(i * step, 0.0, 0.0)) for k, X in enumerate(instances) for i in range(3)}
+    groups = tuple(
+        Group(
+            (i, j),
+            Pose.of(position=((j - i) * step, 0.0, 0.0)),
+            ball.volume,
+            tuple(Candidate(f"link {k}", 3 * k + i, 3 * k + j, 1.0, 1.0) for k in range(len(instances))),
+        )
+        for i, j in ((0, 1), (0, 2), (1, 2))
+    )
+    meshes = {i: TriMesh.of(ball.vertices, ball.faces) for i in range(3)}
+    calls: list[int] = []
+
+    def counted(parts: Sequence[tuple[TriMesh, Pose]]) -> float:
+        calls.append(len(parts))
+        return union_volume(parts)
+
+    monkeypatch.setattr(overlapping, "union_volume", counted)
+    links = tuple(f"link {k}" for k in range(len(instances)))
+    found = overlaps_of(Search(links, groups, meshes, poses, 10_000_000))
+    assert calls == [2]
+    masses = [found[link].mass for link in links]
+    assert masses == [masses[0]] * len(links)
+    pairs = {(p.first, p.second): p.mass for p in found["link 0"].pairs}
+    assert max(pairs.values()) < masses[0] < sum(pairs.values()), "what all three share counts once"

@@ -20,6 +20,8 @@ from .manifolds import TOUCHING, Solid, union_volume, use_one_thread
 
 SMALLEST = 1e-3
 """Share of the smaller solid from which an overlap counts."""
+_SAME_PLACE = 9
+"""Decimals [m] of relative poses that are the same: meshes are on a grid of a nanometre."""
 _MANY = 20_000
 """Faces of all pairs from which it is worth while to start processes."""
 
@@ -170,8 +172,9 @@ def _by_link(search: Search, found: Iterable[_Found]) -> dict[str, Overlaps]:
                 checked[c.link].append(Pair(c.first, c.second, mass, one.common.volume, one.group.is_repeated))
                 share = _Share(mass, one.common, search.poses[c.first])
                 shares.setdefault((c.link, max(c.first, c.second)), []).append(share)
+    unions: dict[tuple[tuple[int, bytes], ...], float] = {}
     for (link, _), of_one in shares.items():
-        twice[link] += _shared_once(of_one)
+        twice[link] += _shared_once(of_one, unions)
     return {
         link: Overlaps(_heaviest_first(checked[link]), twice[link], _heaviest_first(unchecked[link]))
         for link in checked
@@ -191,10 +194,17 @@ class _Share:
     X_WA: Pose
 
 
-def _shared_once(shares: Sequence[_Share]) -> float:
-    """Mass [kg] that a solid shares with the previous ones; regions shared with several count once."""
+def _shared_once(shares: Sequence[_Share], unions: dict[tuple[tuple[int, bytes], ...], float]) -> float:
+    """Mass [kg] that a solid shares with the previous ones; regions shared with several count once.
+
+    ``unions`` are the volumes [m^3] known so far: instances of an assembly share the same regions.
+    """
     mass = exact_sum(share.mass for share in shares)
     if len(shares) == 1:
         return mass
-    union = union_volume([(share.common.mesh, share.X_WA) for share in shares])
-    return mass * union / exact_sum(share.common.volume for share in shares)
+    X_FW = shares[0].X_WA.inverse()
+    placed = [(share.common, X_FW @ share.X_WA) for share in shares]
+    key = tuple((id(common), (X_FA.matrix.round(_SAME_PLACE) + 0.0).tobytes()) for common, X_FA in placed)
+    if key not in unions:
+        unions[key] = union_volume([(common.mesh, X_FA) for common, X_FA in placed])
+    return mass * unions[key] / exact_sum(share.common.volume for share in shares)

@@ -29,7 +29,7 @@ from ..structure.source import BodySource
 from ..topology import faces_of
 from .error_estimate import Estimate, by_mesh, estimated
 from .exact import integrate, surface_area, volume_properties
-from .healing import Healed, copied, healed, unhealed
+from .healing import Healed, copied, healed, unhealed, with_islands
 from .measuring import Refinement, refine
 from .self_intersection import share_within
 from .sewing import sewn
@@ -179,6 +179,9 @@ def _healed(source: BodySource, shape: object) -> _Work:
     if not _holds(body.shape, TopAbs_ShapeEnum.TopAbs_SOLID):
         return _Work(source, BodyKind.SOLID if is_solid else BodyKind.SURFACE, body)
     work = _Work(source, BodyKind.SOLID, body)
+    if (nested := work.optional("nesting its shells", lambda: with_islands(body), None)) is not None:
+        work.healed = nested
+        work.say("SB217", "shells inside its voids count as solid")
     work.optional("integrating its volume", lambda: _integrate(work), None)
     return work
 

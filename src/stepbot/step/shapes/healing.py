@@ -7,12 +7,18 @@ healed this way, have the volumes of the default import (586 of them to 1e-9, th
 from dataclasses import dataclass
 from typing import Any
 
-from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy, BRepBuilderAPI_Transform
+from OCP.Bnd import Bnd_Box
+from OCP.BRep import BRep_Builder, BRep_Tool
+from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy, BRepBuilderAPI_MakeSolid, BRepBuilderAPI_Transform
+from OCP.BRepClass3d import BRepClass3d_SolidClassifier
+from OCP.BRepLib import BRepLib
 from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
 from OCP.ShapeFix import ShapeFix_Shape
-from OCP.TopAbs import TopAbs_ShapeEnum
-from OCP.TopExp import TopExp
+from OCP.TopAbs import TopAbs_ShapeEnum, TopAbs_State
+from OCP.TopExp import TopExp, TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
+from OCP.TopoDS import TopoDS, TopoDS_Solid
 
 _MAX_TOLERANCE = 1.0
 """Gaps [mm] up to which faces are joined."""
@@ -68,6 +74,48 @@ def healed(shape: Any, precision: float, colored: list[int]) -> Healed:
             if index > 0:
                 origin[index - 1] = place
     return Healed(result, origin)
+
+
+def with_islands(body: Healed) -> Healed | None:
+    """The body with its shells outwards and inwards in turn, from the outside in; None where no void holds a shell.
+
+    Healing turns every inner shell inwards, so that a lump inside a void would be subtracted.
+    """
+    solids = ShapeMap()
+    TopExp.MapShapes_s(body.shape, TopAbs_ShapeEnum.TopAbs_SOLID, solids)
+    shells = ShapeMap()
+    TopExp.MapShapes_s(body.shape, TopAbs_ShapeEnum.TopAbs_SHELL, shells)
+    if solids.Extent() != 1 or shells.Extent() < 3:
+        return None
+    alone = [_outwards(TopoDS.Shell(shells.FindKey(index))) for index in range(1, shells.Extent() + 1)]
+    points = [_first_vertex(solid) for solid in alone]
+    depths = [0] * len(alone)
+    for number, solid in enumerate(alone):
+        box, classifier = Bnd_Box(), BRepClass3d_SolidClassifier(solid)
+        BRepBndLib.Add_s(solid, box, False)
+        for other, point in enumerate(points):
+            if other != number and not box.IsOut(point):
+                classifier.Perform(point, _MIN_TOLERANCE)
+                depths[other] += classifier.State() == TopAbs_State.TopAbs_IN
+    if max(depths) < 2:
+        return None
+    builder, solid = BRep_Builder(), TopoDS_Solid()
+    builder.MakeSolid(solid)
+    for one, depth in zip(alone, depths, strict=True):
+        shell = TopExp_Explorer(one, TopAbs_ShapeEnum.TopAbs_SHELL).Current()
+        builder.Add(solid, shell.Reversed() if depth % 2 else shell)
+    return Healed(solid, body.origin)
+
+
+def _outwards(shell: Any) -> Any:
+    """A solid of one shell."""
+    solid = BRepBuilderAPI_MakeSolid(shell).Solid()
+    BRepLib.OrientClosedSolid_s(solid)
+    return solid
+
+
+def _first_vertex(shape: Any) -> Any:
+    return BRep_Tool.Pnt_s(TopoDS.Vertex(TopExp_Explorer(shape, TopAbs_ShapeEnum.TopAbs_VERTEX).Current()))
 
 
 def unhealed(shape: Any) -> Healed:

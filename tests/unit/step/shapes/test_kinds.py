@@ -165,6 +165,25 @@ def test_lobes_that_overlap(x: float, as_shells: bool, tmp_path: Path, found: Re
     assert any("mass in the sidecar" in help for help in warning.help)
 
 
+@pytest.mark.parametrize("count", [2, 3, 4, 5])
+@pytest.mark.parametrize("inwards", [0, 1, 2])
+def test_shells_within_shells(count: int, inwards: int, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Solid and void in turn from the outside in, whatever the orientation in the file; beside them a second void."""
+    sizes = [60.0 / 1.5**k for k in range(count)]
+    shells = [solids.faces(solids.box(size, size, size).shape) for size in sizes]
+    shells.append(solids.faces(solids.box(2, 2, 2).at(28, 28, 28).shape))
+    turned = [
+        [f.Reversed() for f in shell] if (k + 1) % (inwards + 1) == 0 else shell for k, shell in enumerate(shells)
+    ]
+    turned[0] = shells[0]
+    body = read_one(tmp_path / "nested.step", solids.solid_of(*turned), found)
+    assert body.exact is not None
+    expected = sum((-1) ** k * size**3 for k, size in enumerate(sizes)) - 8.0
+    assert body.exact.volume * 1e9 == pytest.approx(expected, rel=1e-9)
+    assert set(found.codes()) <= {"SB217"}
+    assert bool(found.codes()) or count == 2, "a guess is never silent"
+
+
 def test_lobes_that_cancel(tmp_path: Path, found: ReadDiagnostics) -> None:
     """Two equal blocks, one as a void, have only rounding errors as volume."""
     blocks = (solids.box(20, 20, 20), solids.box(20, 20, 20).at(10, 5, 3))
