@@ -13,7 +13,7 @@ DEMO := robot_library/stepbot_four_bar/four_bar.robot.yaml
 STAMP := $(VENV)/.stepbot-installed
 
 .PHONY: help install demo test test-long format lint types contracts generate fresh check wheels hostile mutation library \
-	benchmarks gate build all lock clean
+	benchmarks docs gate build all lock clean
 .DEFAULT_GOAL := help
 
 help:  ## print this
@@ -79,6 +79,11 @@ mutation: install  ## remove and change parts of written files one by one, and u
 	$(BIN)/python -m tests.mutation.page
 	$(BIN)/python -m tests.mutation.changed
 
+docs: install  ## build the documentation as a site in build/site; with REPORTS=1 also the reports of the library
+	$(BIN)/python -m pip install --quiet -e '.[docs]'
+	@test -z "$(REPORTS)" || $(BIN)/stepbot batch robot_library -o build/reports --html
+	$(BIN)/python docs/website.py
+
 library: install  ## draw, convert, verify and render every robot of the library, and update its pages
 	$(BIN)/python -m pip install --quiet -e '.[draw,verify]'
 	$(BIN)/python -m robot_library
@@ -91,7 +96,7 @@ gate: install  ## fail if stepbot needs 10 % more processor time than at the las
 		$(BIN)/python -m benchmarks gate $(if $(AGAINST),--against $(AGAINST)); \
 	else echo "PROCESSOR TIME IS NOT COMPARED: there is no tag; make gate AGAINST=REVISION"; fi
 
-build: install  ## build wheel and sdist
+build: docs  ## build wheel and sdist, with the documentation
 	rm -rf dist && $(BIN)/python -m hatchling build
 
 all: check wheels test test-long library benchmarks gate build  ## everything except hostile and mutation

@@ -32,6 +32,7 @@ COMMANDS = {
     "drive": "Move a robot in the engines.",
     "diff": "Show what differs between two revisions.",
     "explain": "Explain a diagnostic code.",
+    "docs": "Open the documentation.",
     "schema": "Print the JSON Schema of the sidecar.",
     "formats": "List the output formats.",
     "library": "List, show or export the bundled robots.",

@@ -16,7 +16,7 @@ _INDENT = " " * 7
 _MADE_FROM_THEM = (
     "`stepbot convert --ros2 NAME` makes the folder a ROS 2 package: URDF, xacro, launch files, ros2_control, MoveIt",
     "`stepbot convert --gazebo` makes the folder a Gazebo model: SDFormat, model.config",
-    "`import stepbot.gym` makes Gymnasium environments from an MJCF (docs/learning.md)",
+    "`import stepbot.gym` makes Gymnasium environments from an MJCF (`stepbot docs learning`)",
 )
 
 

@@ -11,8 +11,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+DOCUMENTATION = ("stepbot/docs/", "stepbot/site/")
 LARGEST_ROBOTS = 2_400_000
-LARGEST_CODE = 1_400_000
+LARGEST_CODE = 1_450_000
+LARGEST_DOCUMENTATION = 10_000_000
 """Maximum compressed sizes [bytes] in the wheel; the geometry kernel's is twenty times the sum of both."""
 
 
@@ -42,7 +44,7 @@ def test_wheel_holds_both_packages_and_no_more(wheel: zipfile.ZipFile) -> None:
         if file.suffix in (".py", ".toml", ".html", ".css", ".js") or file.name == "py.typed"
     }
     content = {name for name in wheel.namelist() if ".dist-info/" not in name}
-    data = ("stepbot/robots/", "stepbot/schemas/")
+    data = ("stepbot/robots/", "stepbot/schemas/", *DOCUMENTATION)
     assert {name for name in content if not name.startswith(data)} == modules
     assert {"stepbot/py.typed", "stepbot_cli/py.typed"} <= content
 
@@ -55,8 +57,16 @@ def test_wheel_holds_of_every_robot_what_it_is_made_from(wheel: zipfile.ZipFile)
     content = {name for name in wheel.namelist() if name.startswith("stepbot/robots/")}
     assert content == {f"stepbot/robots/{file.relative_to(library).as_posix()}" for file in kept}
     robots = sum(file.compress_size for file in wheel.infolist() if file.filename in content)
+    pages = sum(file.compress_size for file in wheel.infolist() if file.filename.startswith(DOCUMENTATION))
     assert robots < LARGEST_ROBOTS
-    assert sum(file.compress_size for file in wheel.infolist()) - robots < LARGEST_CODE
+    assert pages < LARGEST_DOCUMENTATION
+    assert sum(file.compress_size for file in wheel.infolist()) - robots - pages < LARGEST_CODE
+
+
+def test_wheel_holds_the_documentation(wheel: zipfile.ZipFile) -> None:
+    """The wheel has every page, which `stepbot docs` prints where there is no site; and no script."""
+    content = {name for name in wheel.namelist() if name.startswith("stepbot/docs/")}
+    assert content == {f"stepbot/docs/{page.name}" for page in (ROOT / "docs").glob("*.md")}
 
 
 def test_sidecars_in_the_wheel_point_to_their_schema(wheel: zipfile.ZipFile) -> None:

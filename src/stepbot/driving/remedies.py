@@ -22,7 +22,7 @@ _REMEDIES = {
     "sinking": "raise kp of the legs' actuators",
     "tilt after push": "raise kp and kv of the legs' actuators, or spread the legs in the home pose",
 }
-_REMEDY = "see the test in docs/drive.md; draw its curves with --plots"
+_REMEDY = "see the test in `stepbot docs drive`; draw its curves with --plots"
 _HOLLOW = ("auto", "decompose", "given")
 """Rules of collision shapes that keep links hollow, or that are not stepbot's."""
 _STRONG = 0.9

@@ -34,7 +34,7 @@ def read_text(path: Path, found: Diagnostics) -> str | None:
     if content.lstrip()[:12] == b"ISO-10303-21":
         help = [
             f"`stepbot init {path.as_posix()}` drafts a sidecar from it; pass that sidecar instead",
-            f"`stepbot inspect {path.as_posix()}` lists its components; docs/sidecar.md describes all keys",
+            f"`stepbot inspect {path.as_posix()}` lists its components; `stepbot docs sidecar` describes all keys",
         ]
         found.add("SB109", "sidecar: file is a STEP file", whole, help=help)
         return None
@@ -44,7 +44,7 @@ def read_text(path: Path, found: Diagnostics) -> str | None:
         return None
     text = _decoded(content, whole.file, found)
     if text is not None and not text.strip("\ufeff \t\n"):
-        found.add("SB103", "sidecar: empty file", whole, help=["start with `version: 1`; see docs/sidecar.md"])
+        found.add("SB103", "sidecar: empty file", whole, help=["start with `version: 1`; see `stepbot docs sidecar`"])
         return None
     return text
 

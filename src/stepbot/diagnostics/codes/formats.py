@@ -20,7 +20,7 @@ CODES: tuple[Code, ...] = (
         "Without the spring, the joint has no restoring force; without the armature, it has less inertia. Damping "
         "that was chosen together with the armature may become too large: PyBullet is unstable where damping x time "
         "step exceeds twice the remaining inertia.",
-        "Use a format that supports it (`docs/mapping.md`), or add it in the simulator. Describe the drag of a motor "
+        "Use a format that supports it (`stepbot docs mapping`), or add it in the simulator. Describe the drag of a motor "
         "with `kv` of its actuator instead of joint damping.",
     ),
     Code(
@@ -149,7 +149,7 @@ CODES: tuple[Code, ...] = (
         "Positions, masses and equations of motion are unchanged. The joints have other names, three joints in place "
         "of a ball have a singularity at a pitch of ±90 deg, collisions between parent and child are no longer "
         "excluded as those of neighbours, and MuJoCo rejects massless moving links in URDF (the MJCF has none).",
-        "Use a format that supports the joint (`docs/mapping.md`), or model it as single-axis joints with the actual "
+        "Use a format that supports the joint (`stepbot docs mapping`), or model it as single-axis joints with the actual "
         "masses of the intermediate links.",
     ),
     Code(
@@ -158,7 +158,7 @@ CODES: tuple[Code, ...] = (
         "ball joint limit, damping or spring not written",
         "The ball joint of the format does not support effort and velocity limits, damping, friction or springs.",
         "In this file, the joint moves more freely than that of the robot.",
-        "Use a format that supports it (`docs/mapping.md`), or add it in the simulator.",
+        "Use a format that supports it (`stepbot docs mapping`), or add it in the simulator.",
     ),
     Code(
         "SB722",
@@ -252,7 +252,7 @@ CODES: tuple[Code, ...] = (
         "mesh format not used",
         "The sidecar asks for meshes in a format that readers of this description do not read.",
         "These meshes are OBJ for this description. Nothing else changes: colours are in the description.",
-        "Set `mesh: {format: obj}`, or one that the table in `docs/mapping.md` has for all formats that you write; "
+        "Set `mesh: {format: obj}`, or one that the table in `stepbot docs mapping` has for all formats that you write; "
         "`visual` and `collision` set it for one of both.",
     ),
     Code(

@@ -27,7 +27,7 @@ CODES = (
         "empty sidecar",
         "The file contains only whitespace and comments.",
         "A robot needs at least one link.",
-        "Write a sidecar; `docs/sidecar.md` starts with a minimal example. Check that the editor saved the file.",
+        "Write a sidecar; `stepbot docs sidecar` starts with a minimal example. Check that the editor saved the file.",
     ),
     Code(
         "SB104",
@@ -113,7 +113,7 @@ CODES = (
         "unknown key",
         "The sidecar schema does not define this key at this position.",
         "If stepbot ignored a misspelled key, the robot would be silently wrong.",
-        "Use the suggestion in the help, or look up the key in `docs/sidecar.md`. Editors complete and check keys "
+        "Use the suggestion in the help, or look up the key in `stepbot docs sidecar`. Editors complete and check keys "
         "when they use the output of `stepbot schema`.",
     ),
     Code(
@@ -122,7 +122,7 @@ CODES = (
         "missing key",
         "A required key is missing.",
         "stepbot does not assume a default for this key.",
-        "Add the key. `docs/sidecar.md` describes it.",
+        "Add the key. `stepbot docs sidecar` describes it.",
     ),
     Code(
         "SB122",
@@ -146,7 +146,7 @@ CODES = (
         "invalid quantity",
         "The value is not a number with a unit, the unit is unknown, or the unit has the wrong dimension.",
         "A mass in mm or a length in deg is an error, and an unknown unit could change the value by any factor.",
-        "Write a number in SI units, or a number with its unit as shown in the help. `docs/sidecar.md` lists the "
+        "Write a number in SI units, or a number with its unit as shown in the help. `stepbot docs sidecar` lists the "
         "units.",
     ),
     Code(
