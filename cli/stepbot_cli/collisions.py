@@ -68,7 +68,7 @@ def command(
     and writes the SRDF.
     """
     from stepbot.formats.urdf.srdf import srdf as srdf_of
-    from stepbot.pipeline.self_collisions import search
+    from stepbot.pipeline.collisions import search
     from stepbot.report.self_collision import self_collision_document
     from stepbot.runtime.file import write_file
 

@@ -3,12 +3,14 @@
 from collections.abc import Mapping
 from math import atan2, degrees, hypot
 
+from stepbot.robot.model import JointKind
 from stepbot.sidecar.document import ClosureSection, JointSection
 from stepbot.sidecar.origins import AutoOrigin, AxisOrigin, MateOrigin, Origin
 
 from .binder import Binder
 from .frames import Frames
 
+_TURNING = {JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.CYLINDRICAL, JointKind.SCREW}
 _LEAST = degrees(1e-3)
 """Angle [degrees] from which an axis does not follow its line."""
 
@@ -20,7 +22,7 @@ def report_axes_off_their_lines(binder: Binder, frames: Frames) -> None:
     groups = {"joints": document.joints, "closures": document.closures}
     for group, sections in groups.items():
         for name, section in sections.items():
-            if section.type.about != "line" or not _is_on_line(section.origin):
+            if section.type not in _TURNING or not _is_on_line(section.origin):
                 continue
             x, y, z = section.axis
             angle = degrees(atan2(hypot(x, y), abs(z)))

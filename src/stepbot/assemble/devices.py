@@ -129,12 +129,13 @@ def _sensor(document: Document, frames: Frames, name: str) -> Sensor | None:
         X_LS = None if X_WS is None or X_WL is None else tidy(X_WL.inverse() @ X_WS)
     if X_LS is None:
         return None
-    view = _view(section) if section.type in SEEING else View()
+    view = sensor_view(section) if section.type in SEEING else View()
     source = frames.evidence("sensors", name, "origin").text
     return Sensor(name, section.type, link, X_LS, joint, section.rate, view, source)
 
 
-def _view(section: SensorSection) -> View:
+def sensor_view(section: SensorSection) -> View:
+    """The field of view of a camera or a lidar, defaults applied."""
     nearest, farthest = section.range or (0.0, inf)
     if section.type is SensorKind.CAMERA:
         width, height = section.resolution or RESOLUTION

@@ -3,12 +3,15 @@
 import numpy as np
 
 from stepbot.geometry.spatial import cross
+from stepbot.robot.model import JointKind
 from stepbot.sidecar.document import ExplicitOrigin, JointSection
 from stepbot.step.features.axes import millimetres
 
 from .binder import Binder
 from .frames import Frames
 
+_POINTS = {JointKind.BALL, JointKind.UNIVERSAL}
+_LINES = {JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.SCREW, JointKind.CYLINDRICAL}
 _FARTHEST = 1.0
 """Distance from the sphere around the assembly, as a share of its diameter, up to which an axis is plausible."""
 
@@ -26,7 +29,7 @@ def report_far_axes(binder: Binder, frames: Frames) -> None:
         if X_WJ is None:
             continue
         arm = center - np.array(X_WJ.position)
-        if joint.type.about == "line":
+        if joint.type in _LINES:
             arm = cross(arm, X_WJ.turn(joint.axis))
         distance = float(np.linalg.norm(arm)) - 0.5 * diagonal
         if distance > _FARTHEST * diagonal:
@@ -43,6 +46,6 @@ def report_far_axes(binder: Binder, frames: Frames) -> None:
 
 def _is_given(joint: JointSection) -> bool:
     """Whether a turning joint has coordinates in its origin."""
-    if not joint.type.about or isinstance(joint.origin, str):
+    if joint.type not in _POINTS | _LINES or isinstance(joint.origin, str):
         return False
     return isinstance(joint.origin, ExplicitOrigin) or joint.origin.offset is not None

@@ -23,6 +23,7 @@ from stepbot.runtime.cache import (
     codec_of,
     environment,
     file_digest,
+    files_digest,
     keep_own_code,
     own_code,
 )
@@ -105,11 +106,15 @@ def recorded(sidecar: Path, options: Options) -> Record | None:
         return None
     keep_own_code(options.cache)
     content = _content(sidecar, options.cache)
-    step = options.step or _named_step(sidecar, content, options.cache)
-    geometry = input_digest(step) if step is not None else None
-    if step is None or geometry is None:
+    read = TypedCache(options.cache, tuple[str, ...]).get(_modules_key(sidecar, content)) if content else None
+    if read is not None:
+        step, geometry = options.step or sidecar, files_digest(map(Path, read))
+        return TypedCache(options.cache, Record).get(conversion_key(sidecar, content, step, geometry, options))
+    named = options.step or _named_step(sidecar, content, options.cache)
+    of_step = input_digest(named) if named is not None else None
+    if named is None or of_step is None:
         return None
-    return TypedCache(options.cache, Record).get(conversion_key(sidecar, content, step, geometry, options))
+    return TypedCache(options.cache, Record).get(conversion_key(sidecar, content, named, of_step, options))
 
 
 def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, options: Options) -> str:
@@ -193,7 +198,10 @@ def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options)
     from stepbot.runtime.output_list import content_hashes
 
     encoded = codec_of(Results).encode(report)
-    step = options.step or sidecar.parent / conversion.named
+    step = options.step or (sidecar if conversion.read else sidecar.parent / conversion.named)
+    if conversion.read:
+        names = tuple(path.as_posix() for path in conversion.read)
+        TypedCache(options.cache, tuple[str, ...]).put(_modules_key(sidecar, content), names)
     key = conversion_key(sidecar, content, step, conversion.geometry, options)
     hashes = content_hashes(conversion.files)
     record = Record(conversion.files, hashes, tuple(found), found.ignored, encoded, summary)
@@ -213,6 +221,11 @@ def _named_step(sidecar: Path, content: str, cache: Cache | None) -> Path | None
 
 def _name_key(content: str) -> str:
     return Digest("name of STEP").add(own_code(), content).key
+
+
+def _modules_key(sidecar: Path, content: str) -> str:
+    """Key of the names of the files that a composed robot depends on."""
+    return Digest("files of modules").add(own_code(), sidecar.as_posix(), content).key
 
 
 def _asked(options: Options) -> list[str]:

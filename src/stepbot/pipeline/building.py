@@ -39,11 +39,11 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
     if built is None:
         return None
     built = replace(built, robot=share_meshes(built.robot))
-    check_robot(built.robot, found, sidecar.span(), assembly.unit, places=cache(partial(_places, sidecar)))
+    check_robot(built.robot, found, sidecar.span(), assembly.unit, places=cache(partial(places, sidecar)))
     return built
 
 
-def _places(sidecar: Sidecar) -> dict[str, Span]:
+def places(sidecar: Sidecar) -> dict[str, Span]:
     """The places of the robot's elements in the sidecar, by the subjects of messages."""
     document = sidecar.document
     sections = ("links", "joints", "closures", "frames", "actuators", "sensors")

@@ -100,6 +100,8 @@ class Conversion(NamedTuple):
     """Path of the STEP as written in the sidecar; empty if it could not be read."""
     geometry: str = ""
     """Hash of the STEP that was read; empty if the file changed meanwhile."""
+    read: tuple[Path, ...] = ()
+    """The files that a composed robot depends on, its sidecar first; empty for others."""
     hashes: Mapping[str, str] | None = None
     """SHA-256 of each of the files, if it is known."""
 

@@ -11,12 +11,14 @@ from stepbot.engines.observation import Observation, Request
 from stepbot.engines.reference import observe_robot
 from stepbot.revisions.differences import Difference, robot_differences, step_differences
 from stepbot.revisions.snapshot import Snapshot, snapshot
+from stepbot.robot.model import Robot
 from stepbot.runtime.file import exists, is_file, is_folder
 from stepbot.step.assembly import ReadOptions
 from stepbot.verification.compare import compare
 from stepbot.verification.files import compare_two
 from stepbot.verification.folders import SCENES
 
+from .composing import compose
 from .conversion import Options
 from .loading import Loading
 from .sidecars import load, named_step, what_to_read
@@ -112,6 +114,8 @@ def _observed(sidecar: Path, options: Options, found: Diagnostics) -> Observatio
     reported = Diagnostics()
     try:
         loaded = load(sidecar, options, reported)
+        if loaded.document.modules:
+            return _at_zero(sidecar, compose(loaded, options, reported).robot)
         step = named_step(loaded, reported)
         with closing(Loading(step, what_to_read(loaded, options), options, reported)) as loading:
             assembly, measures = loading.assembly(reported), partial(loading.measures, reported)
@@ -121,4 +125,8 @@ def _observed(sidecar: Path, options: Options, found: Diagnostics) -> Observatio
         found.extend(one for one in error.diagnostics if one.severity == "error")
         return None
     assert built is not None  # a missing robot always has an error
-    return observe_robot(built.robot, Request(sidecar.as_posix(), _MODEL, configurations=({},)))
+    return _at_zero(sidecar, built.robot)
+
+
+def _at_zero(sidecar: Path, robot: Robot) -> Observation:
+    return observe_robot(robot, Request(sidecar.as_posix(), _MODEL, configurations=({},)))

@@ -19,6 +19,7 @@ from stepbot.revisions.renaming import certain_renamings, renamed_lock
 from stepbot.revisions.snapshot import Snapshot, snapshot, with_sidecar
 from stepbot.runtime.file import exists, is_file, read_regular
 from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.own_part import own_part
 from stepbot.sidecar.rewriting import rewritten
 from stepbot.step.assembly import Assembly
 from stepbot.step.structure.paths import quoted
@@ -73,7 +74,7 @@ class Locked:
 def make_lock(sidecar: Path, options: Options, found: Diagnostics) -> Locked | None:
     """The lock of a sidecar and its STEP; None if the robot has errors, all of which are in ``found``."""
     try:
-        loaded = load(sidecar, options, found)
+        loaded = own_part(load(sidecar, options, found))
         step = options.step or named_step(loaded, found)
         with closing(Loading(step, what_to_read(loaded, options), options, found)) as loading:
             assembly, measures = loading.assembly(found), partial(loading.measures, found)
@@ -117,7 +118,7 @@ def fix_renamed_paths(sidecar: Path, options: Options, found: Diagnostics) -> Fi
     path = lock_path(sidecar)
     try:
         content = read_regular(sidecar) if is_file(sidecar) else b""
-        loaded = load(sidecar, options, elsewhere)
+        loaded = own_part(load(sidecar, options, elsewhere))
         if not exists(path):
             remedy = f"create one while sidecar and STEP agree: `{shlex.join(['stepbot', 'lock', sidecar.as_posix()])}`"
             found.add("SB017", "no lock file, so renamed components cannot be found", loaded.span(), help=[remedy])

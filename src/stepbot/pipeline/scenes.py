@@ -10,11 +10,13 @@ from stepbot.robot.model import Robot
 from stepbot.robot.step_names import is_step_name, step_stem
 from stepbot.runtime.file import exists
 from stepbot.sidecar.draft_comments import drafted_reviews, drafted_stops
+from stepbot.sidecar.located import Sidecar
 from stepbot.step.assembly import Assembly
 from stepbot.viewing.connections import evidence_of_rows
 from stepbot.viewing.scene import scene_document
 
 from .building import build
+from .composing import compose
 from .conversion import Options
 from .describing import described_robot
 from .drafted_robot import evidence_of_draft, robot_of_assembly, robot_of_draft
@@ -97,12 +99,21 @@ def _files(step: Path, assembly: Assembly) -> tuple[Path, ...]:
     return (step, *(step.parent / name for name in assembly.external_files))
 
 
+def _show_composed(sidecar: Sidecar, options: Options, found: Diagnostics) -> Shown:
+    composed = compose(sidecar, options, found)
+    evidence = evidence_of_rows(composed.joint_table)
+    scene = scene_document(composed.robot, evidence=evidence, found=found)
+    return Shown(found, scene, robot=composed.robot, sidecar=sidecar.path, files=composed.files)
+
+
 def _show_sidecar(path: Path, options: Options, text: str | None = None) -> Shown:
     found = Diagnostics()
     assembly: Assembly | None = None
     files: tuple[Path, ...] = (path,)
     try:
         sidecar = load(path, options, found, text)
+        if sidecar.document.modules:
+            return _show_composed(sidecar, options, found)
         step = options.step or named_step(sidecar, found)
         files = (path, step)
         with closing(Loading(step, what_to_read(sidecar, options), options, found)) as loading:

@@ -1,11 +1,9 @@
 """Which links of a robot can overlap: searched in a worker process, for a conversion or for its own sake."""
 
-from collections.abc import Callable, Set
-from contextlib import closing
+from collections.abc import Set
 from dataclasses import replace
-from pathlib import Path
 
-from stepbot.diagnostics import Diagnostics, Ignore, Span, StepbotError
+from stepbot.diagnostics import Diagnostics, Span
 from stepbot.robot.model import Robot
 from stepbot.robot.self_collision import PairClass, PairContact, SelfCollision
 from stepbot.runtime.worker import RemoteError, WorkerDied
@@ -13,64 +11,7 @@ from stepbot.sidecar.self_collision import SelfCollisionSection
 from stepbot.verification.self_collision.shapes import available
 from stepbot.verification.self_collision.worker import find_self_collision
 
-from .building import build
 from .conversion import Options
-from .describing import described_robot
-from .loading import Loading
-from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
-
-
-def search(
-    target: Path, samples: int | None, options: Options, found: Diagnostics, progress: Callable[[str], None]
-) -> Robot | None:
-    """The robot of a sidecar, or of a URDF, SDFormat or MJCF, with the links that can overlap; None after an error.
-
-    Args:
-        target: The sidecar, or the description.
-        samples: Number of poses; None for the sidecar's, or the default.
-        options: Cache and limits.
-        found: Receives the diagnostics.
-        progress: Called at the start of each stage.
-    """
-    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
-    wanted: SelfCollisionSection | None = None
-    try:
-        if target.suffix.lower() in SIDECAR_SUFFIXES:
-            robot, wanted = _built(target, options, found)
-        else:
-            described = described_robot(target, options, found, drawn=False)
-            if described is None:
-                return None
-            robot = described
-        progress("self-collision")
-        wanted = wanted or SelfCollisionSection()
-        if samples is not None:
-            wanted = wanted.model_copy(update={"samples": samples})
-        robot = with_self_collision(robot, wanted, options, found)
-    except StepbotError as error:
-        found.extend(error.diagnostics)
-        return None
-    stated = set(map(frozenset, robot.excluded_contacts))
-    for pair in robot.self_collision.of_class(PairClass.SOMETIMES) if robot.self_collision else ():
-        if pair.first == 0 and pair.links not in stated:
-            message = f"links '{pair.link_a}' and '{pair.link_b}' overlap{_by(pair)} in the drawn pose"
-            found.add("SB810", message, Span(robot.source or robot.name))
-    return None if robot.self_collision is None else robot
-
-
-def _built(path: Path, options: Options, found: Diagnostics) -> tuple[Robot, SelfCollisionSection | None]:
-    """The robot of a sidecar, and what the sidecar requests.
-
-    Raises:
-        StepbotError: There are errors.
-    """
-    sidecar = load(path, options, found)
-    with closing(Loading(named_step(sidecar, found), what_to_read(sidecar, options), options, found)) as loading:
-        built = build(sidecar, loading.assembly(found), loading, options, found)
-        found.raise_if_errors()
-        assert built is not None  # a missing robot always has an error
-        built.double_counting.report(options.timeout)
-    return built.robot, sidecar.document.self_collision
 
 
 def with_self_collision(robot: Robot, wanted: SelfCollisionSection, options: Options, found: Diagnostics) -> Robot:
@@ -109,10 +50,11 @@ def _report(searched: SelfCollision, wanted: int, stated: Set[frozenset[str]], s
     for pair in (one for one in searched.of_class(PairClass.ALWAYS) if one.links not in stated):
         poses = "the drawn pose" if searched.samples == 1 else f"all {searched.samples:,} poses"
         excluded = "; their contacts are excluded" if PairClass.ALWAYS in searched.exclude else ""
-        drawn = f",{_by(pair)} as drawn" if pair.depth is not None else ""
+        drawn = f",{by_depth(pair)} as drawn" if pair.depth is not None else ""
         message = f"links '{pair.link_a}' and '{pair.link_b}' overlap in {poses}{drawn}{excluded}"
         found.add("SB620", message, span)
 
 
-def _by(pair: PairContact) -> str:
+def by_depth(pair: PairContact) -> str:
+    """How deep two links overlap, in words; empty if they have no depth."""
     return "" if pair.depth is None else f" by {pair.depth * 1e3:.3g} mm"

@@ -45,6 +45,10 @@ def named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
     Raises:
         StepbotError: It does not exist.
     """
+    if not sidecar.document.step:
+        help = ["name the sidecar or the STEP of a module"]
+        found.add("SB150", "sidecar: composed of modules alone, without a STEP of its own", sidecar.span(), help=help)
+        found.raise_if_errors()
     path = sidecar.step_path
     if not exists(path):
         folder = path.parent

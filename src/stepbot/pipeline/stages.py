@@ -13,18 +13,20 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from stepbot.assemble import link_components
+from stepbot.assemble import Built, link_components
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.formats import format_named
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.robot.model import Robot
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
+from stepbot.sidecar.own_part import own_part
 from stepbot.sidecar.self_collision import SelfCollisionSection
 from stepbot.step.assembly import Assembly, MeshTolerance
 
 from .building import build
 from .conversion import REPORT, Checked, Conversion, Options, write
+from .input_hashes import input_hashes, input_names
 from .loading import Loading
 from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
 from .source_names import is_description
@@ -100,18 +102,27 @@ def _produce(
         check_required(options.require, found)
     sidecar = load(path, options, found)
     with ExitStack() as running:
-        step = options.step or named_step(sidecar, found)
-        loading = running.enter_context(closing(Loading(step, what_to_read(sidecar, options), options, found, kernel)))
+        built: Built | None = None
+        loading: Loading | None = None
+        if not sidecar.document.modules:
+            step = options.step or named_step(sidecar, found)
+            loading = Loading(step, what_to_read(sidecar, options), options, found, kernel)
+            running.enter_context(closing(loading))
         proof = started_proof(formats, options, server)
         if proof is not None:
             running.enter_context(closing(proof))
-        assembly = loading.assembly(found)
+        if loading is None:
+            from .composing import compose
 
-        progress("build")
-        built = build(sidecar, assembly, loading, options, found)
-        found.raise_if_errors()
-        assert built is not None  # a missing robot always has an error
-        robot, inputs = built.robot, loading.inputs()
+            composed = compose(sidecar, options, found)
+            robot, inputs = composed.robot, input_hashes(input_names(composed.files[0], composed.files[1:]))
+        else:
+            assembly = loading.assembly(found)
+            progress("build")
+            built = build(sidecar, assembly, loading, options, found)
+            found.raise_if_errors()
+            assert built is not None  # a missing robot always has an error
+            robot, inputs = built.robot, loading.inputs()
         wanted = sidecar.document.self_collision or (SelfCollisionSection() if options.ros2 else None)
         if wanted is not None:
             from .self_collisions import with_self_collision
@@ -121,8 +132,9 @@ def _produce(
 
         progress("write")
         written = rendered(robot, formats, options, found)
-        built.double_counting.report(options.timeout)
-        shapes = built.collisions.result(options.timeout)
+        if built is not None:
+            built.double_counting.report(options.timeout)
+        shapes = built.collisions.result(options.timeout) if built is not None else ()
         if options.strict:
             found.make_strict()
         found.raise_if_errors()
@@ -130,11 +142,18 @@ def _produce(
         progress("verify")
         report = proven(written, proof, found)
     report_unused(found, _JUDGED_BY_BUILD + judged_by_files(options))
-    report = replace(report, inputs=inputs, bodies=built.bodies, joint_table=built.joint_table, collision_shapes=shapes)
-    report = replace(report, simplified_visuals=built.simplified, masses=_masses(robot))
+    report = replace(report, inputs=inputs, collision_shapes=shapes, masses=_masses(robot))
+    if built is not None:
+        report = replace(
+            report, bodies=built.bodies, joint_table=built.joint_table, simplified_visuals=built.simplified
+        )
+    else:
+        report = replace(report, joint_table=composed.joint_table)
     if options.strict:
         found.make_strict()
     files = all_files(written, report, options, found)
+    if loading is None:
+        return Conversion(found, robot, files, report, geometry=composed.content, read=composed.sought)
     return Conversion(found, robot, files, report, sidecar.document.step, loading.content)
 
 
@@ -152,7 +171,14 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
         loaded = load(sidecar, options, found)
         document = loaded.document
         checked = Checked(document.step, len(document.links), len(document.joints) + len(document.closures))
-        if open_step:
+        if open_step and document.modules:
+            from .composing import compose
+
+            composed = compose(loaded, options, found)
+            whole = composed.robot
+            joints = len(whole.joints) + len(whole.closures)
+            checked = Checked("", len(whole.links), joints, composed.joint_table, robot_words(whole))
+        elif open_step:
             source = options.step or named_step(loaded, found)
             with closing(Loading(source, what_to_read(loaded, options), options, found)) as loading:
                 built = build(loaded, loading.assembly(found), loading, options, found)
@@ -183,7 +209,7 @@ def inspect(path: Path, options: Options) -> Inspection:
     """Read a STEP file and measure its bodies; for a sidecar, read its STEP, with its links' components."""
     found = Diagnostics()
     try:
-        sidecar = load(path, options, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
+        sidecar = own_part(load(path, options, found)) if path.suffix.lower() in SIDECAR_SUFFIXES else None
         step = path if sidecar is None else options.step or named_step(sidecar, found)
         what = what_to_read(sidecar, options)
         with closing(Loading(step, what, options, found)) as loading:

@@ -83,7 +83,7 @@ def produce_translation(
         report = compared_with_source(path, description, described, written, report, options, found)
     report_unused(found, _JUDGED + judged_by_files(options))
     inputs = input_hashes(input_names(path, description.files))
-    report = replace(report, inputs=inputs, joint_table=_joint_table(robot))
+    report = replace(report, inputs=inputs, joint_table=joint_table_at_zero(robot))
     if options.strict:
         found.make_strict()
     return Conversion(found, robot, all_files(written, report, options, found), report)
@@ -99,10 +99,20 @@ def check_description(path: Path, options: Options, found: Diagnostics) -> Check
     robot, _ = _robot(path, _read(path, options, found), options, found)
     report_unused(found, _JUDGED)
     joints = len(robot.joints) + len(robot.closures)
-    return Checked("", len(robot.links), joints, _joint_table(robot), robot_words(robot))
+    return Checked("", len(robot.links), joints, joint_table_at_zero(robot), robot_words(robot))
 
 
-def _joint_table(robot: Robot) -> tuple[JointRow, ...]:
+def robot_of_file(path: Path, options: Options, found: Diagnostics) -> tuple[Robot, tuple[Path, ...]]:
+    """The checked robot of a description, and the further files that it refers to.
+
+    Raises:
+        StepbotError: There are errors.
+    """
+    description = _read(path, options, found)
+    return _robot(path, description, options, found)[0], description.files
+
+
+def joint_table_at_zero(robot: Robot) -> tuple[JointRow, ...]:
     """Where each joint is, with all joints at 0."""
     return joint_rows(observe_robot(robot, Request("", "", configurations=({},))))
 

@@ -7,7 +7,7 @@ from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.spatial import Pose, tidy
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.loop_followers import loop_followers
-from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, Robot
+from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, Module, Robot
 from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
 from stepbot.robot.sensors import SEEING, Sensor
 from stepbot.robot.simulation_settings import settings_of
@@ -61,6 +61,22 @@ def robot_document(report: Report, robot: Robot) -> Json:
         "simulation": _simulation(robot),
         "self_collision": None if robot.self_collision is None else self_collision_document(robot.self_collision),
         "overlaps": [{"links": [a, b], "depth": depth} for a, b, depth in report.collisions],
+        **({"modules": [_module(robot, module) for module in robot.modules]} if robot.modules else {}),
+    }
+
+
+def _module(robot: Robot, module: Module) -> Json:
+    """A robot that this one is composed of, with its names here."""
+    links = set(module.links)
+    return {
+        "name": module.name,
+        "file": module.file,
+        "prefix": module.prefix,
+        "at": module.at or None,
+        "mirror": module.mirror or None,
+        "mass": sum(robot.link_by_name[link].mass_properties.mass for link in module.links),
+        "links": list(module.links),
+        "joints": [joint.name for joint in robot.joints if joint.child in links and joint.parent in links],
     }
 
 

@@ -24,12 +24,26 @@ from stepbot.geometry.spatial import (
     Vector3,
 )
 
-from .joint_types import JointKind as JointKind  # noqa: PLC0414
 from .metadata import NO_METADATA, Metadata
 from .self_collision import SelfCollision
 from .sensors import Sensor
 from .simulation import DEFAULTS, Simulation
 from .tuning import Tuning
+
+
+class JointKind(StrEnum):
+    """The type of a joint or closure."""
+
+    FIXED = "fixed"
+    REVOLUTE = "revolute"
+    CONTINUOUS = "continuous"
+    PRISMATIC = "prismatic"
+    BALL = "ball"
+    PLANAR = "planar"
+    SCREW = "screw"
+    UNIVERSAL = "universal"
+    CYLINDRICAL = "cylindrical"
+    FLOATING = "floating"
 
 
 class Base(StrEnum):
@@ -283,6 +297,24 @@ class Actuator:
 
 
 @dataclass(frozen=True)
+class Module:
+    """A robot that is a part of another one."""
+
+    name: str
+    """Its name in the composing robot; a path for a module of a module: ``arm/hand``."""
+    file: str
+    """Name of the file that it comes from."""
+    prefix: str
+    """Text in front of all its names."""
+    links: tuple[str, ...]
+    """Its links in the composing robot, the root first."""
+    at: str = ""
+    """The link that it is fixed to; empty for the root, and below a joint of the composing robot."""
+    mirror: str = ""
+    """Normal of the plane of its root link's frame that it is mirrored through: x, y or z; empty if it is not."""
+
+
+@dataclass(frozen=True)
 class Robot:
     """A robot: a tree of links and joints, and the closures that form its loops."""
 
@@ -310,6 +342,8 @@ class Robot:
     """Maintainer and licence, for packages."""
     mesh_formats: MeshFormats = MeshFormats()
     """The formats of mesh files, for formats that have such files."""
+    modules: tuple[Module, ...] = ()
+    """The robots that it is composed of, modules of modules after them; empty for a robot that is described alone."""
 
     @property
     def root(self) -> Link:

@@ -12,14 +12,14 @@ from .magnitudes import check_densities, check_magnitudes, check_weights_as_forc
 from .mechanics import check_closures, check_mimics
 from .names import check_names
 from .orientation import check_orientation
+from .own_part import own_part
 from .references import check_references
 from .text import file_name
 from .unit_rules import check_joint_units
 
+_OF_OWN_LINKS = (check_references, check_connections)
 _CHECKS = (
     check_names,
-    check_references,
-    check_connections,
     check_orientation,
     check_joints,
     check_joint_units,
@@ -37,6 +37,10 @@ def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
     """Report contradictions: SB126, SB128, SB130 to SB141, SB143, SB144 and SB450 to SB463."""
     local, complete = BoundedDiagnostics(), True
     try:
+        # References into modules are resolved when these are read.
+        own = own_part(sidecar)
+        for check in _OF_OWN_LINKS:
+            check(own, local)
         for check in _CHECKS:
             check(sidecar, local)
         check_ignored(sidecar.root, local)

@@ -22,13 +22,13 @@ from .quantities import (
     JointValue,
     Number,
 )
-from .section import Name, Section
+from .section import Reference, Section
 
 
 class FrameSection(Section):
     """A named frame on a link."""
 
-    link: Name
+    link: Reference
     """The link that it is fixed to."""
     origin: Origin
     """Its pose; not `auto`, since there is no second link."""
@@ -58,7 +58,7 @@ Gains = Annotated[
 class ActuatorSection(Section):
     """An actuator on a joint."""
 
-    joint: Name
+    joint: Reference
     """The joint that it drives."""
     kind: ActuatorKind = ActuatorKind.MOTOR
     """The type of its input: a position, a velocity, or (motor) an effort."""
@@ -79,9 +79,9 @@ class SensorSection(Section):
 
     type: SensorKind
     """The type of sensor."""
-    link: Name | None = None
+    link: Reference | None = None
     """The link that it is mounted on."""
-    joint: Name | None = None
+    joint: Reference | None = None
     """The joint that it measures."""
     origin: Origin | None = None
     """Its pose, x forward and z up; by default the link's or joint's frame."""

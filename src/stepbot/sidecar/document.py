@@ -6,7 +6,7 @@ mimic of a missing joint) are checked in :mod:`stepbot.sidecar.check`; everythin
 """
 
 from enum import StrEnum
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, StrictBool
 
@@ -16,6 +16,7 @@ from stepbot.robot.model import Base, JointKind, MeshFormat
 from .devices import ActuatorSection, FrameSection, SensorSection
 from .ignored import IgnoredFinding, IgnoredFindings
 from .metadata import MetadataSection
+from .modules import ModuleSection
 from .motion import DynamicsSection, JointLimits, LimitsSection
 from .origins import AutoOrigin, AxisOrigin, CenterOrigin, ComponentOrigin, ExplicitOrigin, MateOrigin, Offset, Origin
 from .quantities import (
@@ -34,7 +35,7 @@ from .quantities import (
     Pitch,
     RelativeOrLength,
 )
-from .section import ComponentPath, MaterialName, Name, RobotName, Section
+from .section import ComponentPath, MaterialName, Name, Reference, RobotName, Section
 from .self_collision import LinkPair, SelfCollisionSection
 from .shapes import (
     BoxShape,
@@ -203,7 +204,7 @@ class RootSection(Section):
 class MimicSection(Section):
     """q = multiplier * q of `joint` + offset."""
 
-    joint: Name
+    joint: Reference
     """The joint to follow."""
     multiplier: Number = 1.0
     """Ratio of this joint's motion to the other's, in SI units."""
@@ -216,10 +217,10 @@ class JointSection(Section):
 
     type: JointKind
     """Type of the joint."""
-    parent: Name
-    """The parent link."""
-    child: Name
-    """The child link."""
+    parent: Reference
+    """The parent link; with `modules`, also a frame here, or a link or frame of a module."""
+    child: Reference
+    """The child link; with `modules`, also a module, or a link or frame of one."""
     origin: Origin = "auto"
     """Pose of the joint; `auto` finds the line with cylindrical faces of both links."""
     axis: AxisVector = (0.0, 0.0, 1.0)
@@ -254,10 +255,10 @@ class ClosureSection(Section):
 
     type: JointKind
     """Type of the closure: revolute, prismatic, ball or fixed."""
-    link_a: Name
-    """One link."""
-    link_b: Name
-    """The other link."""
+    link_a: Reference
+    """One link; with `modules`, also a frame here, or a link or frame of a module."""
+    link_b: Reference
+    """The other link, likewise."""
     origin: Origin = "auto"
     """Pose of the closure; `auto` finds the line with cylindrical faces of both links."""
     axis: AxisVector = (0.0, 0.0, 1.0)
@@ -316,6 +317,22 @@ class Document(Section):
     """Maintainer, licence, version and description, for packages of ROS 2, Gazebo and Webots."""
     ignore_findings: IgnoredFindings = ()
     """Codes of warnings and notes to suppress everywhere."""
+    modules: dict[Name, ModuleSection] = Field(default_factory=dict)
+    """Robots that this one is composed of, by instance name."""
+
+
+class Composition(Document):
+    """A sidecar with modules, which may have no STEP and no links of its own."""
+
+    step: Annotated[str, Field(max_length=4000)] = ""
+    """Path of the STEP file of the own links, relative to the sidecar; empty for none."""
+    links: dict[Name, LinkSection] = Field(default_factory=dict)
+    """The own links by name, with their components."""
+
+
+def document_class(data: dict[str, Any]) -> type[Document]:
+    """The class of a document, by its keys."""
+    return Composition if data.get("modules") else Document
 
 
 __all__ = [
@@ -328,6 +345,7 @@ __all__ = [
     "Collision",
     "CollisionSettings",
     "CollisionShape",
+    "Composition",
     "ComponentOrigin",
     "ComponentPath",
     "CylinderShape",
@@ -362,4 +380,5 @@ __all__ = [
     "SimulationSection",
     "SphereShape",
     "StepDensity",
+    "document_class",
 ]

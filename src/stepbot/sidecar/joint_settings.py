@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
-from stepbot.robot.joint_types import kinds_with
 from stepbot.robot.model import JointDynamics, JointKind, Limit
 
 from .document import Document, DynamicsSection, JointDefaults, JointSection, LimitsSection
@@ -32,7 +31,7 @@ from .units import (
     Dimension,
 )
 
-ONE_FREEDOM = kinds_with(coordinates=1)
+ONE_FREEDOM = (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC, JointKind.SCREW)
 """Types with a single coordinate, which can mimic, be mimicked, be driven, and have a `zero`."""
 
 _TURNING = {

@@ -9,7 +9,7 @@ from stepbot.diagnostics import Diagnostics, Span
 
 from . import VERSION
 from .bounds import BoundedDiagnostics, TooManyFaultsError
-from .document import Document
+from .document import document_class
 from .located import Sidecar
 from .quantities import described
 from .salvage import check_what_is_left
@@ -58,7 +58,7 @@ def _parsed(text: str, path: Path, found: Diagnostics) -> Sidecar | None:
         return None
     faults: list[Keys] = []
     try:
-        document = Document.model_validate(data)
+        document = document_class(data).model_validate(data)
     except ValidationError as failure:
         faults = report_schema_faults(failure, root, composed.whole, found)
     else:

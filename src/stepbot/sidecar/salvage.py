@@ -14,7 +14,7 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 
 from . import VERSION
 from .check import check_sidecar
-from .document import Document
+from .document import Document, document_class
 from .located import Sidecar
 from .subjects import subject
 from .tree import Keys, Listing, Mapping, Scalar, Tree
@@ -71,7 +71,7 @@ def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, fo
         if () in cuts:
             return
         try:
-            document = Document.model_validate(data)
+            document = document_class(data).model_validate(data)
         except ValidationError as failure:
             faults = [_without_tags(error["loc"], data) for error in failure.errors(include_url=False)]
         else:

@@ -14,19 +14,23 @@ from pydantic.json_schema import GenerateJsonSchema
 from .document import Document
 from .fields import descriptions, section_classes
 from .quantities import JointValue
-from .section import NAME_PATTERN
+from .section import NAME_PATTERN, REFERENCE_PATTERN
 from .units import QUANTITY_PATTERN
 
 ID = "urn:stepbot:robot-1"
 Json = dict[str, Any]
 
+ALTERNATIVE = ("step", "links")
+"""Keys that only a sidecar without modules requires."""
 _SHARED: dict[str, Json] = {
     "Name": {"type": "string", "minLength": 1, "maxLength": 200, "pattern": NAME_PATTERN},
+    "Reference": {"type": "string", "minLength": 1, "maxLength": 1000, "pattern": REFERENCE_PATTERN},
     "Quantity": {"type": "string", "pattern": QUANTITY_PATTERN},
 }
 """Definitions that are used in so many places that they are written once."""
 _SHARED_DESCRIPTIONS = {
     "Name": "A name that is valid in every output format.",
+    "Reference": "The name of an element, or its path through modules: `arm/hand/tcp`.",
     "Quantity": "A number with a unit, such as `45 deg`, `12 mm`, `1.5 N*m`.",
 }
 
@@ -56,7 +60,8 @@ def json_schema() -> Json:
         "title": "stepbot sidecar, version 1",
         "description": generated["description"],
         "type": "object",
-        "required": generated["required"],
+        "required": [key for key in generated["required"] if key not in ALTERNATIVE],
+        "anyOf": [{"required": list(ALTERNATIVE)}, {"required": ["modules"]}],
         "properties": _simplified(properties),
         "additionalProperties": False,
         "$defs": {

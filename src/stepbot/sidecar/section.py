@@ -22,6 +22,9 @@ ROBOT_NAME_PATTERN = _name_pattern(NOT_IN_FILE_NAMES.replace("\\", r"\\"), ".")
 
 Name = Annotated[str, Field(min_length=1, max_length=200, pattern=NAME_PATTERN)]
 """A name that every output format can represent."""
+REFERENCE_PATTERN = f"^{NAME_PATTERN[1:-1]}(/{NAME_PATTERN[1:-1]})*$"
+Reference = Annotated[str, Field(min_length=1, max_length=1000, pattern=REFERENCE_PATTERN)]
+"""The name of an element, or its path through modules: ``arm/hand/tcp`` is ``tcp`` of module ``hand`` of ``arm``."""
 MaterialName = Annotated[str, Field(min_length=1, max_length=200, pattern=_name_pattern("", ""))]
 """A material's name in a CAD program: `Steel, 1.4301 / X5CrNi18-10`; it is not written to any output."""
 RobotName = Annotated[str, Field(min_length=1, max_length=100, pattern=ROBOT_NAME_PATTERN)]

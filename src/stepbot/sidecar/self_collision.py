@@ -9,7 +9,7 @@ from stepbot.robot.self_collision import DEFAULT_SAMPLES, MOST_SAMPLES
 
 from .counts import Count
 from .quantities import fault, two
-from .section import Name, Section
+from .section import Reference, Section
 
 
 def _sample_count(value: int) -> int:
@@ -23,7 +23,7 @@ SampleCount = Annotated[
 ]
 
 
-LinkPair = Annotated[tuple[Name, Name], BeforeValidator(two)]
+LinkPair = Annotated[tuple[Reference, Reference], BeforeValidator(two)]
 """Two links."""
 
 

@@ -16,6 +16,7 @@ Json = dict[str, Any]
 
 NO_REVIEWS: Mapping[str, str] = {}
 NO_STOPS: Mapping[str, Sequence[DraftedStop]] = {}
+_WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
 
 
 def connection_documents(robot: Robot, evidence: Mapping[str, Json]) -> list[Json]:
@@ -69,7 +70,7 @@ def _joint(joint: Joint, coordinates: list[str], evidence: Mapping[str, Json]) -
         "parent": joint.parent,
         "child": joint.child,
         "closes": False,
-        "axis": list(joint.axis) if joint.kind.has_axis else None,
+        "axis": None if joint.kind in _WITHOUT_AXIS else list(joint.axis),
         "axis2": list(joint.axis2) if joint.kind is JointKind.UNIVERSAL else None,
         "coordinates": coordinates,
         "limits": {name: bound(getattr(limit, name)) for name in ("lower", "upper", "velocity", "effort")},
@@ -86,7 +87,7 @@ def _closure(closure: LoopClosure, evidence: Mapping[str, Json]) -> Json:
         "parent": closure.link_a,
         "child": closure.link_b,
         "closes": True,
-        "axis": list(closure.axis) if closure.kind.has_axis else None,
+        "axis": None if closure.kind in _WITHOUT_AXIS else list(closure.axis),
         "coordinates": [],
         **evidence.get(closure.name, _UNKNOWN),
     }

@@ -19,8 +19,10 @@ from stepbot.sidecar.tree import plain_data
 from stepbot.sidecar.units import known_units
 
 PAGE = (Path(__file__).parents[3] / "docs" / "sidecar.md").read_text(encoding="utf-8")
+COMPOSE = (Path(__file__).parents[3] / "docs" / "compose.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^```yaml\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
 WHOLE = [text for text in EXAMPLES if text.startswith("version:")]
+WHOLE += re.findall(r"^```yaml\n(.*?)^```$", COMPOSE, re.DOTALL | re.MULTILINE)
 FRAGMENTS = [text for text in EXAMPLES if not text.startswith("version:")]
 
 REST_OF_A_ROBOT: dict[str, Any] = {
@@ -76,7 +78,7 @@ def test_errors_of_examples_are_those_on_the_page() -> None:
 
 def test_every_key_and_word_is_explained() -> None:
     """Every key, type of joint, sensor and shape, and every unit is on the page."""
-    code = set(re.findall(r"[\w°µ%]+", " ".join(re.findall(r"`([^`\n]+)`", PAGE) + EXAMPLES)))
+    code = set(re.findall(r"[\w°µ%]+", " ".join(re.findall(r"`([^`\n]+)`", PAGE + COMPOSE) + EXAMPLES)))
     keys = {key for section in section_classes() for key in section.model_fields}
     words = {str(word) for kinds in (JointKind, SensorKind, CollisionShape) for word in kinds}
     assert keys | words | set(known_units()) <= code

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 _RANGES = {
     "SB0": "environment",
     "SB1": "sidecar",
+    "SB15": "modules",
     "SB2": "assembly",
     "SB3": "binding",
     "SB31": "revisions",

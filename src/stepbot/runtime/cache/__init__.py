@@ -12,7 +12,7 @@ Every entry can be computed again, and a damaged entry is treated as missing.
 """
 
 from .codec import Undecodable, codec_of
-from .digest import Digest, bytes_digest, content_digest, file_digest
+from .digest import Digest, bytes_digest, content_digest, file_digest, files_digest
 from .folder import default_folder
 from .keys import environment
 from .sources import keep_own_code, own_code
@@ -32,6 +32,7 @@ __all__ = [
     "default_folder",
     "environment",
     "file_digest",
+    "files_digest",
     "keep_own_code",
     "own_code",
 ]

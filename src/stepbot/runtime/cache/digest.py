@@ -1,7 +1,7 @@
 """Hashes of files and of separate parts."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from ..file import open_regular
@@ -46,6 +46,14 @@ def file_digest(path: Path) -> str | None:
     except OSError:
         return None
     return hashed.hexdigest()
+
+
+def files_digest(files: Iterable[Path]) -> str:
+    """Hash of the paths and contents of several files; those that are missing count as such."""
+    digest = Digest("files")
+    for path in files:
+        digest.add(path.as_posix(), file_digest(path) or "missing")
+    return digest.key
 
 
 def bytes_digest(content: bytes) -> str:

@@ -1,0 +1,208 @@
+"""A module as it enters the composition: without what is left out, mirrored, in its initial pose, with its prefix."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+
+from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.robot.kinematics import within_limits
+from stepbot.robot.model import Module, Robot
+from stepbot.robot.posing import NotReached, coordinates, leader_of, posed
+from stepbot.robot.renaming import renamed
+from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.modules import ModuleSection
+
+from .mirroring import flipped, mirrored, unsymmetric
+from .pruning import StillFollowed, elements, without
+
+_SIDES = ("left", "right")
+_MOST_LISTED = 6
+
+
+@dataclass(frozen=True)
+class Part:
+    """A robot that becomes a part of another one."""
+
+    robot: Robot
+    """With the names that it has in the composed robot."""
+    prefix: str
+    """Text in front of the names that it has in its own file."""
+    file: str
+    """Name of the file that it comes from; empty for the own links of the composing file."""
+    mirror: str = ""
+    """Normal of the plane that it is mirrored through; empty if it is not."""
+
+    def written(self, path: str) -> str:
+        """The name in the composed robot of an element by its path in the part: ``tcp``, ``hand/tcp``, ``hand``."""
+        by_name = {module.name: module for module in self.robot.modules}
+        if path in by_name:
+            return by_name[path].links[0]
+        inner, _, name = path.rpartition("/")
+        return (by_name[inner].prefix if inner in by_name else self.prefix) + name
+
+    def local(self, name: str) -> str:
+        """The name in the part's own file of one of its elements."""
+        return name.removeprefix(self.prefix)
+
+
+class Parts:
+    """Makes each module of a sidecar a part.
+
+    Args:
+        sidecar: The composing file.
+        robots: The robot of each module that names a file, as it is alone.
+        found: Receives SB158 to SB163 and SB167.
+    """
+
+    def __init__(self, sidecar: Sidecar, robots: Mapping[str, Robot], found: Diagnostics) -> None:
+        self._sidecar, self._robots, self._found = sidecar, robots, found
+        self._sections = sidecar.document.modules
+
+    def all(self) -> dict[str, Part]:
+        """The parts by module name, without those that have errors."""
+        parts = {name: self._part(name, section) for name, section in self._sections.items()}
+        return {name: part for name, part in parts.items() if part is not None}
+
+    def _part(self, name: str, section: ModuleSection) -> Part | None:
+        origin = section.mirror_of or name
+        robot = self._robots.get(origin)
+        if robot is None:
+            return None
+        of = self._sections[origin]
+        robot = self._without(origin, robot, of.without)
+        robot = self._home(origin, robot, of)
+        normal = (section.mirror or "y") if section.mirror_of else section.mirror or ""
+        if normal:
+            robot = self._mirrored(name, robot, normal, section)
+        if section.mirror_of:
+            robot = self._home(name, self._without(name, robot, section.without), section)
+        prefix = f"{name}_" if section.prefix is None else section.prefix
+        return Part(_with_prefix(robot, prefix), prefix, robot.source, normal)
+
+    def _without(self, name: str, robot: Robot, names: tuple[str, ...]) -> Robot:
+        known = {one.name for kind in elements(robot).values() for one in kind} - {robot.root.name}
+        for index, one in enumerate(names):
+            if one not in known:
+                what = "is the root link" if one == robot.root.name else "no such link, joint, frame or device"
+                self._unknown(name, ("without", index), one, what, sorted(known))
+        try:
+            return without(robot, {one for one in names if one in known})
+        except StillFollowed as followed:
+            message = (
+                f"module '{name}': without: joint '{followed.joint}' mimics '{followed.leader}', which is left out"
+            )
+            help = [f"leave out '{followed.joint}', too"]
+            self._found.add("SB161", message, self._sidecar.span("modules", name, "without"), help=help)
+            return robot
+
+    def _home(self, name: str, robot: Robot, section: ModuleSection) -> Robot:
+        """The robot in the pose of `home`; mimics follow, and loops stay closed."""
+        if not section.home:
+            return robot
+        known, given = coordinates(robot), {}
+        for joint, position in section.home.items():
+            keys = ("home", joint)
+            if joint not in known:
+                self._unknown(name, keys, joint, "no such moving joint", list(known))
+            elif leader_of(robot, joint) != joint:
+                help = [f"set '{leader_of(robot, joint)}', which it follows"]
+                self._wrong_home(name, keys, f"joint '{joint}' is a mimic", help)
+            else:
+                given[joint] = position.value
+        try:
+            pose = posed(robot, given)
+        except NotReached as end:
+            reached = ", ".join(f"'{joint}' at {q:g}" for joint, q in end.reached.items())
+            help = ["give the driven joints alone; those that loops move follow from them"]
+            self._wrong_home(name, ("home",), f"the loops do not close there; the nearest pose has {reached}", help)
+            return robot
+        moved = replace(
+            robot, joints=tuple(replace(j, drawn_position=pose.get(j.name, j.drawn_position)) for j in robot.joints)
+        )
+        if not within_limits(moved, pose):
+            limits = {joint: known[joint].limit for joint in given}
+            outside = [f"'{joint}' ({one.lower:g} to {one.upper:g})" for joint, one in limits.items()]
+            help = ["choose positions within the limits"]
+            self._wrong_home(name, ("home",), f"outside the limits of a joint: {', '.join(outside)}", help)
+        return moved
+
+    def _mirrored(self, name: str, robot: Robot, normal: str, section: ModuleSection) -> Robot:
+        image = mirrored(robot, normal)
+        names = [joint.name for joint in robot.joints]
+        of = section.mirror_of or ""
+        above = [image_name(joint, of, name) for joint in self._above(of)]
+        for index, pattern in enumerate(section.flip):
+            one = flipped(image, [pattern])
+            if one.joints == image.joints and not any(fnmatchcase(joint, pattern) for joint in above):
+                self._unknown(name, ("flip", index), pattern, "matches no joint that moves", names)
+            image = one
+        span = self._sidecar.key_span("modules", name)
+        threads = [joint.name for joint in robot.joints if joint.pitch]
+        if threads:
+            message = f"module '{name}': mirrored threads are left-handed: {_listed(threads)}"
+            help = ["describe the joint in the composing file if the spindle is a bought one"]
+            self._found.add("SB158", message, span, help=help)
+        names = [*robot.link_by_name, *robot.joint_by_name]
+        sided = [one for one in names if any(side in one.lower() for side in _SIDES)]
+        if sided:
+            message = f"module '{name}': names of a mirrored module contain a side: {_listed(sided)}"
+            self._found.add("SB167", message, span, help=["name them without a side in the module's file"])
+        parts = unsymmetric(robot, image)
+        if parts:
+            message = f"module '{name}': not their own mirror image: {_listed(parts)}"
+            self._found.add("SB169", message, span)
+        return image
+
+    def _above(self, module: str) -> list[str]:
+        joints = self._sidecar.document.joints.items()
+        return [name for name, joint in joints if module and joint.child.partition("/")[0] == module]
+
+    def _wrong_home(self, name: str, keys: tuple[str, ...], what: str, help: list[str]) -> None:
+        place = self._sidecar.span("modules", name, *keys)
+        self._found.add("SB163", f"module '{name}': home: {what}", place, help=help)
+
+    def _unknown(self, name: str, keys: tuple[str | int, ...], one: str, what: str, known: list[str]) -> None:
+        near = did_you_mean(one, known) or (f"known: {_listed(known)}",)
+        message = f"module '{name}': {keys[0]}: '{one}': {what} in '{self._robots_file(name)}'"
+        self._found.add("SB160", message, self._sidecar.span("modules", name, *keys), help=near)
+
+    def _robots_file(self, name: str) -> str:
+        section = self._sections[name]
+        origin = self._sections[section.mirror_of] if section.mirror_of else section
+        return origin.file or name
+
+
+def _with_prefix(robot: Robot, prefix: str) -> Robot:
+    def prefixed(name: str) -> str:
+        return prefix + name
+
+    named = renamed(
+        robot,
+        link=prefixed,
+        joint=prefixed,
+        closure=prefixed,
+        frame=prefixed,
+        actuator=prefixed,
+        sensor=prefixed,
+        visual=prefixed,
+        collision=prefixed,
+    )
+    inner = tuple(replace(one, prefix=prefix + one.prefix) for one in named.modules)
+    return replace(named, modules=inner)
+
+
+def image_name(joint: str, of: str, name: str) -> str:
+    """The name of the image of a joint above module ``of``, for its mirror image ``name``."""
+    return joint.replace(of, name) if of in joint else f"{name}_{joint}"
+
+
+def module_record(name: str, part: Part, at: str) -> tuple[Module, ...]:
+    """What the composed robot records of a part, and of the modules in it."""
+    links = tuple(link.name for link in part.robot.links)
+    own = Module(name, part.file, part.prefix, links, at, part.mirror)
+    return own, *(replace(one, name=f"{name}/{one.name}") for one in part.robot.modules)
+
+
+def _listed(names: "list[str] | tuple[str, ...]") -> str:
+    shown = ", ".join(f"'{name}'" for name in names[:_MOST_LISTED])
+    return shown + (f" and {len(names) - _MOST_LISTED} more" if len(names) > _MOST_LISTED else "")

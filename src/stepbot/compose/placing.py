@@ -1,0 +1,260 @@
+"""Where each part of a composed robot is attached: one root, and everything else on a port or below a joint."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
+
+import numpy as np
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.geometry.spatial import IDENTITY, Array, Pose, tidy
+from stepbot.robot.model import Joint, JointKind, Mimic, Robot
+from stepbot.sidecar.document import AutoOrigin, JointSection
+from stepbot.sidecar.joint_settings import joint_dynamics, joint_limits
+from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.modules import ModuleSection
+from stepbot.sidecar.own_part import TIE
+
+from .mirroring import NORMALS, conjugated, flipped, mirrored
+from .parts import Part, image_name
+from .ports import Port, Ports, moved_by
+
+
+@dataclass(frozen=True)
+class Mount:
+    """A joint that attaches a part: a weld at a port, or a joint of the composing file."""
+
+    joint: Joint
+    """Its child is the root link of the part."""
+    X_RC: Pose = IDENTITY
+    """Pose in the root link, as the part has it, of the frame that the joint moves: the root link's new frame."""
+
+
+class Places:
+    """Finds the place of every part.
+
+    Args:
+        sidecar: The composing file.
+        own: Its own links, tied together by joints whose names begin with :data:`TIE`, or None.
+        parts: Its modules.
+        ports: Resolves references.
+        found: Receives SB153, SB154, SB156, SB157 and SB159.
+    """
+
+    def __init__(
+        self, sidecar: Sidecar, own: Robot | None, parts: Mapping[str, Part], ports: Ports, found: Diagnostics
+    ) -> None:
+        self._sidecar, self._own, self._parts, self._ports, self._found = sidecar, own, parts, ports, found
+        self._document = sidecar.document
+        joints = own.joints if own is not None else ()
+        self._own_roots = [own.root.name] if own is not None else []
+        self._own_roots += [joint.child for joint in joints if joint.name.startswith(TIE)]
+        self._of_root = {part.robot.root.name: name for name, part in parts.items()}
+        self.mounts: dict[str, Mount] = {}
+        """The joint above each root link that has one, by the link, in the order of the sidecar."""
+
+    def find(self) -> str | None:
+        """Fill :attr:`mounts`, and return the root link of the whole; None after errors."""
+        for name, section in self._document.joints.items():
+            if not (self._own is not None and name in self._own.joint_by_name):
+                self._joint(name, section)
+        for name, module in self._document.modules.items():
+            if name in self._parts:
+                self._module(name, module)
+        return None if self._found.has_errors else self._root()
+
+    def is_root_part(self, module: str) -> bool:
+        """Whether a module has neither a port nor a joint: it can only be the root."""
+        section = self._document.modules[module]
+        return not (section.at or section.mirror_of or self._joints_above(module))
+
+    def _joints_above(self, module: str) -> list[str]:
+        joints = self._document.joints.items()
+        return [name for name, joint in joints if joint.child.partition("/")[0] == module]
+
+    def _module(self, name: str, section: ModuleSection) -> None:
+        above, keys = self._joints_above(name), ("modules", name, "at")
+        if section.at is not None:
+            if above:
+                message = f"module '{name}': placed by `at` and by joint '{above[0]}'"
+                self._found.add("SB156", message, self._sidecar.span(*keys), help=["remove one of them"])
+                return
+            port = self._ports.port(section.at, keys)
+            if port is not None:
+                self._weld(name, section, port, moved_by(section.offset))
+        elif section.mirror_of and not above:
+            self._mirror(name, section)
+
+    def _weld(self, name: str, section: ModuleSection, port: Port, offset: Pose) -> None:
+        root = self._parts[name].robot.root.name
+        by = section.by or (self._document.modules[section.mirror_of].by if section.mirror_of else None)
+        X_RB = self._of_part(name, by, ("modules", name, "by")) if by else IDENTITY
+        if X_RB is not None:
+            X_PC = tidy(port.X_LP @ offset @ X_RB.inverse())
+            self._attach(root, Mount(Joint(f"{name}_mount", JointKind.FIXED, port.link, root, X_PC)), name)
+
+    def _of_part(self, name: str, local: str, keys: tuple[str, ...]) -> Pose | None:
+        """The pose in a part's root link of one of its own ports; None after a diagnostic."""
+        port = self._ports.port(f"{name}/{local}", keys)
+        return None if port is None else self._in_root(port, f"module '{name}'", keys)
+
+    def _in_root(self, port: Port, who: str, keys: tuple[str, ...]) -> Pose | None:
+        root, X_RL = self._ports.rigid(port.link)
+        if root in self._of_root or root in self._own_roots:
+            return X_RL @ port.X_LP
+        message = f"{who}: '{port.link}' moves relative to the root link of its part"
+        help = ["attach it by a port that is fixed to its root link, or close the loop by a closure"]
+        self._found.add("SB153", message, self._sidecar.span(*keys), help=help)
+        return None
+
+    def _joint(self, name: str, section: JointSection) -> None:
+        keys = ("joints", name)
+        parent = self._ports.port(section.parent, (*keys, "parent"))
+        child = self._ports.port(section.child, (*keys, "child"))
+        offset = self._offset(name, section)
+        if parent is None or child is None or offset is None:
+            return
+        X_RC = self._in_root(child, f"joint '{name}'", (*keys, "child"))
+        if X_RC is not None:
+            root, _ = self._ports.rigid(child.link)
+            joint = self._joint_of(name, section, parent.link, root, tidy(parent.X_LP @ offset))
+            self._attach(root, _mount(joint, X_RC), name)
+
+    def _joint_of(self, name: str, section: JointSection, parent: str, child: str, X_PC: Pose) -> Joint:
+        mimic = section.mimic
+        leader = None if mimic is None else self._ports.joint(mimic.joint, ("joints", name, "mimic", "joint"))
+        return Joint(
+            name,
+            section.type,
+            parent,
+            child,
+            X_PC,
+            axis=section.axis,
+            axis2=section.axis2 or Joint.axis2,
+            limit=joint_limits(self._document, name),
+            dynamics=joint_dynamics(self._document, name),
+            mimic=None if mimic is None or leader is None else Mimic(leader, mimic.multiplier, mimic.offset.value),
+            pitch=section.pitch or 0.0,
+            drawn_position=section.zero.value,
+        )
+
+    def _offset(self, name: str, section: JointSection) -> Pose | None:
+        if section.origin == "auto":
+            return IDENTITY
+        if isinstance(section.origin, AutoOrigin) and section.origin.radius is None and section.origin.near is None:
+            return moved_by(section.origin.offset)
+        message = f"joint '{name}': origin: its links are not in one assembly"
+        help = ["leave out `origin`: the ports coincide; `frames` can add a port, `origin: {offset: ...}` moves it"]
+        self._found.add("SB157", message, self._sidecar.span("joints", name, "origin"), help=help)
+        return None
+
+    def _mirror(self, name: str, section: ModuleSection) -> None:
+        """Attach a module at the mirror image of the place of another one."""
+        of = str(section.mirror_of)
+        original = self._document.modules[of]
+        m = np.array(NORMALS[section.mirror or "y"])
+        if original.at is not None:
+            port = self._image_port(name, original.at, ("modules", of, "at"), moved_by(original.offset), m)
+            if port is not None:
+                self._weld(name, section, port, moved_by(section.offset))
+        for above in self._joints_above(of):
+            joint = self._document.joints[above]
+            offset = self._offset(above, joint)
+            port = None
+            if offset is not None:
+                port = self._image_port(name, joint.parent, ("joints", above, "parent"), offset, m)
+            local = joint.child.partition("/")[2]
+            X_RC = self._of_part(name, local, ("joints", above, "child")) if local else IDENTITY
+            if port is None or X_RC is None:
+                continue
+            root = self._parts[name].robot.root.name
+            made = self._joint_of(above, joint, port.link, root, IDENTITY)
+            image = _mirrored_joint(replace(made, name=image_name(above, of, name)), section)
+            self._attach(root, _mount(replace(image, X_PC=tidy(port.X_LP)), X_RC), name)
+
+    def _image_port(self, name: str, reference: str, keys: tuple[str, ...], offset: Pose, m: Array) -> Port | None:
+        """The mirror image of a port: on the mirror image of its module, or in its own link, which is in the middle."""
+        module, _, path = reference.partition("/")
+        images = [one for one, section in self._document.modules.items() if section.mirror_of == module]
+        if images:
+            port = self._ports.port(f"{images[0]}/{path}" if path else images[0], keys)
+            return None if port is None else Port(port.link, port.X_LP @ conjugated(offset, m))
+        if module in self._document.modules and not self.is_root_part(module):
+            of = self._document.modules[name].mirror_of
+            message = f"module '{name}': mirror_of: '{of}' is at {reference}, and nothing mirrors '{module}'"
+            help = [f"add a module with `mirror_of: {module}`, or give `at`"]
+            self._found.add("SB159", message, self._sidecar.span("modules", name, "mirror_of"), help=help)
+            return None
+        port = self._ports.port(reference, keys)
+        return None if port is None else Port(port.link, conjugated(port.X_LP @ offset, m))
+
+    def _attach(self, root: str, mount: Mount, who: str) -> None:
+        if root in self.mounts:
+            first = self.mounts[root].joint.name
+            message = f"{self._label(root)}: placed by '{first}' and by '{mount.joint.name}'"
+            place = self._sidecar.key_span("joints" if who in self._document.joints else "modules", who)
+            help = ["remove one of them, or make one of the joints a closure"]
+            self._found.add("SB156", message, place, help=help)
+            return
+        self.mounts[root] = mount
+
+    def _root(self) -> str | None:
+        roots = [root for root in (*self._own_roots, *self._of_root) if root not in self.mounts]
+        if len(roots) == 1:
+            return self._reaching(roots[0])
+        if not roots:
+            message = "modules: each is attached to another one, and none is the root"
+            help = ["remove `at` of the module that stands by itself"]
+            self._found.add("SB154", message, self._sidecar.key_span("modules"), help=help)
+        for root in roots[1:]:
+            message = f"{self._label(root)}: no place; only one part can be the root, and {self._label(roots[0])} is"
+            place = self._sidecar.key_span("modules", self._of_root[root]) if root in self._of_root else None
+            help = ["`at: LINK_OR_FRAME` fixes it to a port; a joint with it as its child moves it"]
+            self._found.add("SB154", message, place or self._sidecar.key_span("links", root), help=help)
+        return None
+
+    def _reaching(self, root: str) -> str | None:
+        """The root, if every part is below it; parts in a ring are not."""
+        reached: set[str] = {root}
+        waiting = dict(self.mounts)
+        while True:
+            new = [one for one, mount in waiting.items() if self._part_root(mount.joint.parent) in reached]
+            if not new:
+                break
+            reached.update(new)
+            for one in new:
+                del waiting[one]
+        for one in waiting:
+            message = f"{self._label(one)}: attached in a circle"
+            place = self._sidecar.key_span("modules", self._of_root[one]) if one in self._of_root else None
+            self._found.add(
+                "SB154", message, place or self._sidecar.key_span("links", one), help=["attach one of them to the root"]
+            )
+        return None if waiting else root
+
+    def _part_root(self, link: str) -> str:
+        for root, name in self._of_root.items():
+            if link in self._parts[name].robot.link_by_name:
+                return root
+        above = {} if self._own is None else {joint.child: joint for joint in self._own.joints}
+        while link in above and not above[link].name.startswith(TIE):
+            link = above[link].parent
+        return link
+
+    def _label(self, root: str) -> str:
+        return f"module '{self._of_root[root]}'" if root in self._of_root else f"link '{root}'"
+
+
+def _mirrored_joint(joint: Joint, section: ModuleSection) -> Joint:
+    """The image of one joint: its axis, and with `flip` its positive direction."""
+    alone = Robot(joint.name, (), (joint,))
+    image = mirrored(alone, section.mirror or "y")
+    flips = [one for one in section.flip if fnmatchcase(joint.name, one)]
+    return (flipped(image, flips) if flips else image).joints[0]
+
+
+def _mount(joint: Joint, X_RC: Pose) -> Mount:
+    """A fixed joint keeps the frame of the root link; one that moves needs it on its axis."""
+    if joint.kind is JointKind.FIXED:
+        return Mount(replace(joint, X_PC=tidy(joint.X_PC @ X_RC.inverse())))
+    return Mount(joint, tidy(X_RC))

@@ -1,0 +1,73 @@
+"""Which links of a sidecar's or a description's robot can overlap, for its own sake."""
+
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+
+from stepbot.diagnostics import Diagnostics, Ignore, Span, StepbotError
+from stepbot.robot.model import Robot
+from stepbot.robot.self_collision import PairClass
+from stepbot.sidecar.self_collision import SelfCollisionSection
+
+from .building import build
+from .composing import compose
+from .conversion import Options
+from .describing import described_robot
+from .loading import Loading
+from .self_collisions import by_depth, with_self_collision
+from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
+
+
+def search(
+    target: Path, samples: int | None, options: Options, found: Diagnostics, progress: Callable[[str], None]
+) -> Robot | None:
+    """The robot of a sidecar, or of a URDF, SDFormat or MJCF, with the links that can overlap; None after an error.
+
+    Args:
+        target: The sidecar, or the description.
+        samples: Number of poses; None for the sidecar's, or the default.
+        options: Cache and limits.
+        found: Receives the diagnostics.
+        progress: Called at the start of each stage.
+    """
+    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
+    wanted: SelfCollisionSection | None = None
+    try:
+        if target.suffix.lower() in SIDECAR_SUFFIXES:
+            robot, wanted = _built(target, options, found)
+        else:
+            described = described_robot(target, options, found, drawn=False)
+            if described is None:
+                return None
+            robot = described
+        progress("self-collision")
+        wanted = wanted or SelfCollisionSection()
+        if samples is not None:
+            wanted = wanted.model_copy(update={"samples": samples})
+        robot = with_self_collision(robot, wanted, options, found)
+    except StepbotError as error:
+        found.extend(error.diagnostics)
+        return None
+    stated = set(map(frozenset, robot.excluded_contacts))
+    for pair in robot.self_collision.of_class(PairClass.SOMETIMES) if robot.self_collision else ():
+        if pair.first == 0 and pair.links not in stated:
+            message = f"links '{pair.link_a}' and '{pair.link_b}' overlap{by_depth(pair)} in the drawn pose"
+            found.add("SB810", message, Span(robot.source or robot.name))
+    return None if robot.self_collision is None else robot
+
+
+def _built(path: Path, options: Options, found: Diagnostics) -> tuple[Robot, SelfCollisionSection | None]:
+    """The robot of a sidecar, and what the sidecar requests.
+
+    Raises:
+        StepbotError: There are errors.
+    """
+    sidecar = load(path, options, found)
+    if sidecar.document.modules:
+        return compose(sidecar, options, found).robot, sidecar.document.self_collision
+    with closing(Loading(named_step(sidecar, found), what_to_read(sidecar, options), options, found)) as loading:
+        built = build(sidecar, loading.assembly(found), loading, options, found)
+        found.raise_if_errors()
+        assert built is not None  # a missing robot always has an error
+        built.double_counting.report(options.timeout)
+    return built.robot, sidecar.document.self_collision

@@ -1,0 +1,37 @@
+"""Modules: other robots that a robot is composed of."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from .origins import Offset
+from .quantities import JointPosition
+from .section import Name, Reference, Section
+
+Prefix = Annotated[str, Field(max_length=100, pattern="^[^/<>&\"'\\x00-\\x1f\\x7f]*$")]
+"""Text in front of names; empty for the names as they are."""
+
+
+class ModuleSection(Section):
+    """A robot that is a part of this one."""
+
+    file: Annotated[str, Field(min_length=1, max_length=4000)] | None = None
+    """A sidecar, URDF, SDFormat, MJCF or STEP file, relative to this file; of a STEP, all parts are one link."""
+    at: Reference | None = None
+    """The link or frame that it is fixed to, here or in another module; by default it is the root or has a joint."""
+    by: Reference | None = None
+    """Its own link or frame that coincides with `at`; by default its root link."""
+    offset: Offset | None = None
+    """An additional pose, relative to `at`."""
+    prefix: Prefix | None = None
+    """Text in front of all its names; by default its name here and `_`."""
+    mirror_of: Name | None = None
+    """Another module here: the same robot, mirrored, at the mirrored place."""
+    mirror: Literal["x", "y", "z"] | None = None
+    """Mirrors it through this plane of its root link's frame; of `mirror_of`, the plane's normal, by default y."""
+    flip: tuple[Annotated[str, Field(min_length=1, max_length=200)], ...] = ()
+    """Patterns of joints of a mirrored module whose positive direction is reversed."""
+    home: dict[Name, JointPosition] = Field(default_factory=dict)
+    """Initial positions [rad or m] of its joints, by their names in its own file; others keep theirs."""
+    without: tuple[Name, ...] = ()
+    """Links of its own file to leave out with everything below them, and joints, frames, actuators, sensors."""
