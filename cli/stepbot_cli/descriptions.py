@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable
 from functools import wraps
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,13 @@ _base_option = click.option(
     "--base",
     type=click.Choice(["fixed", "floating"]),
     help="Whether the base of a converted URDF is fixed to the world: the format does not say.",
+)
+_inertia_option = click.option(
+    "--assume-inertia",
+    metavar="DENSITY",
+    callback=lambda _context, _parameter, text: _density(text),
+    help="Compute mass properties that a description lacks, or states impossibly, from its geometry and this density: "
+    "1000, '2.7 g/cm^3'. Each is reported.",
 )
 folders_option = click.option(
     "--package-path",
@@ -38,13 +46,28 @@ def package_path_option(command: Callable[..., int]) -> Callable[..., int]:
 
 
 def description_options(command: Callable[..., int]) -> Callable[..., int]:
-    """Add ``--base`` and ``--package-path``, too."""
+    """Add ``--base``, ``--assume-inertia`` and ``--package-path``, too."""
 
     @wraps(command)
-    def with_base(*, options: "Options", base: str | None, **others: Any) -> int:
-        return command(options=options._replace(base=base or ""), **others)
+    def with_settings(*, options: "Options", base: str | None, assume_inertia: float, **others: Any) -> int:
+        return command(options=options._replace(base=base or "", assume_inertia=assume_inertia), **others)
 
-    return package_path_option(_base_option(with_base))
+    return package_path_option(_base_option(_inertia_option(with_settings)))
+
+
+def _density(text: str | None) -> float:
+    """A density [kg/m^3], as in a sidecar; 0 for none."""
+    if text is None:
+        return 0.0
+    from stepbot.sidecar.units import DENSITY, UnitError, read_quantity
+
+    try:
+        density = read_quantity(text, DENSITY).value
+    except UnitError as error:
+        raise click.BadParameter(str(error)) from error
+    if not 0.0 < density < inf:
+        raise click.BadParameter(f"'{text}' is not a density above 0")
+    return density
 
 
 def reject_descriptions(what: str, paths: Iterable[Path]) -> None:

@@ -36,6 +36,7 @@ def convert(
     gazebo: bool = False,
     base: str = "",
     package_path: AnyPath | Iterable[AnyPath] = (),
+    assume_inertia: float = 0.0,
 ) -> Conversion:
     """Convert the robot that a sidecar describes, verify the files, and write them: ``stepbot convert``.
 
@@ -60,6 +61,8 @@ def convert(
         gazebo: Make ``output`` a Gazebo model, found by the name of the folder.
         base: ``fixed`` or ``floating``, for a URDF, which does not say; empty for fixed, with a warning.
         package_path: Folder, or several, of the packages that a URDF, SDFormat or MJCF names in ``package://`` and ``model://``.
+        assume_inertia: Density [kg/m^3] from which links of a URDF, SDFormat or MJCF without possible mass properties
+            get some from their geometry, each reported; 0 to reject such files.
 
     Returns:
         The files by path relative to ``output``, the report, and the diagnostics. After an error the previous files in
@@ -98,6 +101,7 @@ def convert(
         gazebo=model_name(folder, written) if gazebo else "",
         base=base,
         package_path=tuple(map(Path, several(package_path))),
+        assume_inertia=assume_inertia,
     )
     return convert_unless_unchanged(path, options)
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from stepbot.engines.observation import Quantity
 
+ASSUMED = "SB875"
 LOST = "SB860"
 MESH = "SB861"
 UNSUPPORTED = "SB862"

@@ -53,6 +53,8 @@ class Options(NamedTuple):
     """Folders of the packages that a source names in ``package://`` and ``model://``."""
     base: str = ""
     """``fixed`` or ``floating``, for a source that does not say which: a URDF; empty for fixed."""
+    assume_inertia: float = 0.0
+    """Density [kg/m^3] from which links of a description without possible mass properties get some; 0 for none."""
     ros2: bool = False
     """Whether to add the files that make the output folder this package, and to search for links that can overlap."""
     maintainer: str = ""

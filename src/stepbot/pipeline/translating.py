@@ -9,6 +9,8 @@ from contextlib import ExitStack, closing
 from dataclasses import replace
 from pathlib import Path
 
+from stepbot.described.assumed import lacking, with_assumed
+from stepbot.described.finding import ASSUMED, Finding
 from stepbot.described.inertials import check_inertials
 from stepbot.described.robot import Described, robot_of_description
 from stepbot.diagnostics import Diagnostics, Ignore, Span
@@ -23,6 +25,7 @@ from stepbot.robot.model import Actuator, ActuatorKind, Base, Robot
 from stepbot.robot.validity import check_robot
 from stepbot.runtime.file import resolved
 from stepbot.runtime.fork_server import ForkServer
+from stepbot.runtime.worker import Worker
 from stepbot.sidecar.self_collision import SelfCollisionSection
 from stepbot.verification.joint_rows import joint_rows
 
@@ -136,10 +139,13 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
     if description.plain_meshes:
         meshes = ", ".join(f"'{uri}'" for uri in description.plain_meshes)
         found.add("SB872", f"textures or further colours of meshes not converted: {meshes}", span)
+    if options.assume_inertia:
+        described = _with_assumed(described, options)
     for one in described.findings:
         found.add(one.code, one.text, span)
-    if description.assumed:
-        links = ", ".join(f"'{link}'" for link in description.assumed)
+    computed = {one.text.split("'")[1] for one in described.findings if one.code == ASSUMED}
+    links = ", ".join(f"'{link}'" for link in description.assumed if link not in computed)
+    if links:
         taken = _ASSUMED[description.observation.format]
         found.add("SB867", f"mass properties not given in the file: {links}", span, notes=[taken])
     for limit in description.open_limits:
@@ -155,6 +161,15 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
     found.raise_if_errors()
     robot = _tuned(described.robot, span, found)
     return robot, replace(described, robot=robot)
+
+
+def _with_assumed(described: Described, options: Options) -> Described:
+    """The robot with mass properties from its geometry where the file states none that are possible."""
+    robot, findings = described.robot, list[Finding]()
+    with Worker("stepbot.described.assumed:solids_of", memory_limit=options.memory_limit) as worker:
+        solids = worker.submit(lacking(robot)).result(options.timeout)
+    robot = with_assumed(robot, solids, options.assume_inertia, findings)
+    return replace(described, robot=robot, findings=(*described.findings, *findings))
 
 
 def _tuned(robot: Robot, span: Span, found: Diagnostics) -> Robot:

@@ -42,6 +42,7 @@ CLOSURE_ANGLE = 1e-3
 """Maximum angle [rad] of a closure as drawn; CAD models align parallel pins no better."""
 
 _CHECK = ("check its numbers and their units in the source; masses follow from densities, also those in a STEP file",)
+_ASSUME = "`--assume-inertia DENSITY` computes them from its geometry"
 _UNIT_SLACK = 1e-9
 _TRIANGLE_SLACK = 1e-6
 
@@ -223,10 +224,11 @@ def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> No
     for link in robot.links:
         fault = inertia_fault(link.mass_properties)
         if fault:
+            solids = "solids without one are open or self-intersecting: repair them in CAD"
             report(
                 "SB509",
                 f"link '{link.name}': {fault}",
-                help=("correct its `inertial`; solids without one are open or self-intersecting: repair them in CAD",),
+                help=(f"correct its `inertial`; {_ASSUME if massless_between else solids}",),
                 about=f"link '{link.name}': inertial",
             )
 
@@ -248,7 +250,7 @@ def _report_massless(members: list[Link], report: Report, *, described: bool) ->
     elif described:
         why, help = (
             "its mass is 0",
-            "give it a mass and an inertia in the source, or fix it to another link or the world",
+            f"give it a mass and an inertia in the source, or fix it to another link or the world; {_ASSUME}",
         )
     else:
         why = "it has no parts"

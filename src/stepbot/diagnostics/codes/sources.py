@@ -129,4 +129,14 @@ CODES: tuple[Code, ...] = (
         "Readers of URDF differ: without both, PyBullet and MuJoCo let the joint move freely, ROS rejects the file or locks the joint.",
         "State `lower` and `upper`, or give a revolute joint that turns without end the type `continuous`.",
     ),
+    Code(
+        "SB875",
+        "warning",
+        "mass properties assumed",
+        "`--assume-inertia` is given, and the converted file states no mass properties of a link, or impossible ones. They are "
+        "computed from the link's collisions, or else its visuals, as solids of the density; meshes that are not closed count as "
+        "their convex hulls. A mass and a com that the file states are kept.",
+        "Masses of hollow parts are too large. Simulations move, and controllers act, as for these values.",
+        "Measure or compute the mass properties, and state them in the source.",
+    ),
 )

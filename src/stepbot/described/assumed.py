@@ -1,0 +1,140 @@
+"""Mass properties assumed from geometry and a density, where the user asks for them.
+
+Links whose stated inertia is impossible keep their mass and centre of mass. Links of a rigid body in which nothing has
+mass get the mass of their collisions, or else of their visuals; a mesh that is not closed counts as its convex hull.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import pi
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stepbot.engines.observation import Quantity
+from stepbot.geometry.inertia import MassProperties, combined
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.primitives import Primitive
+from stepbot.geometry.spatial import Array, Pose, dot
+from stepbot.geometry.volume import VolumeProperties
+from stepbot.robot.kinematics import rigid_bodies
+from stepbot.robot.model import Base, Collision, Link, MeshRef, Robot, Visual
+from stepbot.robot.validity import inertia_fault
+
+from .finding import ASSUMED, Finding
+
+_DIFFERS = (
+    *(Quantity.MASS, Quantity.COM, Quantity.INERTIA),
+    *(Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS),
+)
+_LEAST = 1e-6
+"""Volume [m^3] of a link without geometry: a cubic centimetre."""
+_MOST_UNEVEN = 1e-6
+"""Least ratio of principal moments: that of a flatter shape is of rounding errors."""
+Shapes = Sequence[tuple[TriMesh | Primitive, Pose]]
+
+
+def lacking(robot: Robot) -> dict[str, Shapes]:
+    """The links that need assumed mass properties, and the shapes to compute them from, in the frame of the link."""
+    bodies = rigid_bodies(robot.root.name, robot.joints)
+    heavy = {bodies[link.name] for link in robot.links if link.mass_properties.mass > 0.0}
+    found: dict[str, Shapes] = {}
+    for link in robot.links:
+        shapes: Sequence[Collision | Visual] = link.collisions or link.visuals
+        light = bodies[link.name] not in heavy and (shapes or link.mass_properties.mass < 0.0)
+        if light or inertia_fault(link.mass_properties):
+            found[link.name] = [(_geometry(shape, robot), shape.X_LG) for shape in shapes]
+    return found | {name: [] for name in _bare(robot, bodies, heavy, found)}
+
+
+def _bare(robot: Robot, bodies: Mapping[str, str], heavy: set[str], found: Mapping[str, Shapes]) -> list[str]:
+    """Moving links that have neither mass nor geometry, and carry none."""
+    weighed = heavy | {bodies[name] for name in found}
+    above = {joint.child: bodies[joint.parent] for joint in robot.joints}
+    carrying = set(weighed)
+    for body in reversed(list(dict.fromkeys(bodies.values()))):
+        if body in carrying and body in above:
+            carrying.add(above[body])
+    root, floats = robot.root.name, robot.base is Base.FLOATING
+    light = [body for body in dict.fromkeys(bodies.values()) if body not in weighed]
+    return [body for body in light if (floats if body == root else body not in carrying)]
+
+
+def _geometry(shape: Collision | Visual, robot: Robot) -> TriMesh | Primitive:
+    if isinstance(shape.geometry, MeshRef):
+        return robot.mesh_by_name[shape.geometry.name].mesh
+    return shape.geometry
+
+
+def solids_of(links: Mapping[str, Shapes]) -> dict[str, MassProperties]:
+    """Mass properties of each link at 1 kg/m^3; without mass where its shapes have no volume. For a worker process."""
+    return {name: combined([_solid(geometry).moved(X_LG) for geometry, X_LG in of]) for name, of in links.items()}
+
+
+def _solid(geometry: TriMesh | Primitive) -> MassProperties:
+    """Mass properties of a solid, or of the hull of an open mesh, at 1 kg/m^3."""
+    from stepbot.geometry.solids.manifolds import mesh_arrays
+    from stepbot.geometry.solids.shape_manifolds import of_same_volume
+
+    solid = of_same_volume(geometry)
+    if not solid.volume() > 0.0:
+        return MassProperties()
+    vertices, faces = mesh_arrays(solid)
+    return _integrated(vertices, faces)
+
+
+def _integrated(vertices: Array, faces: NDArray[np.int64]) -> MassProperties:
+    """Mass properties at 1 kg/m^3 of a closed surface, as the sum of tetrahedra from its centre (n,)."""
+    center = vertices.mean(axis=0)
+    a, b, c = (vertices[faces[:, i]] - center for i in range(3))
+    volumes = dot(a, np.cross(b, c)) / 6.0
+    volume = float(volumes.sum())
+    total = a + b + c
+    com = (volumes[:, None] * total).sum(axis=0) / (4.0 * volume)
+    products = sum(p[:, :, None] * p[:, None, :] for p in (a, b, c, total))
+    second = (volumes[:, None, None] * products).sum(axis=0) / 20.0 - volume * com[:, None] * com[None, :]
+    inertia = np.trace(second) * np.eye(3) - second
+    return VolumeProperties.rounded(volume, com + center, inertia).unit_density
+
+
+def with_assumed(robot: Robot, solids: Mapping[str, MassProperties], density: float, found: list[Finding]) -> Robot:
+    """The robot with assumed mass properties; each is listed.
+
+    Args:
+        robot: The robot.
+        solids: For each link that lacks them, those of its geometry at 1 kg/m^3 (:func:`solids_of`).
+        density: [kg/m^3].
+        found: Receives what was assumed.
+    """
+    links = tuple(
+        _assumed(link, solids[link.name], density, found) if link.name in solids else link for link in robot.links
+    )
+    return replace(robot, links=links)
+
+
+def _assumed(link: Link, solid: MassProperties, density: float, found: list[Finding]) -> Link:
+    given = link.mass_properties
+    has_shape = solid.mass > 0.0 and _is_even(solid)
+    what = "its geometry" if has_shape else "a ball, without geometry,"
+    at = f"at {density:g} kg/m^3"
+    if given.mass > 0.0:
+        made = solid if has_shape else _ball(given.mass / density)
+        made = replace(made.scaled(given.mass / made.mass), mass=given.mass, com=given.com)
+        text = f"inertia assumed to be that of {what} {at}; mass and com are those of the file"
+    else:
+        made = (solid if has_shape else _ball(_LEAST)).scaled(density)
+        text = f"{made.mass:.4g} kg, com and inertia assumed to be those of {what} {at}"
+    found.append(Finding(ASSUMED, f"link '{link.name}': {text}", _DIFFERS))
+    return replace(link, mass_properties=made)
+
+
+def _is_even(solid: MassProperties) -> bool:
+    """Whether a computed inertia is one of a body, and not of rounding errors."""
+    moments = np.linalg.eigvalsh(np.array(solid.inertia))
+    return bool(moments[0] > _MOST_UNEVEN * moments[2]) and not inertia_fault(solid)
+
+
+def _ball(volume: float) -> MassProperties:
+    """A ball of a volume [m^3] at 1 kg/m^3, around the origin."""
+    radius = (3.0 * volume / (4.0 * pi)) ** (1.0 / 3.0)
+    return MassProperties.of(volume, (0.0, 0.0, 0.0), 0.4 * volume * radius**2 * np.eye(3))
