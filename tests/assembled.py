@@ -106,7 +106,9 @@ def _body(shape: Any) -> Body:
     com, matrix = found.CentreOfMass(), found.MatrixOfInertia()
     inertia = np.array([[matrix.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)])
     exact = VolumeProperties.of(found.Mass() * 1e-9, np.array([com.X(), com.Y(), com.Z()]) * 1e-3, inertia * 1e-15)
-    colors, read = np.zeros(0, dtype=np.int32), read_faces([TopoDS.Face(face) for face in faces(shape)])
+    errors: list[str] = []
+    colors, read = np.zeros(0, dtype=np.int32), read_faces([TopoDS.Face(face) for face in faces(shape)], errors)
+    assert not errors
     return Body(BodyKind.SOLID, _NO_MESH, colors, (None,), True, exact=exact, faces=read)
 
 

@@ -17,6 +17,8 @@ _LARGEST = 0.6
 """Share of the assembly's size from which a subassembly is more than a motor."""
 _BLOCK = 0.35
 """Share of its bounding box that a motor fills; a bracket, a folded sheet, fills less."""
+_PIECE = 0.15
+"""Share of the volume of a motor's case up to which another part of it is its shaft or horn."""
 _LEAST = 5e-3
 """Share of the assembly's volume from which an unnamed part may be a motor: screws and rings are smaller."""
 _SAME_AXIS = 5e-5
@@ -64,6 +66,8 @@ def _named_motors(survey: Survey) -> list[Motor]:
     """The highest component of each motor that is one motor and not a folder of several."""
     assembly, parts = survey.assembly, survey.parts
     named = {c.index for c in assembly.components[1:] if _is_named_motor(spoken_names(c))}
+    in_pieces = {c.index for c in assembly.components[1:] if _is_in_pieces(survey, c.index, named)}
+    named |= in_pieces
     taken: set[int] = set()
     motors = []
     for c in assembly.components[1:]:
@@ -75,8 +79,11 @@ def _named_motors(survey: Survey) -> list[Motor]:
             continue
         taken.update(below)
         case = largest([parts[i] for i in members]).index
+        pieces = [i for i in members if _is_piece(survey, i, case)] if c.index in in_pieces else []
         outputs = tuple(
-            i for i in members if i != case and Role.HORN in parts[i].roles and Role.FASTENER not in parts[i].roles
+            i
+            for i in members
+            if i != case and (i in pieces or Role.HORN in parts[i].roles) and Role.FASTENER not in parts[i].roles
         )
         motors.append(Motor(c.path, members, case, outputs))
     return motors
@@ -86,6 +93,25 @@ def _is_named_motor(names: list[str]) -> bool:
     """Whether the first role is a motor's: a screw of a motor is a screw."""
     found = [role for name in names for role in roles(name)]
     return bool(found) and found[0] == Role.MOTOR
+
+
+def _is_in_pieces(survey: Survey, index: int, named: set[int]) -> bool:
+    """Whether all parts of a subassembly are named after one motor, and one of them is its case."""
+    children = survey.assembly.children[index]
+    if index in named or len(children) < 2 or not named.issuperset(children):
+        return False
+    volumes = sorted(
+        survey.total_volume(i for i in survey.assembly.subtree(child) if i in survey.parts) for child in children
+    )
+    return volumes[-2] < _PIECE * volumes[-1]
+
+
+def _is_piece(survey: Survey, part: int, case: int) -> bool:
+    """Whether a part of a motor is its shaft or horn: smaller than its case, and no body of the same product."""
+    assembly = survey.assembly
+    same = assembly.components[part].parent == assembly.components[case].parent
+    is_own = same and not assembly.components[part].product
+    return part != case and not is_own and survey.parts[part].volume < _PIECE * survey.parts[case].volume
 
 
 def _is_folder(survey: Survey, index: int, named: set[int]) -> bool:

@@ -8,6 +8,9 @@ from stepbot.draft.evidence.evidence import Evidence
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import largest
 
+_APART = 0.925
+"""Score of a weld between bodies of one part that do not touch: below that of a motor's output."""
+
 
 class Structure:
     """For each part, the subassembly above it that looks like a link."""
@@ -104,5 +107,8 @@ def body_welds(survey: Survey, motors: Sequence[Sequence[int]], found: Evidence)
         bodies = [i for i in bodies if i not in survey.small]
         if len(bodies) < 2 or c.index == 0 or not survey.sources.tree or in_motor.intersection(bodies):
             continue
+        touching = {i: island for island in survey.islands(bodies) for i in island}
         for i in bodies[1:]:
-            found.weld(0.97, bodies[0], i, f"bodies of one part '{c.path}'")
+            # Some programs write what is fixed and what turns as bodies of one part: a motor between them tells.
+            score = 0.97 if i in touching[bodies[0]] else _APART
+            found.weld(score, bodies[0], i, f"bodies of one part '{c.path}'")

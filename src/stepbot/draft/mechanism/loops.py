@@ -109,22 +109,35 @@ def _mobility(arcs: Sequence[TreeJoint], tolerance: float, sliding: int = -1) ->
 
     Computed from the null space of all loop equations.
     """
-    columns: list[Array] = []
-    owners: list[tuple[int, str]] = []
-    for k, arc in enumerate(arcs):
-        for what, twist in _twists(arc, slides=k == sliding):
-            columns.append(twist)
-            owners.append((k, what))
-    cycles = _cycles(arcs)
-    if not cycles or not columns:
-        return set()
-    twists = np.array(columns).T
-    rows = [twists * np.array([signs.get(k, 0.0) for k, _ in owners]) for signs in cycles]
-    _, values, basis = np.linalg.svd(np.concatenate(rows), full_matrices=True)
-    free = basis[int((values > tolerance * max(1.0, float(values[0]))).sum()) :]
-    moves = np.linalg.norm(free, axis=0) > tolerance if len(free) else np.zeros(len(owners), dtype=bool)
-    in_loops = {k for signs in cycles for k in signs}
-    return {owner for owner, mobile in zip(owners, moves, strict=True) if mobile and owner[0] in in_loops}
+    found: set[tuple[int, str]] = set()
+    for cycles in _independent(_cycles(arcs)):
+        owners, columns = [], []
+        for k in sorted({k for signs in cycles for k in signs}):
+            for what, twist in _twists(arcs[k], slides=k == sliding):
+                owners.append((k, what))
+                columns.append(twist)
+        if not columns:
+            continue
+        twists = np.array(columns).T
+        rows = [twists * np.array([signs.get(k, 0.0) for k, _ in owners]) for signs in cycles]
+        _, values, basis = np.linalg.svd(np.concatenate(rows), full_matrices=True)
+        free = basis[int((values > tolerance * max(1.0, float(values[0]))).sum()) :]
+        moves = np.linalg.norm(free, axis=0) > tolerance if len(free) else np.zeros(len(owners), dtype=bool)
+        found |= {owner for owner, mobile in zip(owners, moves, strict=True) if mobile}
+    return found
+
+
+def _independent(cycles: Sequence[dict[int, float]]) -> list[list[dict[int, float]]]:
+    """Loops in groups that share no arc: the mobility of one does not depend on the others."""
+    tied = Clusters({k for signs in cycles for k in signs})
+    for signs in cycles:
+        first = next(iter(signs))
+        for k in signs:
+            tied.join(first, k)
+    groups: dict[int, list[dict[int, float]]] = defaultdict(list)
+    for signs in cycles:
+        groups[tied.find(next(iter(signs)))].append(signs)
+    return list(groups.values())
 
 
 def _cycles(arcs: Sequence[TreeJoint]) -> list[dict[int, float]]:

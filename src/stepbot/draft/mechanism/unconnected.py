@@ -155,6 +155,8 @@ _LOOSE = 0.2
 """Share of the assembly's volume below which a cluster without joints is not the root."""
 _NAMED_SHARE = 0.05
 """Share of its cluster's volume from which a part's name counts."""
+_TRUNK_SHARE = 0.05
+"""Share of the assembly's volume up to which a cluster with branches is a wrist or a hand, not a trunk."""
 _BRANCHES, _TRUNK = 3, 1.6
 """Number of joints from which a cluster is a trunk, and what that counts: more joints do not count more, since the
 platform of a parallel robot has as many as its base, and a hand as many as a torso.
@@ -188,7 +190,7 @@ def _rank(
     low = min(float(survey.parts[i].box[0][2]) for i in members)
     bottom = 1.0 - (low - float(survey.box[0][2])) / max(1e-9, survey.extent)
     rank = 1.5 * named + share + 0.5 * bottom
-    if branches >= _BRANCHES:
+    if branches >= _BRANCHES and share > _TRUNK_SHARE:
         rank += _TRUNK
     if branches == 1:
         rank += 0.3 + 0.4 * ((holds > 0) - (holds < 0))
