@@ -56,7 +56,7 @@ def command(options: "Options", old: Path, new: Path, as_json: bool, display: Di
         progress("read")
         differences = _compared(kind, old, new, options, found)
     say_trouble(options.cache, found)
-    exit_code = COULD_NOT_RUN if differences is None else DIFFERENT if differences.rows else SAME
+    exit_code = _exit_code(differences, found)
     if as_json:
         rows = [] if differences is None else [_record(row) for row in map(asdict, differences.rows)]
         document = {"kind": kind, "old": old.as_posix(), "new": new.as_posix(), "differences": rows}
@@ -66,6 +66,14 @@ def command(options: "Options", old: Path, new: Path, as_json: bool, display: Di
     if differences is not None and not display.quiet:
         write_result("\n".join(_lines(differences, display)))
     return exit_code
+
+
+def _exit_code(differences: "Differences | None", found: Diagnostics) -> int:
+    if differences is None or found.has_errors:
+        return COULD_NOT_RUN
+    if differences.rows:
+        return DIFFERENT
+    return SAME if differences.complete else COULD_NOT_RUN
 
 
 def _kind(old: Path, new: Path) -> str:
@@ -104,7 +112,8 @@ def _lines(differences: "Differences", display: Display) -> list[str]:
         return [printable(": ".join(filter(None, cells))) for cells in map(_cells, rows)]
     names = f"{printable(differences.old)} and {printable(differences.new)}"
     if not rows:
-        return [f"no differences between {names}"]
+        where = "" if differences.complete else " in what was compared"
+        return [f"no differences{where} between {names}"]
     color = wants_color(sys.stdout)
     of_links = set() if display.verbose else {row.name for row in rows}
     listed = [row for row in rows if _link_box(row.name) not in of_links]

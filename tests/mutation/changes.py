@@ -39,6 +39,16 @@ class Slot:
     """Empty for the text of the element."""
     words: tuple[str, ...]
 
+    @property
+    def is_whole(self) -> bool:
+        """Whether the numbers are integers."""
+        return _WHOLE.search(self.kind) is not None
+
+
+def slots_of(content: bytes) -> list[Slot]:
+    """Everything in a file that is made of numbers."""
+    return list(_slots(etree.fromstring(content)))
+
 
 @dataclass(frozen=True)
 class Change:
@@ -82,7 +92,7 @@ def _other(slot: Slot, old: str, random: Random) -> str:
     value = float(old)
     if random.random() < 0.5:
         return repr(-value) if "." in old or "e" in old.lower() else str(-int(value))
-    if _WHOLE.search(slot.kind):
+    if slot.is_whole:
         return str(int(value) + 1)
     return repr(value * (1.0 + PART))
 

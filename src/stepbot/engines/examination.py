@@ -4,7 +4,9 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
+from .description.statements import Statement, statements
 from .file_references import Refusal, refusals
+from .observation import EngineRefused
 from .source_copy import MissingMesh, located_copy
 
 _WITH_PACKAGES = ("urdf", "sdf")
@@ -17,9 +19,11 @@ class Examined(NamedTuple):
     """Why engines must not read it."""
     missing: tuple[MissingMesh, ...] = ()
     """Meshes that it names and that do not exist."""
+    stated: tuple[Statement, ...] = ()
+    """What it says, if that is asked for."""
 
 
-def examine(file: str, written_in: str, opened: str, copy: str, packages: Iterable[Path]) -> Examined:
+def examine(file: str, written_in: str, opened: str, copy: str, packages: Iterable[Path], stated: bool) -> Examined:
     """See :func:`.refusals` and :func:`.located_copy`.
 
     Args:
@@ -28,8 +32,13 @@ def examine(file: str, written_in: str, opened: str, copy: str, packages: Iterab
         opened: Its path in UTF-8.
         copy: Path of the copy with absolute paths of meshes; empty to look for no meshes.
         packages: Folders of packages.
+        stated: Whether to return what the file says.
     """
     refused = refusals(file, written_in)
-    if refused or not copy or written_in not in _WITH_PACKAGES:
+    if refused or not copy:
         return Examined(refused)
-    return Examined((), located_copy(opened, copy, packages))
+    missing = located_copy(opened, copy, packages) if written_in in _WITH_PACKAGES else ()
+    try:
+        return Examined((), missing, statements(Path(opened), written_in) if stated else ())
+    except EngineRefused:  # it is not XML, which engines report
+        return Examined((), missing)

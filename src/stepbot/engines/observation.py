@@ -44,9 +44,14 @@ class Quantity(StrEnum):
     ACTUATORS = "actuators"
     SENSORS = "sensors"
     INITIAL = "initial pose"
+    TEXT = "text"
     SELF_COLLISION = "self-collision"
     SIMULATION = "simulation"
     WARNINGS = "warnings"
+
+
+OBLIQUE = Pose.from_xyz_rpy(ZERO3, (0.7, -0.4, 1.1))
+"""A frame that is turned about no axis of symmetry of anything."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,8 @@ class ObservedShape:
     """The ambient colour, likewise; SDFormat only."""
     bounds: tuple[Vector3, Vector3] | None = None
     """Lowest and highest corner [m] in the link's frame."""
+    oblique: tuple[Vector3, Vector3] | None = None
+    """The same along the axes of :data:`OBLIQUE`: a shape that is turned or mirrored may fill the same upright box."""
     group: int | None = None
     """The group that viewers show and hide together: by convention, 2 is visual and 3 is collision."""
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.spatial import Pose, join_bounds
+from stepbot.geometry.spatial import IDENTITY, Pose, join_bounds
 from stepbot.robot.actuators import control_range, force_range
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.closures import closure_gap
@@ -30,6 +30,7 @@ from stepbot.robot.sensors import PLACED, SEEING, Sensor, SensorKind
 from stepbot.version import __version__
 
 from .observation import (
+    OBLIQUE,
     Dynamics,
     Observation,
     ObservedActuator,
@@ -129,18 +130,20 @@ class Reference:
             has_visuals=bool(link.visuals),
             has_collisions=bool(link.collisions),
             visuals=tuple(
-                ObservedShape(shape.name, shape.rgba, shape.rgba if shaded else None, box, 2)
+                ObservedShape(
+                    shape.name, shape.rgba, shape.rgba if shaded else None, box, self._box(robot, shape, OBLIQUE), 2
+                )
                 for shape, box in zip(link.visuals, seen, strict=True)
             ),
             collisions=tuple(
-                ObservedShape(shape.name, bounds=box, group=3)
+                ObservedShape(shape.name, bounds=box, oblique=self._box(robot, shape, OBLIQUE), group=3)
                 for shape, box in zip(link.collisions, touched, strict=True)
             ),
         )
 
-    def _box(self, robot: Robot, shape: Visual | Collision) -> Bounds:
-        """The bounding box of a shape in its link's frame."""
-        geometry, X_LG = shape.geometry, shape.X_LG
+    def _box(self, robot: Robot, shape: Visual | Collision, X_FL: Pose = IDENTITY) -> Bounds:
+        """The bounding box of a shape in its link's frame, or in another."""
+        geometry, X_LG = shape.geometry, X_FL @ shape.X_LG if X_FL is not IDENTITY else shape.X_LG
         drawn = robot.mesh_by_name[geometry.name].mesh if isinstance(geometry, MeshRef) else geometry
         if (drawn, X_LG) not in self._boxes:
             if isinstance(drawn, TriMesh):

@@ -9,7 +9,7 @@ from stepbot.assemble import build_robot
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.engines.observation import Observation, Request
 from stepbot.engines.reference import observe_robot
-from stepbot.revisions.differences import Difference, robot_differences, step_differences
+from stepbot.revisions.differences import Difference, not_compared, robot_differences, step_differences
 from stepbot.revisions.snapshot import Snapshot, snapshot
 from stepbot.robot.model import Robot
 from stepbot.runtime.file import exists, is_file, is_folder
@@ -35,6 +35,8 @@ class Differences:
     old: str
     new: str
     rows: tuple[Difference, ...]
+    complete: bool = True
+    """Whether everything was compared: otherwise files without differences are not the same."""
 
 
 def differing_steps(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
@@ -54,7 +56,7 @@ def differing_sidecars(old: Path, new: Path, options: Options, found: Diagnostic
 
 
 def differing_robots(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
-    """Compare two robot files as engines load them; None after errors."""
+    """Compare two robot files as engines load them; None if either cannot be read at all."""
     results = compare_two(
         old,
         new,
@@ -63,7 +65,13 @@ def differing_robots(old: Path, new: Path, options: Options, found: Diagnostics)
         memory_limit=options.memory_limit,
         packages=options.package_path,
     )
-    return None if results is None else Differences(old.as_posix(), new.as_posix(), robot_differences(results))
+    if results is None:
+        return None
+    lacking = not_compared(results)
+    if lacking:
+        found.add("SB815", f"not compared: {lacking}", Span(new.as_posix()))
+    complete = not (lacking or found.has_errors)
+    return Differences(old.as_posix(), new.as_posix(), robot_differences(results), complete)
 
 
 def robot_files(old: Path, new: Path, found: Diagnostics) -> tuple[Path, Path] | None:

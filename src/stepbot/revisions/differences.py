@@ -16,6 +16,7 @@ from .snapshot import Snapshot
 from .wording import change, common_words, moved_words, shape_words, stuff_words
 
 _EXPECTED = re.compile(r", (\S.*) expected$")
+_RENAMED = re.compile(r"(?:link|joint) '(.*)' is named '(.*)', paired by structure")
 _SHOWN = {"rad": (180.0 / pi, "deg"), "rad/s": (180.0 / pi, "deg/s"), "m": (1e3, "mm"), "m/s": (1e3, "mm/s")}
 _FOLLOWING = frozenset({Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS})
 """Quantities that differ as a consequence of others."""
@@ -67,6 +68,15 @@ def robot_differences(results: Sequence[Compared]) -> tuple[Difference, ...]:
     return tuple(row for one in direct or failed for row in _of_robots(one.quantity, one.deviations.failures))
 
 
+def not_compared(results: Sequence[Compared]) -> str:
+    """The quantities of two robots that were not compared, by reason; empty if all were."""
+    by_reason: dict[str, list[str]] = {}
+    for one in results:
+        if one.not_run and one.quantity not in _NO_DIFFERENCE:
+            by_reason.setdefault(one.not_run, []).append(one.quantity.value)
+    return "; ".join(f"{', '.join(quantities)} ({reason})" for reason, quantities in by_reason.items())
+
+
 def _of_robots(quantity: Quantity, failures: Iterable[Deviation]) -> Iterator[Difference]:
     """Differences of one quantity; a distance and an angle at the same place are one difference."""
     by_place: dict[str, list[Deviation]] = {}
@@ -75,7 +85,10 @@ def _of_robots(quantity: Quantity, failures: Iterable[Deviation]) -> Iterator[Di
         by_place.setdefault(name.removesuffix(" at configuration 1"), []).append(one)
     for name, found in by_place.items():
         by_unit = {one.unit: one for one in found}
-        if set(by_unit) == {"m", "rad"} and len(found) == 2:
+        renamed = _RENAMED.fullmatch(name)
+        if renamed is not None:
+            yield Difference("renamed", renamed[1], "paired by structure", new_name=renamed[2])
+        elif set(by_unit) == {"m", "rad"} and len(found) == 2:
             distance, angle = by_unit["m"].amount, by_unit["rad"].amount
             words = moved_words(Motion(distance, angle))
             yield Difference(quantity.value, name, words, amount=distance, unit="m", angle=angle)

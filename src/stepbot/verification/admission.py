@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.engines.description.statements import Statement
 from stepbot.engines.examination import Examined
 from stepbot.engines.openable import openable
 from stepbot.engines.source_copy import MissingMesh
@@ -49,8 +50,10 @@ def located(
     timeout: float,
     memory_limit: int | None = None,
     start: Start | None = None,
-) -> dict[Path, Path]:
+) -> tuple[dict[Path, Path], dict[Path, tuple[Statement, ...]]]:
     """The files that engines may read, and where they find each: a copy with absolute paths, if it names packages.
+
+    Files that share a format come with what they say.
 
     Args:
         formats: The files and their formats.
@@ -62,16 +65,18 @@ def located(
         start: Starts that process; None to start a new interpreter.
     """
     copies: dict[Path, Path | None] = {path: folder / str(n) / path.name for n, path in enumerate(formats)}
-    places = {}
+    places, said = {}, {}
+    shared = len(set(formats.values())) < len(formats)
     for path, one in _examined(
-        formats, copies, tuple(packages), found, timeout=timeout, memory_limit=memory_limit, start=start
+        formats, copies, tuple(packages), found, stated=shared, timeout=timeout, memory_limit=memory_limit, start=start
     ):
         copy = copies[path]
         if one.missing:
             _report_missing(path, one.missing, found)
         else:
             places[path] = copy if copy is not None and exists(copy) else path
-    return places
+            said[path] = one.stated
+    return places, said
 
 
 def _examined(
@@ -80,6 +85,7 @@ def _examined(
     packages: tuple[Path, ...],
     found: Diagnostics,
     *,
+    stated: bool = False,
     timeout: float,
     memory_limit: int | None,
     start: Start | None,
@@ -90,7 +96,7 @@ def _examined(
         if copy is not None:
             copy.parent.mkdir()
         with Worker(_EXAMINE, memory_limit=memory_limit, start=start) as worker:
-            asked = worker.submit(str(path), written_in, str(openable(path)), str(copy or ""), packages)
+            asked = worker.submit(str(path), written_in, str(openable(path)), str(copy or ""), packages, stated)
             try:
                 examined: Examined = asked.result(timeout)
             except WorkerDied as death:

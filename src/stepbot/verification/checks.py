@@ -34,6 +34,7 @@ CODES: Mapping[Quantity, str] = {
     Quantity.ACTUATORS: "SB816",
     Quantity.SENSORS: "SB816",
     Quantity.INITIAL: "SB816",
+    Quantity.TEXT: "SB816",
     Quantity.SIMULATION: "SB811",
 }
 """The code of a failed check; warnings have one for stepbot's files and one for others."""

@@ -6,7 +6,7 @@ most, across files with the first file.
 
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import Engine, engine_of, own_parsers
+from stepbot.engines.description.statements import Statement
 from stepbot.engines.file_references import first_element
 from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.engines.openable import openable
@@ -40,6 +41,7 @@ from .checks import (
 )
 from .compare import Compared, compare
 from .correspondence import Correspondence
+from .counterparts import counterparts
 from .expectation import CONFIGURATIONS, SECONDS, SEED
 from .folders import is_robot_file
 from .joint_rows import joint_rows
@@ -49,6 +51,7 @@ from .normalized import normalized
 from .probe import Probe, in_a_process
 from .renamed import Renaming
 from .restated import normalized_joints
+from .text import compare_text
 
 ENGINE_WARNING = "SB813"
 
@@ -57,6 +60,8 @@ _SIGNATURE = 16
 _UNCHANGED = Renaming()
 _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """Diagnostics of an engine's own result, independent of others."""
+_UNREAD = ("SB801", "SB802", "SB901")
+"""Codes of engines that rejected a file, crashed, or failed."""
 _STILL = frozenset(
     {
         Quantity.GRAVITY_SETTINGS,
@@ -68,6 +73,7 @@ _STILL = frozenset(
         Quantity.ACTUATORS,
         Quantity.SENSORS,
         Quantity.INITIAL,
+        Quantity.TEXT,
     }
 )
 """Quantities comparable between files whatever the configurations of the first file were."""
@@ -130,7 +136,7 @@ def compare_two(
     Args:
         old: The file to compare with.
         new: The file that is compared.
-        found: Receives the errors of files that cannot be read.
+        found: Receives the errors of files that cannot be read, and of engines that cannot read one of them.
         timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of each engine; None for no limit.
         packages: Folders of the packages that the files name, or the folders that contain them.
@@ -139,12 +145,12 @@ def compare_two(
     asked, outcomes = observed(
         (old, new), reported, timeout=timeout, memory_limit=memory_limit, count=1, seconds=0.0, packages=tuple(packages)
     )
-    seen = [seen_by for path in (old, new) if (seen_by := ranked([o for o in outcomes if o.key == _key(path)]))]
+    of_file = {_key(path): [outcome for outcome in outcomes if outcome.key == _key(path)] for path in (old, new)}
+    for key, some in of_file.items():
+        list(_checks_within(key, some, _reference(some), reported))
+    seen = [seen_by for path in (old, new) if (seen_by := ranked(of_file[_key(path)]))]
+    found.extend(one for one in reported if one.severity == "error" and (len(seen) < 2 or one.code in _UNREAD))
     if len(seen) < 2:
-        for path in (old, new):
-            of_file = [outcome for outcome in outcomes if outcome.key == _key(path)]
-            list(_checks_within(_key(path), of_file, _reference(of_file), reported))
-        found.extend(one for one in reported if one.severity == "error")
         return None
     ours, theirs = map(gather, seen)
     return compared_with_first(ours, theirs, asked)
@@ -173,17 +179,19 @@ def observed(
         renamed: By absolute path, the names under which files are compared.
         packages: Folders of packages; None for files whose meshes every engine finds.
     """
-    names = renamed or {}
+    names = dict(renamed or {})
     formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
     with ExitStack() as running:
         server = started_engine_server()
         start = running.enter_context(server).fork if server is not None else None
         if packages is None:
             formats = admitted(formats, found, timeout=timeout, memory_limit=memory_limit, start=start)
-            places = {path: path for path in formats}
+            places, said = {path: path for path in formats}, dict[Path, tuple[Statement, ...]]()
         else:
             copies = Path(running.enter_context(TemporaryDirectory(dir=run_folder())))
-            places = located(formats, packages, copies, found, timeout=timeout, memory_limit=memory_limit, start=start)
+            places, said = located(
+                formats, packages, copies, found, timeout=timeout, memory_limit=memory_limit, start=start
+            )
             formats = {path: formats[path] for path in places}
         keys = {_key(path): name for path, name in formats.items()}
         engines = running.enter_context(Engines(keys, memory_limit, start))
@@ -194,9 +202,25 @@ def observed(
             seen = observe(engine, name.asked(request))
             return seen and name.seen(seen)
 
-        asked = ask(formats, places, Probe(observe_renamed), count=count, seconds=seconds)  # while the engines start
+        # The files are probed while the engines start.
+        probe = Probe(observe_renamed)
+        paired = _paired(formats, places, probe, names) if renamed is None else {}
+        asked = ask(formats, places, probe, count=count, seconds=seconds)
+        asked = replace(asked, paired=paired, said={_key(path): one for path, one in said.items()})
         engines.submit({key: names.get(one.file, _UNCHANGED).asked(one) for key, one in asked.requests.items()})
         return asked, [_renamed(one, names.get(asked.requests[one.key].file)) for one in engines.results(timeout)]
+
+
+def _paired(
+    formats: Mapping[Path, str], places: Mapping[Path, Path], probe: Probe, names: dict[str, Renaming]
+) -> dict[str, Renaming]:
+    """Names that the first file has for links and joints of each other, by file; added to ``names`` by its place."""
+    seen = {path: one.seen for path, name in formats.items() if (one := probe.look(places[path], name))}
+    first = next(iter(seen.values()), None)
+    paired = {path: counterparts(first, other) for path, other in list(seen.items())[1:]} if first else {}
+    paired = {path: one for path, one in paired.items() if one.links or one.joints}
+    names.update({str(openable(places[path])): one for path, one in paired.items()})
+    return {_key(path): one for path, one in paired.items()}
 
 
 def _renamed(outcome: Outcome, name: Renaming | None) -> Outcome:
@@ -255,6 +279,10 @@ class Asked:
     """Configurations of the joints of the first file."""
     joint_table: tuple[JointRow, ...]
     """The joints of the first file that an engine can load."""
+    paired: Mapping[str, Renaming] = field(default_factory=dict)
+    """Names of the first file for what has other names in a further file, by the path of that file."""
+    said: Mapping[str, tuple[Statement, ...]] = field(default_factory=dict)
+    """What files that share a format say, by path."""
 
 
 def ask(
@@ -393,15 +421,34 @@ def compared_with_first(ours: Gathered, theirs: Gathered, asked: Asked) -> tuple
         theirs: The other file.
         asked: The requests.
     """
-    return _compared_across(ours, theirs, asked, first=True)
+    return _compared_across(ours, theirs, asked, first=True, whole=True)
 
 
-def _compared_across(ours: Gathered, theirs: Gathered, asked: Asked, *, first: bool) -> tuple[Compared, ...]:
+def _compared_across(
+    ours: Gathered, theirs: Gathered, asked: Asked, *, first: bool, whole: bool = False
+) -> tuple[Compared, ...]:
     pair = ours.observation, theirs.observation
+    by = asked.correspondences.get(theirs.key, Correspondence(()))
     if first:
-        by = asked.correspondences.get(theirs.key, Correspondence(()))
         pair = normalized_joints(*pair, by, asked.configurations)
-    return compare(*normalized(*pair))
+    results = compare(*normalized(*pair))
+    if first:
+        _add_other_names(results, asked.paired.get(theirs.key, _UNCHANGED))
+    if ours.format == theirs.format:
+        equal = not any(one.deviations.failures for one in results if not one.not_run)
+        said = (asked.said.get(key, ()) for key in (ours.key, theirs.key))
+        text = compare_text(*said, equal=equal, whole=whole)
+        results = results if text is None else (*results, text)
+    return results
+
+
+def _add_other_names(results: Iterable[Compared], names: Renaming) -> None:
+    """What was paired by structure has another name."""
+    for one in results:
+        renamed = {Quantity.LINKS: names.links, Quantity.JOINTS: names.joints}.get(one.quantity, {})
+        for new, old in renamed.items():
+            what = one.quantity.value.removesuffix("s")
+            one.deviations.equal(False, f"{what} '{old}' is named '{new}', paired by structure")
 
 
 def _reported(subject: Subject, results: Iterable[Compared], found: Diagnostics) -> Iterator[Check]:

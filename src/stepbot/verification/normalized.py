@@ -1,11 +1,14 @@
 """Normalizes observations of formats that represent the same thing differently."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from math import inf, isfinite, tau
+from math import inf, isfinite, nan, tau
+
+import numpy as np
 
 from stepbot.engines.observation import Observation, ObservedActuator, ObservedLink, ObservedSensor, ObservedShape
-from stepbot.geometry.spatial import Pose
+from stepbot.formats.lowering.shapes import capsule_parts
+from stepbot.geometry.spatial import Pose, join_bounds
 from stepbot.robot.model import ActuatorKind, Mimic
 
 from .bounds import without_stand_ins
@@ -21,14 +24,20 @@ def normalized(a: Observation, b: Observation) -> tuple[Observation, Observation
 
     A massless link called ``world`` is the world. A link that is only a frame becomes a frame if the other side has no
     link of that name. Mimics refer to the first joint of their chain. Only frames and shapes that both sides name are
-    kept, since formats mark different places and split shapes differently; the name of the robot, and colours that one
+    kept, since formats mark different places and split shapes differently; equally many shapes without names are paired
+    by their boxes; the name of the robot, and colours that one
     file lacks, are ignored. Initial angles are compared up to full turns with a file that has poses instead. Actuators
     are converted to their joints if a format has no gears. A file without any velocity limit is treated as not
-    reporting them: MJCF has no such attribute. Numbers that mean unlimited become infinite.
+    reporting them: MJCF has no such attribute. Numbers that mean unlimited become infinite. Two files that one engine
+    reads in one format represent everything in the same way.
     """
-    a, b = (without_stand_ins(_without_world(side)) for side in (a, b))
+    alike = a.format == b.format and a.engine == b.engine
+    a, b = (_without_world(side) if alike else without_stand_ins(_without_world(side)) for side in (a, b))
     links_a, links_b = ({link.name for link in side.links} for side in (a, b))
     a, b = _with_leaders(_with_frames(a, links_b)), _with_leaders(_with_frames(b, links_a))
+    if alike:
+        return _with_common_frames(replace(a, name=None), replace(b, name=None))
+    a, b = _without_held_mimics(a, b), _without_held_mimics(b, a)
     a, b = _with_common_looks(_with_velocities(a), _with_velocities(b))
     a, b = (_within_a_turn(a), _within_a_turn(b)) if "usd" in (a.format, b.format) else (a, b)
     return _with_common_frames(*_with_common_views(*_with_common_gears(a, b)))
@@ -113,6 +122,28 @@ def _with_leaders(observation: Observation) -> Observation:
     return replace(observation, joints=joints)
 
 
+def _without_held_mimics(a: Observation, b: Observation) -> Observation:
+    """Without mimics that stand for loops which the other side closes: a format without loops has nothing else."""
+    if a.closures or not b.closures:
+        return a
+    free = {joint.child for joint in b.joints if joint.mimic is None}
+    above = {joint.child: joint.parent for joint in b.joints}
+    held = set[str]()
+    for closure in b.closures:
+        ways = [set(_way_up(link, above)) for link in (closure.link_a, closure.link_b)]
+        held |= (ways[0] ^ ways[1]) & free
+    joints = (replace(joint, mimic=None, mimic_read=False) if joint.child in held else joint for joint in a.joints)
+    return replace(a, joints=tuple(joints))
+
+
+def _way_up(link: str, above: Mapping[str, str]) -> Iterator[str]:
+    """A link and those above it."""
+    yield link
+    while link in above:
+        link = above[link]
+        yield link
+
+
 def _with_common_looks(a: Observation, b: Observation) -> tuple[Observation, Observation]:
     """Both without the name of the robot, with common shapes only, and with colours that both give.
 
@@ -135,14 +166,44 @@ def _with_common_looks(a: Observation, b: Observation) -> tuple[Observation, Obs
 
 
 Shapes = tuple[ObservedShape, ...] | None
+Named = dict[str, ObservedShape]
 
 
 def _common_shapes(a: Shapes, b: Shapes) -> tuple[Shapes, Shapes]:
     ours, theirs = ({plain_name(shape.name): shape for shape in side or () if shape.name} for side in (a, b))
+    ours, theirs = _with_whole_capsules(ours, theirs), _with_whole_capsules(theirs, ours)
     pairs = [_same_looks(ours[name], theirs[name]) for name in ours if name in theirs]
+    if a and b and len(a) == len(b) and not (ours and theirs):
+        pairs = [_same_looks(replace(x, name=""), replace(y, name="")) for x, y in _by_box(a, b)]
     if not pairs:
         return None, None
     return tuple(one for one, _ in pairs), tuple(other for _, other in pairs)
+
+
+def _with_whole_capsules(shapes: Mapping[str, ObservedShape], others: Mapping[str, ObservedShape]) -> Named:
+    """The shapes with one in place of the three that a format without capsules has for a capsule of the other side."""
+    whole = dict(shapes)
+    for name in (name for name in others if name not in shapes):
+        parts = [shapes[part] for part in capsule_parts(name) if part in shapes]
+        if len(parts) == len(capsule_parts(name)):
+            colors = {part.rgba for part in parts}
+            color = parts[0].rgba if len(colors) == 1 else (nan,) * 4
+            boxes = ([getattr(part, box) for part in parts] for box in ("bounds", "oblique"))
+            upright, oblique = (join_bounds(one) if None not in one else None for one in boxes)
+            whole[name] = replace(parts[0], name=name, rgba=color, bounds=upright, oblique=oblique)
+    return whole
+
+
+def _by_box(a: Sequence[ObservedShape], b: Sequence[ObservedShape]) -> Iterator[tuple[ObservedShape, ObservedShape]]:
+    """Pairs of shapes whose boxes are nearest; those without a box in the order of the files."""
+    left = list(b)
+    for one in a:
+        apart = [_apart(one, other) for other in left]
+        yield one, left.pop(apart.index(min(apart)))
+
+
+def _apart(a: ObservedShape, b: ObservedShape) -> float:
+    return 0.0 if a.bounds is None or b.bounds is None else float(np.abs(np.subtract(a.bounds, b.bounds)).max())
 
 
 def _same_looks(a: ObservedShape, b: ObservedShape) -> tuple[ObservedShape, ObservedShape]:

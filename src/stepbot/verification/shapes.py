@@ -49,10 +49,12 @@ def _compare_boxes(
     if expected is None or found is None or len(expected) != len(found):
         return
     for number, (a, b) in enumerate(zip(expected, found, strict=True), start=1):
-        if a.bounds is not None and b.bounds is not None:
-            off = float(np.abs(np.subtract(b.bounds, a.bounds)).max())
-            diagonal = float(np.linalg.norm(np.subtract(a.bounds[1], a.bounds[0])))
-            deviations.off(off, f"box of {where.format(_called(a, number))}", "m", diagonal)
+        which = where.format(_called(a, number))
+        for words, ours, theirs in (("box", a.bounds, b.bounds), ("oblique box", a.oblique, b.oblique)):
+            if ours is not None and theirs is not None:
+                off = float(np.abs(np.subtract(theirs, ours)).max())
+                diagonal = float(np.linalg.norm(np.subtract(ours[1], ours[0])))
+                deviations.off(off, f"{words} of {which}", "m", diagonal)
 
 
 def _called(shape: ObservedShape, number: int) -> str:

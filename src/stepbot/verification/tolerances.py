@@ -50,6 +50,7 @@ TOLERANCES: Mapping[Quantity, Tolerance] = {
     Quantity.ACTUATORS: Tolerance(absolute=1e-9, relative=1e-9),
     Quantity.SENSORS: Tolerance(absolute=1e-9, relative=1e-9),
     Quantity.INITIAL: Tolerance(absolute=1e-9),
+    Quantity.TEXT: Tolerance(relative=1e-9),
     Quantity.SELF_COLLISION: EQUAL,
     Quantity.SIMULATION: EQUAL,
     Quantity.WARNINGS: EQUAL,

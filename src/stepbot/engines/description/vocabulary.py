@@ -83,13 +83,18 @@ class Vocabulary:
         for child in element:
             if not isinstance(child.tag, str):  # a comment
                 continue
-            below = self._below(path, child)
+            below = self.below(path, child)
             if below in self.read:
                 yield from self._lost(child, below)
             elif not (self._is_neutral(child, below) or self._is_twin(child, below)):
                 yield path, child.tag, "", child.sourceline or 0
 
-    def _below(self, path: str, child: Element) -> str:
+    def reads(self, path: str, name: str) -> bool:
+        """Whether an attribute of the elements at a path is read."""
+        return bool({"*", name} & set(self.read.get(path, "").split()))
+
+    def below(self, path: str, child: Element) -> str:
+        """The path of an element below a path."""
         tag = str(child.tag)
         if tag in self.holders:
             return path

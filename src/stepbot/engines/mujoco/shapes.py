@@ -10,7 +10,7 @@ from stepbot.geometry.spatial import Pose, vector3
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
-from ..observation import ObservedShape
+from ..observation import OBLIQUE, ObservedShape
 
 if TYPE_CHECKING:
     from .compiled import Compiled
@@ -29,9 +29,10 @@ def observed_shapes(compiled: "Compiled", body: int, *, touched: bool, mjcf: boo
             continue
         model = compiled.model
         X_LG = Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g])
-        shape = ObservedShape(
-            bounds=geom_bounds(compiled, g, X_LG) if touched or stray_mesh(compiled, g) is None else None
-        )
+        shape = ObservedShape()
+        if touched or stray_mesh(compiled, g) is None:
+            upright, oblique = (geom_bounds(compiled, g, X) for X in (X_LG, OBLIQUE @ X_LG))
+            shape = ObservedShape(bounds=upright, oblique=oblique)
         if mjcf:
             rgba = None if touched else color_of(compiled, g)
             shape = replace(shape, name=compiled.name("GEOM", g), rgba=rgba, group=int(model.geom_group[g]))

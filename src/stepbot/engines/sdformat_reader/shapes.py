@@ -8,7 +8,7 @@ from stepbot.geometry.spatial import Pose
 from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
-from ..observation import ObservedShape
+from ..observation import OBLIQUE, ObservedShape
 from ..shape_bounds import mesh_file_bounds
 from .frames import numbers, read_pose
 
@@ -26,10 +26,12 @@ def shapes_of(shapes: Iterable[Element], file: Path) -> tuple[tuple[ObservedShap
     seen: list[ObservedShape] = []
     missing: list[str] = []
     for shape in shapes:
-        bounds, lost = _bounds(shape.find("geometry"), read_pose(shape), file)
+        geometry, X_LG = shape.find("geometry"), read_pose(shape)
+        bounds, lost = _bounds(geometry, X_LG, file)
+        oblique, _ = _bounds(geometry, OBLIQUE @ X_LG, file)
         missing += lost
         rgba, ambient = (_color(shape, name) if shape.tag == "visual" else None for name in ("diffuse", "ambient"))
-        seen.append(ObservedShape(shape.get("name", ""), rgba, ambient, bounds))
+        seen.append(ObservedShape(shape.get("name", ""), rgba, ambient, bounds, oblique))
     return tuple(seen), missing
 
 

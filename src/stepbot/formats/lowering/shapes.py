@@ -86,11 +86,17 @@ def _split(shape: _Shape) -> tuple[_Shape, ...]:
         return (shape,)
     middle = Cylinder(capsule.radius, capsule.length)
     end = Pose.of(position=(0.0, 0.0, capsule.length / 2))
+    names = capsule_parts(shape.name)
     return (
-        replace(shape, name=f"{shape.name}_middle", geometry=middle),
-        replace(shape, name=f"{shape.name}_top", geometry=Sphere(capsule.radius), X_LG=shape.X_LG @ end),
-        replace(shape, name=f"{shape.name}_bottom", geometry=Sphere(capsule.radius), X_LG=shape.X_LG @ end.inverse()),
+        replace(shape, name=names[0], geometry=middle),
+        replace(shape, name=names[1], geometry=Sphere(capsule.radius), X_LG=shape.X_LG @ end),
+        replace(shape, name=names[2], geometry=Sphere(capsule.radius), X_LG=shape.X_LG @ end.inverse()),
     )
+
+
+def capsule_parts(name: str) -> tuple[str, str, str]:
+    """Names of the cylinder and the two spheres that formats without capsules have for a capsule."""
+    return f"{name}_middle", f"{name}_top", f"{name}_bottom"
 
 
 def _flat_meshes(robot: Robot) -> set[str]:

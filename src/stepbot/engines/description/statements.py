@@ -1,0 +1,58 @@
+"""Everything that a description says, place by place: for what no engine reports, the text itself is compared."""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..xml_root import xml_root
+from .mjcf_vocabulary import MJCF
+from .sdf_vocabulary import AROUND, MODEL
+from .urdf_vocabulary import URDF
+from .vocabulary import Vocabulary
+
+_VOCABULARIES = {"urdf": URDF, "sdf": AROUND, "mjcf": MJCF}
+_KEYS = ("name", "reference", "filename", "joint", "site", "class")
+"""Attributes by which elements of one tag are told apart."""
+
+
+@dataclass(frozen=True)
+class Statement:
+    """One attribute, or the text of one element."""
+
+    place: str
+    """Tags down from the root, with names or numbers of elements."""
+    value: str
+    read: bool
+    """Whether it reaches the model, so that engines can be expected to report it."""
+
+
+def statements(file: Path, written_in: str) -> tuple[Statement, ...]:
+    """The statements of a file; none of a format that is not XML.
+
+    Raises:
+        EngineRefused: The file is not XML.
+    """
+    vocabulary = _VOCABULARIES.get(written_in)
+    if vocabulary is None:
+        return ()
+    top = xml_root(file)
+    return tuple(_of(top, str(top.tag), str(top.tag), vocabulary, read=True))
+
+
+def _of(element: Any, path: str, place: str, vocabulary: Vocabulary, *, read: bool) -> Iterator[Statement]:
+    text, numbers = (element.text or "").strip(), Counter[str]()
+    for name, value in element.attrib.items():
+        yield Statement(f"{place}@{name}", value, read and vocabulary.reads(path, name))
+    if text:
+        yield Statement(place, text, read)
+    for child in (child for child in element if isinstance(child.tag, str)):
+        words, below = vocabulary, vocabulary.below(path, child)
+        if vocabulary is AROUND and child.tag == "model":
+            words, below = MODEL, "model"
+        key = next((f"'{child.get(name)}'" for name in _KEYS if child.get(name)), "")
+        tag = f"{child.tag} {key}".strip()
+        numbers[tag] += 1
+        numbered = tag if numbers[tag] == 1 else f"{tag} {numbers[tag]}"
+        yield from _of(child, below, f"{place}/{numbered}", words, read=read and below in words.read)

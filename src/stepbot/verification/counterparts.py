@@ -1,0 +1,122 @@
+"""Pairs links and joints of two files by structure and geometry where their names differ."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
+from stepbot.geometry.spatial import Pose
+
+from .chains import is_bare
+from .renamed import Renaming
+
+_FAR = 1e-3
+"""Distance [m] of two axes in the poses at zero above which they are hardly the same one."""
+_SINGLE = {"revolute": "turn", "continuous": "turn", "prismatic": "slide", "fixed": "fixed"}
+"""Types of joints that all formats represent by one joint."""
+
+
+@dataclass(frozen=True)
+class _Side:
+    """One file as a tree."""
+
+    links: Mapping[str, ObservedLink]
+    above: Mapping[str, ObservedJoint]
+    poses: Mapping[str, Pose]
+
+    def children(self, parent: str) -> list[str]:
+        return [joint.child for joint in self.above.values() if joint.parent == parent]
+
+    @property
+    def root(self) -> str:
+        return next((name for name in self.links if name not in self.above), "")
+
+    def shape(self, link: str) -> tuple[object, ...]:
+        """Types of the joints below a link, whatever their order."""
+        kind = self.above[link].kind
+        return (_SINGLE.get(kind, kind), tuple(sorted(map(repr, map(self.shape, self.children(link))))))
+
+
+def counterparts(first: Observation, other: Observation) -> Renaming:
+    """The names that the first file has for links and joints of the other; empty if all have the same names.
+
+    Roots are one another's counterparts. Below counterparts, links of one name are; of the rest those that are alone
+    in the types of the joints above and below them, and else those whose joints are nearest to each other at zero.
+    """
+    ours, theirs = _side(first), _side(other)
+    links = dict[str, str]()
+    waiting = [(ours.root, theirs.root)]
+    while waiting:
+        a, b = waiting.pop()
+        links[b] = a
+        waiting += _children(ours, theirs, a, b)
+    links = {b: a for b, a in links.items() if b and a}
+    joints = {
+        joint.name: one.name
+        for b, a in links.items()
+        if (joint := theirs.above.get(b)) and (one := ours.above.get(a)) and _is_same_place(one, joint, links)
+    }
+    return Renaming(_others(links, ours.links, theirs.links), _others(joints, _names(ours), _names(theirs)))
+
+
+def _is_same_place(one: ObservedJoint, other: ObservedJoint, links: Mapping[str, str]) -> bool:
+    """Whether two named joints are single ones of one type between counterparts."""
+    named = one.name and other.name and links.get(other.parent) == one.parent
+    return bool(named) and _SINGLE.get(one.kind, "") == _SINGLE.get(other.kind)
+
+
+def _others(names: Mapping[str, str], ours: Collection[str], theirs: Collection[str]) -> dict[str, str]:
+    """New names of what has another one; those that the other file has for something else stay."""
+    return {b: a for b, a in names.items() if a != b and b not in ours and a not in theirs}
+
+
+def _names(side: _Side) -> list[str]:
+    return [joint.name for joint in side.above.values()]
+
+
+def _side(seen: Observation) -> _Side:
+    above = {joint.child: joint for joint in seen.joints}
+    return _Side({link.name: link for link in seen.links}, above, seen.poses[0] if seen.poses else {})
+
+
+def _children(ours: _Side, theirs: _Side, a: str, b: str) -> list[tuple[str, str]]:
+    """Pairs of the links below two counterparts."""
+    mine, others = ours.children(a), theirs.children(b)
+    pairs = [(name, name) for name in mine if name in others]
+    left = [name for name in mine if name not in theirs.links]
+    right = [name for name in others if name not in ours.links]
+    left, right = _solid(ours, left, right), _solid(theirs, right, left)
+    for name in left:
+        like = [one for one in right if theirs.shape(one) == ours.shape(name)]
+        rivals = [one for one in left if ours.shape(one) == ours.shape(name)]
+        best = like[0] if len(like) == len(rivals) == 1 else _nearest(ours, theirs, name, like)
+        if best:
+            pairs.append((name, best))
+            right.remove(best)
+    return pairs
+
+
+def _solid(side: _Side, names: Sequence[str], others: Sequence[str]) -> list[str]:
+    """Links that are more than frames, if the other side has fewer."""
+    solid = [name for name in names if not is_bare(side.links[name]) or side.children(name)]
+    return solid if len(names) > len(others) else list(names)
+
+
+def _nearest(ours: _Side, theirs: _Side, name: str, candidates: Sequence[str]) -> str:
+    """The candidate whose joint is nearest at zero; empty if none is near."""
+    near = [(_distance(ours, name, theirs, one), one) for one in candidates]
+    distance, best = min(near, default=(np.inf, ""))
+    return best if distance < _FAR else ""
+
+
+def _distance(ours: _Side, a: str, theirs: _Side, b: str) -> float:
+    """Distance [m] of two joints, along no axis of theirs, and between their axes as unit vectors."""
+    if a not in ours.poses or b not in theirs.poses:
+        return float(np.inf)
+    X, Y, one, other = ours.poses[a], theirs.poses[b], ours.above[a], theirs.above[b]
+    apart = Y.apply(other.anchor) - X.apply(one.anchor)
+    if one.axis is None or other.axis is None:
+        return float(np.linalg.norm(apart))
+    u, v = X.turn(one.axis), Y.turn(other.axis)
+    return float(np.linalg.norm(np.cross(u, apart)) + np.linalg.norm(np.cross(u, v)))

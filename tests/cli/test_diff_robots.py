@@ -1,0 +1,111 @@
+"""``stepbot diff`` and ``stepbot verify`` of robots: numbers that no engine reports, other names, files refused."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.simulators.conftest import skip_without
+
+from .conftest import Stepbot
+
+ARM = """<robot name="arm">
+ <material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>
+ <link name="{base}"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+  <visual><geometry><box size="0.1 0.2 0.3"/></geometry><material name="grey"/></visual></link>
+ <link name="{arm}"><inertial><origin xyz="0.1 0 0"/><mass value="2"/>
+   <inertia ixx="0.01" iyy="0.02" izz="0.02" ixy="0" ixz="0" iyz="0"/></inertial>
+  <collision><origin rpy="0.3 0 0"/><geometry><box size="0.1 0.2 0.3"/></geometry></collision></link>
+ <link name="{tool}"><inertial><mass value="0.5"/>
+   <inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial></link>
+ <joint name="{elbow}" type="revolute"><parent link="{base}"/><child link="{arm}"/><axis xyz="0 0 1"/>
+  <limit lower="-1" upper="1" effort="5" velocity="2"/><dynamics damping="0.1" friction="0.2"/>
+  <calibration rising="0.3"/><safety_controller k_velocity="10" soft_lower_limit="-0.9"/></joint>
+ <joint name="{wrist}" type="continuous"><parent link="{arm}"/><child link="{tool}"/><origin xyz="0.3 0 0"/>
+  <axis xyz="0 1 0"/><limit lower="-2" upper="2" effort="3" velocity="4"/></joint>
+</robot>
+"""
+NAMES = {"base": "base", "arm": "arm", "tool": "tool", "elbow": "elbow", "wrist": "wrist"}
+OTHERS = {"base": "base_link", "arm": "panda_arm", "tool": "panda_tool", "elbow": "panda_elbow", "wrist": "panda_wrist"}
+
+
+def _arm(path: Path, *changes: tuple[str, str], **names: str) -> str:
+    text = ARM.format(**{**NAMES, **names})
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def _diff(stepbot: Stepbot, old: str, new: str) -> tuple[int, list[dict[str, object]]]:
+    run = stepbot("diff", "--json", old, new)
+    return run.code, json.loads(run.out)["differences"]
+
+
+@pytest.mark.mujoco
+@pytest.mark.parametrize(
+    ("old", "new", "place"),
+    [
+        ('rpy="0.3 0 0"', 'rpy="-0.3 0 0"', "oblique box of collision"),
+        ('rising="0.3"', 'rising="0.31"', "calibration@rising"),
+        ('soft_lower_limit="-0.9"', 'soft_lower_limit="-0.8"', "safety_controller@soft_lower_limit"),
+        ('lower="-2" upper="2"', 'lower="-3" upper="2"', "limit@lower"),
+        ('rgba="0.5 0.5 0.5 1"', 'rgba="0.5 0.6 0.5 1"', "colour of visual"),
+    ],
+    ids=["turned", "calibration", "soft_limit", "limit_without_meaning", "colour_without_name"],
+)
+def test_diff_names_the_number(old: str, new: str, place: str, tmp_path: Path, stepbot: Stepbot) -> None:
+    """Also a number that no engine reports, and a turn within one bounding box."""
+    skip_without("mujoco")
+    files = _arm(tmp_path / "a.urdf"), _arm(tmp_path / "b.urdf", (old, new))
+    code, rows = _diff(stepbot, *files)
+    assert code == 1
+    assert len(rows) == 1
+    assert place in str(rows[0]["name"])
+
+
+@pytest.mark.mujoco
+def test_the_same_file_is_equal(tmp_path: Path, stepbot: Stepbot) -> None:
+    """A copy, and the file itself, have no differences."""
+    skip_without("mujoco")
+    first, copy = _arm(tmp_path / "a.urdf"), _arm(tmp_path / "b.urdf")
+    assert _diff(stepbot, first, copy) == (0, [])
+    assert _diff(stepbot, first, first) == (0, [])
+
+
+@pytest.mark.mujoco
+def test_other_names_are_paired_by_structure(tmp_path: Path, stepbot: Stepbot) -> None:
+    """Numbers are compared under other names of links and joints, and each pair is listed."""
+    skip_without("mujoco")
+    files = _arm(tmp_path / "a.urdf"), _arm(tmp_path / "b.urdf", ('value="2"', 'value="7"'), **OTHERS)
+    code, rows = _diff(stepbot, *files)
+    assert code == 1
+    renamed = {str(row["name"]): row["new_name"] for row in rows if row["kind"] == "renamed"}
+    assert renamed == {NAMES[key]: OTHERS[key] for key in NAMES}
+    masses = [row for row in rows if row["kind"] == "mass"]
+    assert [(row["name"], row["old"], row["new"]) for row in masses] == [("mass of link 'arm'", 2.0, 7.0)]
+    run = stepbot("verify", *files)
+    assert run.code == 1
+    assert "link 'base' is named 'base_link', paired by structure" in run.err + run.out
+    assert "mass of link 'arm'" in run.err + run.out
+
+
+MESH = """<mujoco><asset><mesh name="m" file="{mesh}"/></asset><worldbody><body name="b">
+<inertial pos="0 0 0" mass="{mass}" diaginertia="1 1 1"/><joint name="j" axis="{axis}"/><geom type="mesh" mesh="m"/>
+</body></worldbody></mujoco>"""
+
+
+@pytest.mark.mujoco
+def test_a_refused_file_is_not_equal(tmp_path: Path, stepbot: Stepbot) -> None:
+    """A file that an engine refuses, and what was not compared, end in code 2 with the reason."""
+    skip_without("mujoco")
+    (tmp_path / "m.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
+    old, new = tmp_path / "a.xml", tmp_path / "b.xml"
+    old.write_text(MESH.format(mesh="m.obj", mass=1, axis="0 0 1"))
+    new.write_text(MESH.format(mesh="gone.obj", mass=7, axis="0 1 0"))
+    for first, second in ((old, new), (new, old), (new, new)):
+        run = stepbot("diff", str(first), str(second))
+        assert run.code == 2
+        assert "gone.obj" in run.err
+        assert f"no differences between {first}" not in run.out

@@ -1,0 +1,87 @@
+"""Two files of one format that differ in one number, as ``stepbot diff`` and ``stepbot verify`` see them."""
+
+from collections.abc import Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from dataclasses import replace
+from io import StringIO
+from pathlib import Path
+from random import Random
+
+from lxml import etree
+
+from stepbot.engines import Engine, engines_for
+from stepbot.engines.description.statements import statements
+from stepbot.engines.observation import EngineCannotRead, Observation, Request
+from stepbot.engines.workers import Fate, Outcome
+from stepbot.verification.files import ask, compared_with_first, ranked
+from stepbot.verification.merged_observation import Gathered, gather
+from stepbot.verification.probe import Probe
+
+from .changes import slots_of
+
+_FAR = 0.02
+"""Change of a number, relative to it; absolute for 0."""
+_LEAST = 1e-11
+"""Smallest change: files round lengths and angles to 1e-12."""
+
+
+def other_numbers(content: bytes, random: Random, count: int) -> Iterator[tuple[str, bytes]]:
+    """Copies of a file with one number changed, and which."""
+    every = [(slot, index) for slot in slots_of(content) for index in range(len(slot.words))]
+    for slot, index in random.sample(every, min(count, len(every))):
+        old = float(slot.words[index])
+        new = repr(old * (1.0 + _FAR)) if old else repr(_FAR)
+        if slot.is_whole:
+            new = str(int(old) + 1)
+        if abs(float(new) - old) < _LEAST:
+            continue
+        words = (*slot.words[:index], new, *slot.words[index + 1 :])
+        top = etree.fromstring(content)
+        element = [one for one in top.iter() if isinstance(one.tag, str)][slot.element]
+        if slot.attribute:
+            element.set(slot.attribute, " ".join(words))
+        else:
+            element.text = " ".join(words)
+        yield f"{slot.path}[{index}]: {slot.words[index]} -> {new}", etree.tostring(top)
+
+
+def differences(first: Path, other: Path, written_in: str) -> str:
+    """What differs between two files; empty if they are called equal.
+
+    Args:
+        first: The first file.
+        other: The other file.
+        written_in: The format of both.
+    """
+
+    def observe(engine: Engine, request: Request) -> Observation | None:
+        try:
+            with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+                return engine.observer.observe(request)
+        except Exception:  # noqa: BLE001 - in verify, too, an engine that fails is tried again later
+            return None
+
+    formats = {first: written_in, other: written_in}
+    asked = ask(formats, {path: path for path in formats}, Probe(observe), count=1, seconds=0.0)
+    said = {path.as_posix(): statements(path, written_in) for path in formats}
+    asked = replace(asked, said=said)
+    ours, theirs = (_seen(path, written_in, asked.requests[path.as_posix()]) for path in formats)
+    if ours is None or theirs is None:
+        return "refused"
+    failed = [one for one in compared_with_first(ours, theirs, asked) if one.deviations.failures and not one.not_run]
+    return "; ".join(f"{one.quantity.value}: {one.deviations.failures[0]}" for one in failed)
+
+
+def _seen(path: Path, written_in: str, request: Request) -> Gathered | None:
+    """The file as all engines see it; None if one rejects it."""
+    outcomes = []
+    for engine in (one for one in engines_for(written_in) if one.available() is None):
+        try:
+            with redirect_stdout(StringIO()), redirect_stderr(StringIO()):
+                seen = engine.observer.observe(request)
+        except EngineCannotRead:
+            continue
+        except Exception:  # noqa: BLE001 - in verify and diff, too, an engine that fails is a finding
+            return None
+        outcomes.append(Outcome(path.as_posix(), written_in, engine.name, Fate.OBSERVED, seen))
+    return gather(ranked(outcomes))
