@@ -12,6 +12,7 @@ from typing import Any
 
 from stepbot.runtime.file import exists, is_file, is_folder, open_regular, read_regular, resolved
 
+from .declared_sizes import excessive_sizes
 from .resources import candidates
 from .usd.layers import layer_references
 
@@ -21,6 +22,7 @@ Element = Any
 ENTITIES = "SB820"
 OUTSIDE = "SB821"
 NOT_REGULAR = "SB822"
+TOO_LARGE = "SB823"
 
 _MOST_INCLUDES = 1000
 _CHUNK = 1 << 16
@@ -113,6 +115,8 @@ def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
             yield Refusal(ENTITIES, "declares XML entities", str(path))
             continue
         roots.append((path, root))
+        for element, reason in excessive_sizes(root) if has_includes else ():
+            yield Refusal(TOO_LARGE, reason, str(path), element.sourceline or 0)
         for element in root.iter("include") if has_includes else ():
             name = element.get("file", "")
             if not name:

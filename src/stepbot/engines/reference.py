@@ -47,13 +47,18 @@ NAME = "model"
 _WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
 
 
-def observe_robot(robot: Robot, request: Request) -> Observation:
+def observe_robot(robot: Robot, request: Request, *, dynamics: bool = True) -> Observation:
     """Everything that an engine should report for a file of this robot.
+
+    Args:
+        robot: The robot.
+        request: What to observe.
+        dynamics: Whether to compute the equations of motion, whose cost grows with the cube of the number of joints.
 
     Raises:
         KeyError: A configuration names a joint that does not exist.
     """
-    return Reference().observe(robot, request)
+    return Reference().observe(robot, request, dynamics=dynamics)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,10 +79,10 @@ class Reference:
         self._motions: list[_Motion] = []
         self._boxes: dict[tuple[Any, Pose], Bounds] = {}
 
-    def observe(self, robot: Robot, request: Request) -> Observation:
+    def observe(self, robot: Robot, request: Request, *, dynamics: bool = True) -> Observation:
         """See :func:`observe_robot`."""
         closed = [q for way in request.ways for q in way]
-        motion = self._motion(robot, request, closed)
+        motion = self._motion(robot, request, closed, request.moments if dynamics else ())
         sensitivity = loop_sensitivity(robot, closed, request.driven)
         closed_poses = motion.poses[len(request.configurations) :]
         return Observation(
@@ -102,16 +107,18 @@ class Reference:
             excluded_pairs=_excluded_pairs(robot),
         )
 
-    def _motion(self, robot: Robot, request: Request, closed: Sequence[Mapping[str, float]]) -> _Motion:
+    def _motion(
+        self, robot: Robot, request: Request, closed: Sequence[Mapping[str, float]], moments: Sequence[Any]
+    ) -> _Motion:
         """Limits and dynamics of joints, which formats express differently, have no influence on it."""
         joints = [replace(joint, limit=Limit(), dynamics=JointDynamics()) for joint in robot.joints]
         bodies = [(link.name, link.mass_properties) for link in robot.links]
-        inputs = (joints, bodies, request.configurations, request.rates, closed)
+        inputs = (joints, bodies, request.configurations, moments, closed)
         known = next((motion for motion in self._motions if motion.inputs == inputs), None)
         if known is None:
             tree = Tree(robot)
             poses = tuple(link_poses(robot, q, tree) for q in [*request.configurations, *closed])
-            equations = tuple(equations_of_motion(robot, q, rates, tree=tree) for q, rates in request.moments)
+            equations = tuple(equations_of_motion(robot, q, rates, tree=tree) for q, rates in moments)
             known = _Motion(inputs, tree.joints, poses, equations)
             self._motions.append(known)
         return known

@@ -117,7 +117,7 @@ def robot_of_file(path: Path, options: Options, found: Diagnostics) -> tuple[Rob
 
 def joint_table_at_zero(robot: Robot) -> tuple[JointRow, ...]:
     """Where each joint is, with all joints at 0."""
-    return joint_rows(observe_robot(robot, Request("", "", configurations=({},))))
+    return joint_rows(observe_robot(robot, Request("", "", configurations=({},)), dynamics=False))
 
 
 def _read(path: Path, options: Options, found: Diagnostics) -> Description:

@@ -166,3 +166,26 @@ def test_pipes_are_no_layers(tmp_path: Path) -> None:
     pytest.importorskip("pxr", reason="usd-core is not installed")
     os.mkfifo(tmp_path / "pipe.usda")
     assert codes(tmp_path / "robot.usda", '#usda 1.0\ndef "a" (references = @./pipe.usda@)\n{\n}\n', "usd") == ["SB822"]
+
+
+SIZES = {
+    '<asset><hfield name="h" nrow="30000" ncol="30000" size="1 1 1 1"/></asset>': True,
+    '<asset><hfield name="h" nrow="300" ncol="300" size="1 1 1 1"/></asset>': False,
+    '<asset><texture name="t" type="2d" builtin="flat" width="90000" height="90000"/></asset>': True,
+    '<asset><texture name="t" type="2d" builtin="flat" width="512" height="512"/></asset>': False,
+    '<size nuser_body="1000000000"/>': True,
+    '<size nuser_geom="1e12"/>': True,
+    '<size nuser_body="8" memory="64M" njmax="500"/>': False,
+    '<size memory="900G"/>': True,
+    '<size nkey="1000000000"/>': True,
+    '<worldbody><replicate count="1000000"><geom size="1"/></replicate></worldbody>': True,
+}
+
+
+@pytest.mark.parametrize("text", SIZES)
+def test_sizes_in_a_few_digits(tmp_path: Path, text: str) -> None:
+    """A short MJCF that asks for gigabytes is rejected at its line before MuJoCo reserves them; usual ones are not."""
+    path = tmp_path / "robot.xml"
+    path.write_text(f"<mujoco>\n{text}</mujoco>", encoding="utf-8")
+    found = refusals(str(path), "mjcf")
+    assert [(one.code, one.line) for one in found] == [("SB823", 2)] * SIZES[text]
