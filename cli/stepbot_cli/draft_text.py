@@ -1,6 +1,7 @@
 """The output of ``stepbot init``: what was found, on what evidence, and what to do next."""
 
 import shlex
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +11,8 @@ from .diagnostic_text import printable
 if TYPE_CHECKING:
     from stepbot.draft.draft import Draft, DraftClosure, DraftJoint
 
+_FUSED = 8
+"""Number of fused parts that are listed; -v lists all."""
 _LONGEST_FACTS = 96
 """Width of the evidence; -v prints all of it."""
 
@@ -37,6 +40,7 @@ def draft_text(draft: "Draft", sidecar: Path, text: str, *, verbose: bool = Fals
             sure.append(f"{printable(name)} ({closure.type}, closes a loop)")
     if sure:
         lines.append(f"  on strong evidence: {', '.join(sure)}; -v shows it")
+    lines += _fused(draft, names.freed, verbose=verbose)
     lines += [f"  {printable(note)}" for note in draft.notes]
     return "\n".join([*lines, *_next(sidecar, questions)])
 
@@ -77,6 +81,21 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
         "links": links,
         "joints": joints,
         "closures": closures,
+        "fused": [
+            {
+                "part": one.moving,
+                "with": one.a if one.moving == one.b else one.b,
+                "link": names.links[one.link],
+                "freed": name,
+                "held_by": one.held,
+                "type": one.type.value,
+                "point": None if one.point is None else list(one.point),
+                "direction": None if one.direction is None else list(one.direction),
+                **_confidence(one),
+                "line": _line_of(f"# {name}:", text),
+            }
+            for one, name in zip(draft.fused, names.freed, strict=True)
+        ],
         "review": _reviews(text),
         "limits_to_fill_in": _todo(draft),
         "notes": list(draft.notes),
@@ -106,6 +125,24 @@ def _connection(one: "DraftJoint | DraftClosure", name: str, ends: str, *, verbo
         facts = f"{facts[: _LONGEST_FACTS - 1].rstrip()}…"
     lines = [f"  {printable(name)}: {one.type}, {printable(ends)}, score {one.confidence.score:.2f}{mark}"]
     return [*lines, f"    {printable(facts)}"] if facts else lines
+
+
+def _fused(draft: "Draft", names: Sequence[str], *, verbose: bool) -> list[str]:
+    """Parts that look movable and were fused; how to free them."""
+    if not draft.fused:
+        return []
+    shown = [*zip(draft.fused, names, strict=True)][: None if verbose else _FUSED]
+    more = len(draft.fused) - len(shown)
+    head = f"  fused, though {counted(len(draft.fused), 'part')} might move: uncomment the lines of a part to free it"
+    lines = [head]
+    for one, name in shown:
+        lines.append(f"    {printable(name)}: {one.type}, in '{printable(one.link)}' because: {printable(one.held)}")
+    return [*lines, f"    {more} more; -v shows them"] if more else lines
+
+
+def _line_of(start: str, text: str) -> int:
+    """Number of the first line that starts so, from 1; 0 if there is none."""
+    return next((n for n, line in enumerate(text.splitlines(), 1) if line.strip().startswith(start)), 0)
 
 
 def _counts(draft: "Draft") -> str:

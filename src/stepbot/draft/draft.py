@@ -104,6 +104,14 @@ class Alternative:
     """On the axis [m], or the centre of a ball; None if there is none."""
     direction: Vector3 | None = None
     """Unit direction of the axis; None for a ball."""
+    link: str = ""
+    """Name of the link that holds both parts; empty if they are in two links."""
+    moving: str = ""
+    """Path of the part that would move, if ``link`` holds both."""
+    held: str = ""
+    """Why both were drafted as one."""
+    freed: str = ""
+    """Name of the link of the part that would move."""
 
 
 @dataclass(frozen=True)
@@ -120,6 +128,8 @@ class DraftLink:
     """Indices of all its components with a body."""
     inertial: MassProperties | None = None
     """In the link's frame, where they are given and not computed from densities."""
+    drawn: str = ""
+    """The CAD's name, if it differs from ``name``."""
 
 
 @dataclass(frozen=True)
@@ -219,3 +229,13 @@ class Draft:
     """The frame of the root; None for that of the assembly."""
     base: Base = Base.FIXED
     frames: tuple[Frame, ...] = ()
+
+    @property
+    def fused(self) -> tuple[Alternative, ...]:
+        """Joints within a link that were not drafted: its parts look movable, but were fused."""
+        still = (JointKind.FIXED, JointKind.UNIVERSAL)
+        freed: dict[str, Alternative] = {}
+        for one in self.offered:
+            if one.moving and one.type not in still:
+                freed.setdefault(one.moving, one)
+        return tuple(freed.values())

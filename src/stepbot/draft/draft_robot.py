@@ -5,7 +5,7 @@ The origin of a joint is a mate or an axis of components where possible, since t
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,8 +28,10 @@ from stepbot.draft.inference import Inferred, infer_from
 from stepbot.draft.link_claims import LinkClaims
 from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.names import Role
+from stepbot.draft.text.draft_names import readable_name
 from stepbot.geometry.spatial import Array, Vector3, perpendicular_frame, rpy_from_rotation, vector3
-from stepbot.robot.model import JointKind
+from stepbot.robot.model import Base, JointKind
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.axes import AxisFaces, AxisLine, axis_faces, is_parallel, lines, mates, selectors
 
@@ -120,6 +122,8 @@ def _numbers(point: Array, R: Array) -> OriginSnippet:
 _OFFERED = 0.3
 """Score from which an undrafted axis is offered as a comment."""
 _KNOWN_LINK, _GUESSED_LINK = 0.9, 0.6
+_OF_WHEEL, _ROUGHLY = 0.2, 3.0
+"""Share of a link's volume from which a part named a wheel makes it one, and how far a tread may be from symmetric."""
 _NAMED = 3
 """Number of guessed parts of a link that are listed for each reason."""
 
@@ -152,6 +156,7 @@ class _Drafting:
         self._origins = Origins(assembly)
         self._link_of = {i: n for n, members in enumerate(found.links) for i in members}
         self._claims = LinkClaims(assembly, found.links, found.root)
+        self._drawn: list[str] = []
         self._names = self._link_names()
 
     def draft(self, robot: str) -> Draft:
@@ -166,7 +171,48 @@ class _Drafting:
             links=tuple(self._link(n) for n in order),
             joints=tuple(self._joint(arc) for arc in tree),
             closures=tuple(self._closure(arc) for arc in loops),
-            offered=tuple(self._alternative(h) for h in self._offered()),
+            offered=tuple(self._fused(h) for h in self._offered()),
+            notes=self._stillness(),
+            base=Base.FLOATING if self._rolls(tree) else Base.FIXED,
+        )
+
+    def _stillness(self) -> tuple[str, ...]:
+        """Why nothing moves, if nothing does."""
+        if any(arc.evidence.type != JointKind.FIXED and arc.evidence.score >= CHOSEN for arc in self._found.arcs):
+            return ()
+        lines = len({(h.a, h.b) for h in self._found.offered})
+        found = f"{lines} pairs of parts share an axis, but other evidence holds them together" if lines else ""
+        why = found or "no two parts share an axis about or along which only they could move"
+        return (f"no moving parts found: {why}",)
+
+    def _rolls(self, tree: Sequence[TreeJoint]) -> bool:
+        """Whether at least two wheels turn on the root, so that nothing fixes it to the ground."""
+        return sum(arc.parent == self._found.root and self._is_wheel(arc) for arc in tree) > 1
+
+    def _is_wheel(self, arc: TreeJoint) -> bool:
+        """Whether a joint turns a body named a wheel about its axis of symmetry."""
+        if arc.evidence.type != JointKind.REVOLUTE or arc.evidence.score < CHOSEN:
+            return False
+        parts = [self._found.survey.parts[i] for i in self._found.links[arc.child]]
+        least = _OF_WHEEL * sum(part.volume for part in parts)
+        return any(
+            Role.WHEEL in part.roles and part.volume >= least and part.is_balanced(arc.evidence.axis, _ROUGHLY)
+            for part in parts
+        )
+
+    def _fused(self, h: JointEvidence) -> Alternative:
+        """A joint within a link, with the part that it would free and what holds that part."""
+        found = self._alternative(h)
+        link = self._link_of[h.a]
+        parts = self._found.survey.parts
+        if link != self._link_of[h.b] or parts[h.a].is_small or parts[h.b].is_small:
+            return found
+        moving = min((h.a, h.b), key=lambda i: (parts[i].volume, -i))
+        welds = [weld for weld in self._found.welds if (weld.a, weld.b) == (min(h.a, h.b), max(h.a, h.b))]
+        held = max(welds, key=lambda weld: weld.score).why if welds else "other parts of the link hold both"
+        freed = LinkClaims.name(self._claims, [parts[moving]])[0]
+        return replace(
+            found, link=self._names[link], moving=self._assembly.components[moving].path, held=held, freed=freed
         )
 
     def _link(self, n: int) -> DraftLink:
@@ -177,6 +223,7 @@ class _Drafting:
         return DraftLink(
             *(self._names[n], self._claims.paths(n), Confidence(score, guesses)),
             *(is_root, tuple(members)),
+            drawn=self._drawn[n],
         )
 
     def _guesses(self, members: Sequence[int]) -> tuple[str, ...]:
@@ -194,7 +241,7 @@ class _Drafting:
         is_universal = h.type == JointKind.UNIVERSAL and h.axis2 is not None
         return DraftJoint(
             name=f"{child}_joint",
-            type=h.type,
+            type=JointKind.CONTINUOUS if self._is_wheel(arc) else h.type,
             origin=found.snippet,
             axis="x" if is_universal else "z",
             point=_point(axis),
@@ -269,8 +316,10 @@ class _Drafting:
     def _link_names(self) -> list[str]:
         """A name for each link; equal ones are numbered."""
         names: list[str] = []
-        for members in self._found.links:
-            base = self._claims.name([self._found.survey.parts[i] for i in members])
+        for n, members in enumerate(self._found.links):
+            parts = [self._found.survey.parts[i] for i in members]
+            base, drawn = self._claims.name(parts, is_root=n == self._found.root)
+            self._drawn.append("" if readable_name(drawn) == base else drawn)
             name, count = base, 1
             while name in names:
                 count += 1

@@ -1,13 +1,13 @@
 """Infers links, joints and closures from an assembly, to draft a sidecar."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from stepbot.draft.answers import NO_FACTS, Facts, fact_evidence
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.draft import CHOSEN
 from stepbot.draft.evidence.bearings import bearing_evidence
-from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvidence
+from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvidence, Verdict, Weld
 from stepbot.draft.evidence.guides import cross_evidence, guide_evidence
 from stepbot.draft.evidence.linkages import linkage_evidence
 from stepbot.draft.evidence.motor_outputs import motor_evidence
@@ -44,6 +44,8 @@ class Inferred:
     motors: list[Motor]
     guesses: dict[int, str]
     """Reasons for guessed assignments of parts."""
+    welds: Sequence[Weld] = ()
+    """Evidence that two parts move as one, as far as it was used."""
     pivots: Mapping[JointKey, str] = field(default_factory=dict)
     """Joints within links where only one round contact holds two sides together, and what to review of each."""
 
@@ -121,4 +123,5 @@ def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: 
         if arc.evidence.score < CHOSEN:
             arc.evidence.review = arc.evidence.review or ONLY_CONNECTION
     links = list(groups.values())
-    return Inferred(made.survey, links, number[made.clusters.find(root)], arcs, offered, motors, made.guesses)
+    welds = [weld for weld in made.evidence.welds if weld.verdict is Verdict.TAKEN]
+    return Inferred(made.survey, links, number[made.clusters.find(root)], arcs, offered, motors, made.guesses, welds)

@@ -1,13 +1,25 @@
 """Paths that claim the parts of each link: whole subassemblies where possible, since the nearest claim wins."""
 
+import re
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from functools import cached_property
 
-from stepbot.draft.parts.names import Role, is_spoken, plain
+from stepbot.draft.parts.names import Role, is_spoken, portable
 from stepbot.draft.parts.parts import Part, largest
 from stepbot.step.assembly import Assembly
 from stepbot.step.structure.paths import ComponentPaths, nearest_claim, segments_of, without_ordinal
+
+_NAMELESS = frozenset({Role.ELECTRIC, Role.FASTENER, Role.SEAL})
+"""Roles of parts that no link is named after."""
+_BOUGHT = _NAMELESS | {Role.MOTOR, Role.BEARING, Role.HORN}
+"""Roles of parts that a link is named after only if it has no others."""
+_BASE_SHARE = 0.05
+"""Share of the largest part's volume from which a part named a base gives the root its name."""
+_GENERIC = re.compile(
+    r"(?:part|body|solid|component|assembly|assem|asm|link|bauteil|teil|piece)?[ _.-]*\d*", re.IGNORECASE
+)
+"""Names that CAD programs give."""
 
 
 class LinkClaims:
@@ -77,12 +89,20 @@ class LinkClaims:
         for child in self._assembly.children[node]:
             self._visit(child, above)
 
-    def name(self, parts: Sequence[Part]) -> str:
-        """Name of a link: that of its largest part but motors, or of the subassembly that is all of it."""
+    def name(self, parts: Sequence[Part], *, is_root: bool = False) -> tuple[str, str]:
+        """Name of a link, and the CAD's name that it is from, empty without one.
+
+        That of the largest part that is no bought-in one, or of the subassembly that is all of the link. The root is
+        the part named a base, and ``base`` where the name of its largest part says nothing.
+        """
         inside = {part.index for part in parts}
-        large = [part for part in parts if not part.is_small] or list(parts)
-        own = [part for part in large if Role.MOTOR not in part.roles] or large
-        node = largest(own).index
+        own = [part for part in parts if not _BOUGHT & set(part.roles)]
+        own = own or [part for part in parts if not _NAMELESS & set(part.roles)]
+        if not own:
+            return ("base" if is_root else "link"), ""
+        biggest = largest(own)
+        bases = [part for part in own if Role.BASE in part.roles and part.volume > _BASE_SHARE * biggest.volume]
+        node = (largest(bases) if is_root and bases else biggest).index
         components = self._assembly.components
         while components[node].parent > 0:
             above = components[node].parent
@@ -90,5 +110,8 @@ class LinkClaims:
                 break
             node = above
         component = components[node]
-        spoken = [n for n in (component.product, component.occurrence) if is_spoken(n)]
-        return plain(spoken[0]).strip() if spoken else largest(own).name or "link"
+        spoken = [n for n in (component.product, component.occurrence, biggest.name) if is_spoken(n)]
+        name = portable(spoken[0]) if spoken else ""
+        if is_root and (not name or _GENERIC.fullmatch(name)):
+            name = "base"
+        return name or "link", spoken[0] if spoken else ""

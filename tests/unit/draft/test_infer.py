@@ -14,9 +14,11 @@ from stepbot.draft.contacts.survey import Sources
 from stepbot.draft.draft import Draft, OriginForm
 from stepbot.draft.draft_robot import infer
 from stepbot.draft.inference import infer_mechanism
-from stepbot.robot.model import JointKind
+from stepbot.robot.model import Base, JointKind
 from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
 from stepbot.step.reader import read_assembly
+from tests.assembled import assembled, group, part
+from tests.solids import box, cylinder
 
 LIBRARY = Path(__file__).parents[3] / "robot_library"
 
@@ -135,3 +137,21 @@ def test_fingers_slide_towards_each_other() -> None:
     for parent in {j.parent for j in slides}:
         one, two = (np.array(j.direction) for j in slides if j.parent == parent)
         assert one @ two == pytest.approx(-1.0, abs=1e-6)
+
+
+def test_two_wheels_make_a_floating_base() -> None:
+    """Wheels turn without limits, and nothing fixes a base that stands on them; other round links keep limits."""
+    hub = box(10, 60, 10) + cylinder(4, 120).at(0, 0, -60)
+    tyre = cylinder(30, 12) - cylinder(4.05, 12)
+    for name, kind, base in (("wheel", JointKind.CONTINUOUS, Base.FLOATING), ("disc", JointKind.REVOLUTE, Base.FIXED)):
+        nodes = [group("chassis", part("plate", hub)), group("a", part(f"{name} left", tyre, z=45))]
+        draft = infer(assembled(*nodes, group("b", part(f"{name} right", tyre, z=-57))), "cart")
+        assert [joint.type for joint in draft.joints] == [kind, kind]
+        assert draft.base is base
+
+
+def test_a_draft_without_joints_says_why() -> None:
+    """A single block has no axis that two parts share."""
+    draft = infer(assembled(part("block", box(10, 10, 10)), part("lid", box(10, 10, 2), z=6)), "still")
+    assert not draft.joints
+    assert draft.notes[0].startswith("no moving parts found: ")

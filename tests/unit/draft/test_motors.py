@@ -97,5 +97,5 @@ def test_a_link_is_named_after_what_its_motor_sits_in() -> None:
     whole = assembled(part("SG90 servo", CASE), part("bracket", box(10, 10, 5), 100))
     found = Survey(whole, ALL_SOURCES).parts
     claims = LinkClaims(whole, [list(found)], 0)
-    assert claims.name(list(found.values())) == "bracket"
-    assert claims.name([one for one in found.values() if one.name == "SG90 servo"]) == "SG90 servo"
+    assert claims.name(list(found.values()))[0] == "bracket"
+    assert claims.name([one for one in found.values() if one.name == "SG90 servo"]) == ("SG90_servo", "SG90 servo")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from stepbot.draft.parts.names import Role, roles
+from stepbot.draft.parts.names import Role, portable, roles
 
 
 @pytest.mark.parametrize(
@@ -37,3 +37,23 @@ from stepbot.draft.parts.names import Role, roles
 def test_first_role_of_a_name(name: str, role: Role | None) -> None:
     """A standard, a catalogue number or a whole word gives the role; part of a word or a motor's bracket does not."""
     assert next(iter(roles(name)), None) == role
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("Upper arm v3:1", "Upper_arm"),
+        ("Gehäuse groß", "Gehause_gross"),
+        ("łożysko", "lozysko"),
+        ("タイヤφ44用7.5mm幅_RT-T75-44-R", "wheel"),
+        ("底座", "base"),
+        ("колесо", "wheel"),
+        ("Пример", ""),
+        ("????", ""),
+        ("Pe\x87a", "Pe_a"),
+        ("103.1", "103.1"),
+    ],
+)
+def test_names_of_links_are_portable(name: str, expected: str) -> None:
+    """Accents are removed, another script gives the role that it names, and lost bytes give nothing."""
+    assert portable(name) == expected

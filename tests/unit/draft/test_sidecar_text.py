@@ -21,7 +21,7 @@ from stepbot.draft.draft import (
 from stepbot.draft.text.sidecar_text import sidecar_text, typical_density
 from stepbot.robot.model import JointKind, Robot
 from stepbot.sidecar.check import check_sidecar
-from stepbot.sidecar.load import load_sidecar
+from stepbot.sidecar.load import load_sidecar, parse_sidecar
 from stepbot.sidecar.located import Sidecar
 from tests.unit.assemble.workshop import Workshop, at, axis
 
@@ -301,3 +301,29 @@ def test_typical_densities(name: str, density: float | None) -> None:
     """Catalogue names in several languages are recognized by whole words."""
     typical = typical_density(name)
     assert (typical.density if typical else None) == density
+
+
+def test_a_fused_part_is_freed_by_its_two_lines() -> None:
+    """The lines of a fused part say what holds it; uncommented, they make a link and a joint of it."""
+    fused = Alternative(
+        *(JointKind.REVOLUTE, "base", "arm", Confidence(0.6, ("a pair of coaxial holes",)), (0.0, 0.0, 0.01)),
+        direction=(0.0, 0.0, 1.0),
+        link="base",
+        moving="arm",
+        held="faces in contact",
+        freed="arm",
+    )
+    base = DraftLink("base", (), Confidence(1.0), rest=True, drawn="ベース")
+    text = sidecar_text(Draft("test", "base", (base,), offered=(fused,), without_density=("",)), "robot.step")
+    assert "# fused: 'arm' and 'base' are one link: faces in contact" in text
+    assert "# in the CAD: 'ベース'" in text
+    for line in ("# joints:", "  # arm:", "  # arm_joint:"):
+        assert f"\n{line}" in text
+        text = text.replace(f"\n{line}", f"\n{line.replace('# ', '')}")
+    found = Diagnostics()
+    sidecar = parse_sidecar(text.replace("limits: todo", "limits: {lower: -1, upper: 1}"), Path("r.robot.yaml"), found)
+    assert sidecar is not None, list(found)
+    made = shop()
+    result = build_robot(made.assembly, sidecar, lambda: made.measures, found)
+    assert result is not None, list(found)
+    assert [(joint.name, joint.parent, joint.child) for joint in result.robot.joints] == [("arm_joint", "base", "arm")]

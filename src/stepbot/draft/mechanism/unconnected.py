@@ -15,6 +15,7 @@ from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import box_gap
 from stepbot.robot.model import JointKind
+from stepbot.step.features.ground import grounds
 
 _BIG = 0.2
 """Share of the assembly's volume from which an unconnected cluster is a link."""
@@ -157,6 +158,10 @@ _NAMED_SHARE = 0.05
 """Share of its cluster's volume from which a part's name counts."""
 _TRUNK_SHARE = 0.05
 """Share of the assembly's volume up to which a cluster with branches is a wrist or a hand, not a trunk."""
+_GROUND, _RIVAL, _ON_GROUND = 0.08, 0.5, 1.0
+"""Share of the footprint from which a flat side is the ground, that of another side up to which it is the only one,
+and what standing on it counts.
+"""
 _BRANCHES, _TRUNK = 3, 1.6
 """Number of joints from which a cluster is a trunk, and what that counts: more joints do not count more, since the
 platform of a parallel robot has as many as its base, and a hand as many as a torso.
@@ -172,12 +177,29 @@ def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], mot
         if j.evidence.drives and j.evidence.a in cases:
             holds[made.clusters.find(j.evidence.a)] += 1
             holds[made.clusters.find(j.evidence.b)] -= 1
+    stands = _standing_shares(made)
     ranked = []
     for root, members in made.clusters.groups().items():
         share = made.survey.total_volume(members) / made.survey.volume
         if not degree or root in degree or share >= _LOOSE:
-            ranked.append((_rank(made, structure, members, share, degree[root], holds[root]), -members[0], root))
+            rank = _rank(made, structure, members, share, degree[root], holds[root])
+            rank += _ON_GROUND * sum(stands.get(i, 0.0) for i in members)
+            ranked.append((round(rank, 9), -members[0], root))
     return max(ranked)[-1] if ranked else next(iter(made.clusters.groups()))
+
+
+def _standing_shares(made: Decision) -> dict[int, float]:
+    """For each part that the assembly stands on, its share of the ground; empty if no flat face is the largest."""
+    found = grounds(made.survey.assembly)
+    totals = {up: sum(shares.values()) for up, shares in found.items()}
+    up = max(totals, key=lambda one: totals[one], default=None)
+    if (
+        up is None
+        or totals[up] < _GROUND
+        or any(total > _RIVAL * totals[up] for one, total in totals.items() if one != up)
+    ):
+        return {}
+    return {i: share / totals[up] for i, share in found[up].items()}
 
 
 def _rank(

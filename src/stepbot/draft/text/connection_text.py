@@ -63,8 +63,23 @@ def closure_lines(closure: DraftClosure, name: str, names: DraftNames) -> list[s
     return [*_evidence(closure), *lines, *(_alternative(name, ends, one, closure) for one in closure.alternatives)]
 
 
+def fused_lines(one: Alternative, name: str, names: DraftNames) -> list[str]:
+    """A joint that frees a part of a link, as a line to uncomment, with why the part was drafted as fixed."""
+    entries = [("type", one.type.value), *_ends("parent", one.link, "child", name, names)]
+    if one.point is not None:
+        entries.append(("origin", alternative_origin(one.point, one.direction)))
+    if one.type in _WITH_LIMITS:
+        entries.append(("limits", "todo"))
+    facts = "; ".join(one.confidence.evidence)
+    other = one.a if one.moving == one.b else one.b
+    return [
+        *comment(f"fused: '{one.moving}' and '{other}' are one link: {one.held}", 2),
+        f"  # {scalar(f'{name}_joint')}: {flow(entries)}  # score {one.confidence.score:.2f}: {one_line(facts)}",
+    ]
+
+
 def _ends(key_a: str, a: str, key_b: str, b: str, names: DraftNames) -> Entries:
-    return [(key_a, scalar(names.links[a])), (key_b, scalar(names.links[b]))]
+    return [(key_a, scalar(names.links.get(a, a))), (key_b, scalar(names.links.get(b, b)))]
 
 
 def _origin(one: DraftConnection) -> tuple[str, str]:

@@ -21,6 +21,8 @@ class DraftNames:
     """In the order of the draft."""
     closures: tuple[str, ...]
     frames: tuple[str, ...] = ()
+    freed: tuple[str, ...] = ()
+    """Links that fused parts would be, in the order of ``Draft.fused``."""
 
 
 def names_of(draft: Draft) -> DraftNames:
@@ -32,6 +34,7 @@ def names_of(draft: Draft) -> DraftNames:
         _named((joint.name for joint in draft.joints), "joint", taken),
         _named((closure.name for closure in draft.closures), "closure", taken),
         _named((frame.name for frame in draft.frames), "frame", taken),
+        _named((one.freed for one in draft.fused), "link", taken),
     )
 
 

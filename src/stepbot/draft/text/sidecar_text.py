@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from stepbot.diagnostics import one_line
 from stepbot.draft.draft import Alternative, Draft, DraftLink
-from stepbot.draft.text.connection_text import closure_lines, inertial_lines, joint_lines
+from stepbot.draft.text.connection_text import closure_lines, fused_lines, inertial_lines, joint_lines
 from stepbot.draft.text.draft_names import DraftNames, names_of
 from stepbot.draft.text.values import alternative_origin, angles, comment, flow, lengths, listed, number, origin_text
 from stepbot.robot.model import Base, JointKind
@@ -53,10 +53,18 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
     lines += ["links:"]
     for link in draft.links:
         lines += _link(link, names, is_root=link.name == draft.root)
-    if draft.joints:
-        lines += ["", "joints:"]
+    fused = list(zip(draft.fused, names.freed, strict=True))[:_OFFERED]
+    if fused:
+        lines.append(
+            "  # Fused parts that look movable. To free one, uncomment its line here and the one under `joints`."
+        )
+        lines += [f"  # {scalar(name)}: {flow([('parts', listed([one.moving]))])}" for one, name in fused]
+    if draft.joints or fused:
+        lines += ["", "joints:" if draft.joints else "# joints:"]
         for joint, name in zip(draft.joints, names.joints, strict=True):
             lines += joint_lines(joint, name, names, names_of_joints)
+        for one, name in fused:
+            lines += fused_lines(one, name, names)
     closures = [
         line
         for closure, name in zip(draft.closures, names.closures, strict=True)
@@ -67,7 +75,7 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
         lines += ["", "closures:" if has_active else "# closures:", *closures]
     lines += _frames(draft, names)
     lines += _actuators(draft, names)
-    lines += _offered(draft.offered)
+    lines += _offered(one for one in draft.offered if one not in draft.fused)
     return "\n".join(lines) + "\n"
 
 
@@ -158,6 +166,8 @@ def _link(link: DraftLink, names: DraftNames, *, is_root: bool) -> list[str]:
         lines += comment(f"REVIEW: which parts move as one here (score {link.confidence.score:.2f}): {facts}", 2)
     elif facts:
         lines += comment(facts, 2)
+    if link.drawn:
+        lines += comment(f"in the CAD: '{link.drawn}'", 2)
     lines += [f"  {scalar(names.links[link.name])}:{'  # root: no joint moves it' if is_root else ''}"]
     if link.rest:
         lines += ["    rest: true  # everything that no other link claims"]

@@ -25,6 +25,8 @@ _OF_BASE = 0.9
 """Fraction of the ground's area that belongs to the base."""
 _TALL = 2.0 / 3.0
 """Minimum height of the assembly as a fraction of its extent along z: what hangs on a wall is lower."""
+_PLATE, _FLAT_TALL = 0.3, 0.4
+"""Share of the footprint from which the flat face is a base plate, and the minimum height on one."""
 _PARALLEL = 1e-2
 """Maximum angle [rad] between a joint's axis and the vertical."""
 
@@ -65,7 +67,14 @@ def standing(assembly: Assembly, base: Collection[int], axes: Sequence[Vector3])
     share = shares[up][0]
     rivals = [other for other in DIRECTIONS if other != up and shares[other][0] >= _OTHER * share]
     height, across = sides.size["xyz".index(up[-1])], sides.size[2]
-    return None if rivals or height < _TALL * across or not _is_along(up, axes) else Standing(up, share)
+    least = _FLAT_TALL if share >= _PLATE else _TALL
+    return None if rivals or height < least * across or not _is_along(up, axes) else Standing(up, share)
+
+
+def grounds(assembly: Assembly) -> dict[Direction, dict[int, float]]:
+    """For each direction that may be up, what lies flat below: by component, its share of the assembly's footprint."""
+    sides = _Sides(assembly, frozenset())
+    return {} if sides.is_empty else {up: sides.shares(up) for up in DIRECTIONS}
 
 
 def _is_along(up: Direction, axes: Sequence[Vector3]) -> bool:
@@ -89,11 +98,18 @@ class _Sides:
 
     def ground(self, up: Direction) -> tuple[float, float]:
         """Area of the flat faces at the bottom as a fraction of the footprint, and the base's fraction of it."""
+        shares = self.shares(up)
+        total, of_base = sum(shares.values()), sum(share for index, share in shares.items() if index in self._base)
+        return (total, of_base / total) if total > 0.0 else (0.0, 0.0)
+
+    def shares(self, up: Direction) -> dict[int, float]:
+        """Area of each component's flat faces at the bottom, as a fraction of the footprint."""
         along = "xyz".index(up[-1])
         level = self._high[along] if up.startswith("-") else self._low[along]
         nearest = self._highest[:, along] if up.startswith("-") else self._lowest[:, along]
         near = _FLAT * float(np.linalg.norm(self.size))
-        total = of_base = 0.0
+        footprint = float(np.prod(np.delete(self.size, along)))
+        shares: dict[int, float] = {}
         for index in sorted(self._parts[i] for i in np.flatnonzero(np.abs(nearest - level) < near).tolist()):
             component = self._assembly.components[index]
             mesh = self._assembly.bodies[component.body].mesh
@@ -101,7 +117,6 @@ class _Sides:
             is_on = np.abs(points[:, along] - level) < near
             corners = points[faces[is_on[faces].all(axis=1)]]
             area = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-            total += float(area.sum())
-            of_base += float(area.sum()) if index in self._base else 0.0
-        footprint = float(np.prod(np.delete(self.size, along)))
-        return (total / footprint, of_base / total) if footprint > 0.0 and total > 0.0 else (0.0, 0.0)
+            if footprint > 0.0:
+                shares[index] = float(area.sum()) / footprint
+        return shares
