@@ -10,6 +10,7 @@ python -m benchmarks scaling                            ever more definitions, e
 python -m benchmarks gate --against REVISION            processor time of the working tree against a tag's
 python -m benchmarks report                             tables in benchmarks/NOTES.md from the results of ``--keep``
 python -m benchmarks inference                          links and joints from plain STEP files, against the known ones
+python -m benchmarks drafts                             drafts of published assemblies by `stepbot init`, against labels
 python -m benchmarks drafting STEP                      copies of an assembly in a row: links, joints and stops
 python -m benchmarks collision STEP                     convex pieces of its solids, by stepbot and by CoACD
 python -m benchmarks steps SIDECAR...                   hulls of parts against ``auto``, in MuJoCo
@@ -42,6 +43,7 @@ from .assemblies import ASSEMBLIES, Assembly, generate
 from .collision import compare_pieces, shapes_of
 from .comparison import compare
 from .contenders import ROOT, Case, Contender
+from .drafts import score_drafts
 from .environments import environment_speeds
 from .inference import corpus_folder, measure, page_with_table, read_for_inference
 from .inference_time import drafting_time
@@ -110,6 +112,12 @@ def _parser() -> argparse.ArgumentParser:
     drafted.add_argument("--only", default="", metavar="TEXT", help="robots whose name contains this")
     drafted.add_argument("--write", action="store_true", help="update the table in docs/authoring.md")
     drafted.set_defaults(run=_inference)
+    scored = commands.add_parser("drafts", help="`stepbot init` on published assemblies, against labels")
+    scored.add_argument("--only", default="", metavar="TEXT", help="assemblies whose name contains this")
+    scored.add_argument(
+        "--held-out", action="store_true", help="those held out, which no rule may be tuned on, instead"
+    )
+    scored.set_defaults(run=_drafts)
     rows = commands.add_parser("drafting", help="time to draft copies of an assembly in a row")
     rows.add_argument("step", type=Path)
     rows.add_argument("--copies", type=int, nargs="+", default=[1, 3, 6], metavar="N")
@@ -235,6 +243,12 @@ def _inference(options: argparse.Namespace, _: Path) -> None:
     if options.write:
         page = ROOT / "docs" / "authoring.md"
         page.write_text(page_with_table(page.read_text(encoding="utf-8"), sums), encoding="utf-8", newline="\n")
+
+
+def _drafts(options: argparse.Namespace, _: Path) -> None:
+    if (corpus := corpus_folder()) is None:
+        raise SystemExit("the assemblies are in the corpus: see STEPBOT_CORPUS")
+    score_drafts(corpus, options.only, held_out=options.held_out)
 
 
 def _drafting(options: argparse.Namespace, _: Path) -> None:

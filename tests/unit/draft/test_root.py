@@ -1,7 +1,7 @@
 """The root link."""
 
 from tests.assembled import BARE, Node, inferred, links, part
-from tests.solids import box, cylinder, sphere
+from tests.solids import box, cylinder
 
 BORED = box(120, 40, 20).at(40, 0, 15) - cylinder(10.02, 20).at(0, 0, 5)
 """5 mm above z = 0."""
@@ -44,12 +44,3 @@ def test_heavy_trunk_is_the_root_before_a_hub_with_more_joints() -> None:
     found = inferred(part("plate", plate), part("hub", hub, z=-22), *levers, sources=BARE)
     assert len(links(found)) == 9
     assert links(found)[found.root] == {"plate"}
-
-
-def test_the_only_flat_side_is_what_stands() -> None:
-    """A small plate on which the assembly stands is the root, not the heavier ball that turns on it."""
-    plate = box(60, 60, 10).at(0, 0, -5) + cylinder(10, 25)
-    ball = (sphere(50).at(0, 0, 62) - box(200, 200, 40)) - cylinder(10.02, 80)
-    found = inferred(part("a", plate), part("b", ball), sources=BARE)
-    assert len(links(found)) == 2
-    assert links(found)[found.root] == {"a"}

@@ -13,6 +13,7 @@ from stepbot.geometry.spatial import Pose
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.step.assembly import Assembly, ReadOptions
+from stepbot.step.features.ground import grounds
 from tests.unit.step.in_process import read_quietly
 
 
@@ -45,3 +46,13 @@ def test_a_real_arm_in_all_orientations(up: Direction, arm: Assembly) -> None:
     assert not diagnostics.has_errors
     assert sidecar.document.root is not None
     assert sidecar.document.root.up == up
+
+
+def test_the_ground_is_below_the_root(arm: Assembly) -> None:
+    """The largest flat side of the arm is below its base."""
+    found = grounds(arm)
+    up = max(found, key=lambda one: sum(found[one].values()))
+    draft = infer(arm, "arm")
+    (root,) = (link for link in draft.links if link.name == draft.root)
+    assert up == "z"
+    assert sum(share for i, share in found[up].items() if i in root.components) > 0.9 * sum(found[up].values())
