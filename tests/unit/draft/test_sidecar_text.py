@@ -18,7 +18,7 @@ from stepbot.draft.draft import (
     OriginForm,
     OriginSnippet,
 )
-from stepbot.draft.text.sidecar_text import sidecar_text, typical_density
+from stepbot.draft.text.sidecar_text import sidecar_text
 from stepbot.robot.model import JointKind, Robot
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import load_sidecar, parse_sidecar
@@ -285,22 +285,6 @@ def test_comments_end_where_their_line_ends(tmp_path: Path) -> None:
     sidecar, found = read(sidecar_text(draft, "robot.step"), tmp_path)
     assert sidecar.document.robot == "test"
     assert not found.has_errors
-
-
-@pytest.mark.parametrize(
-    ("name", "density"),
-    [
-        ("Steel, Mild", 7850.0), ("Stainless Steel 304", 7900.0), ("Edelstahl 1.4301", 7900.0), ("1.0037", 7850.0),
-        ("Aluminum 6061-T6", 2700.0), ("EN AW-7075", 2700.0), ("ABS_Plastic", 1050.0), ("PLA+", 1240.0),
-        ("PA12 (SLS)", 1130.0), ("Titanium Ti-6Al-4V", 4430.0), ("Messing CuZn39Pb3", 8500.0), ("POM-C", 1410.0),
-        ("Cast Iron, Grey", 7200.0), ("Carbon Fiber", 1600.0), ("Generic", None), ("Unplated", None), ("", None),
-        ("Material1", None), ("Spaceship", None),
-    ],
-)  # fmt: skip
-def test_typical_densities(name: str, density: float | None) -> None:
-    """Catalogue names in several languages are recognized by whole words."""
-    typical = typical_density(name)
-    assert (typical.density if typical else None) == density
 
 
 def test_a_fused_part_is_freed_by_its_two_lines() -> None:
