@@ -68,7 +68,7 @@ def fused_lines(one: Alternative, name: str, names: DraftNames) -> list[str]:
     entries = [("type", one.type.value), *_ends("parent", one.link, "child", name, names)]
     if one.point is not None:
         entries.append(("origin", alternative_origin(one.point, one.direction)))
-    if one.type.bounded:
+    if one.type in _WITH_LIMITS:
         entries.append(("limits", "todo"))
     facts = "; ".join(one.confidence.evidence)
     other = one.a if one.moving == one.b else one.b
