@@ -103,7 +103,7 @@ def _joint(document: Document, frames: Frames, name: str) -> Joint | None:
         axis2=section.axis2 or Joint.axis2,
         limit=joint_limits(document, name),
         dynamics=joint_dynamics(document, name),
-        mimic=None if mimic is None else Mimic(mimic.joint, mimic.multiplier, mimic.offset.value),
+        mimic=None if mimic is None else Mimic(mimic.joint, mimic.multiplier.value, mimic.offset.value),
         pitch=section.pitch or 0.0,
         drawn_position=section.zero.value,
     )

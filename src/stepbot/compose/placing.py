@@ -133,7 +133,9 @@ class Places:
             axis2=section.axis2 or Joint.axis2,
             limit=joint_limits(self._document, name),
             dynamics=joint_dynamics(self._document, name),
-            mimic=None if mimic is None or leader is None else Mimic(leader, mimic.multiplier, mimic.offset.value),
+            mimic=None
+            if mimic is None or leader is None
+            else Mimic(leader, mimic.multiplier.value, mimic.offset.value),
             pitch=section.pitch or 0.0,
             drawn_position=section.zero.value,
         )

@@ -31,7 +31,7 @@ from .quantities import (
     JointValue,
     LengthVector,
     Mass,
-    Number,
+    Multiplier,
     Pitch,
     RelativeOrLength,
 )
@@ -206,8 +206,8 @@ class MimicSection(Section):
 
     joint: Reference
     """The joint to follow."""
-    multiplier: Number = 1.0
-    """Ratio of this joint's motion to the other's, in SI units."""
+    multiplier: Multiplier = JointValue(1.0)
+    """Ratio of this joint's motion to the other's; with units where one turns and the other slides: `3 mm/rad`."""
     offset: JointPosition = JointValue(0.0)
     """Position [rad or m] of this joint when the other is at zero."""
 

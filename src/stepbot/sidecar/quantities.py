@@ -344,6 +344,11 @@ RelativeOrLength = Annotated[
         }
     ),
 ]
+Multiplier = Annotated[
+    JointValue,
+    PlainValidator(_joint_value(units.RATIO, units.PITCH, units.TURNS)),
+    quantity_schema(units.RATIO, units.PITCH, units.TURNS),
+]
 JointPosition = Annotated[
     JointValue, PlainValidator(_joint_value(units.ANGLE, units.LENGTH)), quantity_schema(units.ANGLE, units.LENGTH)
 ]

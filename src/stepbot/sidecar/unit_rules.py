@@ -10,10 +10,14 @@ from .joint_settings import joint_settings, position_dimension, settings_of
 from .located import Sidecar
 from .subjects import subject
 from .tree import Keys
-from .units import Dimension
+from .units import ANGLE, LENGTH, PITCH, RATIO, TURNS, Dimension
 
 _SUSPICIOUS = 3
 """Number of values of one joint that suggest that its type is wrong, if no unit of a value matches it."""
+
+
+_RATIOS: dict[tuple[Dimension | None, Dimension | None], Dimension] = {(LENGTH, ANGLE): PITCH, (ANGLE, LENGTH): TURNS}
+"""Dimension of a multiplier by those of the following and the leading joint, where they differ."""
 
 
 class _Unit(NamedTuple):
@@ -63,6 +67,10 @@ def _units(sidecar: Sidecar, name: str) -> Iterator[_Unit]:
         yield _Unit(name, joint.type, ("joints", name, "zero"), joint.zero.dimension, position)
     if joint.mimic is not None and joint.mimic.offset.dimension is not None:
         yield _Unit(name, joint.type, ("joints", name, "mimic", "offset"), joint.mimic.offset.dimension, position)
+    leader = joint.mimic and sidecar.document.joints.get(joint.mimic.joint)
+    if joint.mimic is not None and joint.mimic.multiplier.dimension is not None and leader:
+        needed = _RATIOS.get((position, position_dimension(leader.type)), RATIO)
+        yield _Unit(name, joint.type, ("joints", name, "mimic", "multiplier"), joint.mimic.multiplier.dimension, needed)
 
 
 def _report_type(sidecar: Sidecar, wrong: Sequence[_Unit], found: Diagnostics) -> None:

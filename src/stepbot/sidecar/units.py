@@ -47,6 +47,7 @@ ANGULAR_STIFFNESS = Dimension("stiffness", "N*m/rad", ((1, 2, -2, -1), (1, 2, -2
 TIME = Dimension("time", "s", ((0, 0, 1, 0),), "1 ms")
 FREQUENCY = Dimension("rate", "Hz", ((0, 0, -1, 0),), "30 Hz")
 PITCH = Dimension("pitch", "m/rad", ((0, 1, 0, -1),), "2 mm/rev")
+TURNS = Dimension("turn per distance", "rad/m", ((0, -1, 0, 1),), "30 deg/mm")
 RATIO = Dimension("ratio", "1", ((0, 0, 0, 0),), "0.2 %")
 
 

@@ -1,5 +1,6 @@
 """Consistency checks of a sidecar: valid ones pass, and each inconsistency is reported."""
 
+import math
 import time
 from pathlib import Path
 
@@ -349,3 +350,40 @@ def test_settings_of_a_simulation(simulation: str, message: str) -> None:
     """Time step, integrator and stiffness are checked; other settings are unknown keys."""
     found = checked(robot(2, [(0, 1)], f"simulation: {simulation}\n"))
     assert [f"{one.code}: {one.message}"[: len(message)] for one in found] == ([message] if message else [])
+
+
+@pytest.mark.parametrize(
+    ("follower", "leader", "multiplier", "value"),
+    [
+        ("prismatic", "revolute", "3 mm/rad", 0.003),
+        ("prismatic", "revolute", "8 mm/rev", 0.008 / (2.0 * math.pi)),
+        ("revolute", "prismatic", "30 deg/mm", 1000.0 * math.pi / 6.0),
+        ("revolute", "revolute", "50 %", 0.5),
+        ("prismatic", "revolute", "0.003", 0.003),
+        ("prismatic", "revolute", "30 deg/mm", None),
+        ("revolute", "revolute", "3 mm/rad", None),
+        ("prismatic", "revolute", "50 %", None),
+    ],
+)
+def test_multipliers_between_turns_and_slides(follower: str, leader: str, multiplier: str, value: float | None) -> None:
+    """A multiplier may have the unit of its joints, and no other."""
+    text = f"""version: 1
+robot: r
+step: r.step
+links: {{a: {{rest: true}}, b: {{parts: [b]}}, c: {{parts: [c]}}}}
+joints:
+  l: {{type: {leader}, parent: a, child: b, limits: {{lower: -0.001, upper: 0.001}}}}
+  f: {{type: {follower}, parent: a, child: c, mimic: {{joint: l, multiplier: {multiplier}}},
+      limits: {{lower: -1, upper: 1}}}}
+"""
+    found = Diagnostics()
+    sidecar = parse_sidecar(text, Path("a.robot.yaml"), found)
+    assert sidecar is not None, list(map(str, found))
+    check_sidecar(sidecar, found)
+    mimic = sidecar.document.joints["f"].mimic
+    assert mimic is not None
+    if value is None:
+        assert [one.code for one in found] == ["SB138"]
+    else:
+        assert not list(found)
+        assert mimic.multiplier.value == pytest.approx(value, rel=1e-12)
