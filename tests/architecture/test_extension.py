@@ -19,10 +19,11 @@ FORMAT = '''\
 
 from ..format import Format
 
-FORMAT = Format(__name__, "dummy", "DummyML", suffix=".dummy", root="dummy", order=90, aliases=("dml",))
+FORMAT = Format(__name__, "dummy", "DummyML", suffix=".dummy.txt", root="dummy", order=90, aliases=("dml",))
 '''
 OPTIONAL_FORMAT = FORMAT.replace('"dummy", "DummyML"', '"rare", "RareML"').replace(
-    'suffix=".dummy", root="dummy", order=90, aliases=("dml",)', 'suffix=".rare", root="rare", order=95, default=False'
+    'suffix=".dummy.txt", root="dummy", order=90, aliases=("dml",)',
+    'suffix=".rare", root="rare", order=95, default=False',
 )
 WRITER = '''\
 """The writer."""
@@ -49,11 +50,18 @@ def render(robot):
     return f'<dummy name="{robot.name}">{links}</dummy>'.encode()
 '''
 ENGINE = '''\
-"""Reads links and masses."""
+"""Reads links and masses, the latter to a part in a thousand."""
 
-from ..engine import Engine, always
+from ..engine import Engine, Tolerance, always
 
-ENGINE = Engine(__name__, "dummy_engine", formats=("dummy",), available=always, order=90)
+ENGINE = Engine(
+    __name__,
+    "dummy_engine",
+    formats=("dummy",),
+    available=always,
+    order=90,
+    tolerances={"mass": Tolerance(relative=2e-3)},
+)
 '''
 OBSERVER = '''\
 """The observer."""
@@ -61,7 +69,7 @@ OBSERVER = '''\
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
-from ..observation import Observation, Quantity
+from ..observation import Observation, ObservedLink, Quantity
 from . import ENGINE
 
 
@@ -70,10 +78,11 @@ def prepare():
 
 
 def observe(request):
-    name = fromstring(Path(request.file).read_text()).get("name")
-    told = (Quantity.LOAD, Quantity.WARNINGS)
+    robot = fromstring(Path(request.file).read_text())
+    links = tuple(ObservedLink(link.get("name"), 1.001 * float(link.get("mass"))) for link in robot)
+    told = (Quantity.LOAD, Quantity.LINKS, Quantity.MASS, Quantity.WARNINGS)
     not_run = {quantity: "not read" for quantity in Quantity if quantity not in told}
-    return Observation(ENGINE.name, "1.0", request.format, name=name, not_run=not_run)
+    return Observation(ENGINE.name, "1.0", request.format, robot.get("name"), links=links, not_run=not_run)
 '''
 
 
@@ -126,7 +135,7 @@ def test_commands_list_an_added_format(extended: Extended) -> None:
     """`formats`, the help of `-f`, the message for an unknown format, and the mapping page list the new format."""
     listed = json.loads(extended.stepbot("formats", "--json").out)["formats"]
     assert [one["name"] for one in listed] == ["urdf", "sdf", "mjcf", "usd", "webots", "dummy", "rare"]
-    assert (listed[-2]["suffix"], listed[-2]["aliases"]) == (".dummy", ["dml"])
+    assert (listed[-2]["suffix"], listed[-2]["aliases"]) == (".dummy.txt", ["dml"])
     help_text = " ".join(extended.stepbot("convert", "--help").out.split())
     assert "urdf, sdf, mjcf, usd, webots, dummy, rare; may be repeated. [default: urdf,sdf,mjcf,dummy]" in help_text
     assert "URDF, SDFormat, MJCF and DummyML" in extended.stepbot("--help").out
@@ -139,12 +148,17 @@ def test_an_added_format_is_written_and_read_by_an_added_engine(extended: Extend
     """`convert -f` with its alias writes the format and runs the engine; `verify` detects it by its root element."""
     converted = extended.stepbot("convert", "arm2.robot.yaml", "-f", "dml", "-o", "out", "--require", "dummy_engine")
     assert converted.code == 0, converted.err
-    assert (extended.desk / "out" / "arm2.dummy").read_text(encoding="utf-8").startswith('<dummy name="arm2"><link ')
+    assert (
+        (extended.desk / "out" / "arm2.dummy.txt").read_text(encoding="utf-8").startswith('<dummy name="arm2"><link ')
+    )
     report = json.loads((extended.desk / "out" / "report.json").read_text(encoding="utf-8"))
     loaded = [check for check in report["checks"] if check["engine"] == "dummy_engine" and check["quantity"] == "load"]
     assert [check["status"] for check in loaded] == ["passed"]
+    (mass,) = (check for check in report["checks"] if (check["engine"], check["quantity"]) == ("dummy_engine", "mass"))
+    assert mass["status"] == "passed"
+    assert mass["deviation"] == pytest.approx(mass["tolerance"] / 2.0, rel=1e-6)
 
-    shutil.copy(extended.desk / "out" / "arm2.dummy", extended.desk / "other.file")
+    shutil.copy(extended.desk / "out" / "arm2.dummy.txt", extended.desk / "other.file")
     verified = extended.stepbot("verify", "other.file", "--json")
     assert verified.code == 0, verified.err
     checks = json.loads(verified.out)["report"]["checks"]

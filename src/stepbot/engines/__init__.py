@@ -13,7 +13,7 @@ from typing import cast
 
 from .engine import Engine
 
-__all__ = ["Engine", "engine_of", "engines", "engines_for", "optional_engines", "own_parsers"]
+__all__ = ["Engine", "engine_named", "engine_of", "engines", "engines_for", "optional_engines", "own_parsers"]
 
 
 @cache
@@ -29,10 +29,15 @@ def engine_of(name: str) -> Engine:
     Raises:
         KeyError: There is no such engine.
     """
-    for engine in engines():
-        if name == engine.name:
-            return engine
-    raise KeyError(name)
+    engine = engine_named(name)
+    if engine is None:
+        raise KeyError(name)
+    return engine
+
+
+def engine_named(name: str) -> Engine | None:
+    """The engine with a name, or None, as for the model and for sources."""
+    return next((engine for engine in engines() if engine.name == name), None)
 
 
 def optional_engines() -> frozenset[str]:

@@ -1,13 +1,40 @@
 """The declaration of an engine, readable without importing the engine."""
 
 import importlib.util
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol, cast
 
 if TYPE_CHECKING:
     from .observation import Observation, Request
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """The tolerance of a quantity."""
+
+    absolute: float = 0.0
+    relative: float = 0.0
+    of_whole: float = 0.0
+    """For a small part of something large, the rounding of the latter."""
+
+    def allowed(self, scale: float, whole: float = 0.0) -> float:
+        """Largest deviation that passes."""
+        return self.absolute + self.relative * scale + self.of_whole * whole
+
+
+SINGLE_PRECISION: "Mapping[str, Tolerance]" = {
+    "axes": Tolerance(absolute=1e-6),
+    "limits": Tolerance(absolute=1e-9, relative=2e-7),
+    "dynamics": Tolerance(absolute=1e-9, relative=2e-7),
+    "mimic": Tolerance(absolute=1e-9, relative=2e-7),
+    "mass": Tolerance(relative=1e-7),
+    "com": Tolerance(relative=2e-7),
+    "closures": Tolerance(absolute=1e-6),
+    "actuators": Tolerance(absolute=1e-9, relative=2e-7),
+}
+"""Of numbers in single precision, accurate to 6e-8 of each; a pose is a product of several."""
 
 
 class Observer(Protocol):
@@ -49,6 +76,13 @@ class Engine:
     """Command that installs it; empty for ``pip install NAME``."""
     title: str = ""
     """Name in prose: ``MuJoCo``; empty for ``name``."""
+
+    tolerances: Mapping[str, Tolerance] = field(default_factory=dict)
+    """By :class:`.observation.Quantity` value, the tolerances that differ from those of the comparison."""
+    several_loops: Tolerance | None = None
+    """Gap of coupled loops over their range, if the engine does not solve them simultaneously."""
+    driven_angle: float | None = None
+    """Deviation [rad] or [m] of following joints in a simulation; None for that of the closures."""
 
     @property
     def observe_function(self) -> str:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from math import inf, isnan
 
-from .tolerances import Tolerance
+from stepbot.engines.engine import Tolerance
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from stepbot.engines import engine_named
+from stepbot.engines.engine import Tolerance
 from stepbot.engines.observation import Observation, ObservedClosure
 from stepbot.geometry.spatial import ZERO3, Array, angle_between, vector3
 from stepbot.geometry.sums import exact_sum
@@ -11,7 +13,6 @@ from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.unique_names import SCOPE
 
 from .deviation import Deviations
-from .tolerances import DRIVEN_ANGLE, SEVERAL_LOOPS, Tolerance
 
 NO_GRAVITY = 5e-3
 """Share of weight times reach to which gravity forces are relative at least. Planar mechanisms have none, and files
@@ -126,7 +127,8 @@ def compare_closures(deviations: Deviations, reference: Observation, observed: O
             found = _turned(found)
         links = (found.link_a, found.link_b) == (ours.link_a, ours.link_b)
         deviations.equal(links, f"closure '{ours.name}' holds '{found.link_a}' to '{found.link_b}'")
-        several = SEVERAL_LOOPS.get(observed.engine) if len(reference.closures) > 1 else None
+        engine = engine_named(observed.engine)
+        several = engine.several_loops if engine and len(reference.closures) > 1 else None
         _compare_closure(deviations, ours, found, observed.engine, several or deviations.tolerance, gap)
 
 
@@ -162,7 +164,8 @@ def _compare_closure(
     if found.residual is not None:
         deviations.off(max(found.residual - 2.0 * own, 0.0), f"{name} over its range", "m", reach, open_by)
     if found.angle_error is not None:
-        simulated = DRIVEN_ANGLE.get(engine)
+        simulator = engine_named(engine)
+        simulated = simulator.driven_angle if simulator else None
         # A simulation leaves gaps, which are compared above; next to a dead centre, small ones turn joints far.
         angle = deviations.tolerance.absolute if simulated is None else simulated + gap * ours.sensitivity
         allowed = Tolerance(angle, relative=10.0)

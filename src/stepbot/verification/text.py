@@ -4,11 +4,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 
 from stepbot.engines.description.statements import Statement
+from stepbot.engines.engine import Tolerance
 from stepbot.engines.observation import Quantity
 
 from .compare import Compared
 from .deviation import Deviations
-from .tolerances import Tolerance
 
 _EQUAL = Tolerance(absolute=1e-13, relative=1e-9)
 _SETTINGS = ("@angle", "@eulerseq", "@autolimits", "@inertiafromgeom", "@balanceinertia", "@settotalmass")

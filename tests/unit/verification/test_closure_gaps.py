@@ -2,11 +2,13 @@
 
 import pytest
 
+from stepbot.engines import engines
+from stepbot.engines.engine import Tolerance
 from stepbot.engines.observation import Observation, ObservedClosure
 from stepbot.verification.deviation import Deviations
 from stepbot.verification.motion import compare_closures
-from stepbot.verification.tolerances import DRIVEN_ANGLE, Tolerance
 
+DRIVEN_ANGLE = {one.name: one.driven_angle for one in engines() if one.driven_angle is not None}
 SENSITIVITY, GAP = 20.0, 1e-3
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from stepbot.engines.engine import Tolerance
 from stepbot.engines.observation import Dynamics, Observation, ObservedJoint, Quantity, Request
 from stepbot.engines.reference import observe_robot
 from stepbot.engines.workers import Fate, Outcome
@@ -19,7 +20,7 @@ from stepbot.verification.checks import CODES, Subject, check_of, checks_without
 from stepbot.verification.compare import compare
 from stepbot.verification.deviation import Deviations
 from stepbot.verification.normalized import normalized
-from stepbot.verification.tolerances import TOLERANCES, Tolerance, tolerance
+from stepbot.verification.tolerances import TOLERANCES, tolerance
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS, four_bar, gripper_with_mimic, primitives, two_link_arm
 

@@ -1,6 +1,6 @@
 """Newton, NVIDIA's, Google DeepMind's and Disney Research's simulator, which reads OpenUSD."""
 
-from ..engine import Engine, installed
+from ..engine import SINGLE_PRECISION, Engine, Tolerance, installed
 
 
 def available() -> str | None:
@@ -19,4 +19,11 @@ ENGINE = Engine(
     optional=True,
     install="pip install 'stepbot[newton]'",
     title="Newton",
+    tolerances={  # Newton computes in single precision throughout, and turns inertias from their principal axes
+        **SINGLE_PRECISION,
+        "inertia": Tolerance(relative=5e-6),
+        "poses": Tolerance(absolute=5e-6),
+        # It adds inertias about the root, with four roundings of 6e-8: a light wheel far from it keeps fewer digits.
+        "mass matrix": Tolerance(relative=2e-5, of_whole=2.4e-7),
+    },
 )

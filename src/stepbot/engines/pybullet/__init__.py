@@ -3,7 +3,7 @@
 import sys
 from importlib.util import find_spec
 
-from ..engine import Engine
+from ..engine import Engine, Tolerance
 
 _NO_WHEELS = (3, 14)
 """The first Python that neither `pybullet` nor `pybullet-arm64` has wheels for."""
@@ -25,4 +25,20 @@ ENGINE = Engine(
     order=40,
     install="pip install pybullet-arm64",  # the same module, with wheels for more systems
     title="PyBullet",
+    tolerances={
+        # PyBullet converts every inertia to principal axes, by an iteration that stops at products below 1e-6 of the
+        # trace, which is up to three times the largest entry.
+        "inertia": Tolerance(relative=3e-6),
+        "poses": Tolerance(absolute=1e-6),
+        "mass matrix": Tolerance(relative=1e-6),
+        "gravity forces": Tolerance(relative=1e-6),
+        "inverse dynamics": Tolerance(relative=1e-6),
+        # Loops are closed by constraints of a simulation with steps of 1 ms, with gaps of 2e-6 of the links' lengths.
+        "closures": Tolerance(absolute=1e-5, relative=5e-6),
+        # Hulls of collision meshes are computed on a grid of 1/10216 of their extent.
+        "meshes": Tolerance(absolute=1e-6, relative=2e-4),
+    },
+    # The solver handles the constraints of a step one by one: gaps of 1.3e-4 m remain in a Stewart platform.
+    several_loops=Tolerance(absolute=3e-4),
+    driven_angle=1e-3,
 )
