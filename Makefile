@@ -91,7 +91,7 @@ library: install  ## draw, convert, verify and render every robot of the library
 benchmarks: install  ## run every benchmark once on small input; benchmarks/NOTES.md describes measuring
 	$(BIN)/python -m benchmarks smoke
 
-gate: install  ## fail if stepbot needs 10 % more processor time than at the last tag, or at AGAINST=REVISION
+gate: install  ## fail if stepbot needs 5 % more processor time than at the last tag on one of ten files, or at AGAINST=REVISION
 	@if [ -n "$(AGAINST)" ] || git describe --tags >/dev/null 2>&1; then \
 		$(BIN)/python -m benchmarks gate $(if $(AGAINST),--against $(AGAINST)); \
 	else echo "PROCESSOR TIME IS NOT COMPARED: there is no tag; make gate AGAINST=REVISION"; fi

@@ -52,12 +52,12 @@ def test_one_disturbed_round_raises_no_alarm() -> None:
 
 
 def test_rates_of_alarms() -> None:
-    """With 5 % of noise, equal code never fails, 20 % more nearly always does, and 10 % about every second time."""
+    """With 5 % of noise, equal code hardly fails, 10 % more nearly always does, and 5 % about every second time."""
     draw = random.Random(2)
-    rates = alarm_rates([draw.gauss(1.0, 0.05) for _ in range(200)], (1.0, 1.1, 1.2), trials=400)
-    assert rates[1.0] == 0.0
-    assert 0.2 < rates[1.1] < 0.8
-    assert rates[1.2] > 0.95
+    rates = alarm_rates([draw.gauss(1.0, 0.05) for _ in range(200)], (1.0, 1.05, 1.1), trials=400)
+    assert rates[1.0] < 0.01
+    assert 0.2 < rates[1.05] < 0.8
+    assert rates[1.1] > 0.95
 
 
 @pytest.mark.skipif(not hasattr(os, "wait4"), reason="times of process trees are taken where there is wait4")
@@ -73,6 +73,7 @@ def test_slower_source_fails(
         (tmp_path / name / "src" / "work_of_gate.py").write_text(work, encoding="utf-8")
         sources.append(Source(name, tmp_path / name))
     monkeypatch.setattr(gate, "STEPBOT", (sys.executable, "-m"))
+    monkeypatch.setattr(gate, "LIMIT", 1.3)  # of a tenth of a second, on a busy machine
     case = Case("case", tmp_path, tmp_path, tmp_path)
     run = gate.ratios(Job("work", ("work_of_gate",)), sources[0], sources[1], (case, case))
     assert decided(run)[0] is expected

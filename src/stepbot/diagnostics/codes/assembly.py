@@ -140,9 +140,10 @@ CODES = (
     Code(
         "SB217",
         "note",
-        "inward-facing solid reoriented",
-        "The faces of a solid point inwards, which makes its volume negative. Their orientation was reversed.",
-        "The shape and the absolute volume are unchanged.",
+        "faces reoriented",
+        "The faces of a solid point inwards, which makes its volume negative, or a void of a solid contains a further "
+        "closed shell. The orientation of these faces was reversed: a shell inside a void is solid.",
+        "The shape is unchanged. The volume is what the shells enclose, counted as solid and void in turn.",
         "No action is needed. A newer export may write the correct orientation.",
     ),
     Code(

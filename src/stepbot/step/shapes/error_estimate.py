@@ -104,7 +104,7 @@ def estimated(shape: Any, kernel: VolumeProperties, mesh: Tessellation, *, is_cl
     best = Estimate(own.properties, max(apart, own.error), opinions)
     if is_closed:
         best = _by_meshes(shape, mesh, [own, Estimate(kernel, 0.0)])
-    if best.error > CERTAIN and own.error <= _AGREEMENT:
+    if best.error > CERTAIN and own.error <= CERTAIN:
         adaptive, claimed = adaptive_volume(shape, CERTAIN)
         off = abs(adaptive / own.properties.volume - 1.0)
         if max(off, claimed) <= CERTAIN:
