@@ -8,13 +8,12 @@ from stepbot.draft.contacts.contacts import Contacts, Socket
 from stepbot.draft.parts.scene import PlacedFace, Scene
 from stepbot.geometry.spatial import Array
 from stepbot.step.faces import FaceKind
+from stepbot.step.features.fits import LOOSEST, SLACK_SHARE
 
 _CELL = 1e-4
 """Size [m] of the cells that centres are sorted into."""
 _CENTRES = 2e-5
 """Distance [m] up to which centres are equal."""
-_SLACK, _SLACK_SHARE = 5e-4, 0.06
-"""Maximum difference of radii: [m], and as a share of the radius; the larger applies."""
 _NEIGHBOURS = [(x, y, z) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)]
 
 
@@ -33,7 +32,7 @@ def find_sockets(scene: Scene, found: Contacts) -> None:
 
 def _fits(ball: PlacedFace, socket: PlacedFace) -> bool:
     radii = ball.face.radius, socket.face.radius
-    slack = max(_SLACK, _SLACK_SHARE * max(radii))
+    slack = max(LOOSEST, SLACK_SHARE * max(radii))
     return float(np.linalg.norm(ball.point - socket.point)) <= _CENTRES and abs(radii[0] - radii[1]) <= slack
 
 

@@ -13,6 +13,7 @@ from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.scene import PlacedFace, Scene
 from stepbot.step.faces import FaceKind
 from stepbot.step.features.coaxial import Rays, coaxial, signed
+from stepbot.step.features.fits import BESIDE, fits
 
 LINE_DISTANCE = 1e-5
 """Distance [m] up to which faces are coaxial, as for ``mate`` in a sidecar."""
@@ -20,14 +21,8 @@ LINE_ANGLE = 1e-3
 HALF_ROUND = 3.2
 """Angle [rad] above which a face covers more than half of the circumference."""
 
-_SHORTEST = 2e-4
-"""Minimum engaged length [m] of a shaft in its bore."""
-_SLACK, _SLACK_SHARE, _LEAST_SLACK = 5e-4, 0.06, 1e-5
-"""Maximum difference of radii of a fit: [m], as a share of the bore, and in any case [m]."""
-_PRESS = 1.5e-4
-"""Maximum interference [m] of a shaft drawn thicker than its bore."""
-_HOLE_GAP, _HOLE_RATIO = 1.5e-3, 2.5
-"""Gap [m] between two coaxial holes, and ratio of their radii, up to which one screw could be in both."""
+_HOLE_RATIO = 2.5
+"""Ratio of the radii of two coaxial holes up to which one screw could be in both."""
 _FLUSH_GAP = 5e-4
 _NEAR = 3e-3
 """Gap [m] along a line up to which two parts are compared."""
@@ -45,7 +40,7 @@ def find_fits(scene: Scene, found: Contacts) -> None:
         found.lines.append(line)
         for a, b in _neighbours(line):
             found.fits[a, b] += _pair_fits(line, a, b)
-    for pair in [pair for pair, fits in found.fits.items() if not fits]:
+    for pair in [pair for pair, of in found.fits.items() if not of]:
         del found.fits[pair]
 
 
@@ -105,13 +100,12 @@ def _fit(axis: Axis, a: int, b: int, face_a: LineFace, face_b: LineFace) -> Fit 
     kind, shaft, full = FitKind.FLUSH, -1, face_a.span > HALF_ROUND and face_b.span > HALF_ROUND
     if face_a.bore != face_b.bore:
         kind, (bore, thin) = FitKind.SHAFT, (face_a, face_b) if face_a.bore else (face_b, face_a)
-        loose = max(min(_SLACK, _SLACK_SHARE * bore.radius), _LEAST_SLACK)
-        if high - low < _SHORTEST or not -_PRESS <= bore.radius - thin.radius <= loose:
+        if not fits(bore.radius, thin.radius, high - low):
             return None
         shaft = b if face_a.bore else a
     elif face_a.bore:
         kind = FitKind.HOLES
-        if not full or low - high >= _HOLE_GAP:
+        if not full or low - high >= BESIDE:
             return None
         if not 1.0 / _HOLE_RATIO < face_a.radius / face_b.radius < _HOLE_RATIO:
             return None

@@ -13,20 +13,7 @@ from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array
 from stepbot.robot.joint_table import Basis
-
-TIGHTEST = 1e-5
-"""Clearance [m] that every fit may have, and difference of radii that count as equal."""
-LOOSEST = 5e-4
-"""Maximum clearance [m] of a fit."""
-SLACK_SHARE = 0.06
-"""Maximum clearance of a fit, as a share of the bore's radius."""
-INTERFERENCE = 1.5e-4
-"""Maximum interference [m] of a shaft drawn wider than its bore, for a press fit; never more than its clearance might
-be."""
-ENGAGED = 2e-5
-"""Minimum engaged length [m] of a shaft in its bore."""
-BESIDE = 1e-3
-"""Gap [m] along the line up to which faces count as touching: two edges chamfered by half a millimetre."""
+from stepbot.step.features.fits import BESIDE, TIGHTEST, fits
 
 _RANKS = (Basis.FIT, Basis.FLANGE, Basis.TOUCH, Basis.APART)
 _PAIRS_AT_ONCE = 1 << 20
@@ -96,9 +83,7 @@ def _pairs(a: Spans, b: Spans) -> tuple[NDArray[np.intp], Array, Array]:
     beside = overlaps >= -BESIDE
     facing = a.bores[:, None] != b.bores
     bore = np.where(a.bores[:, None], radii_a, radii_b)
-    slack = bore - np.where(a.bores[:, None], radii_b, radii_a)
-    widest = np.maximum(TIGHTEST, np.minimum(LOOSEST, SLACK_SHARE * bore))
-    fits = facing & (overlaps >= ENGAGED) & (slack <= widest) & (slack >= -np.minimum(widest, INTERFERENCE))
+    are_fits = facing & fits(bore, np.where(a.bores[:, None], radii_b, radii_a), overlaps)
     flanges = a.bores[:, None] & b.bores & beside & (np.abs(radii_a - radii_b) <= TIGHTEST)
-    ranks = np.select([fits, flanges, beside], [0, 1, 2], 3)
+    ranks = np.select([are_fits, flanges, beside], [0, 1, 2], 3)
     return ranks.astype(np.intp), np.minimum(radii_a, radii_b), overlaps

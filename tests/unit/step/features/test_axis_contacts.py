@@ -32,7 +32,7 @@ def _spans(*faces: Face) -> Spans:
         (("shaft", 4, 0, 10), ("bore", 4, 10, 20), Basis.TOUCH, 0),  # not engaged
         (("bore", 4, 0, 10), ("bore", 4, 10, 20), Basis.FLANGE, 0),
         (("bore", 4, 0, 10), ("bore", 4, 10.9, 20), Basis.FLANGE, -0.9),  # chamfered edges
-        (("bore", 4, 0, 10), ("bore", 4, 11.1, 20), Basis.APART, -1.1),
+        (("bore", 4, 0, 10), ("bore", 4, 11.6, 20), Basis.APART, -1.6),
         (("bore", 4, 0, 10), ("bore", 4.02, 10, 20), Basis.TOUCH, 0),
         (("shaft", 4, 0, 10), ("shaft", 4, 10, 20), Basis.TOUCH, 0),
         (("bore", 4, 0, 10), ("bore", 4, 238, 250), Basis.APART, -228),
