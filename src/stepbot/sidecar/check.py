@@ -9,7 +9,7 @@ from .ignored import check_ignored
 from .joint_rules import check_joints
 from .located import Sidecar
 from .magnitudes import check_densities, check_magnitudes, check_weights_as_forces
-from .mechanics import check_closures, check_mimics
+from .mechanics import check_closures, check_mimics, check_turned_frames
 from .names import check_names
 from .orientation import check_orientation
 from .own_part import own_part
@@ -25,6 +25,7 @@ _CHECKS = (
     check_joint_units,
     check_mimics,
     check_closures,
+    check_turned_frames,
     check_actuators,
     check_sensors,
     check_magnitudes,

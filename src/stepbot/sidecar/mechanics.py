@@ -1,4 +1,4 @@
-"""Check mimic joints and closures."""
+"""Check mimic joints, closures, and values in frames that a joint's ``zero`` turns."""
 
 from math import isfinite
 
@@ -67,6 +67,23 @@ def _check_positions(sidecar: Sidecar, name: str, found: Diagnostics) -> None:
         offset = positions([mimic.offset.value + assembled - follows], position)
         help = [f"set `zero` of both joints to their positions as modelled in CAD, or `offset: {offset}` in `mimic`"]
         found.add("SB461", message, place, help=help)
+
+
+def check_turned_frames(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report SB523 values in the frame of a link that is not as drawn, since its joint has a ``zero``."""
+    for name, joint in sidecar.document.joints.items():
+        link, position = sidecar.document.links.get(joint.child), position_dimension(joint.type)
+        if link is None or not joint.zero.value or position is None:
+            continue
+        given = link.inertial
+        keys = ["inertial"] if given is not None and (given.com is not None or given.inertia is not None) else []
+        keys += ["collision"] if isinstance(link.collision, tuple) else []
+        for key in keys:
+            by = positions([joint.zero.value], position)
+            turned = f"which `zero` of joint '{name}' moves by {by} in the drawn pose"
+            message = f"link '{joint.child}': `{key}` is in the link's frame, {turned}"
+            help = ["check that its values are those at q = 0 of the joint, not those in the drawn pose"]
+            found.add("SB523", message, sidecar.span("links", joint.child, key), help=help)
 
 
 def check_closures(sidecar: Sidecar, found: Diagnostics) -> None:

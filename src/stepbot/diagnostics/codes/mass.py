@@ -211,4 +211,14 @@ CODES = (
         "of the files passes, because all have the same masses.",
         "Replace `todo` by the density of the material, or give densities or weighed masses under `parts`.",
     ),
+    Code(
+        "SB523",
+        "note",
+        "values in a turned frame",
+        "A link has values in its own frame, an `inertial` with com or inertia or a list of `collision` shapes, and the joint above it "
+        "has a `zero`. The frame of a link is that of its joint at q = 0, and moves with the link: in the drawn pose, where q is "
+        "`zero`, it is turned or shifted by it.",
+        "Values that were read in the drawn pose, in axes of the assembly or of `origin`, are off by `zero`.",
+        "Give the values in the frame at q = 0, as a URDF does, or leave out `zero`. `ignore: [SB523]` confirms them.",
+    ),
 )
