@@ -8,6 +8,7 @@ from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.draft import CHOSEN
 from stepbot.draft.evidence.bearings import bearing_evidence
 from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvidence, Verdict, Weld
+from stepbot.draft.evidence.fingers import finger_evidence
 from stepbot.draft.evidence.guides import cross_evidence, guide_evidence
 from stepbot.draft.evidence.linkages import linkage_evidence
 from stepbot.draft.evidence.motor_outputs import motor_evidence
@@ -93,6 +94,7 @@ def _infer(survey: Survey, facts: Facts, needed: Mapping[JointKey, str]) -> Infe
     cross_evidence(survey, structure, evidence)
     bearing_evidence(survey, evidence)
     guide_evidence(survey, evidence)
+    finger_evidence(survey, evidence)
     roller_evidence(survey, evidence)
     several_axes(structure, evidence)
     promote(evidence, needed)

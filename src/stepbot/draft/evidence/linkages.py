@@ -13,14 +13,13 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from stepbot.draft.contacts.contacts import CoaxialLine, FitKind
+from stepbot.draft.contacts.contacts import CoaxialLine, FitKind, Pair
 from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import Relation, merged
-from stepbot.draft.contacts.shafts import HALF_ROUND
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
-from stepbot.draft.parts.axis import SAME_LINE, Axis
+from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import Part, whole
@@ -74,21 +73,25 @@ class _Hinge:
 
 def linkage_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
     """Add the joints of all linkages."""
-    pivots = [pivot for line in survey.contacts.lines for pivot in _pivots(survey, line)]
+    fitted: dict[int, list[Pair]] = defaultdict(list)
+    for pair, fits in survey.contacts.fits.items():
+        for fit in fits:
+            if fit.kind != FitKind.FLUSH and fit.full:
+                fitted[id(fit.axis.direction)].append(pair)  # which all fits on a line share
+    pivots = [
+        pivot
+        for line in survey.contacts.lines
+        for pivot in _pivots(survey, line, fitted.get(id(line.axis.direction), ()))
+    ]
     if pivots:
         _Linkages(survey, motors, found, [*pivots, *_held_by_faces(survey)]).add()
 
 
-def _pivots(survey: Survey, line: CoaxialLine) -> Iterator[_Pivot]:
-    """The groups of parts that touch each other on a line."""
-    on = [i for i, faces in line.faces.items() if any(f.span > HALF_ROUND and not f.cone for f in faces)]
-    if len(on) < 2:
-        return
-    touching, inside = Clusters(on), set(on)
-    for i in on:
-        for r in survey.near.get(i, ()):
-            if r.a == i and r.b in inside and _is_about(r, line.axis):
-                touching.join(r.a, r.b)
+def _pivots(survey: Survey, line: CoaxialLine, fitted: Sequence[Pair]) -> Iterator[_Pivot]:
+    """The groups of parts that are fitted on each other on a line, by the pairs of them."""
+    touching = Clusters(sorted({i for pair in fitted for i in pair}))
+    for a, b in fitted:
+        touching.join(a, b)
     for members in touching.groups().values():
         hosts = [i for i in members if not _is_axle(survey, i, line.axis)]
         if len(hosts) >= 2:
@@ -106,11 +109,6 @@ def _held_by_faces(survey: Survey) -> Iterator[_Pivot]:
         about = [(other, r.turns) for other, r in survey.around(i) if r.turns is not None]
         for n, (a, axis) in enumerate(about):
             yield from (_Pivot(axis, (a, b), turns=False) for b, other in about[n + 1 :] if axis.same(other))
-
-
-def _is_about(r: Relation, axis: Axis) -> bool:
-    """Whether two parts are fitted on a line."""
-    return any(f.kind != FitKind.FLUSH and f.full and axis.distance(f.axis.point) < SAME_LINE for f in r.fits)
 
 
 def _is_axle(survey: Survey, i: int, axis: Axis) -> bool:

@@ -6,9 +6,10 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from stepbot.draft.evidence.evidence import BY_NAME, BY_SHAPE, JointEvidence, Verdict
+from stepbot.draft.evidence.fingers import centroid, direction_between
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure
-from stepbot.draft.mechanism.decide import Decision, Guess, centroid, direction_between, guesses, nearest
+from stepbot.draft.mechanism.decide import Decision, Guess, guesses, nearest
 from stepbot.draft.mechanism.joints import Joint, Mechanism
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
