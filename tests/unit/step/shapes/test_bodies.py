@@ -1,6 +1,7 @@
 """One body: tolerance, size, refinement, accuracy, axes; on shapes with closed forms."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
 from typing import Any
@@ -339,6 +340,27 @@ def test_a_slanted_seam_is_straightened(tmp_path: Path) -> None:
     straight = BRep_Tool.CurveOnSurface_s(seam, face, 0.0, 0.0).Lin2d().Direction()
     assert (straight.X(), straight.Y()) == (0.0, 1.0)
     assert straighten([face]) == 0
+
+
+@pytest.mark.parametrize(("seconds", "calls"), [(-1.0, 1), (1e9, 4)])
+def test_tries_to_mesh_end_at_a_limit(
+    seconds: float, calls: int, tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where a face stays without triangles, the best mesh is kept, and the message says whether tries were left."""
+    mesh, made = tessellation._meshed, list[int]()
+
+    def lacking(*arguments: Any) -> tessellation.Tessellation:
+        made.append(len(made))
+        return replace(mesh(*arguments), missing=[0, 1] if len(made) == 1 else [0])
+
+    monkeypatch.setattr(tessellation, "_meshed", lacking)
+    monkeypatch.setattr(tessellation, "RETRY_SECONDS", seconds)
+    path = write(tmp_path / "ball.step", solids.sphere(10).shape)
+    assert only(read_here(path, found)).exact is not None
+    assert len(made) == calls
+    (message,) = (diagnostic.message for diagnostic in found if diagnostic.code == "SB601")
+    assert ("tries ended" in message) is (seconds < 0.0)
+    assert ("2 of its faces" in message) is (seconds < 0.0)
 
 
 @pytest.mark.parametrize("upper", [0.0, 4.0])
