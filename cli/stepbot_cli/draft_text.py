@@ -136,7 +136,7 @@ def _fused(draft: "Draft", names: Sequence[str], *, verbose: bool) -> list[str]:
     head = f"  fused, though {counted(len(draft.fused), 'part')} might move: uncomment the lines of a part to free it"
     lines = [head]
     for one, name in shown:
-        lines.append(f"    {printable(name)}: {one.type}, in '{printable(one.link)}' because: {printable(one.held)}")
+        lines.append(f"    {printable(name)} ({one.type}) in '{printable(one.link)}', held by: {printable(one.held)}")
     return [*lines, f"    {more} more; -v shows them"] if more else lines
 
 
