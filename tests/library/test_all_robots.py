@@ -118,6 +118,15 @@ def test_converts_and_every_check_passes(robot: str, converted: Converted) -> No
 
 
 @every_converted_robot
+def test_the_three_files_are_one_robot(robot: str, converted: Converted) -> None:
+    """`stepbot verify` of the three files, which knows nothing of the CAD, finds no difference between them."""
+    conversion = converted(robot)
+    files = [conversion.file(suffix).name for suffix in (".urdf", ".sdf", ".xml")]
+    run = stepbot("verify", *files, cwd=conversion.folder)
+    assert run.code == 0, run.err
+
+
+@every_converted_robot
 def test_files_hold_no_absolute_path_and_miss_no_mesh(robot: str, converted: Converted) -> None:
     """Referenced meshes exist, by relative paths and in metres; none is unused; no local path is written."""
     folder = converted(robot).folder

@@ -242,9 +242,9 @@ def test_where_a_loop_closes_is_compared_with_the_file_that_has_loops(
     skip_without("mujoco")
     folder = write(ROBOTS["four_bar"](), tmp_path)
     sites = folder.written["mjcf"].path.read_text(encoding="utf-8")
-    (place,) = re.findall(rf'<site name="rocker_pin/{side}" class="mark" pos="([^"]*)"', sites)
+    (place,) = re.findall(rf'<site name="rocker_pin::{side}" class="mark" pos="([^"]*)"', sites)
     x, *rest = place.split()
-    site = f'<site name="rocker_pin/{side}" class="mark" pos="'
+    site = f'<site name="rocker_pin::{side}" class="mark" pos="'
     moved = _copy(folder, "mjcf", "moved.xml", (f"{site}{place}", f"{site}{' '.join([str(float(x) + 1e-6), *rest])}"))
     report = verify_files([folder.written["urdf"].path, folder.written["sdf"].path, moved], found, timeout=120.0)
     assert _failed(report) == {("mujoco", "closures")}
