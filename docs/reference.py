@@ -19,7 +19,7 @@ RECORDS = (
     "stepbot.step.assembly:Assembly",
     "stepbot.step.assembly:Component",
     "stepbot.api:Verification",
-    "stepbot.report.record:Report",
+    "stepbot.report.robot:Report",
     "stepbot.report.results:Check",
     "stepbot.robot.joint_table:JointRow",
     "stepbot.diagnostics:Diagnostics",

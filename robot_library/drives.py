@@ -27,7 +27,7 @@ _SECONDS = 1800.0
 def driven(folder: Path, output: Path) -> "tuple[Diagnostics, Driven | None]":
     """Drive the files in a robot's output folder, by the limits of the robot."""
     from stepbot.diagnostics import Diagnostics
-    from stepbot.driving.names import ENGINES
+    from stepbot.driving.plan import ENGINES
     from stepbot.pipeline.driving import DriveOptions, drive
     from stepbot.pipeline.stages import Options
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from stepbot.diagnostics import Diagnostics
     from stepbot.jobs.library import LibraryRobot
     from stepbot.pipeline.stages import Conversion
-    from stepbot.report.record import Report
+    from stepbot.report.robot import Report
     from stepbot.robot.model import Joint, MassProperties, Robot
 
 START, END = "<!-- generated: do not edit below -->", "<!-- end of the generated part -->"

@@ -123,7 +123,7 @@ def command(
 
 def _write_index(output: Path, outcomes: "Sequence[Outcome]", found: Diagnostics) -> None:
     """Write the page of the batch; SB004 if that is impossible."""
-    from stepbot.jobs.batch.index import write_index
+    from stepbot.jobs.batch.summary import write_index
 
     try:
         write_index(output, outcomes)
@@ -157,7 +157,7 @@ def _outcomes(
 @contextmanager
 def _executor(scheduler: str | None, jobs: int | None, tasks: int) -> "Iterator[tuple[Executor, int]]":
     from stepbot.jobs.batch import local_executor, on_cluster
-    from stepbot.runtime.cores import core_count
+    from stepbot.runtime.processes import core_count
 
     if scheduler is not None:
         with on_cluster(scheduler) as cluster:

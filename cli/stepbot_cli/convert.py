@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 _WRITTEN_BY_OPTIONS = {
     ("ros", "moveit", "xacro", "srdf", "ament"): "a ROS 2 package is written by `--ros2 NAME`",
     ("gazebo", "gz", "ignition"): "a Gazebo model is written by `--gazebo`, a world by `-f sdf`",
-    ("gym",): "environments are made of MJCF: `-f mjcf`, then `python -m stepbot.gym`",
+    ("gym",): "environments are made of MJCF: `-f mjcf`, then `stepbot.gym.make` in Python",
 }
 """Beginnings of the names of programs and their files, in lower case, and what to write for them."""
 
@@ -280,8 +280,7 @@ def _show_files(files: Iterable[str], folder: Path, *, failed: bool) -> None:
 
 def _show_in_full(report: "Results") -> None:
     """Print the results, the evidence for each joint, the collision shapes of each link, and each engine."""
-    from stepbot.report.collision_words import collision_summary
-    from stepbot.report.mass_words import mass_summary, mass_words
+    from stepbot.report.mass_words import collision_summary, mass_summary, mass_words
 
     show_joint_rows(report.joint_table, verbose=True)
     if report.masses:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stepbot.diagnostics import Diagnostics, did_you_mean
-from stepbot.driving.names import ENGINES, TESTS
+from stepbot.driving.plan import ENGINES, TESTS
 
 from .caching import say_trouble
 from .command import Command, display_options, json_option, names_option

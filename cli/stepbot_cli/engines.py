@@ -6,8 +6,7 @@ from typing import Any
 
 import click
 
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
-from stepbot.runtime.memory import worker_limit
+from stepbot.runtime.memory import DEFAULT_TIMEOUT, worker_limit
 
 from .command import names_option
 from .sizes import size

@@ -66,8 +66,7 @@ def command(
     lines are marked REVIEW. Unknown limits and densities are `todo`. The draft passes `check --step` and can be
     converted without changes.
     """
-    from stepbot.pipeline.drafted_sidecar import write_draft
-    from stepbot.pipeline.drafting import draft_step
+    from stepbot.pipeline.drafting import draft_step, write_draft
 
     if interactive and as_json:
         raise click.UsageError("--interactive and --json cannot be combined")

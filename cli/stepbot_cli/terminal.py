@@ -53,7 +53,7 @@ def write_error(text: str) -> None:
 
 def write_json(document: Mapping[str, Any]) -> None:
     """Print one JSON document; diagnostics in it are written out."""
-    from stepbot.report.indented_json import indented
+    from stepbot.report.document import indented
 
     # Some characters valid in JSON control a terminal: U+009B starts an escape sequence, U+202E reverses text.
     write_result("\n".join(map(_printable, indented(document, _plain).split("\n"))))

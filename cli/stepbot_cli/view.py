@@ -109,8 +109,7 @@ def command(
 
 def _editable(target: Path, options: "Options", found: Diagnostics) -> tuple[Path, str]:
     """The sidecar to edit: the target, or the one beside a STEP file, drafted if there is none; and what was done."""
-    from stepbot.pipeline.drafted_sidecar import write_draft
-    from stepbot.pipeline.drafting import draft_step
+    from stepbot.pipeline.drafting import draft_step, write_draft
     from stepbot.pipeline.sidecars import SIDECAR_SUFFIXES
     from stepbot.robot.step_names import is_step_name
     from stepbot.sidecar.starter import starter_name

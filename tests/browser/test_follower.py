@@ -9,8 +9,7 @@ import pytest
 from stepbot.api import check
 from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import Options
-from stepbot.pipeline.drafted_sidecar import write_draft
-from stepbot.pipeline.drafting import draft_step
+from stepbot.pipeline.drafting import draft_step, write_draft
 from stepbot.runtime.cache import Cache
 from stepbot.serving.session import Session
 

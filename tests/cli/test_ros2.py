@@ -24,7 +24,7 @@ from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import main_file
 from stepbot.formats.urdf.chains import chains
 from stepbot.formats.urdf.grippers import groups
-from stepbot.formats.urdf.ros2.gazebo_launch import gazebo_launch
+from stepbot.formats.urdf.ros2.launch import gazebo_launch
 from stepbot.formats.urdf.ros2.package import ros2_package
 from stepbot.formats.urdf.ros2.xacro import GAZEBO_HARDWARE
 from stepbot.formats.urdf.writer import render

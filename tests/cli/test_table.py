@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from stepbot.report.record import Check, Report, Status
+from stepbot.report.robot import Check, Report, Status
 from stepbot_cli.columns import aligned, cells
 from stepbot_cli.table import show_table
 

@@ -27,7 +27,7 @@ from .conftest import Stepbot
         (["convert", "a.yaml", "-f", "urdf", "mjcf", "sdf"], "stepbot convert", "commas: `-f urdf,mjcf,sdf`"),
         (["batch", "-o", "out", "--format", "urdf", "mujoco", "a.yaml"], "stepbot batch", "commas: `-f urdf,mujoco`"),
         (["convert", "a.yaml", "-f", "ros2"], "stepbot convert", "a ROS 2 package is written by `--ros2 NAME`"),
-        (["convert", "a.yaml", "-f", "gymnasium"], "stepbot convert", "`-f mjcf`, then `python -m stepbot.gym`"),
+        (["convert", "a.yaml", "-f", "gymnasium"], "stepbot convert", "`-f mjcf`, then `stepbot.gym.make` in Python"),
         (["convert", "a.yaml", "-f", "isaac-sim"], "stepbot convert", "it reads OpenUSD: `-f usd`"),
         (["convert", "a.yaml", "--density", "1000"], "stepbot convert", "`density` is set in the sidecar, under"),
         (["convert", "a.yaml", "arm.step"], "stepbot convert", "the sidecar names its STEP file; `--step FILE`"),

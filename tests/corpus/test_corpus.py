@@ -16,8 +16,8 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.formats import FORMATS
 from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
+from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.model import Robot
-from stepbot.robot.shared_meshes import share_meshes
 from stepbot.robot.validity import check_robot
 from stepbot.step.assembly import Assembly, BodyKind
 from tests.corpus.files import FILES, READABLE, CorpusFile, index_row

@@ -17,7 +17,7 @@ from stepbot.formats import FORMATS
 from stepbot.formats.rendering import render
 from stepbot.geometry.mass_properties import measured
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.robot.shared_meshes import share_meshes
+from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.validity import check_robot
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar

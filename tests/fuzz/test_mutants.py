@@ -11,7 +11,7 @@ import pytest
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.geometry.mesh import TriMesh
-from stepbot.runtime.cores import core_count
+from stepbot.runtime.processes import core_count
 from stepbot.runtime.worker import RemoteError, WorkerDied
 from stepbot.step.assembly import Assembly, Body, BodyKind, Component
 from tests.conftest import CORPUS_ABSENT, ROOT

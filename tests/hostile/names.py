@@ -11,7 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from robot_library.step_file import Assembly, Occurrence, write_step
-from stepbot.robot.file_names import is_device
+from stepbot.robot.mesh_names import is_device
 from tests.command_line import snapshot
 from tests.parts import box, drawn
 

@@ -1,9 +1,6 @@
 """Every robot of the library as a learner finds it: `stand` where it floats, else `reach`."""
 
-import re
-import shlex
 import warnings
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +15,6 @@ import mujoco  # noqa: E402
 from gymnasium.utils.env_checker import check_env  # noqa: E402
 
 import stepbot.gym  # noqa: E402
-from stepbot.gym.__main__ import argument_parser  # noqa: E402
-from stepbot.gym.training import PLANS, rise, shortened, train  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -76,18 +71,3 @@ def test_robot_is_an_environment(robot: str, converted: Converted) -> None:
         gaps += gaps_of_loops(env)
     assert np.ptp(targets, axis=0).max() > 0.01
     assert max(gaps, default=0.0) < LARGEST_GAP
-
-
-@pytest.mark.long
-def test_arm_learns_to_reach(converted: Converted) -> None:
-    """The documented training of the UR5e raises the share of targets reached, beyond both confidence intervals."""
-    page = (ROOT / "docs" / "learning.md").read_text(encoding="utf-8").replace("\\\n", " ")
-    (command,) = re.findall(r"^python -m stepbot\.gym (ur5e/.*)$", page, re.MULTILINE)
-    options = argument_parser().parse_args(shlex.split(command))
-    plan = shortened(PLANS["reach"], 6, seed=0)
-    plan = replace(plan, options={**plan.options, **options.option}, evaluate_every=6)
-    path = converted("universal_robots_ur5e").file(".xml")
-    before, after = train(path, plan, test=range(1_000_000, 1_000_040))
-    assert after.success_range[0] > before.success_range[1]
-    gained, margin = rise(before, after)
-    assert gained - margin > 0.0

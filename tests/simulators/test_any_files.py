@@ -11,7 +11,7 @@ from stepbot.engines import engine_of, engines
 from stepbot.engines.workers import check_required
 from stepbot.formats import FORMATS
 from stepbot.formats.lowering import lower
-from stepbot.report.record import Report, Status
+from stepbot.report.robot import Report, Status
 from stepbot.verification import verify_files
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS

@@ -11,7 +11,7 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines import engines
 from stepbot.formats import FORMATS
-from stepbot.report.record import Status
+from stepbot.report.robot import Status
 from stepbot.verification import verify_files
 from tests.mechanisms import MECHANISMS
 from tests.simulators.conftest import Folder, skip_without, write

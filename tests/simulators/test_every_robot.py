@@ -10,7 +10,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.engines import engines
 from stepbot.formats import FORMATS
 from stepbot.formats.lowering import lower
-from stepbot.report.record import Report, Status
+from stepbot.report.robot import Report, Status
 from stepbot.robot.model import Base, JointKind
 from stepbot.verification import Provers, verify
 from tests.conftest import ReadDiagnostics

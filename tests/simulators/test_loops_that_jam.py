@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from stepbot.geometry.spatial import Pose
-from stepbot.report.record import Status
+from stepbot.report.robot import Status
 from stepbot.robot.model import JointKind
 from stepbot.verification import Provers, verify
 from tests.conftest import ReadDiagnostics

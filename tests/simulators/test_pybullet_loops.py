@@ -9,7 +9,7 @@ import stepbot
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.pybullet.body import body_of
 from stepbot.report.document import report_document
-from stepbot.report.record import Report
+from stepbot.report.robot import Report
 from stepbot.robot.closures import closure_gap
 from stepbot.robot.kinematics import initial_configuration
 from stepbot.robot.model import Robot

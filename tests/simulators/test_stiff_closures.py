@@ -10,8 +10,8 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.formats.rendering import render
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Joint, JointKind, LoopClosure, Robot
-from stepbot.robot.simulation import Integrator, Simulation
 from stepbot.robot.simulation_settings import LOOP_TIMESTEP, OPEN_TIMESTEP, settings_of
+from stepbot.robot.tuning import Integrator, Simulation
 from tests.robots import ROBOTS
 from tests.simulators.conftest import skip_without
 from tests.stiffness import largest_gap

@@ -12,7 +12,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.jobs.incremental import convert
 from stepbot.pipeline import writing
 from stepbot.pipeline.conversion import Conversion, Options
-from stepbot.report.record import Status
+from stepbot.report.robot import Status
 from stepbot.robot.model import Base, Joint, JointKind, Link, Robot
 from stepbot.robot.multi_dof import planar_to_three
 from stepbot.verification import verify_files

@@ -7,7 +7,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.formats.sdformat.model_name import model_name
 from stepbot.formats.urdf.package import package_of
 from stepbot.pipeline.conversion import Conversion, Options
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
 from .arguments import AnyPath, cache_at, checked, format_names, several
 from .results import CheckResult

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
 from .arguments import AnyPath, checked, known, reading
 from .results import Drafted, Rendered
@@ -70,8 +70,7 @@ def draft(
         The draft, the text of the sidecar, and the diagnostics.
     """
     from stepbot.draft.text.sidecar_text import relative_step, sidecar_text
-    from stepbot.pipeline.drafted_sidecar import write_draft
-    from stepbot.pipeline.drafting import draft_step
+    from stepbot.pipeline.drafting import draft_step, write_draft
     from stepbot.sidecar.starter import starter_name
 
     path = Path(step)

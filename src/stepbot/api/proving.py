@@ -7,7 +7,7 @@ from typing import Any
 
 from stepbot.diagnostics import Diagnostics, Ignore, Span
 from stepbot.runtime.file import read_regular
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
 from .arguments import AnyPath, checked, known, reading, several
 from .results import DriveResult, Verification
@@ -84,7 +84,7 @@ def drive(
     Raises:
         ValueError: There is no such test or engine.
     """
-    from stepbot.driving.names import ENGINES, TESTS
+    from stepbot.driving.plan import ENGINES, TESTS
     from stepbot.pipeline.driving import DriveOptions
     from stepbot.pipeline.driving import drive as drive_target
 

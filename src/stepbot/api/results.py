@@ -9,7 +9,7 @@ from stepbot.pipeline.conversion import Checked
 if TYPE_CHECKING:
     from stepbot.draft.draft import Draft
     from stepbot.driving.driving import Driven
-    from stepbot.report.record import Report
+    from stepbot.report.robot import Report
 
 
 @dataclass(frozen=True)

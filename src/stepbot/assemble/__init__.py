@@ -24,19 +24,19 @@ from dataclasses import dataclass
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.report.record import MeasuredBody, SimplifiedVisuals
+from stepbot.report.robot import MeasuredBody, SimplifiedVisuals
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import Worker
 from stepbot.sidecar.located import Sidecar
 from stepbot.step.assembly import Assembly
 
-from .axis_direction import report_axes_off_their_lines
 from .binder import UNREVISED, Binder, Revised
 from .bound import Bound, bind
 from .claims import Claims, claim
+from .collisions import without_contacts_of
 from .devices import (
     build_actuators,
     build_frames,
@@ -47,8 +47,7 @@ from .devices import (
     tune_actuators,
 )
 from .double_counting import DoubleCounting
-from .excluded_contacts import without_contacts_of
-from .far_axes import report_far_axes
+from .far_axes import report_axes_off_their_lines, report_far_axes, report_up_axis
 from .fitted_collisions import FittedCollisions, wait_for
 from .frames import Frames
 from .given_inertials import report_given_inertials
@@ -59,7 +58,6 @@ from .material_assignment import assign_materials
 from .measured_bodies import measured_bodies, report_choices, report_massless
 from .scored_collisions import ScoredCollisions
 from .simplified_visuals import SimplifiedVisualMeshes
-from .up_axis import report_up_axis
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.enclosing_shapes import box_around, capsule_around, cylinder_around, sphere_around
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.solids.collision_sets import CollisionSet
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, tidy
+from stepbot.robot.kinematics import neighbours
 from stepbot.robot.mesh_names import ascii_name
-from stepbot.robot.model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Sphere
+from stepbot.robot.model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Robot, Sphere
 from stepbot.sidecar.document import BoxShape, CapsuleShape, CollisionShape, CylinderShape, Shape
+from stepbot.sidecar.located import Sidecar
 from stepbot.step.features.axes import axis_faces, lines
 from stepbot.step.structure.paths import quoted
 
@@ -212,3 +215,19 @@ def _given(shape: Shape) -> _Placed:
     if isinstance(shape, CapsuleShape):
         return Capsule(shape.radius, shape.length), X_LG
     return Sphere(shape.radius), X_LG
+
+
+def without_contacts_of(robot: Robot, sidecar: Sidecar, found: Diagnostics) -> Robot:
+    """The robot with the sidecar's excluded pairs; those of adjacent links are reported (SB146)."""
+    if not sidecar.document.excluded_contacts:
+        return robot
+    adjacent, pairs = neighbours(robot), dict[tuple[str, str], int]()
+    for index, pair in enumerate(sidecar.document.excluded_contacts):
+        pairs.setdefault((min(pair), max(pair)), index)
+    for (a, b), index in pairs.items():
+        if frozenset((a, b)) in adjacent:
+            message = f"links '{a}' and '{b}' are adjacent; their contacts are excluded in any case"
+            span = sidecar.span("excluded_contacts", index)
+            found.add("SB146", f"excluded_contacts[{index}]: {message}", span, help=["remove the pair"])
+    kept = (pair for pair in pairs if pair[0] != pair[1] and frozenset(pair) not in adjacent)
+    return replace(robot, excluded_contacts=tuple(sorted(kept)))

@@ -8,8 +8,7 @@ from stepbot.robot.gains import tuned
 from stepbot.robot.metadata import Metadata
 from stepbot.robot.model import Actuator, Frame, JointKind, Limit, MeshFormat, MeshFormats, Robot
 from stepbot.robot.sensors import SEEING, Sensor, SensorKind, View
-from stepbot.robot.simulation import Simulation
-from stepbot.robot.tuning import Tuning
+from stepbot.robot.tuning import Simulation, Tuning
 from stepbot.sidecar.devices import ActuatorSection, SensorSection
 from stepbot.sidecar.document import Document
 from stepbot.sidecar.located import Sidecar

@@ -7,7 +7,7 @@ from stepbot.geometry.solids.overlapping import Overlaps, Pair
 from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import ComponentMass
 from stepbot.runtime.cache import Cache
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import Worker, WorkerDied
 from stepbot.step.structure.paths import quoted
 

@@ -1,13 +1,20 @@
 """Axes far from the robot: coordinates in another unit, or in another frame."""
 
+from collections.abc import Mapping, Sequence
+from math import atan2, degrees, hypot
+
 import numpy as np
 
 from stepbot.geometry.spatial import cross
+from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import JointKind
-from stepbot.sidecar.document import ExplicitOrigin, JointSection
+from stepbot.sidecar.document import ClosureSection, ExplicitOrigin, JointSection
+from stepbot.sidecar.origins import AutoOrigin, AxisOrigin, MateOrigin, Origin
 from stepbot.step.features.axes import millimetres
+from stepbot.step.features.ground import standing
 
 from .binder import Binder
+from .claims import Claims
 from .frames import Frames
 
 _POINTS = {JointKind.BALL, JointKind.UNIVERSAL}
@@ -49,3 +56,59 @@ def _is_given(joint: JointSection) -> bool:
     if joint.type not in _POINTS | _LINES or isinstance(joint.origin, str):
         return False
     return isinstance(joint.origin, ExplicitOrigin) or joint.origin.offset is not None
+
+
+_TURNING = {JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.CYLINDRICAL, JointKind.SCREW}
+_LEAST = degrees(1e-3)
+"""Angle [degrees] from which an axis does not follow its line."""
+
+
+def report_axes_off_their_lines(binder: Binder, frames: Frames) -> None:
+    """Report SB422: the frame on a line has z along it, so that any other axis is across the faces that were found."""
+    document = binder.document
+    groups: Mapping[str, Mapping[str, JointSection | ClosureSection]]
+    groups = {"joints": document.joints, "closures": document.closures}
+    for group, sections in groups.items():
+        for name, section in sections.items():
+            if section.type not in _TURNING or not _is_on_line(section.origin):
+                continue
+            x, y, z = section.axis
+            angle = degrees(atan2(hypot(x, y), abs(z)))
+            if angle < _LEAST:
+                continue
+            evidence = frames.evidence(group, name, "origin")
+            binder.report(
+                "SB422",
+                (group, name, "axis"),
+                f"the axis is {angle:.3g} degrees from the line of the origin",
+                help=("write `axis: z` or `axis: -z`: z of the joint's frame is along the line that was found",),
+                notes=(evidence.text,) if evidence.text else (),
+            )
+
+
+def _is_on_line(origin: Origin) -> bool:
+    """Whether the frame has z along a line of faces, and is not turned from it."""
+    if isinstance(origin, AutoOrigin | AxisOrigin | MateOrigin):
+        return origin.offset is None or not any(origin.offset.rpy)
+    return origin == "auto"
+
+
+def report_up_axis(binder: Binder, claims: Claims, root: str, rows: Sequence[JointRow]) -> None:
+    """Report SB421, unless ``root`` in the sidecar gives the axis that is up, or a frame."""
+    section = binder.document.root
+    if section is not None and (section.axes is not None or section.frame is not None):
+        return
+    base = {root}
+    for row in rows:  # in tree order
+        if row.kind == JointKind.FIXED and row.parent in base and not row.is_closure:
+            base.add(row.child)
+    axes = [row.axis for row in rows if row.parent in base and row.child not in base and row.axis is not None]
+    parts = [index for link in base for index in claims.parts_of(link)]
+    found = standing(binder.assembly, parts, axes)
+    if found is not None:
+        binder.report(
+            "SB421",
+            ("root",),
+            f"the assembly seems to be drawn with {found.up} up, not z: {found}",
+            help=(f"write `root: {{up: {found.up}}}`, or `root: {{up: z}}` if z is up",),
+        )

@@ -17,10 +17,10 @@ from stepbot.geometry.solids.primitive_fits import Shaft
 from stepbot.geometry.solids.unions import PlacedSolid
 from stepbot.geometry.spatial import IDENTITY, Pose, tidy
 from stepbot.geometry.sums import exact_sum
-from stepbot.report.record import MeasuredBody
+from stepbot.report.robot import MeasuredBody
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.cache.by_content import ResultsByContent
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import Worker, WorkerDied
 from stepbot.sidecar.document import CollisionShape
 from stepbot.step.assembly import Assembly, AxisFace, Component

@@ -9,8 +9,8 @@ from stepbot.geometry.inertia import Bodies, MassProperties, without_residue
 from stepbot.geometry.poses import Poses
 from stepbot.geometry.spatial import Pose
 from stepbot.geometry.sums import exact_sum
-from stepbot.report.record import MeasuredBody
-from stepbot.robot.model import ComponentMass, Link
+from stepbot.report.robot import MeasuredBody
+from stepbot.robot.model import GREY, ComponentMass, Link, Visual
 from stepbot.sidecar.document import InertialSection
 from stepbot.step.structure.paths import quoted
 
@@ -19,8 +19,27 @@ from .binder import Binder, listed
 from .claims import Claims
 from .collisions import Collisions, Placed
 from .fitted_collisions import FittedCollisions
-from .material_assignment import PLACEHOLDER, PLACEHOLDER_DENSITY, MaterialAssignment
-from .visuals import visuals
+from .material_assignment import PLACEHOLDER, PLACEHOLDER_DENSITY, MaterialAssignment, default_color
+
+
+def visuals(binder: Binder, assets: MeshAssets, link: str, parts: Sequence[Placed]) -> tuple[Visual, ...]:
+    """Visual geometry of a link, by component in file order; a component's ``visual`` overrides its link's."""
+    assembly = binder.assembly
+    drawn = binder.document.links[link].visual is not False
+    default = default_color(binder.document) or GREY
+    found = []
+    for part in parts:
+        component = assembly.components[part.index]
+        if part.material.visual is False or (part.material.visual is None and not drawn):
+            continue
+        if not len(assembly.bodies[component.body].mesh.faces):
+            continue
+        groups = assets.by_color(component.body, component, part.material.color, default)
+        found += [(group, part.X_LC, component.path) for group in groups]
+    return tuple(
+        Visual(f"{link}_visual_{i}", group.geometry, X_LG, group.rgba, path)
+        for i, (group, X_LG, path) in enumerate(found, start=1)
+    )
 
 
 class Links:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from stepbot.geometry.sums import exact_sum
-from stepbot.report.record import MeasuredBody
+from stepbot.report.robot import MeasuredBody
 from stepbot.robot.inertial_doubts import density_doubt
 from stepbot.robot.model import ComponentMass
 from stepbot.step.structure.paths import subtree_ends

@@ -10,7 +10,7 @@ from collections.abc import Collection, Mapping, Sequence
 from math import ceil, floor, log10
 
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.report.record import MeasuredBody
+from stepbot.report.robot import MeasuredBody
 from stepbot.sidecar.document import MassMode
 from stepbot.step.assembly import CERTAIN, Assembly, Body, BodyKind
 

@@ -15,7 +15,7 @@ from stepbot.geometry.solids.overlapping import Candidate, Group, Overlaps, Sear
 from stepbot.geometry.spatial import Pose, matrix_product, rotated
 from stepbot.robot.model import ComponentMass
 from stepbot.runtime.cache import Cache, Digest, TypedCache, environment
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import Worker
 from stepbot.step.assembly import Assembly
 

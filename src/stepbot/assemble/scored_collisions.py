@@ -7,11 +7,11 @@ from stepbot.geometry.mesh_worker import report_death
 from stepbot.geometry.solids.collision_scores import NO_SCORE, CollisionScore, Unscored, collision_scores
 from stepbot.geometry.solids.unions import PlacedShape, PlacedSolid
 from stepbot.geometry.spatial import Pose, tidy
-from stepbot.report.record import LinkCollision, MeasuredBody
+from stepbot.report.robot import LinkCollision, MeasuredBody
 from stepbot.robot.model import Geometry, Link, MeshRef, Robot
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.cache.by_content import ResultsByContent
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import Worker, WorkerDied
 from stepbot.sidecar.document import Document
 

@@ -11,10 +11,10 @@ from itertools import groupby
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_worker import report_death
 from stepbot.geometry.triangle_budgets import Simplified, TriangleBudget, Unit, all_simplified
-from stepbot.report.record import SimplifiedVisuals
+from stepbot.report.robot import SimplifiedVisuals
+from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.mesh_names import UniqueNames
 from stepbot.robot.model import Link, MeshAsset, MeshRef, Robot, Visual
-from stepbot.robot.shared_meshes import share_meshes
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.cache.by_content import ResultsByContent
 from stepbot.runtime.worker import Worker, WorkerDied

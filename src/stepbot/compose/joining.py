@@ -14,6 +14,7 @@ from stepbot.assemble.devices import (
 )
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import IDENTITY, Pose, tidy
+from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.mesh_names import UniqueNames
 from stepbot.robot.model import (
     Actuator,
@@ -30,9 +31,8 @@ from stepbot.robot.model import (
     Visual,
 )
 from stepbot.robot.sensors import SEEING, Sensor, View
-from stepbot.robot.shared_meshes import share_meshes
-from stepbot.robot.simulation import Simulation
 from stepbot.robot.simulation_settings import LOOP_TIMESTEP
+from stepbot.robot.tuning import Simulation
 from stepbot.sidecar.document import AutoOrigin, ClosureSection
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.own_part import TIE

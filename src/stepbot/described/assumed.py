@@ -73,8 +73,7 @@ def solids_of(links: Mapping[str, Shapes]) -> dict[str, MassProperties]:
 
 def _solid(geometry: TriMesh | Primitive) -> MassProperties:
     """Mass properties of a solid, or of the hull of an open mesh, at 1 kg/m^3."""
-    from stepbot.geometry.solids.manifolds import mesh_arrays
-    from stepbot.geometry.solids.shape_manifolds import of_same_volume
+    from stepbot.geometry.solids.manifolds import mesh_arrays, of_same_volume
 
     solid = of_same_volume(geometry)
     if not solid.volume() > 0.0:

@@ -6,10 +6,10 @@ from math import inf, isfinite
 from stepbot.engines.description import Description
 from stepbot.engines.observation import ObservedActuator, ObservedSensor, Quantity
 from stepbot.geometry.spatial import IDENTITY
+from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit
 from stepbot.robot.sensors import PLACED, SEEING, Sensor, SensorKind, View
 from stepbot.robot.tuning import Tuning
-from stepbot.robot.unique_names import free_name
 
 from .finding import DEVICE, Finding
 

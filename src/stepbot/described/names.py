@@ -6,10 +6,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 
-from stepbot.robot.file_names import is_device
+from stepbot.robot.mesh_names import free_name, is_device
 from stepbot.robot.model import Robot
 from stepbot.robot.renaming import renamed
-from stepbot.robot.unique_names import free_name
 
 from .finding import RENAMED, Finding
 

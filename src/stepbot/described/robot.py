@@ -15,8 +15,8 @@ from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import ZERO3, ZERO33, Pose
 from stepbot.robot.kinematics import MOVING, complete, neighbours, without_contacts
+from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.model import Base, Frame, JointKind, Link, Robot
-from stepbot.robot.shared_meshes import share_meshes
 
 from .closures import closures_of
 from .devices import actuators_of, sensors_of

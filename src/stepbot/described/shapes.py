@@ -6,9 +6,8 @@ from urllib.parse import unquote
 
 from stepbot.engines.description import DescribedShape, Description
 from stepbot.geometry.mesh import TriMesh
-from stepbot.robot.mesh_names import UniqueNames, ascii_name
+from stepbot.robot.mesh_names import UniqueNames, ascii_name, free_name
 from stepbot.robot.model import GREY, Collision, Geometry, MeshAsset, MeshRef, Visual
-from stepbot.robot.unique_names import free_name
 
 
 class Shapes:

@@ -14,8 +14,8 @@ from stepbot.engines.description import Description
 from stepbot.engines.observation import ObservedJoint, Quantity
 from stepbot.geometry.spatial import IDENTITY, ZERO3, Pose
 from stepbot.robot.kinematics import MOVING
+from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link
-from stepbot.robot.unique_names import free_name
 
 from .finding import LOST, REARRANGED, UNSUPPORTED, Finding
 

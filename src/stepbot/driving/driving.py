@@ -1,26 +1,75 @@
 """Drives a robot that stepbot wrote, in all engines at the same time, each in a process of its own."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import engine_of
-from stepbot.engines.openable import openable
-from stepbot.engines.simulation import Mechanism
+from stepbot.engines.captured_output import printed
+from stepbot.engines.file_references import openable
+from stepbot.engines.simulation import Mechanism, Setup, Simulation
 from stepbot.report.reading import robot_of_report
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 
 from .judgement import Status, Verdict, judge
 from .limits import Demands
-from .mechanism import finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
-from .names import ENGINES, TESTS
-from .plan import reasons, ungripped
+from .mechanism import Wheels, finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
+from .plan import ENGINES, TESTS, reasons, ungripped
 from .remedies import Facts, facts_of
+from .results import Result
+from .stage import Diverged, Stage
 from .survey import Survey, SweptRange
-from .worker import Assignment
+
+
+@dataclass(frozen=True, eq=False)
+class Assignment:
+    """The tests of one robot in one engine."""
+
+    engine: str
+    file: str
+    mechanism: Mechanism
+    survey: Survey
+    wheels: Wheels | None
+    limbs: tuple[str, ...]
+    tests: tuple[str, ...]
+
+
+def drive(assignment: Assignment) -> tuple[Result | str, ...]:
+    """The result of each test, or the name of a test in which the simulation diverged.
+
+    Raises:
+        EngineRefused: The engine does not load the file.
+    """
+    results: list[Result | str] = []
+    with printed():
+        for test in assignment.tests:
+            stage = Stage(
+                _opener(assignment), assignment.mechanism, assignment.survey, assignment.wheels, assignment.limbs
+            )
+            experiment: Callable[[Stage], Result] = import_module(f".experiments.{test}", __package__).experiment
+            try:
+                result = experiment(stage)
+            except Diverged:
+                results.append(test)
+                continue
+            results.append(replace(result, steps=stage.steps, seconds=stage.seconds))
+    return tuple(results)
+
+
+def _opener(assignment: Assignment) -> Callable[[Setup], Simulation]:
+    file, mechanism = assignment.file, assignment.mechanism
+    if assignment.engine == "mujoco":
+        from stepbot.engines.mujoco.simulation import MujocoSimulation
+
+        return lambda setup: MujocoSimulation(file, mechanism, setup)
+    from stepbot.engines.pybullet.simulation import PybulletSimulation
+
+    return lambda setup: PybulletSimulation(file, mechanism, setup)
+
 
 _DRIVE = "stepbot.driving.worker:drive"
 _SURVEY = "stepbot.driving.survey:survey"

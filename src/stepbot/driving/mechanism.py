@@ -10,7 +10,7 @@ import numpy as np
 
 from stepbot.engines.simulation import Mechanism, Motor
 from stepbot.geometry.spatial import Array
-from stepbot.robot.actuators import actuator_limit
+from stepbot.robot.gains import actuator_limit
 from stepbot.robot.kinematics import TURNING, link_poses, mimic_relation, rigid_bodies
 from stepbot.robot.model import ActuatorKind, Base, Joint, JointKind, Robot
 from stepbot.robot.multi_dof import ball_coordinates, unfolded

@@ -5,12 +5,15 @@ MJCF, wherever it is, and block on a named pipe or a device in place of a mesh u
 may be anywhere, since descriptions share them.
 """
 
+import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 from stepbot.runtime.file import exists, is_file, is_folder, open_regular, read_regular, resolved
+from stepbot.runtime.temporary import run_folder
 
 from .declared_sizes import excessive_sizes
 from .resources import candidates
@@ -171,3 +174,37 @@ def _is_irregular(path: Path) -> bool:
         return exists(path) and not is_file(path) and not is_folder(path)
     except (OSError, ValueError):  # not a valid file name
         return False
+
+
+def openable(path: Path) -> Path:
+    """An absolute path of a file, in UTF-8; files beside the file and below its folder have the same way from there.
+
+    Raises:
+        OSError: There cannot be a symbolic link.
+    """
+    absolute = resolved(path)  # not cached: what a relative path refers to changes with the current folder
+    return absolute if _is_utf8(absolute) else _linked(absolute)
+
+
+@cache
+def _linked(path: Path) -> Path:
+    """Another path of a file, by symbolic links; the same one on each call."""
+    place = Path(tempfile.mkdtemp(dir=run_folder()))
+    if _is_utf8(Path(path.name)):
+        folder = next(folder for folder in path.parents if not _is_utf8(Path(folder.name)))
+        (place / "folder").symlink_to(folder, target_is_directory=True)
+        return place / "folder" / path.relative_to(folder)
+    for beside in path.parent.iterdir():
+        if _is_utf8(Path(beside.name)):
+            (place / beside.name).symlink_to(beside, target_is_directory=is_folder(beside))
+    description = place / f"{place.name}{path.suffix if _is_utf8(Path(path.suffix)) else ''}"
+    description.symlink_to(path)
+    return description
+
+
+def _is_utf8(path: Path) -> bool:
+    try:
+        str(path).encode("utf-8")
+    except UnicodeEncodeError:  # it has bytes that are not, as surrogates
+        return False
+    return True

@@ -6,12 +6,12 @@ from typing import Any
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, Pose, join_bounds
-from stepbot.robot.actuators import control_range, force_range
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.closures import closure_gap
 from stepbot.robot.dynamics import Equations, equations_of_motion
+from stepbot.robot.gains import control_range, force_range
 from stepbot.robot.kinematics import TURNING, Tree, initial_configuration, link_poses, without_contacts
-from stepbot.robot.loop_sensitivity import loop_sensitivity
+from stepbot.robot.loop_followers import loop_sensitivity
 from stepbot.robot.model import (
     Actuator,
     ActuatorKind,

@@ -8,8 +8,7 @@ from stepbot.runtime.file import resolved
 
 from .observation import EngineRefused
 from .resources import resolve
-from .urdf_chains import ChainNames, with_chains
-from .xml_root import xml_root
+from .urdf_chains import ChainNames, with_chains, xml_root
 
 Element = Any
 """``lxml.etree._Element``."""

@@ -6,9 +6,12 @@ robot, and names the directions of a plane itself. https://wiki.ros.org/urdf/XML
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from stepbot.geometry.spatial import Vector3, perpendicular_frame, vector3
+
+from .observation import EngineRefused
 
 Element = Any
 """``lxml.etree._Element``."""
@@ -68,3 +71,18 @@ def _steps(joint: Element) -> list[tuple[str, Vector3]]:
     given = "1 0 0" if axis is None else axis.get("xyz", "1 0 0")
     x, y, z = (vector3(column) for column in perpendicular_frame([float(part) for part in given.split()]).T)
     return [("prismatic", x), ("prismatic", y), ("continuous", z)]
+
+
+def xml_root(file: Path) -> Any:
+    """The root element (``lxml.etree._Element``) of a file, without comments; entities are not expanded.
+
+    Raises:
+        EngineRefused: The file is not XML.
+    """
+    from lxml import etree
+
+    try:
+        parser = etree.XMLParser(resolve_entities=False, no_network=True, remove_comments=True)
+        return etree.parse(str(file), parser).getroot()
+    except etree.XMLSyntaxError as error:
+        raise EngineRefused(f"not XML: {error.msg}") from error

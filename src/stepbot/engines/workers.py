@@ -9,7 +9,7 @@ from enum import StrEnum
 from types import TracebackType
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import RemoteError, Start, Worker, WorkerDied
 
 from . import Engine, engines, engines_for

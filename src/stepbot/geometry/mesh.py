@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .distinct_rows import distinct_rows
-from .fixed_point import fixed_point_lines
+from .fixed_point import distinct_rows, fixed_point_lines
 from .spatial import Pose, Vector3, bounds
 
 GRID_DECIMALS = 9

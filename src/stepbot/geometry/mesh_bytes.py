@@ -14,9 +14,9 @@ from struct import pack
 import numpy as np
 from numpy.typing import NDArray
 
-from .colors import linear_from_srgb
 from .fixed_point import fixed_point_lines
 from .mesh import GRID_DECIMALS, GRID_PER_METRE, TriMesh, with_four_vertices
+from .primitives import linear_from_srgb
 from .spatial import Array, cross, lengths
 
 Color = tuple[float, float, float, float]

@@ -1,10 +1,43 @@
 """The largest distance of points of a mesh from another mesh that was made from it, or the other way round."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .spatial import Array, cross, dot
-from .surface_distances import SurfaceDistances
+
+PROBE = 1e-9
+"""Radius [m] of the sphere in place of a point, by which distances are too small."""
+
+
+class SurfaceDistances:
+    """A surface to measure from."""
+
+    def __init__(self, points: Array, faces: Any) -> None:
+        """Build its tree.
+
+        Args:
+            points: Vertices (n, 3) [m].
+            faces: Triangles (m, 3).
+        """
+        import fcl
+
+        model = fcl.BVHModel()
+        model.beginModel(len(points), len(faces))
+        model.addSubModel(points, faces)
+        model.endModel()
+        self._surface = fcl.CollisionObject(model, fcl.Transform())
+        self._point = fcl.Sphere(PROBE)
+
+    def of(self, points: Array) -> Array:
+        """Distances (n,) [m] of points (n, 3)."""
+        import fcl
+
+        probes = (fcl.CollisionObject(self._point, fcl.Transform(point)) for point in points)
+        found = [fcl.distance(probe, self._surface, fcl.DistanceRequest(), fcl.DistanceResult()) for probe in probes]
+        return np.asarray(np.maximum(found, 0.0))
+
 
 Integers = NDArray[np.int64]
 _CHUNK = 200_000

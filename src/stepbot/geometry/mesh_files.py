@@ -16,8 +16,8 @@ import numpy as np
 
 from stepbot.runtime.file import is_file, read_regular, resolved
 
-from .colors import srgb_from_linear
 from .mesh import TriMesh, joined, merged
+from .primitives import srgb_from_linear
 
 KINDS = (".stl", ".obj", ".ply", ".dae", ".glb", ".gltf")
 """Suffixes of the files that are read."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .distinct_rows import distinct_rows
+from .fixed_point import distinct_rows
 from .spatial import Array, Pose, matrix_product, rotated, tidy_arrays
 
 

@@ -5,8 +5,11 @@ products, quotients and square roots, which IEEE 754 rounds alike everywhere.
 """
 
 import math
+from typing import Literal, get_args
 
-from .spatial import Matrix3, Vector3, matrix3
+import numpy as np
+
+from .spatial import Array, Matrix3, Vector3, matrix3
 
 _MOST_SWEEPS = 20
 """Jacobi's method converges quadratically; four to six sweeps are usual."""
@@ -45,3 +48,21 @@ def _rotate(A: list[list[float]], R: list[list[float]], p: int, q: int) -> bool:
     for row in R:
         row[p], row[q] = c * row[p] - s * row[q], s * row[p] + c * row[q]
     return True
+
+
+Direction = Literal["z", "-z", "y", "-y", "x", "-x"]
+"""An axis of a frame, or its opposite."""
+DIRECTIONS: tuple[Direction, ...] = get_args(Direction)
+
+
+def vector(direction: Direction) -> Array:
+    """Unit vector of a direction, shape (3,)."""
+    unit = np.zeros(3)
+    unit["xyz".index(direction[-1])] = -1.0 if direction.startswith("-") else 1.0
+    return unit
+
+
+def rotation_of(up: Direction, forward: Direction) -> Array:
+    """Rotation R_WL (3, 3) of a frame L whose z points up in W and whose x points forward."""
+    z, x = vector(up), vector(forward)
+    return np.column_stack([x, np.cross(z, x), z]) + 0.0

@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from stepbot.geometry.spatial import Array
-from stepbot.robot.unique_names import SCOPE
+from stepbot.robot.mesh_names import SCOPE
 
 from .model import Model, joint_kind, name
 

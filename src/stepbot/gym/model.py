@@ -10,8 +10,8 @@ from typing import Any
 import mujoco
 
 from stepbot.engines.mujoco.warnings import collected_warnings
-from stepbot.robot.jaws import is_jaw
-from stepbot.robot.unique_names import SCOPE
+from stepbot.robot.mesh_names import SCOPE
+from stepbot.robot.standing import is_jaw
 from stepbot.runtime.file import is_file, open_regular
 
 SCENE = ".scene.xml"
@@ -125,7 +125,7 @@ def joints_of(model: Model, body: int) -> Iterator[int]:
 def tip_body(model: Model) -> int:
     """The last link of the chain with most joints; of several such chains, the last link that they share: a hand.
 
-    Free joints do not count. A single jaw (:func:`stepbot.robot.jaws.is_jaw`) is not the last link, but the one before.
+    Free joints do not count. A single jaw is not the last link, but the one before.
 
     Raises:
         ValueError: The chains share no more than half of their joints, as those of two arms: a link has to be named.

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from stepbot.geometry.spatial import Array
-from stepbot.robot.unique_names import SCOPE
+from stepbot.robot.mesh_names import SCOPE
 
 from .model import Model, floating_base, joint_kind, joint_name, name
 from .sensor_units import sensor_parts

@@ -12,7 +12,7 @@ from math import hypot
 import numpy as np
 from numpy.typing import NDArray
 
-from .anchors import Place
+from .layout import Place
 
 Color = tuple[int, int, int]
 

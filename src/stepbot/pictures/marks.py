@@ -1,14 +1,15 @@
 """Joint axes in a picture: a line along the axis, an arrow about it for a turn, along it for a slide."""
 
 from collections.abc import Iterator
+from colorsys import hls_to_rgb
 
 import numpy as np
 
 from stepbot.geometry.spatial import Array, perpendicular_frame
 
-from .anchors import Place
 from .camera import Camera
 from .drawing import Color, Drawing
+from .layout import Place
 from .raytrace import Renderer
 from .scene import Axis
 
@@ -72,3 +73,14 @@ def _arc(centre: Array, direction: Array, radius: float) -> Array:
 
 def _places(camera: Camera, points: Array) -> list[Place]:
     return [(x, y) for x, y in camera.project(points).tolist()]
+
+
+_GOLDEN = 0.6180339887498949
+"""Multiples of the golden ratio are spread evenly over the circle of hues, however many there are."""
+_FIRST = 0.58
+
+
+def distinct_color(number: int) -> Array:
+    """A muted colour, sRGB, shape (3,)."""
+    lightness, saturation = (0.66, 0.74, 0.58)[number % 3], (0.34, 0.28, 0.36)[number % 3]
+    return np.array(hls_to_rgb((_FIRST + number * _GOLDEN) % 1.0, lightness, saturation))

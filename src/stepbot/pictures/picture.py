@@ -8,10 +8,9 @@ from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array
 
-from .anchors import Place, anchors, extent
 from .camera import VIEWS, Camera, View, camera_of
 from .drawing import Color, Drawing
-from .layout import Columns, Placed, Wanted, placed
+from .layout import Columns, Place, Placed, Wanted, anchors, extent, placed
 from .marks import COLOR as AXIS_COLOR
 from .marks import draw_axis
 from .raytrace import Renderer

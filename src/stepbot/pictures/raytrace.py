@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array
-from stepbot.runtime.cores import core_count
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
+from stepbot.runtime.processes import core_count
 from stepbot.runtime.worker import Worker
 
 from .camera import Camera

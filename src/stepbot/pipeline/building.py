@@ -7,7 +7,8 @@ from functools import cache, partial
 from stepbot.assemble import UNREVISED, Built, build_robot
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.revisions.lock_path import lock_path
-from stepbot.robot.shared_meshes import share_meshes
+from stepbot.robot.mesh_files import share_meshes
+from stepbot.robot.scale import LARGEST, other_units
 from stepbot.robot.validity import check_robot
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.subjects import subject
@@ -53,3 +54,12 @@ def places(sidecar: Sidecar) -> dict[str, Span]:
         for key in ("inertial", "collision"):
             places[f"{subject(('links', link))}: {key}"] = sidecar.key_span("links", link, key)
     return places
+
+
+def report_large_assembly(assembly: Assembly, found: Diagnostics) -> None:
+    """Report SB420, an assembly of tens of metres: drawn in another unit than declared."""
+    box = assembly.bounds(0)
+    size = 0.0 if box is None else max(high - low for low, high in zip(*box, strict=True))
+    if size > LARGEST:
+        message = f"{assembly.source}: size of {size:.3g} m; check its length unit ({assembly.unit})"
+        found.add("SB420", message, Span(assembly.source), help=other_units(size, assembly.unit))

@@ -8,7 +8,7 @@ from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.formats import default_formats
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.file import exists
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
 if TYPE_CHECKING:
     from stepbot.report.results import Results

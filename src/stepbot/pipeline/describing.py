@@ -6,7 +6,7 @@ from stepbot.described.finding import NOT_SHOWN
 from stepbot.described.robot import robot_of_description
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
-from stepbot.engines.openable import openable
+from stepbot.engines.file_references import openable
 from stepbot.robot.model import Robot
 from stepbot.runtime.file import exists
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied

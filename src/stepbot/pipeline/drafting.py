@@ -12,13 +12,22 @@ from stepbot.draft.draft_robot import Inference
 from stepbot.draft.from_description.drafted import draft_of_description
 from stepbot.draft.stated_joints import draft_of_mechanism
 from stepbot.draft.stops.stops import with_stops
-from stepbot.draft.text.sidecar_text import drawn_up, equal_density, without_density
+from stepbot.draft.text.sidecar_text import (
+    SCHEMA_FILE,
+    drawn_up,
+    equal_density,
+    relative_step,
+    sidecar_text,
+    without_density,
+)
 from stepbot.robot.step_names import step_stem
+from stepbot.runtime.file import exists, write_file
+from stepbot.sidecar.schema import schema_text
 from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
 from stepbot.step.exchange.mechanisms import Mechanism, has_mechanism, read_mechanism
 from stepbot.step.exchange.part21 import check_step
 
-from .assembly_scale import report_large_assembly
+from .building import report_large_assembly
 from .conversion import Options
 from .describing import read_description
 from .loading import Loading
@@ -101,3 +110,17 @@ def _mechanism(step: Path, options: Options) -> Mechanism | None:
     """The kinematic pairs in a file that was read."""
     part21 = check_step(step, str(step), Diagnostics(), options.encoding)
     return read_mechanism(step, part21.encoding) if part21 is not None else None
+
+
+def write_draft(draft: Draft, sidecar: Path, step: Path, encoding: str, found: Diagnostics) -> str:
+    """Write the sidecar, and the schema for editors if it does not exist; errors are reported in ``found``.
+
+    Returns:
+        The text of the sidecar.
+    """
+    text = sidecar_text(draft, relative_step(step, sidecar), encoding=encoding)
+    schema = sidecar.with_name(SCHEMA_FILE)
+    write_file(sidecar, text.encode("utf-8"), found)
+    if not found.has_errors and not exists(schema):
+        write_file(schema, schema_text().encode("utf-8"), found)
+    return text

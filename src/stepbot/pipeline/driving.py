@@ -11,7 +11,7 @@ from typing import Any
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.driving.driving import Driven, drive_files, missing_engines, report_missing_engines
 from stepbot.driving.limits import Demands, InvalidLimits, demands
-from stepbot.driving.names import ENGINES
+from stepbot.driving.plan import ENGINES
 from stepbot.formats import FORMATS
 from stepbot.runtime.file import exists, is_file, is_folder, read_regular
 from stepbot.runtime.output import write_atomically

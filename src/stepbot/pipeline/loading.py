@@ -4,7 +4,8 @@ Cache entries depend on the bytes of the file and of those that it refers to, an
 sidecar as a whole: editing a joint does not read the STEP again. Only results without errors are cached.
 """
 
-from collections.abc import Mapping
+import hashlib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -12,14 +13,47 @@ from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.geometry.mesh_worker import MESH_WORKER, report_death
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
+from stepbot.runtime.file import open_regular, resolved
 from stepbot.runtime.worker import Worker, WorkerDied
 from stepbot.step.assembly import Assembly, ReadOptions
 from stepbot.step.exchange.input_files import input_digest, input_files
 from stepbot.step.reader import Reading, start_reading
 
 from .conversion import Options
-from .input_hashes import input_hashes
 from .prestart import note_read
+
+
+def input_hashes(files: Mapping[str, Path]) -> dict[str, str]:
+    """SHA-256 of each file by its name in the report.
+
+    Empty if one is gone or unreadable by now: then it is unknown which version was read.
+    """
+    found = {}
+    for name, path in files.items():
+        try:
+            with open_regular(path) as file:
+                digest = hashlib.file_digest(file, "sha256").hexdigest()
+        except OSError:
+            return {}
+        found[name.encode("utf-8", "backslashreplace").decode()] = digest
+    return found
+
+
+def input_names(first: Path, others: Iterable[Path]) -> dict[str, Path]:
+    """Each file by its path relative to the folder of the first.
+
+    Those outside of it have their own names, with as many of the folders above them as tell them apart.
+    """
+    main = resolved(first)
+    named: dict[str, Path] = {}
+    for path in dict.fromkeys((main, *(resolved(one) for one in others))):
+        inside = path.is_relative_to(main.parent)
+        name, folders = path.relative_to(main.parent).as_posix() if inside else path.name, 1
+        while name in named:
+            folders += 1
+            name = "/".join(path.parts[-folders:])
+        named[name] = path
+    return named
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,10 +10,9 @@ import numpy as np
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Array, Pose, Vector3, vector3
-from stepbot.pictures.colors import distinct_color
-from stepbot.pictures.exploding import exploded
+from stepbot.pictures.marks import distinct_color
 from stepbot.pictures.primitives import box_mesh, capsule_mesh, cylinder_mesh
-from stepbot.pictures.scene import Axis, Shape, Subject
+from stepbot.pictures.scene import Axis, Shape, Subject, exploded
 from stepbot.robot.kinematics import Configuration, link_poses
 from stepbot.robot.model import GREY, Box, Capsule, Cylinder, Geometry, JointKind, MeshRef, Rgba, Robot, Sphere
 from stepbot.robot.posing import NotReached, posed

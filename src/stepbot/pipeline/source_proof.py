@@ -12,12 +12,12 @@ from stepbot.described.finding import LOST
 from stepbot.described.robot import Described
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
+from stepbot.engines.file_references import openable
 from stepbot.engines.observation import Quantity
-from stepbot.engines.openable import openable
 from stepbot.engines.urdf_chains import ChainNames
 from stepbot.formats.mjcf import FORMAT as MJCF
 from stepbot.formats.rendering import joined
-from stepbot.report.record import Report
+from stepbot.report.robot import Report
 from stepbot.robot.model import Joint, JointKind, Robot
 from stepbot.robot.multi_dof import steps_by_child, unfolded
 from stepbot.runtime.output import write_atomically

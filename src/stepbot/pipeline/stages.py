@@ -26,8 +26,7 @@ from stepbot.step.assembly import Assembly, MeshTolerance
 
 from .building import build
 from .conversion import REPORT, Checked, Conversion, Options, write
-from .input_hashes import input_hashes, input_names
-from .loading import Loading
+from .loading import Loading, input_hashes, input_names
 from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
 from .source_names import is_description
 from .verdict import robot_words
@@ -219,7 +218,7 @@ def inspect(path: Path, options: Options) -> Inspection:
         found.extend(error.diagnostics)
         return Inspection(found, None)
     if assembly is not None:
-        from .assembly_scale import report_large_assembly
+        from .building import report_large_assembly
 
         report_large_assembly(assembly, found)
     links = {} if sidecar is None or found.has_errors or assembly is None else link_components(assembly, sidecar, found)

@@ -31,7 +31,7 @@ from stepbot.verification.joint_rows import joint_rows
 
 from .conversion import Checked, Conversion, Options
 from .describing import read_description
-from .input_hashes import input_hashes, input_names
+from .loading import input_hashes, input_names
 from .self_collisions import with_self_collision
 from .source_names import is_description
 from .verdict import robot_words

@@ -4,18 +4,70 @@ The report is deterministic: no times, no local folders, infinite limits as null
 ``schemas/report-1.schema.json``.
 """
 
+import json
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from math import isfinite
 from pathlib import PurePath
 from typing import Any
 
 from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.version import __version__
 
-from .indented_json import indented
 from .joint_table import joint_table_document
-from .record import Check, LinkCollision, MeasuredBody, Report, SimplifiedVisuals, Status
-from .robot import mass_document, number, robot_document
+from .robot import (
+    Check,
+    LinkCollision,
+    MeasuredBody,
+    Report,
+    SimplifiedVisuals,
+    Status,
+    mass_document,
+    number,
+    robot_document,
+)
+
+_quoted = json.encoder.encode_basestring
+
+
+def _not_serializable(value: Any) -> Any:
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
+
+
+def indented(document: Any, default: Callable[[Any], Any] = _not_serializable) -> str:
+    """The text that :func:`json.dumps` returns for an indentation of two spaces and ``ensure_ascii=False``.
+
+    Args:
+        document: JSON data; the keys of objects are strings.
+        default: JSON data in place of any other object.
+
+    Raises:
+        TypeError: An object cannot be written as JSON, and ``default`` is not given.
+        ValueError: A number is not finite.
+    """
+    return _text(document, "\n", default)
+
+
+def _text(value: Any, indent: str, default: Callable[[Any], Any]) -> str:
+    kind = type(value)
+    if kind is str:
+        return _quoted(value)
+    if kind is int or (kind is float and isfinite(value)):
+        return repr(value)
+    if value is None:
+        return "null"
+    if kind is bool:
+        return "true" if value else "false"
+    inner = f"{indent}  "
+    if isinstance(value, dict) and value:
+        members = [f"{_quoted(name)}: {_text(member, inner, default)}" for name, member in value.items()]
+        return f"{{{inner}{f',{inner}'.join(members)}{indent}}}"
+    if isinstance(value, list | tuple) and value:
+        return f"[{inner}{f',{inner}'.join([_text(member, inner, default) for member in value])}{indent}]"
+    if isinstance(value, str | int | float | dict | list | tuple):
+        return json.dumps(value, ensure_ascii=False, allow_nan=False)
+    return _text(default(value), indent, default)
+
 
 VERSION = 1
 """Version of the schema."""

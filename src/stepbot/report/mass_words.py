@@ -1,8 +1,11 @@
 """The masses of links in words, for the terminal."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 
 from stepbot.geometry.sums import exact_sum
+
+from .results import LinkCollision
 
 _KILOGRAM = 0.9995
 """Mass [kg] from which it is written in kilograms."""
@@ -25,3 +28,27 @@ def mass_summary(masses: Mapping[str, float]) -> str:
         return words if masses else ""
     least, most = min(heavy, key=heavy.__getitem__), max(heavy, key=heavy.__getitem__)
     return f"{words}, from {mass_words(heavy[least])} ({least}) to {mass_words(heavy[most])} ({most})"
+
+
+_PLURALS = {"box": "boxes", "mesh": "meshes"}
+
+
+def shape_words(shapes: Mapping[str, int]) -> str:
+    """``2 boxes, 1 cylinder, 3 hulls``."""
+    return ", ".join(f"{n} {name if n == 1 else _PLURALS.get(name, name + 's')}" for name, n in sorted(shapes.items()))
+
+
+def collision_summary(shapes: Sequence[LinkCollision]) -> str:
+    """All links in one line: the number of shapes, the worst intersection over union, the largest overshoot."""
+    counts: Counter[str] = Counter()
+    for one in shapes:
+        counts.update(one.shapes)
+    links = f"{len(shapes)} link" + "s" * (len(shapes) != 1)
+    words = f"collision shapes of {links}: {shape_words(counts)}"
+    scored = [one for one in shapes if one.iou is not None and one.overshoot is not None]
+    if scored:
+        least = min(scored, key=lambda one: one.iou or 0.0)
+        most = max(scored, key=lambda one: one.overshoot or 0.0)
+        words += f"; intersection / union at least {least.iou:.2f} ({least.link})"
+        words += f", overshoot at most {1e3 * (most.overshoot or 0.0):.1f} mm ({most.link})"
+    return words

@@ -5,11 +5,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
+from stepbot.assemble.binder import listed
 from stepbot.assemble.bound import Bound, bind
+from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.volume import VolumeProperties
+from stepbot.sidecar.component_paths import component_paths
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.tree import Keys
 from stepbot.step.assembly import Assembly, Component
+from stepbot.step.structure.paths import quoted
 
 from .bindings import Rebinding, rebind
 from .matching import Match, match
@@ -74,3 +78,20 @@ def revised(
     bound = bind(assembly, sidecar, measures, rebinding.revised)
     new = with_sidecar(taken, assembly, sidecar.document, bound)
     return Comparison(sidecar, assembly, lock, new, matched, rebinding, bound, tuple(part_components(assembly)))
+
+
+def report_outdated(lock: Snapshot, sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report joints and paths of the sidecar that the lock lacks, because the sidecar was edited later: SB016."""
+    document = sidecar.document
+    locked = {joint.name for joint in lock.joints}
+    joints = [f"joint '{name}'" for name in document.joints if name not in locked]
+    closures = [f"closure '{name}'" for name in document.closures if name not in locked]
+    known = {reference.path for reference in lock.references}
+    given = dict.fromkeys(place.pattern for place in component_paths(document))
+    paths = [f"path {quoted(pattern)}" for pattern in given if pattern not in known]
+    missing = (*joints, *closures, *paths)
+    if missing:
+        remedy = f"check the robot, then update the lock file: `{shlex.join(['stepbot', 'lock', sidecar.path.name])}`"
+        count = f"{len(missing)} names of the sidecar are" if len(missing) > 1 else "one name of the sidecar is"
+        message = f"outdated lock file: {count} not in it"
+        found.add("SB016", message, sidecar.span(), help=[remedy], notes=listed(missing))

@@ -11,12 +11,11 @@ from stepbot.sidecar.subjects import subject
 from stepbot.sidecar.tree import Keys
 from stepbot.step.structure.paths import ComponentPaths, quoted, segments_of, without_ordinal
 
-from .axes import axis_words
 from .bindings import is_below, renamed_node
 from .broken_paths import pair_words, report_broken, several
 from .comparison import Comparison
 from .matching import Certainty, Pair
-from .wording import common_words, mass_words, moved_words, shape_words, stuff_words
+from .wording import axis_words, common_words, mass_words, moved_words, shape_words, stuff_words
 
 _SHOWN = 5
 _SAME_MASS = 1e-6

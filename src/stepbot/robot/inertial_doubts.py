@@ -17,7 +17,13 @@ from stepbot.geometry.inertia_bounds import (
 )
 from stepbot.geometry.spatial import Array
 
-from .extremes import DENSEST
+GREATEST = 1e30
+"""In SI units: OpenUSD and several engines store single precision."""
+FARTHEST = 1e6
+"""Distance [m]: the squares of farther ones overflow."""
+DENSEST = 25_000.0
+"""Density [kg/m^3]; osmium, the densest element, has 22590."""
+
 
 _MOMENTS = ("ixx", "iyy", "izz")
 

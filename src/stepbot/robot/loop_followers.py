@@ -3,8 +3,9 @@
 In a parallelogram, as in most two-finger grippers, the passive joints turn by the same angle as the driven one.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -12,7 +13,7 @@ import numpy as np
 from stepbot.geometry.spatial import Array
 
 from .closures import DoesNotClose, Loops, driven_joints, following, loop_ways, walk
-from .kinematics import initial_configuration, leader_range
+from .kinematics import Configuration, initial_configuration, leader_range
 from .model import JointKind, Mimic, Robot
 
 ANGLE, TRAVEL = 1e-3, 1e-4
@@ -112,3 +113,26 @@ def _holds_everywhere(robot: Robot, follower: Follower) -> bool:
         for way in loop_ways(robot)
         for q in way
     )
+
+
+def loop_sensitivity(robot: Robot, configurations: Sequence[Configuration], driven: Sequence[str]) -> float:
+    """Largest motion [rad/m], [m/m] of the following joints per gap of the loops.
+
+    It is the inverse of the least singular value of the Jacobian of the closures: next to a dead centre, a small gap
+    leaves room for a large motion.
+
+    Args:
+        robot: The robot.
+        configurations: Closed configurations.
+        driven: The joints that do not move with the gaps.
+    """
+    if not (configurations and robot.closures):
+        return 0.0
+    loops = Loops(robot)
+    free = following(loops.tree, driven)
+    if not free:
+        return 0.0
+    _, J = loops.constraints(np.array([loops.tree.vector(q) for q in configurations]))
+    sizes = np.linalg.svd(J[..., free], compute_uv=False)
+    least = float(sizes[:, -1].min()) if sizes.shape[-1] == len(free) else 0.0
+    return loops.per_length / least if least > 0.0 else inf

@@ -3,13 +3,14 @@
 A file with a colour has one: a mesh that visuals show in several colours has a file for each.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from stepbot.geometry.mesh import obj_bytes
 from stepbot.geometry.mesh_bytes import dae_bytes, glb_bytes, stl_bytes
 
 from .mesh_names import UniqueNames
-from .model import Collision, MeshAsset, MeshFormat, MeshRef, Rgba, Robot, Visual
+from .model import Collision, Geometry, MeshAsset, MeshFormat, MeshRef, Rgba, Robot, Visual
 
 COLORED = (MeshFormat.DAE, MeshFormat.GLB)
 """Formats whose files have a colour."""
@@ -83,3 +84,28 @@ class MeshFiles:
             is_first = rgba is None or not any(of == name and color for of, color in self._stems)
             self._stems[name, rgba] = name if is_first else self._names.unique(name)
         return self._stems[name, rgba]
+
+
+_Shape = TypeVar("_Shape", Visual, Collision)
+
+
+def share_meshes(robot: Robot) -> Robot:
+    """The same robot without duplicate meshes."""
+    first: dict[tuple[bytes, bytes], str] = {}
+    kept = {asset.name: first.setdefault(_content(asset), asset.name) for asset in robot.meshes}
+    instead: dict[Geometry, Geometry] = {MeshRef(own): MeshRef(name) for own, name in kept.items() if own != name}
+
+    def shared(shapes: tuple[_Shape, ...]) -> tuple[_Shape, ...]:
+        return tuple(
+            replace(shape, geometry=instead[shape.geometry]) if shape.geometry in instead else shape for shape in shapes
+        )
+
+    if instead:
+        links = (replace(one, visuals=shared(one.visuals), collisions=shared(one.collisions)) for one in robot.links)
+        robot = replace(robot, links=tuple(links))
+    used = {shape.geometry for shape in robot.distinct_shapes}
+    return replace(robot, meshes=tuple(asset for asset in robot.meshes if MeshRef(asset.name) in used))
+
+
+def _content(asset: MeshAsset) -> tuple[bytes, bytes]:
+    return asset.mesh.vertices.tobytes(), asset.mesh.faces.tobytes()

@@ -4,7 +4,13 @@ import re
 import unicodedata
 from collections.abc import Iterable
 
-from .file_names import is_device
+_DEVICE = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|(com|lpt)[0-9¹²³]) *(\..*)?", re.IGNORECASE | re.DOTALL)
+
+
+def is_device(name: str) -> bool:
+    """Whether Windows opens a device by this name, whatever its extension."""
+    return _DEVICE.fullmatch(name) is not None
+
 
 LONGEST = 60
 """Maximum length [characters] of a name, before a number is added."""
@@ -47,3 +53,18 @@ class UniqueNames:
             candidate = f"{name}_{n}"
         self._taken.add(candidate.casefold())
         return candidate
+
+
+SCOPE = "::"
+"""Between the name of an element and those of its parts in a file: no name of a robot contains it.
+
+dm_control rejects a slash in names of MJCF.
+"""
+
+
+def free_name(name: str, suffix: str, taken: set[str]) -> str:
+    """``name``, with as many suffixes as needed to be unique; it is then added to the used names."""
+    while name in taken:
+        name += suffix
+    taken.add(name)
+    return name

@@ -27,8 +27,7 @@ from stepbot.geometry.spatial import (
 from .metadata import NO_METADATA, Metadata
 from .self_collision import SelfCollision
 from .sensors import Sensor
-from .simulation import DEFAULTS, Simulation
-from .tuning import Tuning
+from .tuning import DEFAULTS, Simulation, Tuning
 
 
 class JointKind(StrEnum):

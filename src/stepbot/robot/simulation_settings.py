@@ -8,7 +8,7 @@ a gap that is closed within one step. The defaults are measured in decision 0027
 from dataclasses import dataclass
 
 from .model import Robot
-from .simulation import Integrator
+from .tuning import Integrator
 
 OPEN_TIMESTEP = 0.002
 """Default time step [s] of a robot without loops and mimics: MuJoCo's own default."""

@@ -1,5 +1,8 @@
 """Where a robot stands: the height of a floating base on a floor, and the height of the floor below a fixed one."""
 
+import re
+from collections.abc import Iterable
+
 import numpy as np
 
 from .bounding_boxes import robot_bounds
@@ -46,3 +49,19 @@ def extent(robot: Robot) -> tuple[tuple[float, float, float], float]:
     low, high = around or ((-0.5, -0.5, 0.0), (0.5, 0.5, 1.0))
     x, y, z = (0.5 * (np.array(low) + np.array(high))).tolist()
     return (x, y, z + standing_height(robot, drawn)), 0.5 * float(np.linalg.norm(np.array(high) - np.array(low)))
+
+
+_JAW = re.compile(r"(?<![a-z])(?:jaw|gripper|finger|claw|pincer|thumb)s?(?![a-z])", re.IGNORECASE)
+_WIDEST = 2.5
+"""Largest range [rad] or [m] of a jaw; the wrist that turns a gripper has more."""
+
+
+def is_jaw(names: Iterable[str], lower: float, upper: float) -> bool:
+    """Whether the last joint of an arm is that of a single jaw.
+
+    Args:
+        names: Names of the joint and of the link below.
+        lower: Lower limit [rad] or [m].
+        upper: Upper limit [rad] or [m].
+    """
+    return upper - lower <= _WIDEST and any(_JAW.search(name) for name in names)

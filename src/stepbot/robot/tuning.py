@@ -1,6 +1,7 @@
 """Computed gains of an actuator: what was asked for, and what they were computed from."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 BANDWIDTH = 5.0
 """Default bandwidth [Hz]."""
@@ -26,3 +27,27 @@ class Tuning:
     """Whether it is: because of the joint's weight or passive damping."""
     braked: bool = False
     """Whether damping is above the ratio, because the effort limit could not brake a step without overshoot."""
+
+
+class Integrator(StrEnum):
+    """The method of numerical integration."""
+
+    IMPLICITFAST = "implicitfast"
+    IMPLICIT = "implicit"
+    EULER = "euler"
+    RK4 = "rk4"
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """Settings of a simulation; None for a default."""
+
+    timestep: float | None = None
+    """Time step [s]."""
+    integrator: Integrator | None = None
+    closure_stiffness: float | None = None
+    """Share of a gap of a closure or mimic that is closed within one step, above 0 and at most 1."""
+
+
+DEFAULTS = Simulation()
+"""No setting is given."""

@@ -16,7 +16,7 @@ from stepbot.geometry.poses import Poses
 from stepbot.geometry.spatial import Pose
 
 from .closures import closure_gap
-from .extremes import FARTHEST, GREATEST
+from .inertial_doubts import FARTHEST, GREATEST
 from .kinematics import initial_configuration, link_poses, mimic_relation, rigid_bodies
 from .model import (
     Actuator,

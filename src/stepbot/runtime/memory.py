@@ -35,3 +35,7 @@ def _limit(file: Path) -> int:
     except OSError:
         return 0
     return int(text) if text.isdecimal() else 0
+
+
+DEFAULT_TIMEOUT = 600.0
+"""Default time limit [s] of one call."""

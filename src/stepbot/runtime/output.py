@@ -23,16 +23,18 @@ from typing import Any, NamedTuple, NoReturn
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .file import exists, is_file, is_folder, read_regular, resolved
-from .folder_lock import LOCK, FolderInUse, locked
 from .foreign_files import kept_files
 from .output_list import (
+    LOCK,
     MANIFEST,
     STAGING,
+    FolderInUse,
     Manifest,
     Owners,
     content_hashes,
     is_below,
     list_document,
+    locked,
     manifest_bytes,
     manifest_in,
     manifest_of,

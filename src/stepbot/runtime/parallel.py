@@ -19,8 +19,7 @@ from dataclasses import dataclass
 from typing import BinaryIO, Generic, TypeVar
 
 from .attempts import Attempt
-from .cores import core_count
-from .processes import can_fork, end_with_parent, thread_count
+from .processes import can_fork, core_count, end_with_parent, thread_count
 from .worker import WorkerDied
 
 S = TypeVar("S")

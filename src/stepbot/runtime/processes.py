@@ -130,3 +130,10 @@ def worker_environment() -> dict[str, str]:
         "MUJOCO_GL": "disable",  # nothing is rendered: OpenGL is not needed
     }
     return {**os.environ, **one_thread, **own}
+
+
+def core_count() -> int:
+    """Cores that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1

@@ -24,7 +24,7 @@ from functools import cache
 from types import TracebackType
 from typing import IO, Any, BinaryIO, NoReturn, Protocol
 
-from .limits import DEFAULT_TIMEOUT
+from .memory import DEFAULT_TIMEOUT
 from .processes import end_with_parent, interpreter, start_process, worker_environment
 
 _LAST_LINES = 12

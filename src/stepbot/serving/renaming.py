@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
 
-from stepbot.robot.unique_names import free_name
+from stepbot.robot.mesh_names import free_name
 from stepbot.sidecar.document import Document, ExplicitOrigin
 from stepbot.sidecar.editing import Change, Put, Rename
 from stepbot.sidecar.located import Sidecar

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, StrictBool
 
-from stepbot.geometry.directions import Direction
+from stepbot.geometry.principal_axes import Direction
 from stepbot.robot.model import Base, JointKind, MeshFormat
 
 from .devices import ActuatorSection, FrameSection, SensorSection

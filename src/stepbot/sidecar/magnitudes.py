@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from math import isfinite, tau
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.robot.extremes import DENSEST
+from stepbot.robot.inertial_doubts import DENSEST
 from stepbot.robot.model import JointKind
 
 from .joint_settings import joint_settings, settings_of

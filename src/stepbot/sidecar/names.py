@@ -4,7 +4,7 @@ import unicodedata
 from collections.abc import Iterator
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.robot.file_names import is_device
+from stepbot.robot.mesh_names import is_device
 
 from .document import Document
 from .located import Sidecar

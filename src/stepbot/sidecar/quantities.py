@@ -14,7 +14,7 @@ from pydantic_core import PydanticCustomError
 
 from stepbot.diagnostics import did_you_mean
 from stepbot.geometry.spatial import Vector3, unit
-from stepbot.robot.extremes import FARTHEST, GREATEST
+from stepbot.robot.inertial_doubts import FARTHEST, GREATEST
 from stepbot.robot.model import Rgba
 
 from . import units

@@ -1,6 +1,6 @@
 """Settings of a simulation."""
 
-from stepbot.robot.simulation import Integrator
+from stepbot.robot.tuning import Integrator
 
 from .quantities import StepShare, Timestep
 from .section import Section

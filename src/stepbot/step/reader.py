@@ -13,7 +13,7 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.runtime.attempts import Attempt
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import OutOfTime, RemoteError, Worker, WorkerDied
 

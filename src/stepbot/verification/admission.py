@@ -10,7 +10,7 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description.statements import Statement
 from stepbot.engines.examination import Examined
-from stepbot.engines.openable import openable
+from stepbot.engines.file_references import openable
 from stepbot.engines.source_copy import MissingMesh
 from stepbot.runtime.file import exists
 from stepbot.runtime.worker import Start, Worker, WorkerDied

@@ -7,7 +7,7 @@ from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import engine_of
 from stepbot.engines.observation import Quantity
 from stepbot.engines.workers import Fate, Outcome
-from stepbot.report.record import Check, Status
+from stepbot.report.robot import Check, Status
 
 from .compare import Compared
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, Quantity
 from stepbot.geometry.spatial import Array, angle_between
-from stepbot.robot.unique_names import SCOPE
+from stepbot.robot.mesh_names import SCOPE
 
 from .deviation import Deviations
 from .devices import compare_actuators, compare_sensors

@@ -10,11 +10,11 @@ from stepbot.engines.observation import Observation, Quantity
 from stepbot.engines.observation_cache import ObservationCache
 from stepbot.engines.reference import Reference
 from stepbot.engines.workers import Engines, Fate, Outcome, check_required, check_started
-from stepbot.report.record import Check, Report, Status
+from stepbot.report.robot import Check, Report, Status
 from stepbot.robot.closures import DoesNotClose, degrees_of_freedom, driven_joints
 from stepbot.robot.model import Robot
 from stepbot.runtime.fork_server import ForkServer
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import RemoteError, WorkerDied
 
 from .checks import (

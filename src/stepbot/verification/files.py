@@ -15,18 +15,17 @@ import numpy as np
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import Engine, engine_of, own_parsers
 from stepbot.engines.description.statements import Statement
-from stepbot.engines.file_references import first_element
+from stepbot.engines.file_references import first_element, openable
 from stepbot.engines.observation import Observation, Quantity, Request
-from stepbot.engines.openable import openable
 from stepbot.engines.prestart import started_engine_server
 from stepbot.engines.workers import Engines, Fate, Outcome, check_required, check_started
 from stepbot.formats import FORMATS
-from stepbot.report.record import Check, Report
+from stepbot.report.robot import Check, Report
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import configurations, rates
 from stepbot.robot.model import Link, Robot
 from stepbot.runtime.file import open_regular
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.temporary import run_folder
 
 from .admission import admitted, located

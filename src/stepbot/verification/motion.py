@@ -10,7 +10,7 @@ from stepbot.engines.observation import Observation, ObservedClosure
 from stepbot.geometry.spatial import ZERO3, Array, angle_between, vector3
 from stepbot.geometry.sums import exact_sum
 from stepbot.robot.dynamics import GRAVITY
-from stepbot.robot.unique_names import SCOPE
+from stepbot.robot.mesh_names import SCOPE
 
 from .deviation import Deviations
 

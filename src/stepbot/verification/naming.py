@@ -7,9 +7,9 @@ from functools import cached_property
 from stepbot.engines.observation import Observation, ObservedJoint
 from stepbot.geometry.spatial import vector3
 from stepbot.robot.kinematics import moving_joints
+from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, JointKind, Limit, Link, Robot
 from stepbot.robot.multi_dof import ball_coordinates, universal_coordinates
-from stepbot.robot.unique_names import free_name
 
 _KINDS = frozenset({"revolute", "continuous", "prismatic", "screw", "ball", "universal"})
 """Types of joints with coordinates of these names in the engines."""

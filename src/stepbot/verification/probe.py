@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stepbot.engines import Engine, engines_for
+from stepbot.engines.file_references import openable
 from stepbot.engines.observation import Observation, Quantity, Request
-from stepbot.engines.openable import openable
 from stepbot.geometry.spatial import Pose
 from stepbot.runtime.worker import RemoteError, Start, Worker, WorkerDied
 

@@ -9,10 +9,10 @@ from pathlib import Path, PurePath
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import own_parsers
+from stepbot.engines.file_references import openable
 from stepbot.engines.observation import ObservedShape, Quantity
-from stepbot.engines.openable import openable
-from stepbot.report.record import Check
-from stepbot.runtime.limits import DEFAULT_TIMEOUT
+from stepbot.report.robot import Check
+from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
 from .checks import Subject, check_of, report_failure
 from .effective_ranges import with_effective_ranges

@@ -9,6 +9,8 @@ from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import Joint, JointKind, LoopClosure, Robot
 from stepbot.robot.multi_dof import unfolded
 from stepbot.sidecar.draft_comments import DraftedStop
+from stepbot.step.assembly import Assembly
+from stepbot.step.structure.paths import quoted
 
 from .motion import bound
 
@@ -95,3 +97,21 @@ def _closure(closure: LoopClosure, evidence: Mapping[str, Json]) -> Json:
 
 _UNKNOWN: Json = {"evidence": "", "doubt": "", "others": [], "stops": []}
 """Of a joint whose place is stated, not found."""
+
+
+def component_documents(assembly: Assembly, robot: Robot) -> list[Json]:
+    """Components with their paths as a sidecar writes them, and the links that own their bodies."""
+    owner = {path: link.name for link in robot.links for path in link.components}
+    return [
+        {
+            "path": component.path,
+            "quoted": quoted(component.path),
+            "parent": component.parent,
+            "name": component.occurrence or component.product or component.segment,
+            "product": component.product,
+            "material": component.material,
+            "has_body": component.body >= 0,
+            "link": owner.get(component.path, ""),
+        }
+        for component in assembly.components
+    ]

@@ -5,6 +5,7 @@ position; shapes, frames and inertia are in the frame of their link. Numbers tha
 """
 
 import json
+from base64 import b64encode
 from collections.abc import Iterable, Mapping
 from typing import Any
 
@@ -12,17 +13,41 @@ import numpy as np
 
 from stepbot.diagnostics import Diagnostic
 from stepbot.geometry.inertia import MassProperties, combined
+from stepbot.geometry.mesh import TriMesh
 from stepbot.report.results import Results
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, Link, MeshRef, Robot, Sphere
 from stepbot.robot.sensors import PLACED, Sensor
 from stepbot.step.assembly import Assembly
 
-from .components import component_documents
-from .connections import connection_documents
+from .connections import component_documents, connection_documents
 from .findings import diagnostic_documents, proof_document
 from .motion import motion_document, pose_numbers
-from .packing import packed
+
+STEPS = 65535
+_FEW = 65536
+"""Number of vertices up to which an index fits in two bytes."""
+
+
+def packed(mesh: TriMesh) -> dict[str, Any]:
+    """A mesh as JSON data: ``low`` and ``size`` [m] of its box, vertices and indices as little-endian base64."""
+    vertices = mesh.vertices if len(mesh.vertices) else np.zeros((1, 3))
+    low = vertices.min(axis=0)
+    size = vertices.max(axis=0) - low
+    steps = np.rint((vertices - low) / np.where(size > 0.0, size, 1.0) * STEPS).astype("<u2")
+    # Formats such as STL repeat each vertex in every triangle; one of each makes edges known.
+    keys = steps.astype(np.uint64) @ np.array([1 << 32, 1 << 16, 1], dtype=np.uint64)
+    _, kept, renumbered = np.unique(keys, return_index=True, return_inverse=True)
+    steps, faces = steps[kept], renumbered[mesh.faces] if len(mesh.faces) else mesh.faces
+    wide = len(steps) > _FEW
+    return {
+        "low": low.tolist(),
+        "size": size.tolist(),
+        "vertices": b64encode(steps.tobytes()).decode(),
+        "faces": b64encode(faces.astype("<u4" if wide else "<u2").tobytes()).decode(),
+        "wide": wide,
+    }
+
 
 Json = dict[str, Any]
 

@@ -5,7 +5,7 @@ from typing import Any
 import pytest
 
 from stepbot.driving.limits import LIMITS, UNITS, InvalidLimits, demands
-from stepbot.driving.names import TESTS
+from stepbot.driving.plan import TESTS
 
 
 def test_every_limit_has_a_unit_and_a_reason() -> None:

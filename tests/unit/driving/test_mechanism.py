@@ -6,8 +6,7 @@ import pytest
 
 from stepbot.driving.grasping import Grasp
 from stepbot.driving.mechanism import finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
-from stepbot.driving.names import TESTS
-from stepbot.driving.plan import reasons, ungripped
+from stepbot.driving.plan import TESTS, reasons, ungripped
 from stepbot.driving.survey import Survey
 from stepbot.engines.simulation import Cube
 from stepbot.geometry.spatial import Pose

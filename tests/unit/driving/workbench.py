@@ -16,7 +16,7 @@ from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.report.document import report_bytes
-from stepbot.report.record import Content, Report, WrittenFile
+from stepbot.report.robot import Content, Report, WrittenFile
 from stepbot.robot.model import (
     Actuator,
     ActuatorKind,

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.engines.openable import openable
+from stepbot.engines.file_references import openable
 
 BAR = os.fsdecode(b"b\xe4r")
 

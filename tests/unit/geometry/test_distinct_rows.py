@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stepbot.geometry.distinct_rows import distinct_rows
+from stepbot.geometry.fixed_point import distinct_rows
 
 
 @pytest.mark.parametrize("shape", [(0, 3), (1, 3), (7, 1), (500, 3), (500, 4)])

@@ -9,14 +9,12 @@ from PIL import Image
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose
-from stepbot.pictures.anchors import anchors
 from stepbot.pictures.camera import VIEWS, camera_of
-from stepbot.pictures.colors import distinct_color
 from stepbot.pictures.drawing import Drawing
-from stepbot.pictures.exploding import exploded
-from stepbot.pictures.marks import COLOR
+from stepbot.pictures.layout import anchors
+from stepbot.pictures.marks import COLOR, distinct_color
 from stepbot.pictures.picture import NothingToDraw, Sheet, draw, png_bytes
-from stepbot.pictures.scene import Axis, Shape, Subject
+from stepbot.pictures.scene import Axis, Shape, Subject, exploded
 
 SMALL = Sheet(400, 300, samples=1, view=VIEWS["front"])
 

@@ -3,7 +3,7 @@
 import hashlib
 from pathlib import Path
 
-from stepbot.pipeline.input_hashes import input_hashes, input_names
+from stepbot.pipeline.loading import input_hashes, input_names
 
 
 def test_files_of_one_name_in_several_packages_are_told_apart(tmp_path: Path) -> None:

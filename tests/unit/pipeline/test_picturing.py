@@ -9,7 +9,7 @@ import pytest
 
 from stepbot.geometry.spatial import IDENTITY
 from stepbot.pictures.camera import VIEWS, camera_of
-from stepbot.pictures.colors import distinct_color
+from stepbot.pictures.marks import distinct_color
 from stepbot.pictures.picture import Sheet, draw
 from stepbot.pictures.scene import scene_of
 from stepbot.pipeline.conversion import Options

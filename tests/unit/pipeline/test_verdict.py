@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from stepbot.pipeline.verdict import compared_words, proof_words, robot_words
-from stepbot.report.record import Check, Report, Status
+from stepbot.report.robot import Check, Report, Status
 from tests import robots
 
 MUJOCO = Check("a.urdf", "urdf", "mujoco", "mass", Status.PASSED, 2.5e-16, 1e-9, "kg", "link 'arm'")

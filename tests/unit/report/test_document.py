@@ -11,7 +11,7 @@ import pytest
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.geometry.inertia import MassProperties
 from stepbot.report.document import report_bytes, report_document
-from stepbot.report.record import Check, MeasuredBody, Report, Status
+from stepbot.report.robot import Check, MeasuredBody, Report, Status
 from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side
 from stepbot.robot.model import ComponentMass, Limit
 from tests.conftest import ReadDiagnostics

@@ -2,7 +2,7 @@
 
 import pytest
 
-from stepbot.robot.file_names import is_device
+from stepbot.robot.mesh_names import is_device
 
 
 @pytest.mark.parametrize("name", ["CON", "nul", "Aux.urdf", "COM1", "lpt9.tar.gz", "com¹", "prn .txt", "CONIN$"])

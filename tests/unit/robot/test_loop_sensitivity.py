@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.loop_sensitivity import loop_sensitivity
+from stepbot.robot.loop_followers import loop_sensitivity
 from stepbot.robot.model import Joint, JointKind, Link, LoopClosure, Robot
 
 _CRANK, _ROD = 0.03, 0.1

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stepbot.geometry.mesh import TriMesh
+from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.model import Box, Collision, Link, MeshAsset, MeshRef, Robot, Visual
-from stepbot.robot.shared_meshes import share_meshes
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS
 

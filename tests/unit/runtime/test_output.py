@@ -297,7 +297,7 @@ def test_concurrent_runs_into_one_folder(tmp_path: Path) -> None:
 HOLDER = """
 import sys, time
 from pathlib import Path
-from stepbot.runtime.folder_lock import locked
+from stepbot.runtime.output_list import locked
 with locked(Path(sys.argv[1]), 1.0):
     print("locked", flush=True)
     time.sleep(600)

@@ -11,9 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.runtime.cores import core_count
 from stepbot.runtime.parallel import Died, Raised, results_of, run
-from stepbot.runtime.processes import can_fork
+from stepbot.runtime.processes import can_fork, core_count
 
 FORKS = pytest.mark.skipif(not can_fork(), reason="no fork on this system")
 

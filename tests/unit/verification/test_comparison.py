@@ -12,7 +12,7 @@ from stepbot.engines.observation import Dynamics, Observation, ObservedJoint, Qu
 from stepbot.engines.reference import observe_robot
 from stepbot.engines.workers import Fate, Outcome
 from stepbot.geometry.spatial import Pose, rotation_about
-from stepbot.report.record import Status
+from stepbot.report.robot import Status
 from stepbot.robot.closures import loop_ways
 from stepbot.robot.kinematics import configurations, initial_configuration
 from stepbot.robot.model import ActuatorKind, JointDynamics, Limit, Mimic, Robot

@@ -7,7 +7,7 @@ import pytest
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Array
-from stepbot.viewing.packing import STEPS, packed
+from stepbot.viewing.scene import STEPS, packed
 from tests.robots import ROBOTS
 
 

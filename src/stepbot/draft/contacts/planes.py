@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from stepbot.draft.contacts.contacts import Contacts, Patch
 from stepbot.draft.parts.scene import Scene, chunks, expanded
-from stepbot.geometry.distinct_rows import distinct_rows
+from stepbot.geometry.fixed_point import distinct_rows
 from stepbot.geometry.solids.outlines import Region
 from stepbot.geometry.spatial import Array, perpendicular_frame
 from stepbot.step.faces import FaceKind

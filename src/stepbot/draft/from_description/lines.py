@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepbot.draft.parts.axis import PARALLEL, Axis, are_parallel
-from stepbot.geometry.distinct_rows import distinct_rows
+from stepbot.geometry.fixed_point import distinct_rows
 from stepbot.geometry.spatial import Array, Pose, cross, perpendicular_frame, rotation_about
 from stepbot.step.assembly import Assembly
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepbot.draft.parts.scene import PlacedFace, Scene
-from stepbot.geometry.distinct_rows import distinct_rows
+from stepbot.geometry.fixed_point import distinct_rows
 from stepbot.geometry.spatial import Array, cross
 from stepbot.step.faces import FaceKind
 

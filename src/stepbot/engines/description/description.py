@@ -9,7 +9,7 @@ import numpy as np
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, Vector3
 from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
-from stepbot.robot.simulation import DEFAULTS, Simulation
+from stepbot.robot.tuning import DEFAULTS, Simulation
 
 from ..observation import Observation
 from .vocabulary import Unread

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stepbot.robot.unique_names import SCOPE
+from stepbot.robot.mesh_names import SCOPE
 
 from .vocabulary import Unread, Vocabulary, each, paths
 

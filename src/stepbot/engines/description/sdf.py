@@ -13,7 +13,7 @@ from .. import engine_of
 from ..observation import EngineCannotRead, Observation, Quantity, Request
 from ..sdformat_reader.frames import Frames, number_at, numbers, read_pose
 from ..sdformat_reader.tree import read_model, the_model
-from ..xml_root import xml_root
+from ..urdf_chains import xml_root
 from .description import DescribedShape, Description, Primitive
 from .meshes import MeshFiles
 from .sdf_vocabulary import AROUND, MODEL

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..xml_root import xml_root
+from ..urdf_chains import xml_root
 from .mjcf_vocabulary import MJCF
 from .sdf_vocabulary import AROUND, MODEL
 from .urdf_vocabulary import URDF

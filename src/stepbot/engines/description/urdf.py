@@ -14,7 +14,7 @@ from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 
 from .. import engine_of
 from ..observation import Observation, Request
-from ..xml_root import xml_root
+from ..urdf_chains import xml_root
 from .description import DescribedShape, Description, Primitive
 from .meshes import MeshFiles
 from .urdf_structure import check_structure, open_limits

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, rotation_from_rpy
+from stepbot.geometry.spatial import Array, Pose, rotation_from_rpy
 from stepbot.robot.dynamics import Rates
 
 from ..ball_coordinates import ball_bias, ball_rates
@@ -83,3 +83,8 @@ def _turned(names: Sequence[str], q: Mapping[str, float]) -> tuple[list[float], 
     """Yaw, pitch and roll, and their rotation."""
     yaw, pitch, roll = (q.get(name, 0.0) for name in names)
     return [yaw, pitch, roll], rotation_from_rpy((roll, pitch, yaw))
+
+
+def pose(X: Any) -> Pose:
+    """A pose from Drake's."""
+    return Pose.of(X.rotation().matrix(), X.translation())

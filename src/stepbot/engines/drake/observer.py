@@ -19,14 +19,14 @@ from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, shift_in
 from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.dynamics import Rates
 
+from ..ball_coordinates import inner_joints
 from ..distribution import provider
-from ..inner_joints import inner_joints
 from ..observation import Dynamics, EngineCannotRead, Observation, ObservedLink, Quantity, Request
-from ..xml_root import xml_root
+from ..urdf_chains import xml_root
 from . import ENGINE
+from .coordinates import pose
 from .joints import observed_joints
 from .plant import Built, build
-from .poses import pose
 from .shapes import bounds_of, observed_shape
 
 _NOT_TOLD = "pydrake does not report it"

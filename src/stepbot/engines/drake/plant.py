@@ -14,8 +14,7 @@ from stepbot.robot.dynamics import GRAVITY
 
 from ..observation import EngineCannotRead, EngineRefused, Request
 from ..resources import resolve
-from .coordinates import Coordinates
-from .poses import pose
+from .coordinates import Coordinates, pose
 
 STEP = 1e-3
 """Step [s] of the plant."""

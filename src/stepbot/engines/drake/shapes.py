@@ -11,8 +11,8 @@ from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
 from ..observation import EngineCannotRead, ObservedShape
 from ..shape_bounds import vertices_of
+from .coordinates import pose
 from .plant import Built
-from .poses import pose
 
 _MEASURED = (".obj", ".vtk", ".gltf")
 """Suffixes of meshes that Drake makes hulls of."""

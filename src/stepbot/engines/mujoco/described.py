@@ -10,9 +10,9 @@ import numpy as np
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_files import KINDS
 from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
-from stepbot.robot.simulation import Integrator, Simulation
-from stepbot.robot.unique_names import SCOPE
+from stepbot.robot.tuning import Integrator, Simulation
 from stepbot.runtime.file import is_file
 
 from ..description.description import DescribedShape, Description, Primitive

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepbot.geometry.spatial import Pose
+from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.model import ActuatorKind
 from stepbot.robot.sensors import SensorKind
-from stepbot.robot.unique_names import SCOPE
 
 from ..observation import ObservedActuator, ObservedSensor
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stepbot.geometry.spatial import vector3
+from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.model import JointDynamics, Limit, Mimic
-from stepbot.robot.unique_names import SCOPE
 
 from ..observation import ObservedJoint
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, vector3
 from stepbot.robot.closures import RANK_TOLERANCE, closure_gap
-from stepbot.robot.unique_names import SCOPE
+from stepbot.robot.mesh_names import SCOPE
 
 from ..observation import ObservedClosure, Request
 from .gimbals import Gimbals

@@ -16,8 +16,8 @@ from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, turn_ine
 from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.dynamics import GRAVITY, Rates
 
+from ..ball_coordinates import inner_joints
 from ..distribution import provider
-from ..inner_joints import inner_joints
 from ..mesh_substitutes import MeshSubstitutes
 from ..observation import (
     Dynamics,
@@ -30,7 +30,7 @@ from ..observation import (
     Request,
 )
 from ..resources import resolve
-from ..xml_root import xml_root
+from ..urdf_chains import xml_root
 from . import ENGINE
 from .compiled import Compiled
 from .contacts import excluded_pairs

@@ -17,10 +17,9 @@ from stepbot.geometry.spatial import Array, Pose, matrix3, quaternion_from_rotat
 from stepbot.robot.dynamics import GRAVITY, Rates
 from stepbot.robot.model import JointDynamics, Limit, Mimic
 
-from ..ball_coordinates import ball_bias, ball_rates
+from ..ball_coordinates import ball_bias, ball_rates, inner_joints
 from ..captured_output import printed
 from ..distribution import provider
-from ..inner_joints import inner_joints
 from ..observation import (
     Dynamics,
     EngineCannotRead,

@@ -37,7 +37,7 @@ from ..observation import (
     Request,
 )
 from ..sdformat_reader.tree import round_shapes, tree_copy
-from ..xml_root import xml_root
+from ..urdf_chains import xml_root
 from . import ENGINE
 from .body import Body, body_of, pose
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from ..mesh_substitutes import MeshSubstitutes
 from ..observation import EngineCannotRead, EngineRefused
 from ..resources import resolve
-from ..xml_root import xml_root
+from ..urdf_chains import xml_root
 from .frames import ends, read_pose
 from .plain import plain
 

@@ -15,7 +15,7 @@ from stepbot.version import __version__
 from ..observation import Observation, ObservedJoint, ObservedLink, ObservedSensor, Quantity, Request
 from ..sdformat_reader.frames import bool_at, number_at, read_pose
 from ..sdformat_reader.sensors import read_sensor
-from ..xml_root import xml_root
+from ..urdf_chains import xml_root
 from . import ENGINE
 from .ros2_control import faults, in_gazebo_alone, observed_actuators, state_sensors
 

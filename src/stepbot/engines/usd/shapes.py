@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from stepbot.geometry.colors import srgb_from_linear
+from stepbot.geometry.primitives import srgb_from_linear
 from stepbot.geometry.spatial import Array, bounds
 from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere

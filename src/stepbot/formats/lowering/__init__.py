@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Base, JointKind, MeshFormat, Robot
 from stepbot.robot.multi_dof import (
     ball_to_revolutes,
@@ -20,7 +21,6 @@ from stepbot.robot.multi_dof import (
     universal_to_revolutes,
 )
 from stepbot.robot.sensors import SensorKind
-from stepbot.robot.unique_names import free_name
 
 from ..features import Feature, Level, Support, exact, lowered, refused, reported
 from ..format import Format
@@ -77,8 +77,16 @@ from .joints import (
     without_mixed_mimics,
     without_spring,
 )
-from .masses import massless_links, massless_moving_links, with_least_masses, with_stand_in_masses
-from .mesh_formats import collisions_as, visuals_as, with_obj_collisions, with_obj_visuals
+from .masses import (
+    collisions_as,
+    massless_links,
+    massless_moving_links,
+    visuals_as,
+    with_least_masses,
+    with_obj_collisions,
+    with_obj_visuals,
+    with_stand_in_masses,
+)
 from .names import rename_frames, rename_joints, renamed_frames, renamed_joints, reserved
 from .rerooted_loops import reroot_loops, sliding_closures
 from .shapes import (

@@ -5,10 +5,10 @@ from dataclasses import replace
 from math import inf, isinf
 
 from stepbot.geometry.spatial import IDENTITY
-from stepbot.robot.actuators import actuator_limit, joint_range
+from stepbot.robot.gains import actuator_limit, joint_range
+from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Actuator, ActuatorKind, Frame, Limit, Robot
 from stepbot.robot.sensors import SEEING, Sensor, SensorKind
-from stepbot.robot.unique_names import free_name
 
 from .joints import UNLIMITED, frames_as_links
 

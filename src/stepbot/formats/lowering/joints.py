@@ -6,8 +6,8 @@ from math import inf, isinf
 
 from stepbot.robot.kinematics import displacement, mimic_relation
 from stepbot.robot.loop_followers import loop_followers
+from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link, LoopClosure, Mimic, Robot
-from stepbot.robot.unique_names import free_name
 
 UNLIMITED = 1e9
 """Value for an unlimited quantity if a format requires a number [rad], [m], [rad/s], [m/s], [N m] or [N]."""

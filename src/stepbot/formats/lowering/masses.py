@@ -1,11 +1,12 @@
 """Links without mass, for formats in which a mass of 0 means that the engine computes one, or is an error."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import ZERO33
 from stepbot.robot.kinematics import rigid_bodies
-from stepbot.robot.model import Base, Link, Robot
+from stepbot.robot.model import Base, Collision, Link, MeshFormat, MeshRef, Robot, Visual
 
 STAND_IN_MASS, STAND_IN_MOMENT = 1e-6, 1e-9
 """Mass [kg] and principal moments [kg m^2] for a link that has none: a milligram, with a radius of gyration of 3 cm."""
@@ -57,3 +58,39 @@ def _with(link: Link, mass: float, I: float) -> Link:  # noqa: E741 - the field'
     body = link.mass_properties
     inertia = ((I, 0.0, 0.0), (0.0, I, 0.0), (0.0, 0.0, I))
     return replace(link, mass_properties=MassProperties(body.mass or mass, body.com, inertia))
+
+
+def visuals_as(*formats: MeshFormat) -> Callable[[Robot], list[str]]:
+    """The number of visual meshes, if they are in one of the formats."""
+
+    def affected(robot: Robot) -> list[str]:
+        return _count("visual", robot.mesh_formats.visual in formats, Visual, robot)
+
+    return affected
+
+
+def collisions_as(*formats: MeshFormat) -> Callable[[Robot], list[str]]:
+    """The number of collision meshes, if they are in one of the formats."""
+
+    def affected(robot: Robot) -> list[str]:
+        return _count("collision", robot.mesh_formats.collision in formats, Collision, robot)
+
+    return affected
+
+
+def with_obj_visuals(robot: Robot) -> Robot:
+    """The robot with visual meshes as OBJ."""
+    return replace(robot, mesh_formats=replace(robot.mesh_formats, visual=MeshFormat.OBJ))
+
+
+def with_obj_collisions(robot: Robot) -> Robot:
+    """The robot with collision meshes as OBJ."""
+    return replace(robot, mesh_formats=replace(robot.mesh_formats, collision=MeshFormat.OBJ))
+
+
+def _count(word: str, applies: bool, kind: type[Visual | Collision], robot: Robot) -> list[str]:
+    geometries = {shape.geometry for shape in robot.distinct_shapes if isinstance(shape, kind)} if applies else set()
+    names = [geometry.name for geometry in geometries if isinstance(geometry, MeshRef)]
+    if not names:
+        return []
+    return [f"{len(names)} {word} mesh{'es' if len(names) > 1 else ''}"]

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
+from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, Robot
-from stepbot.robot.unique_names import free_name
 
 
 def reserved(robot: Robot, reserves: Callable[[str], bool]) -> list[str]:

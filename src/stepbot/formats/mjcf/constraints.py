@@ -10,10 +10,10 @@ from math import sqrt
 
 import numpy as np
 
+from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.model import JointKind, Link, LoopClosure, Mimic, Robot
 from stepbot.robot.multi_dof import steps_by_child
 from stepbot.robot.simulation_settings import Settings, settings_of
-from stepbot.robot.unique_names import SCOPE
 
 from ..xml import Element, Value, element
 from .devices import MARK, mjcf_pose

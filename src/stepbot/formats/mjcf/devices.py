@@ -7,11 +7,11 @@ can be. MuJoCo's cameras look along -z with y up, its rangefinders along z.
 from math import atan, degrees, isfinite, tan
 
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.actuators import control_range, force_range
+from stepbot.robot.gains import control_range, force_range
+from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Link, Robot
 from stepbot.robot.multi_dof import steps_by_child
 from stepbot.robot.sensors import Sensor, SensorKind
-from stepbot.robot.unique_names import SCOPE
 
 from ..xml import Element, Value, element
 

@@ -14,6 +14,7 @@ from stepbot.geometry.predicates import is_flat
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import rigid_bodies, without_contacts
 from stepbot.robot.mesh_files import MeshFile, MeshFiles
+from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.model import (
     Base,
     Box,
@@ -29,10 +30,9 @@ from stepbot.robot.model import (
     Visual,
 )
 from stepbot.robot.multi_dof import steps_by_child
-from stepbot.robot.simulation import Integrator
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.standing import standing_height
-from stepbot.robot.unique_names import SCOPE
+from stepbot.robot.tuning import Integrator
 
 from ..companion import Companion
 from ..lowering import Feature, exact, free_name, lowered, refused, reported
@@ -40,8 +40,7 @@ from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, Value, document, element, root
 from . import FORMAT, constraints, devices
 from .devices import MARK, mjcf_pose
-from .keyframe import keyframe
-from .scene import scene
+from .scene import keyframe, scene
 
 EXPRESSES = {
     Feature.FIXED_BASE: exact("child body of the world without a joint"),

@@ -36,8 +36,7 @@ from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, document, element, root, text_of
 from . import FORMAT
 from . import drake as _drake
-from .gz_plugins import plugins
-from .sensors import sdf_pose, sensors_on_joint, sensors_on_link
+from .sensors import plugins, sdf_pose, sensors_on_joint, sensors_on_link
 from .world import world_around
 
 VERSION = "1.9"

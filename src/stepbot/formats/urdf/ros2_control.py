@@ -5,7 +5,7 @@ mirrors every command. Inputs and limits are given at the joint. Gears are trans
 of ROS 1.
 """
 
-from stepbot.robot.actuators import actuator_limit, joint_range
+from stepbot.robot.gains import actuator_limit, joint_range
 from stepbot.robot.model import Actuator, ActuatorKind, Robot
 from stepbot.robot.sensors import SensorKind
 

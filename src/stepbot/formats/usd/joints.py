@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from math import degrees, isfinite, radians
 
 from stepbot.geometry.spatial import IDENTITY, Pose, Vector3, perpendicular_frame
-from stepbot.robot.actuators import actuator_limit
+from stepbot.robot.gains import actuator_limit
 from stepbot.robot.kinematics import initial_configuration
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointKind, LoopClosure, Robot
 

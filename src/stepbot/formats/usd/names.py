@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterable
 
-from stepbot.robot.unique_names import free_name
+from stepbot.robot.mesh_names import free_name
 
 from .usda import Prim, quoted
 

@@ -4,7 +4,7 @@ Visuals with a mesh are instances of it. Collisions refer to it without being in
 cannot be changed inside of one. Their purpose is ``guide``, which renderers do not draw.
 """
 
-from stepbot.geometry.colors import linear_from_srgb
+from stepbot.geometry.primitives import linear_from_srgb
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.model import (
     Box,

@@ -6,10 +6,10 @@ they get the same command, times their ``multiplier``.
 
 from math import isinf
 
-from stepbot.robot.actuators import actuator_limit
+from stepbot.robot.gains import actuator_limit
+from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.model import Actuator, Joint, JointKind, Robot
 from stepbot.robot.sensors import Sensor, SensorKind
-from stepbot.robot.unique_names import SCOPE
 
 from ..lowering import UNLIMITED
 from ..lowering.stops import has_stops

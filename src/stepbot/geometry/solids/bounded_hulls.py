@@ -7,11 +7,11 @@ polyhedron encloses it.
 
 import numpy as np
 
-from ..distinct_rows import distinct_rows
+from ..fixed_point import distinct_rows
 from ..mesh import GRID_PER_METRE, TriMesh
 from ..spatial import Array, cross, dot, matrix_product
-from .face_normals import face_normals
 from .manifolds import convex_hull, hull_faces
+from .slivers import face_normals
 
 FEWEST = 8
 """Minimum number of vertices: those of a box."""

@@ -20,11 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh import TriMesh
-from ..mesh_distance import squared_distances
+from ..mesh_distance import SurfaceDistances, squared_distances
 from ..spatial import Array, cross
-from ..surface_distances import SurfaceDistances
-from .manifolds import faces_not_of, mesh_arrays
-from .shape_manifolds import of_same_volume
+from .manifolds import faces_not_of, mesh_arrays, of_same_volume
 from .unions import SIMPLIFIED, PlacedShape, PlacedSolid, Union, union
 
 MAX_FACES = 1_000_000

@@ -17,12 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..distinct_rows import distinct_rows
+from ..fixed_point import distinct_rows
 from ..spatial import Array, dot, matrix_product
 from ..sums import exact_sum
 from .cut_surfaces import ON, CutSurface, Plane, crossings
-from .face_normals import face_normals
 from .manifolds import hull_faces, hull_points, hull_volume, mesh_arrays
+from .slivers import face_normals
 from .unions import SIMPLIFIED, Union
 
 Mask = NDArray[np.bool_]

@@ -1,5 +1,7 @@
 """Triangles of a hull that have no area: a vertex lies on the edge between the two others."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -57,3 +59,12 @@ def _heights(vertices: Array, faces: NDArray[np.integer]) -> Array:
     longest = np.max([np.linalg.norm(end - start, axis=1) for start, end in ((a, b), (b, c), (c, a))], axis=0)
     area = np.linalg.norm(cross(b - a, c - a), axis=1)
     return np.asarray(area / np.where(longest > 0.0, longest, 1.0))
+
+
+def face_normals(points: Array, faces: Any) -> tuple[Array, Array, Array]:
+    """Unit normals (m, 3), twice the areas (m,) [m^2], and first corners (m, 3) [m] of the faces that have an area."""
+    a, b, c = (points[faces[:, corner]] for corner in range(3))
+    normals = cross(b - a, c - a)
+    areas = np.linalg.norm(normals, axis=1)
+    has_area = areas > 0.0
+    return normals[has_area] / areas[has_area, None], areas[has_area], a[has_area]

@@ -11,8 +11,8 @@ index      what came of it, as a page; imported when it is written
 
 from .executors import ClusterUnreachable, local_executor, on_cluster
 from .runs import Outcome, Status, run_batch
+from .state import Task, common_folder, plan
 from .summary import batch_document, check_counts, suites
-from .tasks import Task, common_folder, plan
 
 __all__ = [
     "ClusterUnreachable",

@@ -14,7 +14,7 @@ from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import Any, TypeVar
 
-from stepbot.runtime.cores import core_count
+from stepbot.runtime.processes import core_count
 from stepbot.runtime.worker import Worker
 
 T = TypeVar("T")

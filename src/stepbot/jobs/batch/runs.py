@@ -16,8 +16,7 @@ from stepbot.runtime.worker import RemoteError, WorkerDied
 from stepbot.step.exchange.input_files import combined_digest, input_files
 
 from ..incremental import conversion_key
-from .state import State
-from .tasks import Task
+from .state import State, Task
 from .work import Parcel, Work, carry_out, carry_out_parcel
 
 

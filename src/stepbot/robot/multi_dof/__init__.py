@@ -16,12 +16,14 @@ that it represents, so that a configuration is the same whether a format support
 from dataclasses import replace
 
 from ..model import Joint, JointKind, Limit, Robot
-from .ball import ball_to_revolutes
-from .cylindrical import cylindrical_to_two
-from .floating import floating_to_slides_and_ball
-from .planar import planar_to_three
-from .screw import screw_to_mimic
-from .universal import universal_to_revolutes
+from .chain import (
+    ball_to_revolutes,
+    cylindrical_to_two,
+    floating_to_slides_and_ball,
+    planar_to_three,
+    screw_to_mimic,
+    universal_to_revolutes,
+)
 
 MULTI_DOF = frozenset(
     {JointKind.BALL, JointKind.UNIVERSAL, JointKind.CYLINDRICAL, JointKind.PLANAR, JointKind.FLOATING}

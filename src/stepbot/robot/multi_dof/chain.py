@@ -2,12 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from math import isinf
 
-from stepbot.geometry.spatial import Pose, Vector3
+from stepbot.geometry.spatial import Pose, Vector3, perpendicular_frame, vector3
 
-from ..model import Joint, JointKind, Limit, Link, Robot
+from ..mesh_names import free_name
+from ..model import Joint, JointKind, Limit, Link, Mimic, Robot
 from ..sensors import Sensor, SensorKind
-from ..unique_names import free_name
 
 Steps = Mapping[str, Joint]
 """For each joint of the chain, from the parent on, the suffix of its name and its own fields."""
@@ -73,3 +74,76 @@ def _chain(joint: Joint, steps: Steps, taken: set[str]) -> list[Joint]:
         replace(step, name=name, parent=parent, child=child, X_PC=X_PC)
         for step, name, parent, child, X_PC in zip(steps.values(), names, parents, children, poses, strict=True)
     ]
+
+
+def cylindrical_to_two(robot: Robot) -> Robot:
+    """The robot with a prismatic and a revolute joint in place of every cylindrical joint."""
+    return chained(robot, JointKind.CYLINDRICAL, _cylindrical_steps)
+
+
+def _cylindrical_steps(joint: Joint) -> Steps:
+    return {"_slide": slide(joint, joint.axis), "_turn": turn(joint, joint.axis)}
+
+
+def ball_to_revolutes(robot: Robot) -> Robot:
+    """The robot with three revolute joints in place of every ball joint."""
+    return chained(robot, JointKind.BALL, _ball_steps)
+
+
+def _ball_steps(joint: Joint) -> Steps:
+    return {
+        "_yaw": turn(joint, (0.0, 0.0, 1.0)),
+        "_pitch": turn(joint, (0.0, 1.0, 0.0)),
+        "_roll": turn(joint, (1.0, 0.0, 0.0)),
+    }
+
+
+def floating_to_slides_and_ball(robot: Robot) -> Robot:
+    """The robot with three prismatic joints and a ball joint in place of every floating joint."""
+    return chained(robot, JointKind.FLOATING, _floating_steps)
+
+
+def _floating_steps(joint: Joint) -> Steps:
+    return {
+        "_x": slide(joint, (1.0, 0.0, 0.0)),
+        "_y": slide(joint, (0.0, 1.0, 0.0)),
+        "_z": slide(joint, (0.0, 0.0, 1.0)),
+        "_turn": replace(joint, kind=JointKind.BALL),
+    }
+
+
+def planar_to_three(robot: Robot) -> Robot:
+    """The robot with three joints in place of every planar joint."""
+    return chained(robot, JointKind.PLANAR, _planar_steps)
+
+
+def _planar_steps(joint: Joint) -> Steps:
+    x, y, _ = perpendicular_frame(joint.axis).T
+    return {"_x": slide(joint, vector3(x)), "_y": slide(joint, vector3(y)), "_turn": turn(joint, joint.axis)}
+
+
+def screw_to_mimic(robot: Robot) -> Robot:
+    """The robot with a following prismatic joint and a revolute joint in place of every screw joint."""
+    return chained(robot, JointKind.SCREW, _screw_steps)
+
+
+def _screw_steps(joint: Joint) -> Steps:
+    lower, upper = sorted((joint.pitch * joint.limit.lower, joint.pitch * joint.limit.upper))
+    endless = isinf(joint.limit.lower) and isinf(joint.limit.upper)
+    advance = replace(
+        slide(joint, joint.axis),
+        limit=Limit(lower, upper),
+        mimic=Mimic(joint.name, joint.pitch),
+        drawn_position=joint.pitch * joint.drawn_position,
+    )
+    turned = replace(joint, kind=JointKind.CONTINUOUS if endless else JointKind.REVOLUTE, pitch=0.0)
+    return {"_slide": advance, "": turned}
+
+
+def universal_to_revolutes(robot: Robot) -> Robot:
+    """The robot with two revolute joints in place of every universal joint."""
+    return chained(robot, JointKind.UNIVERSAL, _universal_steps)
+
+
+def _universal_steps(joint: Joint) -> Steps:
+    return {"_1": turn(joint, joint.axis), "_2": turn(joint, joint.axis2)}

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stepbot.geometry.distinct_rows import distinct_rows
+from stepbot.geometry.fixed_point import distinct_rows
 from stepbot.geometry.spatial import Array, cross, perpendicular_frame
 
 Indices = NDArray[np.intp]

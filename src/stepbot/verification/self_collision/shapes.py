@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stepbot.geometry.distinct_rows import distinct_rows
+from stepbot.geometry.fixed_point import distinct_rows
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.predicates import encloses, is_convex
 from stepbot.geometry.spatial import Array, Pose

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from urllib.parse import quote
 
 from ..page import plain_page
-from .markup import Markup, element
-from .numbers import mass_text
+from .markup import Markup, element, mass_text
 from .robot_tables import table
 
 

@@ -5,15 +5,14 @@ from pathlib import PurePath
 
 from stepbot.diagnostics import Diagnostic
 from stepbot.geometry.sums import exact_sum
-from stepbot.report.record import Report, Status
+from stepbot.report.robot import Report, Status
 from stepbot.robot.model import Robot
 from stepbot.version import __version__
 
 from ..connections import evidence_of_rows
 from ..page import page_html
 from ..scene import scene_document
-from .markup import Markup, element, joined
-from .numbers import mass_text
+from .markup import Markup, element, joined, mass_text
 from .reduction import Reduced, reduced
 from .result_tables import Places, findings_section, inputs_section, proof_section
 from .robot_tables import bodies_section, collisions_section, joints_section, masses_section

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from stepbot.geometry.distinct_rows import distinct_rows
+from stepbot.geometry.fixed_point import distinct_rows
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Array
 from stepbot.robot.model import Robot
 
-from ..packing import STEPS
+from ..scene import STEPS
 
 BUDGET = 2_100_000
 """Size [bytes] of all meshes in a page."""

@@ -3,15 +3,14 @@
 from collections.abc import Iterable
 
 from stepbot.geometry.sums import exact_sum
-from stepbot.report.collision_words import shape_words
 from stepbot.report.joint_words import direction_words, evidence_words, point_words, rival_words
-from stepbot.report.record import LinkCollision, MeasuredBody
+from stepbot.report.mass_words import shape_words
+from stepbot.report.robot import LinkCollision, MeasuredBody
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import ComponentMass, Joint, JointKind, Link, Robot
 
-from .markup import Markup, element
-from .numbers import cell, mass_text, position_text, short
+from .markup import Markup, cell, element, mass_text, position_text, short
 
 
 def table(headings: Iterable[str], rows: Iterable[Markup]) -> Markup:

@@ -7,7 +7,7 @@ import pytest
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.primitives import Box, Capsule, Cylinder, Primitive, Sphere
-from stepbot.geometry.solids.enclosed_meshes import enclosed_meshes
+from stepbot.geometry.solids.collision_sets import enclosed_meshes
 from stepbot.geometry.solids.unions import PlacedShape, PlacedSolid
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
 from tests.unit.assemble.workshop import BOX_FACES, CORNERS

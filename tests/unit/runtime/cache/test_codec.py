@@ -16,7 +16,7 @@ from stepbot.diagnostics import Diagnostic, Span
 from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.jobs.incremental import Record
 from stepbot.pipeline.loading import Geometry
-from stepbot.report.record import Report
+from stepbot.report.robot import Report
 from stepbot.robot.model import Base, Box, Robot, Sphere
 from stepbot.robot.model import Geometry as Shape
 from stepbot.runtime.cache import Undecodable, codec_of

@@ -7,10 +7,10 @@ import pytest
 import trimesh
 
 from stepbot.geometry.mesh import TriMesh
-from stepbot.report.record import Check, Report, Status
+from stepbot.report.robot import Check, Report, Status
 from stepbot.robot.model import Link, MeshAsset, MeshRef, Robot, Visual
-from stepbot.viewing.report.plot import deviations_plot
 from stepbot.viewing.report.reduction import clustered, reduced
+from stepbot.viewing.report.result_tables import deviations_plot
 
 
 def robot_of(*meshes: trimesh.Trimesh) -> Robot:

@@ -15,7 +15,7 @@ from stepbot.diagnostics import Diagnostic, Span
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE, Options
 from stepbot.pipeline.drafted_robot import robot_of_assembly
 from stepbot.pipeline.stages import inspect, produce
-from stepbot.report.record import Check, Report, Status
+from stepbot.report.robot import Check, Report, Status
 from stepbot.robot.joint_table import Basis, Evidence, JointRow
 from stepbot.robot.model import Robot
 from stepbot.viewing.report.page import report_page

@@ -1,14 +1,83 @@
 """Settings of MoveIt 2: https://moveit.picknik.ai/main/doc/examples/moveit_configuration/moveit_configuration_tutorial.html."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import ActuatorKind, Robot
 
 from ...lowering import UNLIMITED
 from ..chains import Chain
-from .control import CONTROLLERS, driven
-from .yaml_text import yaml_text
+
+UPDATE_RATE = 100
+"""[Hz]"""
+CONTROLLERS = {
+    ActuatorKind.POSITION: ("position_controller", "joint_trajectory_controller/JointTrajectoryController"),
+    ActuatorKind.VELOCITY: ("velocity_controller", "velocity_controllers/JointGroupVelocityController"),
+    ActuatorKind.MOTOR: ("effort_controller", "effort_controllers/JointGroupEffortController"),
+}
+"""For each kind of actuator, the controller of its joints."""
+_BROADCASTER = "joint_state_broadcaster"
+
+
+def driven(robot: Robot, kind: ActuatorKind) -> list[str]:
+    """The joints with an actuator of a kind."""
+    return list(dict.fromkeys(actuator.joint for actuator in robot.actuators if actuator.kind is kind))
+
+
+def controller_names(robot: Robot) -> list[str]:
+    """The controllers of a robot with actuators, the broadcaster first."""
+    return [_BROADCASTER, *(name for kind, (name, _) in CONTROLLERS.items() if driven(robot, kind))]
+
+
+def controllers(robot: Robot) -> str:
+    """``controllers.yaml``: a broadcaster of joint states, and a controller for each kind of actuator."""
+    types: dict[str, Any] = {_BROADCASTER: {"type": f"{_BROADCASTER}/JointStateBroadcaster"}}
+    settings: dict[str, Mapping[str, Any]] = {}
+    for kind, (name, type_) in CONTROLLERS.items():
+        if joints := driven(robot, kind):
+            types[name] = {"type": type_}
+            interfaces = {
+                "command_interfaces": ["position"],
+                "state_interfaces": ["position", "velocity"],
+                "allow_partial_joints_goal": True,  # MoveIt moves one group at a time
+            }
+            more = interfaces if kind is ActuatorKind.POSITION else {}
+            settings[name] = {"ros__parameters": {"joints": joints, **more}}
+    manager = {"controller_manager": {"ros__parameters": {"update_rate": UPDATE_RATE, **types}}}
+    return yaml_text({**manager, **settings})
+
+
+def yaml_text(value: Mapping[str, Any]) -> str:
+    """Block style for mappings and lists of mappings; other lists in one line."""
+    return "\n".join(_lines(value, "")) + "\n"
+
+
+def _lines(value: Mapping[str, Any], indent: str) -> Iterator[str]:
+    for key, item in value.items():
+        name = f"{indent}{_scalar(key)}:"
+        if isinstance(item, Mapping) and item:
+            yield name
+            yield from _lines(item, f"{indent}  ")
+        elif isinstance(item, Sequence) and item and isinstance(item[0], Mapping):
+            yield name
+            for one in item:
+                first, *others = _lines(one, f"{indent}    ")
+                yield f"{indent}  - {first.strip()}"
+                yield from others
+        else:
+            yield f"{name} {_scalar(item)}"
+
+
+def _scalar(value: Any) -> str:
+    if isinstance(value, str) and value.isidentifier() and value.lower() not in _WORDS:
+        return value
+    return json.dumps(value, ensure_ascii=False)
+
+
+_WORDS = frozenset({"true", "false", "yes", "no", "on", "off", "null", "y", "n", "nan", "inf"})
+"""Identifiers that some YAML readers do not take for strings."""
 
 
 def kinematics(found: Sequence[Chain]) -> str:
