@@ -17,6 +17,8 @@ _LARGEST = 0.6
 """Share of the assembly's size from which a subassembly is more than a motor."""
 _BLOCK = 0.35
 """Share of its bounding box that a motor fills; a bracket, a folded sheet, fills less."""
+_WIRE = 5e-7
+"""Volume [m^3] below which what is named after a motor is a wire, a plug or a screw of it."""
 _PIECE = 0.15
 """Share of the volume of a motor's case up to which another part of it is its shaft or horn."""
 _LEAST = 5e-3
@@ -78,6 +80,8 @@ def _named_motors(survey: Survey) -> list[Motor]:
         if not members or (survey.size_of(members) > _LARGEST * survey.extent and len(parts) > len(members)):
             continue
         taken.update(below)
+        if survey.total_volume(members) < _WIRE:
+            continue
         case = largest([parts[i] for i in members]).index
         pieces = [i for i in members if _is_piece(survey, i, case)] if c.index in in_pieces else []
         outputs = tuple(

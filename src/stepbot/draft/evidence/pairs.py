@@ -10,6 +10,8 @@ from stepbot.draft.evidence.subassemblies import Structure, is_guide
 from stepbot.draft.parts.names import Role
 from stepbot.robot.model import JointKind
 
+_BEARING = 0.79
+"""Maximum score of a pin at a part named a bearing, which is between two links and none itself."""
 _EXACT = 1e-6
 """Difference of radii [m] up to which a shaft fills its bore."""
 
@@ -85,6 +87,8 @@ class PairEvidence:
             score -= 0.1
         if self._is_electric(r) or Role.SEAL in roles:
             score -= 0.3
+        if Role.BEARING in roles:
+            score = min(score, _BEARING)
         if not across and r.axis is not None and self._survey.has_screw_at(r.axis):
             score -= 0.25
             self._weld(r, 0.51, "clamped by a screw on its axis")
