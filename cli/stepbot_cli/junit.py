@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from stepbot.diagnostics import Diagnostics
+
 if TYPE_CHECKING:
     from stepbot.report.junit import Suite
 
@@ -15,8 +17,13 @@ junit_option = click.option(
 
 
 def write_junit(path: Path, suites: "Sequence[Suite]") -> None:
-    """Write the results of robots to a file, creating its folder if necessary."""
-    from stepbot.report.junit import junit_bytes
+    """Write the results of robots to a file, creating its folder if necessary.
 
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_bytes(junit_bytes(suites))
+    Raises:
+        StepbotError: It cannot be written (SB004).
+    """
+    from stepbot.report.junit import junit_bytes
+    from stepbot.runtime.file import write_file
+
+    write_file(path, junit_bytes(suites), found := Diagnostics())
+    found.raise_if_errors()

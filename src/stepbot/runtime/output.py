@@ -69,6 +69,12 @@ def check_writable(folder: Path) -> None:
     Raises:
         StepbotError: A file is in the way, or write permission is missing (SB004).
     """
+    try:
+        os.lstat(folder)
+    except FileNotFoundError:
+        pass
+    except (OSError, ValueError) as error:  # a name that is too long, or a loop of links
+        _refuse(folder, f"cannot write {folder}: {getattr(error, 'strerror', None) or error}")
     nearest = next((path for path in (folder, *folder.absolute().parents) if os.path.lexists(path)), folder)
     if not is_folder(nearest):
         _refuse(folder, f"cannot write {folder}: '{nearest}' is not a folder")

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from stepbot.diagnostics import Diagnostics, StepbotError
-from stepbot.runtime.output import beside, discard, failed_output, write_atomically
+from stepbot.runtime.output import beside, check_writable, discard, failed_output, write_atomically
 from stepbot.runtime.output_list import MANIFEST
 
 POSIX = pytest.mark.skipif(os.name == "nt", reason="needs links and pipes in folders")
@@ -469,3 +469,13 @@ def test_output_behind_a_loop_of_links(tmp_path: Path) -> None:
             write_atomically(ARM, folder)
         assert codes(error.value) == ["SB004"]
         assert failed_output(folder).name.endswith(".failed")
+
+
+@POSIX
+def test_names_that_no_folder_has(tmp_path: Path) -> None:
+    """A folder whose name is too long is refused before any work."""
+    for folder in (tmp_path / ("x" * 300), tmp_path / ("x" * 5000), tmp_path / "a\0b"):
+        with pytest.raises(StepbotError) as error:
+            check_writable(folder)
+        assert codes(error.value) == ["SB004"]
+    check_writable(tmp_path / "new" / "folder")

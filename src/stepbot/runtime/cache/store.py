@@ -134,7 +134,11 @@ class Cache:
 
     def _entries(self, formats: str = _FORMAT) -> Iterator[_Entry]:
         """All entries; abandoned temporary files are removed on the way."""
-        for folder in sorted(self.folder.glob(f"{formats}/??")):
+        try:
+            folders = sorted(self.folder.glob(f"{formats}/??"))
+        except OSError:  # a name that is too long: there are none
+            return
+        for folder in folders:
             if not _FOLDER.fullmatch(folder.name) or _is_linked(folder / _NEW):
                 continue
             try:
