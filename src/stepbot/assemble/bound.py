@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import Vector3, tidy
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.robot.model import ComponentMass, JointKind
+from stepbot.robot.model import ComponentMass
 from stepbot.sidecar.located import Sidecar
 from stepbot.step.assembly import Assembly
 
@@ -17,8 +17,6 @@ from .joints import direction_in, tree_order
 from .masses import masses
 from .material_assignment import assign_materials
 from .measured_bodies import measured_bodies
-
-_WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
 
 
 @dataclass(frozen=True)
@@ -75,12 +73,12 @@ def placed_joints(binder: Binder, frames: Frames) -> tuple[PlacedJoint, ...]:
     for name, joint in document.joints.items():
         X_WJ = frames.joint(name)
         if X_WJ is not None:
-            axis = None if joint.type in _WITHOUT_AXIS else direction_in(X_WJ, joint.axis)
+            axis = direction_in(X_WJ, joint.axis) if joint.type.has_axis else None
             placed.append(PlacedJoint(name, joint.type.value, joint.parent, joint.child, tidy(X_WJ).position, axis))
     for name, closure in document.closures.items():
         ends = (closure.link_a, closure.link_b)
         X_WF = frames.resolve(closure.origin, Wanted(("closures", name, "origin"), ends))
         if X_WF is not None:
-            axis = None if closure.type in _WITHOUT_AXIS else direction_in(X_WF, closure.axis)
+            axis = direction_in(X_WF, closure.axis) if closure.type.has_axis else None
             placed.append(PlacedJoint(name, closure.type.value, *ends, tidy(X_WF).position, axis, is_closure=True))
     return tuple(placed)

@@ -17,8 +17,6 @@ from .binder import Binder
 from .claims import Claims
 from .frames import Frames
 
-_POINTS = {JointKind.BALL, JointKind.UNIVERSAL}
-_LINES = {JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.SCREW, JointKind.CYLINDRICAL}
 _FARTHEST = 1.0
 """Distance from the sphere around the assembly, as a share of its diameter, up to which an axis is plausible."""
 
@@ -36,7 +34,7 @@ def report_far_axes(binder: Binder, frames: Frames) -> None:
         if X_WJ is None:
             continue
         arm = center - np.array(X_WJ.position)
-        if joint.type in _LINES:
+        if joint.type.about == "line":
             arm = cross(arm, X_WJ.turn(joint.axis))
         distance = float(np.linalg.norm(arm)) - 0.5 * diagonal
         if distance > _FARTHEST * diagonal:
@@ -53,12 +51,11 @@ def report_far_axes(binder: Binder, frames: Frames) -> None:
 
 def _is_given(joint: JointSection) -> bool:
     """Whether a turning joint has coordinates in its origin."""
-    if joint.type not in _POINTS | _LINES or isinstance(joint.origin, str):
+    if not joint.type.about or isinstance(joint.origin, str):
         return False
     return isinstance(joint.origin, ExplicitOrigin) or joint.origin.offset is not None
 
 
-_TURNING = {JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.CYLINDRICAL, JointKind.SCREW}
 _LEAST = degrees(1e-3)
 """Angle [degrees] from which an axis does not follow its line."""
 
@@ -70,7 +67,7 @@ def report_axes_off_their_lines(binder: Binder, frames: Frames) -> None:
     groups = {"joints": document.joints, "closures": document.closures}
     for group, sections in groups.items():
         for name, section in sections.items():
-            if section.type not in _TURNING or not _is_on_line(section.origin):
+            if section.type.about != "line" or not _is_on_line(section.origin):
                 continue
             x, y, z = section.axis
             angle = degrees(atan2(hypot(x, y), abs(z)))

@@ -77,8 +77,7 @@ def joint_table(frames: Frames, joints: Iterable[Joint], closures: Iterable[Loop
 
 
 def _row(name: str, kind: JointKind, ends: tuple[str, str], X_WF: Pose, axis: Vector3, evidence: Evidence) -> JointRow:
-    has_axis = kind not in (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
-    direction = direction_in(X_WF, axis) if has_axis else None
+    direction = direction_in(X_WF, axis) if kind.has_axis else None
     return JointRow(name, kind.value, *ends, tidy(X_WF).position, direction, evidence=evidence)
 
 

@@ -4,12 +4,10 @@ from collections.abc import Iterable, Iterator
 
 from stepbot.engines.observation import ObservedClosure
 from stepbot.geometry.spatial import Pose, perpendicular_frame
-from stepbot.robot.kinematics import TURNING
 from stepbot.robot.model import JointKind, LoopClosure
 
 from .finding import UNSUPPORTED, Finding
 
-_CLOSING = TURNING | {JointKind.BALL, JointKind.PRISMATIC, JointKind.FIXED}
 """Kinds of closures that the loop solver has."""
 
 
@@ -24,7 +22,13 @@ def closures_of(seen: Iterable[ObservedClosure], links: set[str], found: list[Fi
             directions = one.axes or (axis, axis)
             X_AF, X_BF = (Pose.of(perpendicular_frame(d), p) for d, p in zip(directions, one.points, strict=True))
             axis = (0.0, 0.0, 1.0)
-        if kind not in _CLOSING or X_AF is None or X_BF is None or not {one.link_a, one.link_b} <= links:
+        if (
+            kind is None
+            or not (kind.closes or kind.is_hinge)
+            or X_AF is None
+            or X_BF is None
+            or not {one.link_a, one.link_b} <= links
+        ):
             found.append(Finding(UNSUPPORTED, f"closure '{name}' of type '{one.kind}' is not supported"))
             continue
         yield LoopClosure(name, kind, one.link_a, X_AF, one.link_b, X_BF, axis)

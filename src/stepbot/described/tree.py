@@ -19,7 +19,6 @@ from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link
 
 from .finding import LOST, REARRANGED, UNSUPPORTED, Finding
 
-_WITH_AXIS = MOVING | {JointKind.PLANAR, JointKind.CYLINDRICAL, JointKind.UNIVERSAL}
 _UNLIMITED = (("lower", -inf), ("upper", inf), ("velocity", inf), ("effort", inf))
 
 
@@ -154,7 +153,7 @@ def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, 
         text = f"joint '{name}': {' and '.join(unknown)} limit, not the same in both directions: not converted"
         found.append(Finding(LOST, text))
     axis = seen.axis or (0.0, 0.0, 1.0)
-    if kind in _WITH_AXIS and not 0.99 < float(np.linalg.norm(axis)) < 1.01:
+    if kind.has_axis and not 0.99 < float(np.linalg.norm(axis)) < 1.01:
         found.append(Finding(UNSUPPORTED, f"joint '{name}' without an axis is not supported: fixed in its place"))
         kind = JointKind.FIXED
     if kind is JointKind.FIXED:

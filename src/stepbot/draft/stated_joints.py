@@ -149,7 +149,7 @@ def _joint(
         origin=OriginSnippet(OriginForm.XYZ, xyz=vector3(frame.p), rpy=frame.rpy),
         axis=_letter(axis),
         point=vector3(frame.p),
-        direction=None if kind in (JointKind.BALL, JointKind.FIXED, JointKind.FLOATING) else vector3(direction),
+        direction=vector3(direction) if kind.has_axis else None,
         confidence=Confidence(0.7 if review else 1.0, (f"{pair.kind.lower().replace('_', ' ')} in the STEP",)),
         parts=_parts(pair, members, assembly),
         review=review,
@@ -270,7 +270,7 @@ def _drawn_position(kind: JointKind, axis: Array, drawn: Pose) -> float:
     """Position [rad or m] of a joint with one degree of freedom, from the second placement in the first."""
     if kind is JointKind.PRISMATIC:
         return round(float(drawn.p @ axis), 9) + 0.0
-    if kind not in (JointKind.REVOLUTE, JointKind.CONTINUOUS):
+    if not kind.is_hinge:
         return 0.0
     u = np.roll(axis, 1)  # the next of x, y, z: perpendicular to the axis
     turned = drawn.turn(u)
@@ -279,7 +279,7 @@ def _drawn_position(kind: JointKind, axis: Array, drawn: Pose) -> float:
 
 def _limits(pair: KinematicPair, kind: JointKind, scale: float) -> DraftLimits | None:
     low, high = pair.bounds
-    if kind not in (JointKind.REVOLUTE, JointKind.PRISMATIC) or low is None or high is None or low >= high:
+    if not kind.bounded or low is None or high is None or low >= high:
         return None
     factor = scale if kind is JointKind.PRISMATIC else 1.0
     return DraftLimits(low * factor, high * factor, "stated in the STEP")

@@ -11,7 +11,7 @@ import numpy as np
 from stepbot.engines.simulation import Mechanism, Motor
 from stepbot.geometry.spatial import Array
 from stepbot.robot.gains import actuator_limit
-from stepbot.robot.kinematics import TURNING, link_poses, mimic_relation, rigid_bodies
+from stepbot.robot.kinematics import link_poses, mimic_relation, rigid_bodies
 from stepbot.robot.model import ActuatorKind, Base, Joint, JointKind, Robot
 from stepbot.robot.multi_dof import ball_coordinates, unfolded
 from stepbot.robot.posing import NotReached, posed
@@ -150,7 +150,7 @@ def finger_candidates(mechanism: Mechanism) -> tuple[Fingers, ...]:
     found: dict[Fingers, None] = {}
     for motor in drivers:
         hand = robot.joint_by_name[motor.joint].parent
-        moved = [joint for joint in robot.joints if joint.kind in (*TURNING, JointKind.PRISMATIC)]
+        moved = [joint for joint in robot.joints if joint.kind.is_pair]
         followers = [
             j for j in moved if mimic_relation(robot, j.name)[0] == motor.joint and rigid[j.parent] == rigid[hand]
         ]

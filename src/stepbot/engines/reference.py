@@ -10,7 +10,7 @@ from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.closures import closure_gap
 from stepbot.robot.dynamics import Equations, equations_of_motion
 from stepbot.robot.gains import control_range, force_range
-from stepbot.robot.kinematics import TURNING, Tree, initial_configuration, link_poses, without_contacts
+from stepbot.robot.kinematics import Tree, initial_configuration, link_poses, without_contacts
 from stepbot.robot.loop_followers import loop_sensitivity
 from stepbot.robot.model import (
     Actuator,
@@ -43,8 +43,6 @@ from .observation import (
 )
 
 NAME = "model"
-
-_WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
 
 
 def observe_robot(robot: Robot, request: Request, *, dynamics: bool = True) -> Observation:
@@ -167,7 +165,7 @@ def _excluded_pairs(robot: Robot) -> tuple[tuple[str, str], ...]:
 
 def _joint(joint: Joint) -> ObservedJoint:
     fixed = joint.kind is JointKind.FIXED
-    axis = None if joint.kind in _WITHOUT_AXIS else joint.axis
+    axis = joint.axis if joint.kind.has_axis else None
     return ObservedJoint(
         joint.name,
         joint.kind.value,
@@ -192,7 +190,7 @@ def _closure(closure: LoopClosure, poses: Sequence[Mapping[str, Pose]]) -> Obser
         closure.kind.value,
         (closure.link_a, closure.link_b),
         (closure.X_AF, closure.X_BF),
-        closure.axis if closure.kind in TURNING else None,
+        closure.axis if closure.kind.is_hinge else None,
     )
     return replace(held, axis=closure.axis, residual=max(gaps, default=0.0), angle_error=0.0)
 

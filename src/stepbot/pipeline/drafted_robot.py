@@ -19,8 +19,6 @@ from stepbot.step.assembly import Assembly, BodyKind
 
 Json = dict[str, Any]
 
-_UNBOUNDED = (JointKind.CONTINUOUS, JointKind.FIXED, JointKind.BALL)
-
 
 def robot_of_assembly(assembly: Assembly, name: str) -> Robot:
     """All parts in one link, in the frame of the assembly."""
@@ -88,7 +86,7 @@ def _frame(one: DraftConnection) -> Pose:
 def _joint(joint: DraftJoint, X_WL: Mapping[str, Pose]) -> Joint:
     X_WC = X_WL[joint.child]
     limits = joint.limits
-    bounded = limits is not None and joint.type not in _UNBOUNDED
+    bounded = limits is not None and joint.type not in (JointKind.CONTINUOUS, JointKind.FIXED, JointKind.BALL)
     axis2 = (1.0, 0.0, 0.0)
     if joint.direction2 is not None:
         axis2 = vector3(X_WC.inverse().turn(unit(joint.direction2)))

@@ -27,8 +27,6 @@ from .stages import inspect, produce
 
 _UNNAMED = re.compile(r"body(#\d+)?")
 """Segments of paths that stepbot made for bodies without names."""
-_SLIDING = {JointKind.PRISMATIC, JointKind.SCREW, JointKind.CYLINDRICAL}
-_TURNING = {JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.SCREW, JointKind.CYLINDRICAL, JointKind.UNIVERSAL}
 
 
 @dataclass(frozen=True)
@@ -122,17 +120,17 @@ def _mesh(geometry: Geometry, robot: Robot) -> TriMesh:
 def _axes(robot: Robot, poses: Mapping[str, Pose]) -> Iterator[Axis]:
     """The axes of all joints and closures that have one, in the world."""
     for joint in robot.joints:
-        if joint.kind in _TURNING | _SLIDING:  # the axis keeps its direction in the parent, its point in the child
+        if joint.kind.turns or joint.kind.slides:  # the axis keeps its direction in the parent, its point in the child
             axis_W = (poses[joint.parent] @ joint.X_PC).turn(joint.axis)
             yield _axis(joint.name, joint.kind, poses[joint.child].position, axis_W)
     for closure in robot.closures:
-        if closure.kind in _TURNING | _SLIDING:
+        if closure.kind.turns or closure.kind.slides:
             X_WF = poses[closure.link_a] @ closure.X_AF
             yield _axis(closure.name, closure.kind, X_WF.position, X_WF.turn(closure.axis))
 
 
 def _axis(name: str, kind: JointKind, point: Vector3, direction: Array) -> Axis:
-    return Axis(name, point, vector3(direction), kind in _TURNING, kind in _SLIDING)
+    return Axis(name, point, vector3(direction), kind.turns, kind.slides)
 
 
 @dataclass(frozen=True)

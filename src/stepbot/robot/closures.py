@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import DECIMALS, Array, Pose, cross, perpendicular_frame
 
-from .kinematics import TURNING, Configuration, Tree, initial_configuration, leader_range, within_limits
+from .kinematics import Configuration, Tree, initial_configuration, leader_range, within_limits
 from .model import JointKind, LoopClosure, Robot
 from .multi_dof import unfolded
 
@@ -63,7 +63,7 @@ def closure_gap(closure: LoopClosure, X_WA: Pose, X_WB: Pose) -> tuple[float, fl
     X_FG = (X_WA @ closure.X_AF).inverse() @ (X_WB @ closure.X_BF)
     axis = np.array(closure.axis)
     distance = float(np.linalg.norm(X_FG.p))
-    if closure.kind in TURNING:
+    if closure.kind.is_hinge:
         turned = X_FG.turn(axis)
         return distance, atan2(float(np.linalg.norm(np.cross(axis, turned))), float(axis @ turned))
     if closure.kind is JointKind.PRISMATIC:
@@ -95,7 +95,7 @@ def constraint_rows(closure: LoopClosure, X_FG: Array, J_F: Array, J_G: Array) -
     twist = 0.5 * (R.swapaxes(-1, -2) - R)[..., [1, 2, 0], [2, 0, 1]]
     if closure.kind is JointKind.BALL:
         return p, v_FG
-    if closure.kind in TURNING:
+    if closure.kind.is_hinge:
         turned = R @ np.array(closure.axis)
         return _stacked(p, turned @ across.T), _stacked(v_FG, -across @ _crossed(turned, w_FG), axis=-2)
     if closure.kind is JointKind.PRISMATIC:
@@ -254,7 +254,7 @@ def held_by_a_point(robot: Robot) -> tuple[str, ...]:
     freedom = degrees_of_freedom(robot)
     enough: list[str] = []
     for closure in robot.closures:
-        if closure.kind not in TURNING:
+        if not closure.kind.is_hinge:
             continue
         as_points = {*enough, closure.name}
         closures = tuple(replace(c, kind=JointKind.BALL) if c.name in as_points else c for c in robot.closures)

@@ -13,13 +13,13 @@ import numpy as np
 
 from stepbot.geometry.spatial import Array, Pose, cross, cross_matrix, matrix_product, rotation_about
 
+from .joint_types import kinds_with
 from .model import Joint, JointKind, Robot
 from .multi_dof import unfolded
 
 Configuration = Mapping[str, float]
 
-TURNING = frozenset({JointKind.REVOLUTE, JointKind.CONTINUOUS})
-MOVING = TURNING | {JointKind.PRISMATIC, JointKind.SCREW}
+MOVING = frozenset(kinds_with(coordinates=1))
 """Types of joints that have one coordinate."""
 
 WIDEST_ANGLE = pi

@@ -24,25 +24,11 @@ from stepbot.geometry.spatial import (
     Vector3,
 )
 
+from .joint_types import JointKind as JointKind  # noqa: PLC0414
 from .metadata import NO_METADATA, Metadata
 from .self_collision import SelfCollision
 from .sensors import Sensor
 from .tuning import DEFAULTS, Simulation, Tuning
-
-
-class JointKind(StrEnum):
-    """The type of a joint or closure."""
-
-    FIXED = "fixed"
-    REVOLUTE = "revolute"
-    CONTINUOUS = "continuous"
-    PRISMATIC = "prismatic"
-    BALL = "ball"
-    PLANAR = "planar"
-    SCREW = "screw"
-    UNIVERSAL = "universal"
-    CYLINDRICAL = "cylindrical"
-    FLOATING = "floating"
 
 
 class Base(StrEnum):

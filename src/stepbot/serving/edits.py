@@ -5,6 +5,7 @@ Each function takes the sidecar and a question of the page, which may hold anyth
 
 from collections.abc import Callable, Sequence
 
+from stepbot.robot.joint_types import kinds_with
 from stepbot.sidecar.document import Document
 from stepbot.sidecar.editing import Append, Change, Put, Remove
 from stepbot.sidecar.located import Sidecar
@@ -14,7 +15,7 @@ from .local_server import Refused
 from .questions import Json, limits, origin, paths, text
 from .renaming import rename, require_free
 
-_CLOSING = (*WITH_LIMITS, "ball", "fixed")
+_CLOSING = kinds_with(closes=True)
 
 
 def changes_of(sidecar: Sidecar, question: Json) -> list[Change]:

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stepbot.robot.model import JointKind
+from stepbot.robot.joint_types import JointKind, kinds_with
 from stepbot.sidecar.draft_comments import drafted_stops, mirrored_stops, without_reviews, without_stops
 from stepbot.sidecar.editing import Annotate, Change, Put, Remove
 from stepbot.sidecar.located import Sidecar
@@ -11,9 +11,9 @@ from stepbot.sidecar.tree import plain_data
 from .local_server import Refused
 from .questions import Json, axis, limits, selectors, text
 
-WITH_LIMITS = ("revolute", "prismatic")
-KINDS = (*WITH_LIMITS, "continuous", "fixed")
-_TURNING = ("revolute", "continuous")
+WITH_LIMITS = kinds_with(bounded=True)
+KINDS = (*kinds_with(is_pair=True), JointKind.FIXED)
+_TURNING = kinds_with(is_hinge=True)
 _BOUNDS = ("lower", "upper")
 
 

@@ -6,6 +6,7 @@ from math import degrees, inf, pi
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.sums import exact_sum
+from stepbot.robot.joint_types import kinds_with
 from stepbot.robot.model import JointKind
 
 from .document import JointSection
@@ -16,15 +17,7 @@ from .quantities import JointValue
 from .tree import Keys
 from .units import ANGLE, Dimension
 
-WITH_AXIS = (
-    JointKind.REVOLUTE,
-    JointKind.CONTINUOUS,
-    JointKind.PRISMATIC,
-    JointKind.PLANAR,
-    JointKind.SCREW,
-    JointKind.UNIVERSAL,
-    JointKind.CYLINDRICAL,
-)
+WITH_AXIS = kinds_with(has_axis=True)
 """Joint types with an axis."""
 _KINDS_WITH: dict[str, tuple[JointKind, ...]] = {
     "axis": WITH_AXIS,
@@ -34,7 +27,6 @@ _KINDS_WITH: dict[str, tuple[JointKind, ...]] = {
     "mimic": ONE_FREEDOM,
 }
 _REQUIRED = {JointKind.SCREW: "pitch", JointKind.UNIVERSAL: "axis2"}
-_NEED_LIMITS = (JointKind.REVOLUTE, JointKind.PRISMATIC)
 _TOLERANCE = 1e-9
 """Tolerance [rad or m] for an assembled position that was rounded to a limit."""
 
@@ -88,7 +80,7 @@ def _check_limits(
     lower, upper = settings.get("lower"), settings.get("upper")
     who = f"joint '{name}'"
     missing = [field for field in ("lower", "upper") if field not in settings]
-    if joint.limits != "todo" and joint.type in _NEED_LIMITS and missing:
+    if joint.limits != "todo" and joint.type.bounded and missing:
         help = [f"limits: {{lower: {_example(joint.type)[0]}, upper: {_example(joint.type)[1]}}}"]
         if joint.type is JointKind.REVOLUTE:
             help.append("use `type: continuous` for unlimited rotation")

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
+from stepbot.robot.joint_types import kinds_with
 from stepbot.robot.model import JointDynamics, JointKind, Limit
 
 from .document import Document, DynamicsSection, JointDefaults, JointSection, LimitsSection
@@ -31,7 +32,7 @@ from .units import (
     Dimension,
 )
 
-ONE_FREEDOM = (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC, JointKind.SCREW)
+ONE_FREEDOM = kinds_with(coordinates=1)
 """Types with a single coordinate, which can mimic, be mimicked, be driven, and have a `zero`."""
 
 _TURNING = {

@@ -3,14 +3,13 @@
 from math import isfinite
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.robot.model import JointKind
+from stepbot.robot.joint_types import kinds_with
 
 from .connections import rings
 from .joint_rules import WITH_AXIS, positions
 from .joint_settings import ONE_FREEDOM, joint_limits, position_dimension
 from .located import Sidecar
 
-_CLOSING = (JointKind.REVOLUTE, JointKind.PRISMATIC, JointKind.BALL, JointKind.FIXED)
 _TOLERANCE = 1e-6
 """Tolerance [rad or m] of mimic positions, for rounded numbers."""
 
@@ -94,9 +93,9 @@ def check_closures(sidecar: Sidecar, found: Diagnostics) -> None:
             message = f"{who}: link_a and link_b are both '{closure.link_a}'"
             help = ["change one of them to another link"]
             found.add("SB450", message, sidecar.span("closures", name, "link_b"), help=help)
-        if closure.type not in _CLOSING:
+        if not closure.type.closes:
             message = f"{who}: type {closure.type} is not valid for a closure"
-            help = [f"valid types: {', '.join(_CLOSING)}"]
+            help = [f"valid types: {', '.join(kinds_with(closes=True))}"]
             found.add("SB137", message, sidecar.span("closures", name, "type"), help=help)
         elif "axis" in closure.model_fields_set and closure.type not in WITH_AXIS:
             message = f"{who}: 'axis' is not valid for type {closure.type}"

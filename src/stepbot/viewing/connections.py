@@ -18,7 +18,6 @@ Json = dict[str, Any]
 
 NO_REVIEWS: Mapping[str, str] = {}
 NO_STOPS: Mapping[str, Sequence[DraftedStop]] = {}
-_WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
 
 
 def connection_documents(robot: Robot, evidence: Mapping[str, Json]) -> list[Json]:
@@ -72,7 +71,7 @@ def _joint(joint: Joint, coordinates: list[str], evidence: Mapping[str, Json]) -
         "parent": joint.parent,
         "child": joint.child,
         "closes": False,
-        "axis": None if joint.kind in _WITHOUT_AXIS else list(joint.axis),
+        "axis": list(joint.axis) if joint.kind.has_axis else None,
         "axis2": list(joint.axis2) if joint.kind is JointKind.UNIVERSAL else None,
         "coordinates": coordinates,
         "limits": {name: bound(getattr(limit, name)) for name in ("lower", "upper", "velocity", "effort")},
@@ -89,7 +88,7 @@ def _closure(closure: LoopClosure, evidence: Mapping[str, Json]) -> Json:
         "parent": closure.link_a,
         "child": closure.link_b,
         "closes": True,
-        "axis": None if closure.kind in _WITHOUT_AXIS else list(closure.axis),
+        "axis": list(closure.axis) if closure.kind.has_axis else None,
         "coordinates": [],
         **evidence.get(closure.name, _UNKNOWN),
     }

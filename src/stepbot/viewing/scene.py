@@ -16,7 +16,7 @@ from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.mesh import TriMesh
 from stepbot.report.results import Results
 from stepbot.robot.kinematics import initial_configuration, link_poses
-from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, Link, MeshRef, Robot, Sphere
+from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, JointKind, Link, MeshRef, Robot, Sphere
 from stepbot.robot.sensors import PLACED, Sensor
 from stepbot.step.assembly import Assembly
 
@@ -85,6 +85,10 @@ def scene_document(
         "links": [_link(link, index) for link in robot.links],
         "connections": connection_documents(robot, evidence or {}),
         "motion": motion_document(robot),
+        "joint_types": {
+            kind.value: {"hinge": kind.is_hinge, "pair": kind.is_pair, "bounded": kind.bounded, "closes": kind.closes}
+            for kind in JointKind
+        },
         "frames": [
             {"name": one.name, "link": one.link, "X": pose_numbers(one.X_LF), "source": one.source}
             for one in robot.frames

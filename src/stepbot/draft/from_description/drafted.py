@@ -33,7 +33,6 @@ from stepbot.step.assembly import Assembly
 _KNOWN, _PLACED, _GUESSED = 0.95, 0.85, 0.6
 _SAME_PLACE = 1e-9
 _AXES = {(1.0, 0.0, 0.0): "x", (0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}
-_TURNING = (JointKind.REVOLUTE, JointKind.CONTINUOUS)
 
 
 def draft_of_description(description: Description, assembly: Assembly, robot: str, source: str) -> Draft | None:
@@ -121,7 +120,7 @@ class _Drafting:
             review = f"drawn at {q_drawn}, outside of the described limits {' to '.join(ends)}"
             limits = None
         is_universal = joint.kind is JointKind.UNIVERSAL
-        has_axis = joint.kind not in (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
+        has_axis = joint.kind.has_axis
         return DraftJoint(
             joint.name,
             joint.kind,
@@ -154,7 +153,7 @@ class _Drafting:
         if on:
             paths = [self._assembly.components[i].path for i in on]
             facts.append(f"its axis is that of faces of {_some(paths)}")
-        if joint.kind in _TURNING and not on and not is_placed:
+        if joint.kind.is_hinge and not on and not is_placed:
             return Confidence(_GUESSED, tuple(facts)), "no face of the STEP is about its axis"
         if not self._placement.has(child):
             review = f"`zero`, the position as drawn: no mesh of link '{child}' was found in the STEP"

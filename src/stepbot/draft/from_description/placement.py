@@ -38,10 +38,8 @@ _TRIED, _GROWN = 200, 4
 _PAIRS = 12
 _LINES, _OFFERED, _AHEAD = 12, 4, 2
 """Maximum number of joint positions by axes, of those compared further, and number of joints to look ahead."""
-_TURNING = (JointKind.REVOLUTE, JointKind.CONTINUOUS)
 _AT_LIMIT = 1e-6
 """Distance [rad] or [m] up to which a position is 0 or a limit: meshes are in single precision."""
-_FOLLOWED = (*_TURNING, JointKind.PRISMATIC)
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,7 +90,7 @@ class _Placing:
         self._vertices = _vertices(assembly)
         self._samples = {name: spread(link.points, _SAMPLE) for name, link in described.links.items()}
         self._at_zero = described.poses(Pose(), {})
-        self._turning = {child: joint for child, joint in described.joints.items() if joint.kind in _TURNING}
+        self._turning = {child: joint for child, joint in described.joints.items() if joint.kind.is_hinge}
 
     def best(self) -> Placement | None:
         found = [self._grown(self._described.root, Pose(), "its frame is that of the STEP")]
@@ -175,7 +173,7 @@ class _Placing:
                 if other in poses:
                     continue
                 X = poses[at]
-                best = self._position(joint, X, at, _AHEAD)[1] if joint.kind in _FOLLOWED else 0.0
+                best = self._position(joint, X, at, _AHEAD)[1] if joint.kind.is_pair else 0.0
                 poses[other] = _beyond(joint, X, at, best)
                 if best:
                     q[child] = best
@@ -217,7 +215,7 @@ class _Placing:
                 self._position(following, X_far @ X_FO, other, ahead - 1)[0]
                 for other, X_FO in body
                 for _, following, far in self._around(other)
-                if following is not joint and following.kind in _FOLLOWED and far not in dict(body)
+                if following is not joint and following.kind.is_pair and far not in dict(body)
             ]
             further.append((0.5 * (score + exact_sum(beyond) / len(beyond)) if beyond else score, q))
         return min(further, key=lambda one: (-round(one[0], 1), abs(one[1])))
@@ -255,7 +253,7 @@ class _Placing:
         found = []
         for name, X_FO in body:
             for _, other, _ in self._around(name):
-                if other is not joint and other.kind in _TURNING:
+                if other is not joint and other.kind.is_hinge:
                     X_WJ = X @ X_FO @ other.X_PC if name == other.parent else X @ X_FO
                     found.append(Axis(X_WJ.p, X_WJ.turn(other.axis)))
         return found
@@ -288,7 +286,7 @@ def _within(joint: Joint, q: float) -> float:
     if abs(q) < _AT_LIMIT:
         return 0.0
     lower, upper = joint.limit.lower, joint.limit.upper
-    for turn in (0.0, 2.0 * pi, -2.0 * pi) if joint.kind in _TURNING else (0.0,):
+    for turn in (0.0, 2.0 * pi, -2.0 * pi) if joint.kind.is_hinge else (0.0,):
         if lower - _AT_LIMIT <= q + turn <= upper + _AT_LIMIT:
             return min(max(q + turn, lower), upper)
     return q

@@ -207,9 +207,6 @@ def _points(corners: Array, inset: float) -> Array:
     return np.asarray((_WEIGHTS @ inner).reshape(-1, 3))
 
 
-_STOPPED = (JointKind.REVOLUTE, JointKind.PRISMATIC)
-
-
 def with_stops(draft: Draft, assembly: Assembly) -> Draft:
     """The draft with the stops of its joints that have no limits, where parts of their two links meet."""
     members = {link.name: link.components for link in draft.links}
@@ -225,7 +222,7 @@ def with_stops(draft: Draft, assembly: Assembly) -> Draft:
 
 def _is_open(joint: DraftJoint) -> bool:
     is_drafted = joint.confidence.is_chosen and joint.direction is not None
-    return is_drafted and joint.limits is None and joint.type in _STOPPED
+    return is_drafted and joint.limits is None and joint.type.bounded
 
 
 def _question(joint: DraftJoint, still: Sequence[int], moving: Sequence[int], shapes: "_Shapes") -> Question:

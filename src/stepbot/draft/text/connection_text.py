@@ -24,11 +24,7 @@ from stepbot.sidecar.starter import scalar
 
 Entries = list[tuple[str, str]]
 
-_WITHOUT_AXIS = (JointKind.FIXED, JointKind.BALL, JointKind.FLOATING)
-_WITH_LIMITS = (JointKind.REVOLUTE, JointKind.PRISMATIC)
-_BOUNDED = (*_WITH_LIMITS, JointKind.SCREW)
 _WITHOUT_LIMITS = (JointKind.FIXED, JointKind.PLANAR, JointKind.CYLINDRICAL, JointKind.FLOATING)
-_CLOSING = (JointKind.REVOLUTE, JointKind.PRISMATIC, JointKind.BALL, JointKind.FIXED)
 
 
 def joint_lines(joint: DraftJoint, name: str, names: DraftNames, joints: Mapping[str, str]) -> list[str]:
@@ -56,7 +52,7 @@ def closure_lines(closure: DraftClosure, name: str, names: DraftNames) -> list[s
     name = scalar(name)
     ends = _ends("link_a", closure.link_a, "link_b", closure.link_b, names)
     entries = _typed(closure, ends)
-    if closure.confidence.is_chosen and closure.type in _CLOSING:
+    if closure.confidence.is_chosen and closure.type.closes:
         lines = [f"  {name}:", *(f"    {key}: {value}" for key, value in entries)]
     else:
         lines = [_commented(name, entries, closure)]
@@ -68,7 +64,7 @@ def fused_lines(one: Alternative, name: str, names: DraftNames) -> list[str]:
     entries = [("type", one.type.value), *_ends("parent", one.link, "child", name, names)]
     if one.point is not None:
         entries.append(("origin", alternative_origin(one.point, one.direction)))
-    if one.type in _WITH_LIMITS:
+    if one.type.bounded:
         entries.append(("limits", "todo"))
     facts = "; ".join(one.confidence.evidence)
     other = one.a if one.moving == one.b else one.b
@@ -92,7 +88,7 @@ def _typed(one: DraftConnection, ends: Entries) -> Entries:
     if kind is JointKind.SCREW and pitch is None:  # its coordinates: it has both a revolute and a prismatic one
         kind = JointKind.CYLINDRICAL
     entries = [("type", kind.value), *ends, _origin(one)]
-    if kind not in _WITHOUT_AXIS and one.axis != "z":
+    if kind.has_axis and one.axis != "z":
         entries.append(("axis", axis(one.axis)))
     if isinstance(one, DraftJoint) and kind is JointKind.UNIVERSAL:
         entries.append(("axis2", axis(one.axis2 or "x")))
@@ -105,10 +101,14 @@ def _typed(one: DraftConnection, ends: Entries) -> Entries:
 
 def _limits(joint: DraftJoint) -> Entries:
     if joint.limits is None:
-        return [("limits", "todo")] if joint.type in _WITH_LIMITS else []
+        return [("limits", "todo")] if joint.type.bounded else []
     write = millimetres if joint.type is JointKind.PRISMATIC else angle
     limits = joint.limits
-    entries = [("lower", limits.lower), ("upper", limits.upper)] if joint.type in _BOUNDED else []
+    entries = (
+        [("lower", limits.lower), ("upper", limits.upper)]
+        if joint.type.bounded or joint.type is JointKind.SCREW
+        else []
+    )
     written = [(key, str(value) if isinf(value) else write(value)) for key, value in entries]
     rates = [("effort", limits.effort), ("velocity", limits.velocity)] if joint.type not in _WITHOUT_LIMITS else []
     written += [(key, number(value)) for key, value in rates if not isinf(value)]
@@ -171,9 +171,9 @@ def _alternative(name: str, ends: Entries, other: Alternative, joint: DraftConne
         entries.append(_origin(joint))
     else:
         entries.append(("origin", alternative_origin(other.point, other.direction)))
-    if same_line and other.type not in _WITHOUT_AXIS and joint.axis != "z":
+    if same_line and other.type.has_axis and joint.axis != "z":
         entries.append(("axis", axis(joint.axis)))
-    if isinstance(joint, DraftJoint) and other.type in _WITH_LIMITS:
+    if isinstance(joint, DraftJoint) and other.type.bounded:
         entries.append(("limits", "todo"))
     facts = one_line("; ".join(other.confidence.evidence))
     return (

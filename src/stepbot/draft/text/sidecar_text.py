@@ -115,9 +115,7 @@ def _actuators(draft: Draft, names: DraftNames) -> list[str]:
     driven = [
         name
         for joint, name in zip(draft.joints, names.joints, strict=True)
-        if joint.type in (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC)
-        and joint.confidence.is_chosen
-        and joint.motor
+        if joint.type.is_pair and joint.confidence.is_chosen and joint.motor
     ]
     if not driven:
         return []

@@ -12,9 +12,6 @@ from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link, Lo
 UNLIMITED = 1e9
 """Value for an unlimited quantity if a format requires a number [rad], [m], [rad/s], [m/s], [N m] or [N]."""
 
-BOUNDED = frozenset({JointKind.REVOLUTE, JointKind.PRISMATIC})
-"""Types of joints that have position limits."""
-
 
 def joints_where(condition: Callable[[Joint], bool]) -> Callable[[Robot], list[str]]:
     """Names of the joints that satisfy a condition."""
@@ -33,7 +30,7 @@ def each_joint(rewrite: Callable[[Joint], Joint]) -> Callable[[Robot], Robot]:
 
 def is_open(joint: Joint) -> bool:
     """Whether a joint with position limits lacks one of them."""
-    return joint.kind in BOUNDED and (isinf(joint.limit.lower) or isinf(joint.limit.upper))
+    return joint.kind.bounded and (isinf(joint.limit.lower) or isinf(joint.limit.upper))
 
 
 def bound(joint: Joint) -> Joint:
@@ -49,9 +46,7 @@ def bound(joint: Joint) -> Joint:
 def lacks_effort(joint: Joint) -> bool:
     """Whether a moving joint lacks an effort or velocity limit, which its format requires beside other limits."""
     missing = (isinf(joint.limit.effort), isinf(joint.limit.velocity))
-    return (
-        any(missing) if joint.kind in BOUNDED else joint.kind is JointKind.CONTINUOUS and any(missing) != all(missing)
-    )
+    return any(missing) if joint.kind.bounded else joint.kind is JointKind.CONTINUOUS and any(missing) != all(missing)
 
 
 def bound_effort(joint: Joint) -> Joint:

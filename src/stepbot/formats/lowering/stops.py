@@ -9,7 +9,7 @@ from stepbot.robot.model import Joint, JointKind, Robot
 def has_stops(joint: Joint) -> bool:
     """Whether a joint has limits that stops can represent: those of a hinge include 0 and lie within ±180°."""
     lower, upper = joint.limit.lower, joint.limit.upper
-    if joint.kind not in (JointKind.REVOLUTE, JointKind.PRISMATIC) or (isinf(lower) and isinf(upper)):
+    if not joint.kind.bounded or (isinf(lower) and isinf(upper)):
         return False
     return joint.kind is JointKind.PRISMATIC or -pi <= lower <= 0.0 <= upper <= pi
 

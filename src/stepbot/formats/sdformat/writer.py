@@ -285,7 +285,7 @@ def _joint(model: Element, joint: Joint) -> Element:
     xml = _joint_head(model, joint.name, kind.value, joint.parent, joint.child)
     if joint.kind is JointKind.SCREW:
         element(xml, "screw_thread_pitch", joint.pitch * 2.0 * pi)
-    if joint.kind in (JointKind.FIXED, JointKind.BALL):
+    if not joint.kind.has_axis:
         return xml
     axis = _axis(xml, "axis", joint.axis)
     _limit(axis, joint.kind, joint.limit)
@@ -309,7 +309,7 @@ def _closure(model: Element, closure: LoopClosure, robot: Robot) -> None:
         parent, child, X_CF = closure.link_b, closure.link_a, closure.X_AF
     xml = _joint_head(model, closure.name, closure.kind.value, parent, child)
     sdf_pose(xml, X_CF)
-    if closure.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC):
+    if closure.kind.has_axis:
         _limit(_axis(xml, "axis", closure.axis), closure.kind, Limit())
 
 

@@ -59,7 +59,7 @@ def _without_jaw(robot: Robot, chain: Chain) -> tuple[Chain, Gripper | None]:
     body, jaw = rigid_bodies(robot.root.name, robot.joints), chain.joints[-1]
     named = is_jaw((jaw.name, jaw.child), jaw.limit.lower, jaw.limit.upper)
     ends = body[jaw.child] == body[chain.tip]
-    opens = jaw.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC)
+    opens = jaw.kind.bounded
     if not (named and ends and opens) or len(chain.joints) < 2:
         return chain, None
     tip = [link.name for link in robot.links if body[link.name] == body[jaw.parent]][-1]

@@ -46,7 +46,7 @@ def joints(robot: Robot, top: str, paths: Mapping[str, str]) -> Prim:
             _passive(prim, joint)
             leader = f"{top}/joints/{identifiers[joint.mimic.joint]}" if joint.mimic else ""
             _mimic(prim, joint, leader)
-        if joint.kind in (JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.PRISMATIC):
+        if joint.kind.is_pair:
             actuators = [actuator for actuator in robot.actuators if actuator.joint == joint.name]
             _drive(prim, joint, actuators[0] if actuators else None, drawn[joint.name])
     for closure in robot.closures:
@@ -61,10 +61,10 @@ def joints(robot: Robot, top: str, paths: Mapping[str, str]) -> Prim:
 
 def _joint(joint: Joint, identifier: str, paths: Mapping[str, str]) -> Prim:
     prim = named(_TYPES[joint.kind], joint.name, Names(), identifier)
-    turned = _axis(prim, joint.axis, moves=joint.kind not in (JointKind.FIXED, JointKind.BALL))
+    turned = _axis(prim, joint.axis, moves=joint.kind.has_axis)
     _bodies(prim, paths[joint.parent], paths[joint.child])
     _frames(prim, joint.X_PC @ turned, turned)
-    if joint.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC):
+    if joint.kind.bounded:
         for name, bound in (("lower", joint.limit.lower), ("upper", joint.limit.upper)):
             if isfinite(bound):
                 prim.set(f"float physics:{name}Limit", single(_stage_unit(joint, bound)))
@@ -74,7 +74,7 @@ def _joint(joint: Joint, identifier: str, paths: Mapping[str, str]) -> Prim:
 def _closure(closure: LoopClosure, names: Names, paths: Mapping[str, str]) -> Prim:
     """A joint that simulators with reduced coordinates enforce as a constraint."""
     prim = named(_TYPES[closure.kind], closure.name, names)
-    turned = _axis(prim, closure.axis, moves=closure.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC))
+    turned = _axis(prim, closure.axis, moves=closure.kind.has_axis)
     _bodies(prim, paths[closure.link_a], paths[closure.link_b])
     _frames(prim, closure.X_AF @ turned, closure.X_BF @ turned)
     prim.set("uniform bool physics:excludeFromArticulation", "true")

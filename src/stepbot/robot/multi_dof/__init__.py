@@ -25,15 +25,10 @@ from .chain import (
     universal_to_revolutes,
 )
 
-MULTI_DOF = frozenset(
-    {JointKind.BALL, JointKind.UNIVERSAL, JointKind.CYLINDRICAL, JointKind.PLANAR, JointKind.FLOATING}
-)
-"""Kinds of joints that have more than one coordinate."""
-
 
 def unfolded(robot: Robot) -> Robot:
     """The robot with joints of at most one degree of freedom: fixed, revolute, continuous, prismatic and screw."""
-    if not any(joint.kind in MULTI_DOF for joint in robot.joints):
+    if not any(joint.kind.coordinates > 1 for joint in robot.joints):
         return robot
     robot = planar_to_three(cylindrical_to_two(universal_to_revolutes(robot)))
     return ball_to_revolutes(floating_to_slides_and_ball(robot))
@@ -73,7 +68,6 @@ def steps_by_child(robot: Robot) -> dict[str, tuple[Joint, ...]]:
 
 
 __all__ = [
-    "MULTI_DOF",
     "ball_coordinates",
     "ball_to_revolutes",
     "cylindrical_to_two",

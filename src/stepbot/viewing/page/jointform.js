@@ -8,7 +8,6 @@ import { app } from "./main.js";
 import { mistyped, parsed } from "./numbers.js";
 
 const { state } = app;
-const KINDS = { joint: ["revolute", "continuous", "prismatic", "fixed"], closure: ["revolute", "ball", "prismatic", "fixed"] };
 
 const FORMS = { mate: (a, b) => ({ mate: [a, b] }), auto: () => ({ auto: true }), axis_of: (a) => ({ axis_of: a }) };
 
@@ -31,7 +30,7 @@ export function jointForm([a, b]) {
   add.dataset.edit = "add";
   const childField = field("its name", child);
   const closes = () => target.value !== "";
-  const isLimited = () => !closes() && ["revolute", "prismatic"].includes(kind.value);
+  const isLimited = () => !closes() && state.scene.joint_types[kind.value]?.bounded;
   const words = element("p.quiet.hint");
   let lines = [];
 
@@ -40,7 +39,7 @@ export function jointForm([a, b]) {
     add.textContent = closes() ? "close the loop here" : "joint here";
     childField.hidden = closes();
     name.value = state.free(`${closes() ? other : child.value}_joint`);
-    options(kind, KINDS[closes() ? "closure" : "joint"].map((one) => [one, one]), "revolute");
+    options(kind, state.kinds(closes()).map((one) => [one, one]), "revolute");
     retype();
   }
   function retype() {

@@ -8,7 +8,6 @@ import { ask } from "./live.js";
 import { app } from "./main.js";
 
 const { state } = app;
-const KINDS = ["revolute", "continuous", "prismatic", "fixed"];
 let panel = null;
 
 // The tools of the joint that is selected: made once, and kept at what each new scene has.
@@ -52,7 +51,7 @@ function jointPanel(first) {
       confirm.hidden = !one.doubt;
       confirm.textContent = one.axis ? "axis is right" : "reviewed";
       const joint = one.coordinates.length === 1 ? state.tree.joints[state.tree.column.get(one.coordinates[0])] : null;
-      const isLimited = joint && ["revolute", "prismatic"].includes(one.kind);
+      const isLimited = joint && state.scene.joint_types[one.kind].bounded;
       if (!isLimited || limits?.kind !== one.kind) limits = isLimited ? limitTools(one.kind, () => made.one) : null;
       limits?.update(joint);
       return [title, form, ...(limits?.nodes ?? []), acts];
@@ -84,7 +83,7 @@ function typeField(current) {
   select.dataset.edit = "type";
   const keep = bound(select, () => current().kind, (kind) => edit("type", () => ({ joint: current().name, kind })));
   const update = () => {
-    const kinds = KINDS.includes(current().kind) ? KINDS : [current().kind, ...KINDS];
+    const kinds = [...new Set([current().kind, ...state.kinds(false)])];
     if (select.length !== kinds.length) options(select, kinds.map((kind) => [kind, kind]), select.value);
     keep();
   };

@@ -4,16 +4,16 @@
 import { leastSquares } from "./leastsquares.js";
 import { across, add, cross, dot, inverse, minus, norm, position, scaled, times, turn, turnBack } from "./vectors.js";
 
-const TURNING = ["revolute", "continuous"];
 const MOST_ITERATIONS = 50;
 const SHORTEST = 1 / 64;
 
 export class Loops {
-  constructor(tree, motion) {
+  constructor(tree, motion, types) {
     this.tree = tree;
     this.solver = motion.solver;
     this.closures = motion.closures.map((closure) => ({
       ...closure,
+      isHinge: types[closure.kind].hinge,
       a: tree.linkIndex.get(closure.a),
       b: tree.linkIndex.get(closure.b),
       across: across(closure.axis),
@@ -31,7 +31,7 @@ export class Loops {
       const X_FG = times(inverse(times(X[closure.a], closure.X_AF)), times(X[closure.b], closure.X_BF));
       const p = position(X_FG);
       const axis = closure.axis;
-      if (TURNING.includes(closure.kind)) {
+      if (closure.isHinge) {
         const turned = turn(X_FG, axis);
         return { distance: norm(p), angle: Math.atan2(norm(cross(axis, turned)), dot(axis, turned)) };
       }
@@ -165,7 +165,7 @@ function residualOf(closure, X_FG) {
   const p = position(X_FG);
   const [x, y] = closure.across;
   if (closure.kind === "ball") return p;
-  if (TURNING.includes(closure.kind)) {
+  if (closure.isHinge) {
     const turned = turn(X_FG, closure.axis);
     return [...p, dot(x, turned), dot(y, turned)];
   }
@@ -176,7 +176,7 @@ function residualOf(closure, X_FG) {
 function ratesOf(closure, X_FG, w, v) {
   const [x, y] = closure.across;
   if (closure.kind === "ball") return v;
-  if (TURNING.includes(closure.kind)) {
+  if (closure.isHinge) {
     const swept = cross(w, turn(X_FG, closure.axis));
     return [...v, dot(x, swept), dot(y, swept)];
   }

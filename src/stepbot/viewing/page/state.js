@@ -14,6 +14,12 @@ export class State {
     this.tab = "joints";
   }
 
+  // The types that an edit may give a joint, or a closure.
+  kinds(closes) {
+    const types = Object.entries(this.scene.joint_types);
+    return types.filter(([kind, one]) => (closes ? one.closes : one.pair || kind === "fixed")).map(([kind]) => kind);
+  }
+
   // Show a scene; joints of the same name keep their positions where the new robot allows it.
   load(scene) {
     const former = this.scene ? this.q() : {};
@@ -21,7 +27,7 @@ export class State {
     this.scene = scene;
     this.contacts = null;
     this.tree = new Tree(scene.motion);
-    this.loops = new Loops(this.tree, scene.motion);
+    this.loops = new Loops(this.tree, scene.motion, scene.joint_types);
     this.link = new Map(scene.links.map((link, i) => [link.name, { ...link, index: i }]));
     this.note = "";
     this.drawn = this.loops.closed(this.tree.drawn()) ?? this.tree.drawn();

@@ -59,7 +59,7 @@ def _joint_row(row: JointRow, joint: Joint | None) -> Markup:
 
 
 def _limits(joint: Joint | None) -> tuple[Markup, Markup]:
-    if joint is None or joint.kind in (JointKind.FIXED, JointKind.BALL):
+    if joint is None or not joint.kind.has_axis:
         return element("td"), element("td")
     if joint.mimic is not None:
         words = f"{joint.mimic.multiplier:g} × {joint.mimic.joint}"
