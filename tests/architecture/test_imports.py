@@ -130,7 +130,7 @@ def test_unchanged_input_loads_little(arguments: list[str], converted: Path, mon
 
 
 def test_version_loads_only_click(tmp_path: Path) -> None:
-    """`--version` imports click, and of stepbot the command group alone."""
+    """`--version` imports click, and of stepbot the command group and what keeps its streams open."""
     code, modules = loaded_by(["--version"], tmp_path)
     assert code == 0
     assert {name for name in modules if name.startswith("stepbot")} == {
@@ -141,6 +141,7 @@ def test_version_loads_only_click(tmp_path: Path) -> None:
         "stepbot_cli",
         "stepbot_cli.application",
         "stepbot_cli.group",
+        "stepbot_cli.streams",
     }
     assert not modules & (SLOW | HEAVY)
 
@@ -150,5 +151,5 @@ def test_help_loads_no_command(tmp_path: Path) -> None:
     code, modules = loaded_by(["--help"], tmp_path)
     assert code == 0
     commands = {name for name in modules if name.startswith("stepbot_cli.")}
-    assert commands == {"stepbot_cli.application", "stepbot_cli.group"}
+    assert commands == {"stepbot_cli.application", "stepbot_cli.group", "stepbot_cli.streams"}
     assert not modules & HEAVY

@@ -8,7 +8,6 @@ reading a pipe or ``/dev/zero`` never ends. The functions below do neither.
 import contextlib
 import errno
 import os
-import secrets
 import sys
 from io import BufferedReader
 from pathlib import Path
@@ -95,7 +94,7 @@ def _replace(target: Path, content: bytes, replaces: bytes | None) -> None:
     status = target.lstat() if os.path.lexists(target) else None
     if status is not None and not S_ISREG(status.st_mode):
         raise OSError(errno.EINVAL, "not a regular file")
-    part = target.with_name(f".{secrets.token_hex(8)}.part")
+    part = target.with_name(f".{os.urandom(8).hex()}.part")
     try:
         with part.open("xb") as file:
             file.write(content)

@@ -62,7 +62,8 @@ def test_weak_evidence(tmp_path: Path) -> None:
     assert codes("y", tmp_path) != []
     assert codes("y", tmp_path, axis="x") == []
     assert codes("y", tmp_path, foot=32.0) == []
-    assert codes("y", tmp_path, foot=300.0, arm=20.0) == []
+    assert codes("y", tmp_path, foot=300.0, arm=20.0) != []  # 110 mm high on a plate of 300 mm, more than 0.4
+    assert codes("y", tmp_path, foot=300.0, arm=1.0) == []
 
 
 def test_rotations() -> None:
