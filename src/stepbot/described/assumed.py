@@ -90,7 +90,7 @@ def _integrated(vertices: Array, faces: NDArray[np.int64]) -> MassProperties:
     volume = float(volumes.sum())
     total = a + b + c
     com = (volumes[:, None] * total).sum(axis=0) / (4.0 * volume)
-    products = sum(p[:, :, None] * p[:, None, :] for p in (a, b, c, total))
+    products = sum((p[:, :, None] * p[:, None, :] for p in (a, b, c, total)), np.zeros((len(faces), 3, 3)))
     second = (volumes[:, None, None] * products).sum(axis=0) / 20.0 - volume * com[:, None] * com[None, :]
     inertia = np.trace(second) * np.eye(3) - second
     return VolumeProperties.rounded(volume, com + center, inertia).unit_density

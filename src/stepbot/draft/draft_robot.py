@@ -31,6 +31,7 @@ from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
 from stepbot.draft.text.draft_names import readable_name
 from stepbot.geometry.spatial import Array, Vector3, perpendicular_frame, rpy_from_rotation, vector3
+from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import Base, JointKind
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.axes import AxisFaces, AxisLine, axis_faces, is_parallel, lines, mates, selectors
@@ -194,7 +195,7 @@ class _Drafting:
         if arc.evidence.type != JointKind.REVOLUTE or arc.evidence.score < CHOSEN:
             return False
         parts = [self._found.survey.parts[i] for i in self._found.links[arc.child]]
-        least = _OF_WHEEL * sum(part.volume for part in parts)
+        least = _OF_WHEEL * exact_sum(part.volume for part in parts)
         return any(
             Role.WHEEL in part.roles and part.volume >= least and part.is_balanced(arc.evidence.axis, _ROUGHLY)
             for part in parts

@@ -71,7 +71,7 @@ def _opener(assignment: Assignment) -> Callable[[Setup], Simulation]:
     return lambda setup: PybulletSimulation(file, mechanism, setup)
 
 
-_DRIVE = "stepbot.driving.worker:drive"
+_DRIVE = "stepbot.driving.driving:drive"
 _SURVEY = "stepbot.driving.survey:survey"
 
 

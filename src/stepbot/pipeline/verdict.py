@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from stepbot.engines import engine_of, engines
 from stepbot.formats import FORMATS
+from stepbot.geometry.sums import exact_sum
 from stepbot.report.mass_words import mass_words
 from stepbot.report.results import Check, Results, Status
 from stepbot.report.summarizing import doubtful_joints
@@ -36,7 +37,7 @@ def robot_words(robot: Robot, freedom: int | None = None) -> str:
         _counted(len(robot.links), "link"),
         f"{_counted(len(robot.joints) + closures, 'joint')}{loops}",
         "1 degree of freedom" if freedom == 1 else f"{freedom} degrees of freedom",
-        mass_words(sum(link.mass_properties.mass for link in robot.links)),
+        mass_words(exact_sum(link.mass_properties.mass for link in robot.links)),
     )
     return f"{robot.name}: {', '.join(facts)}"
 

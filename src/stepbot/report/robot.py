@@ -6,6 +6,7 @@ from typing import Any
 
 from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.spatial import Pose, tidy
+from stepbot.geometry.sums import exact_sum
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, Module, Robot
@@ -117,7 +118,7 @@ def _module(robot: Robot, module: Module) -> Json:
         "prefix": module.prefix,
         "at": module.at or None,
         "mirror": module.mirror or None,
-        "mass": sum(robot.link_by_name[link].mass_properties.mass for link in module.links),
+        "mass": exact_sum(robot.link_by_name[link].mass_properties.mass for link in module.links),
         "links": list(module.links),
         "joints": [joint.name for joint in robot.joints if joint.child in links and joint.parent in links],
     }

@@ -15,6 +15,7 @@ from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import box_gap
+from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import JointKind
 from stepbot.step.features.ground import grounds
 
@@ -184,7 +185,7 @@ def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], mot
         share = made.survey.total_volume(members) / made.survey.volume
         if not degree or root in degree or share >= _LOOSE:
             rank = _rank(made, structure, members, share, degree[root], holds[root])
-            rank += _ON_GROUND * sum(stands.get(i, 0.0) for i in members)
+            rank += _ON_GROUND * exact_sum(stands.get(i, 0.0) for i in members)
             ranked.append((round(rank, 9), -members[0], root))
     return max(ranked)[-1] if ranked else next(iter(made.clusters.groups()))
 
@@ -192,7 +193,7 @@ def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], mot
 def _standing_shares(made: Decision) -> dict[int, float]:
     """For each part that the assembly stands on, its share of the ground; empty if no flat face is the largest."""
     found = grounds(made.survey.assembly)
-    totals = {up: sum(shares.values()) for up, shares in found.items()}
+    totals = {up: exact_sum(shares.values()) for up, shares in found.items()}
     up = max(totals, key=lambda one: totals[one], default=None)
     if (
         up is None

@@ -84,7 +84,7 @@ def portable(name: str) -> str:
     kept = "".join(c for c in unicodedata.normalize("NFKD", text) if not unicodedata.combining(c))
     if any(c.isalpha() and not c.isascii() for c in kept):
         role = next((role.value for role in roles(name) if role not in SMALL_PARTS), "")
-        if role or sum(c.isascii() and c.isalpha() for c in kept) < _SPOKEN:
+        if role or len(re.findall(r"[A-Za-z]", kept)) < _SPOKEN:
             return role
     return re.sub(r"_{2,}", "_", re.sub(r"[^A-Za-z0-9.-]+", "_", kept)).strip("_.-")
 

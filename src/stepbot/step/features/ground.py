@@ -12,6 +12,7 @@ import numpy as np
 from stepbot.geometry.poses import Poses, bounds_at
 from stepbot.geometry.principal_axes import DIRECTIONS, Direction, vector
 from stepbot.geometry.spatial import Array, Vector3
+from stepbot.geometry.sums import exact_sum
 
 from ..assembly import Assembly
 
@@ -99,7 +100,10 @@ class _Sides:
     def ground(self, up: Direction) -> tuple[float, float]:
         """Area of the flat faces at the bottom as a fraction of the footprint, and the base's fraction of it."""
         shares = self.shares(up)
-        total, of_base = sum(shares.values()), sum(share for index, share in shares.items() if index in self._base)
+        total, of_base = (
+            exact_sum(shares.values()),
+            exact_sum(share for index, share in shares.items() if index in self._base),
+        )
         return (total, of_base / total) if total > 0.0 else (0.0, 0.0)
 
     def shares(self, up: Direction) -> dict[int, float]:
