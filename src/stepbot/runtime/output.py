@@ -10,7 +10,6 @@ all input, even if no other file changed.
 """
 
 import contextlib
-import errno
 import hashlib
 import os
 import re
@@ -24,6 +23,7 @@ from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .file import exists, is_file, is_folder, read_regular, resolved
 from .foreign_files import kept_files
+from .moves import holds, make_folders, move, remove_if_empty
 from .output_list import (
     LOCK,
     MANIFEST,
@@ -108,7 +108,7 @@ def write_atomically(
     _check_paths(files, folder)
     made: list[Path] = []
     try:
-        _make_folders(folder, made)
+        make_folders(folder, made)
         with locked(folder, _LONGEST_WAIT) as is_alone:
             if not is_alone and found is not None:
                 message = "file system without locks: concurrent conversions into this folder are not detected"
@@ -125,7 +125,7 @@ def write_atomically(
         _refuse(folder, f"cannot write {error.filename or folder}: {error.strerror or error}")
     finally:
         for path_made in reversed(made):  # after an error they are empty
-            _remove_if_empty(path_made)
+            remove_if_empty(path_made)
 
 
 def discard(folder: Path) -> None:
@@ -146,7 +146,7 @@ def _discard(folder: Path) -> None:
     try:
         if {path.name for path in folder.iterdir()} - {LOCK} == {MANIFEST}:
             (folder / MANIFEST).unlink()
-            _remove_if_empty(folder)
+            remove_if_empty(folder)
     except OSError:  # there is no such folder
         return
 
@@ -230,7 +230,7 @@ def _listed_after(files: Mapping[str, bytes], hashes: Mapping[str, str], folder:
 def _is_current(files: Mapping[str, bytes], folder: Path, lists: _Lists) -> bool:
     """Whether a folder has all files of a run with their content, the same list of them, and no file to remove."""
     if stale_files(lists.before, lists.after) or not all(
-        _holds(folder / path, content) for path, content in files.items()
+        holds(folder / path, content) for path, content in files.items()
     ):
         return False
     is_same = list_document(lists.after, lists.owners, {}) == lists.document
@@ -261,12 +261,12 @@ def _replace(files: Mapping[str, bytes], folder: Path, staging: Path, lists: _Li
     below = {path: content for path, content in files.items() if "/" in path}
     top = {path: content for path, content in files.items() if "/" not in path}
     moves = {MANIFEST: manifest_bytes(during, owners, replaced), **below, **top}
-    changed = {path: content for path, content in moves.items() if not _holds(folder / path, content)}
+    changed = {path: content for path, content in moves.items() if not holds(folder / path, content)}
     for number, (path, content) in enumerate(changed.items()):
         (staging / f"{number}.new").write_bytes(content)
-        _make_folders((folder / path).parent, made)
+        make_folders((folder / path).parent, made)
     (staging / MANIFEST).write_bytes(manifest_bytes(after, owners))
-    _move(list(changed), folder, staging)
+    move(list(changed), folder, staging)
     for path, digest in stale.items():
         _remove_stale(folder, path, digest)
     (staging / MANIFEST).touch()  # the time stamp of this run, which make compares with the input
@@ -285,63 +285,6 @@ def _replaced(document: Any, before: Manifest, own: Manifest) -> dict[str, list[
     return {path: digests for path, digests in former.items() if digests}
 
 
-def _move(paths: list[str], folder: Path, staging: Path) -> None:
-    """Move new files to their destinations; if one fails, restore the previous files."""
-    moved: list[tuple[Path, Path | None]] = []
-    try:
-        for number, path in enumerate(paths):
-            target, backup = folder / path, staging / f"{number}.old"
-            kept = backup if _keep(target, backup) else None
-            (staging / f"{number}.new").replace(target)
-            moved.append((target, kept))
-    except BaseException:
-        for target, kept in reversed(moved):
-            if kept is None:
-                target.unlink(missing_ok=True)
-            else:
-                kept.replace(target)
-        raise
-
-
-def _keep(target: Path, backup: Path) -> bool:
-    """Keep the file at ``target`` under a second name; False if there is none."""
-    if not os.path.lexists(target):
-        return False
-    try:
-        os.link(target, backup, follow_symlinks=False)
-    except (OSError, NotImplementedError):  # no hard links on this file system
-        import shutil
-
-        shutil.copy2(target, backup, follow_symlinks=False)
-    return True
-
-
-def _holds(target: Path, content: bytes) -> bool:
-    """Whether ``target`` is a regular file with this content."""
-    try:
-        status = target.lstat()
-        return S_ISREG(status.st_mode) and status.st_size == len(content) and read_regular(target) == content
-    except OSError:
-        return False
-
-
-def _make_folders(folder: Path, made: list[Path]) -> None:
-    """Create a folder and its missing parents, which are added to ``made``, top first."""
-    missing = [path for path in (folder, *folder.parents) if not exists(path)]
-    for path in reversed(missing):
-        path.mkdir(exist_ok=True)
-        made.append(path)
-    if not is_folder(folder):
-        raise NotADirectoryError(errno.ENOTDIR, os.strerror(errno.ENOTDIR), str(folder))
-
-
-def _remove_if_empty(folder: Path) -> None:
-    try:
-        folder.rmdir()
-    except OSError:  # another process put something there: it is kept
-        return
-
-
 def _remove_stale(folder: Path, path: str, digest: str) -> None:
     target = folder / path
     try:
@@ -351,7 +294,7 @@ def _remove_stale(folder: Path, path: str, digest: str) -> None:
             and hashlib.sha256(read_regular(target)).hexdigest() == digest
         ):
             target.unlink()
-            _remove_if_empty(target.parent)
+            remove_if_empty(target.parent)
     except OSError:  # it is gone, or in use: an unused mesh does no harm
         return
 
