@@ -97,7 +97,7 @@ def test_shell_completion(shell: str) -> None:
         environment |= {"_STEPBOT_COMPLETE": "bash_complete", "COMP_WORDS": "stepbot con", "COMP_CWORD": "1"}
         answer = subprocess.run([stepbot_script], env=environment, capture_output=True, text=True, check=True).stdout
         assert answer.split() == ["plain,convert"]
-    page = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs" / "commands.md").read_text(encoding="utf-8")
     assert f"_STEPBOT_COMPLETE={shell}_source stepbot" in page
 
 

@@ -13,7 +13,8 @@ from stepbot.engines import Engine, engines_for
 from stepbot.engines.description.statements import statements
 from stepbot.engines.observation import EngineCannotRead, Observation, Request
 from stepbot.engines.workers import Fate, Outcome
-from stepbot.verification.files import ask, compared_with_first, ranked
+from stepbot.verification.files import ask
+from stepbot.verification.judging import compared_with_first, ranked
 from stepbot.verification.merged_observation import Gathered, gather
 from stepbot.verification.probe import Probe
 

@@ -19,7 +19,8 @@ from stepbot.engines.observation import EngineCannotRead, EngineRefused, Observa
 from stepbot.engines.workers import Fate, Outcome
 from stepbot.robot.model import Robot
 from stepbot.verification.compare import compare
-from stepbot.verification.files import ask, judge
+from stepbot.verification.files import ask
+from stepbot.verification.judging import judge
 from stepbot.verification.probe import Probe
 from tests.simulators.conftest import Folder, write
 

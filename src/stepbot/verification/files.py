@@ -4,23 +4,23 @@ The expected content is unknown, so engines are compared with each other: within
 most, across files with the first file.
 """
 
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.engines import Engine, engine_of, own_parsers
+from stepbot.engines import Engine, own_parsers
 from stepbot.engines.description.statements import Statement
 from stepbot.engines.file_references import first_element, openable
-from stepbot.engines.observation import Observation, Quantity, Request
+from stepbot.engines.observation import Observation, Request
 from stepbot.engines.prestart import started_engine_server
-from stepbot.engines.workers import Engines, Fate, Outcome, check_required, check_started
+from stepbot.engines.workers import Engines, Outcome, check_required, check_started
 from stepbot.formats import FORMATS
-from stepbot.report.robot import Check, Report
+from stepbot.report.robot import Report
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import configurations, rates
 from stepbot.robot.model import Link, Robot
@@ -30,52 +30,25 @@ from stepbot.runtime.temporary import run_folder
 
 from .admission import admitted, located
 from .checks import (
-    Subject,
-    check_of,
-    checks_without_observation,
     distributions,
-    report_failure,
-    report_unread,
     versions,
 )
-from .compare import Compared, compare
+from .compare import Compared
 from .correspondence import Correspondence
 from .counterparts import counterparts
 from .expectation import CONFIGURATIONS, SECONDS, SEED
 from .folders import is_robot_file
 from .joint_rows import joint_rows
-from .merged_observation import Gathered, gather
+from .judging import UNCHANGED, Asked, checks_within, compared_with_first, judge, ranked, reference_of
+from .merged_observation import gather
 from .naming import Naming, moved
-from .normalized import normalized
 from .probe import Probe, in_a_process
 from .renamed import Renaming
-from .restated import normalized_joints
-from .text import compare_text
-
-ENGINE_WARNING = "SB813"
 
 _SIGNATURE = 16
 """Number of bytes that signatures of formats are within."""
-_UNCHANGED = Renaming()
-_OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
-"""Diagnostics of an engine's own result, independent of others."""
 _UNREAD = ("SB801", "SB802", "SB901")
 """Codes of engines that rejected a file, crashed, or failed."""
-_STILL = frozenset(
-    {
-        Quantity.GRAVITY_SETTINGS,
-        Quantity.CLOSURES,
-        Quantity.MESHES,
-        Quantity.SHAPES,
-        Quantity.CONTACTS,
-        Quantity.FRAMES,
-        Quantity.ACTUATORS,
-        Quantity.SENSORS,
-        Quantity.INITIAL,
-        Quantity.TEXT,
-    }
-)
-"""Quantities comparable between files whatever the configurations of the first file were."""
 
 
 def verify_files(
@@ -146,7 +119,7 @@ def compare_two(
     )
     of_file = {_key(path): [outcome for outcome in outcomes if outcome.key == _key(path)] for path in (old, new)}
     for key, some in of_file.items():
-        list(_checks_within(key, some, _reference(some), reported))
+        list(checks_within(key, some, reference_of(some), reported))
     seen = [seen_by for path in (old, new) if (seen_by := ranked(of_file[_key(path)]))]
     found.extend(one for one in reported if one.severity == "error" and (len(seen) < 2 or one.code in _UNREAD))
     if len(seen) < 2:
@@ -197,7 +170,7 @@ def observed(
         observe = in_a_process(timeout, memory_limit, start)
 
         def observe_renamed(engine: Engine, request: Request) -> Observation | None:
-            name = names.get(request.file, _UNCHANGED)
+            name = names.get(request.file, UNCHANGED)
             seen = observe(engine, name.asked(request))
             return seen and name.seen(seen)
 
@@ -206,7 +179,7 @@ def observed(
         paired = _paired(formats, places, probe, names) if renamed is None else {}
         asked = ask(formats, places, probe, count=count, seconds=seconds)
         asked = replace(asked, paired=paired, said={_key(path): one for path, one in said.items()})
-        engines.submit({key: names.get(one.file, _UNCHANGED).asked(one) for key, one in asked.requests.items()})
+        engines.submit({key: names.get(one.file, UNCHANGED).asked(one) for key, one in asked.requests.items()})
         return asked, [_renamed(one, names.get(asked.requests[one.key].file)) for one in engines.results(timeout)]
 
 
@@ -266,24 +239,6 @@ def _key(path: Path) -> str:
     return path.as_posix()
 
 
-@dataclass(frozen=True, eq=False)
-class Asked:
-    """The requests to the engines for all files."""
-
-    requests: Mapping[str, Request]
-    """For each file, by the user's path."""
-    correspondences: Mapping[str, Correspondence]
-    """Correspondence of each further file to the first."""
-    configurations: Sequence[Mapping[str, float]]
-    """Configurations of the joints of the first file."""
-    joint_table: tuple[JointRow, ...]
-    """The joints of the first file that an engine can load."""
-    paired: Mapping[str, Renaming] = field(default_factory=dict)
-    """Names of the first file for what has other names in a further file, by the path of that file."""
-    said: Mapping[str, tuple[Statement, ...]] = field(default_factory=dict)
-    """What files that share a format say, by path."""
-
-
 def ask(
     formats: Mapping[Path, str],
     places: Mapping[Path, Path],
@@ -325,23 +280,6 @@ def ask(
     return Asked(requests, {_key(path): one for path, one in by.items()}, drawn, table)
 
 
-def judge(outcomes: Sequence[Outcome], asked: Asked, found: Diagnostics) -> tuple[Check, ...]:
-    """Compare the observations: within each file, and between files.
-
-    Args:
-        outcomes: The outcomes of all engines, for all files.
-        asked: The requests.
-        found: Receives the diagnostics.
-    """
-    by_file = {key: [outcome for outcome in outcomes if outcome.key == key] for key in asked.requests}
-    checks: list[Check] = []
-    for key, of_file in by_file.items():
-        checks += _checks_within(key, of_file, _reference(of_file), found)
-    seen = [seen_by for of_file in by_file.values() if (seen_by := ranked(of_file))]
-    checks += _checks_across([gather(one) for one in seen], asked, found)
-    return tuple(checks)
-
-
 def _followed(rate: Mapping[str, float], by: Iterable[Correspondence]) -> Mapping[str, float]:
     for one in by:
         rate = one.following(rate)
@@ -359,98 +297,3 @@ def _clear_of_locks(
             q = locked.turned_elsewhere(q, random)  # it alone is known to have a ball joint to turn
         clear.append(q)
     return tuple(clear)
-
-
-def ranked(outcomes: Sequence[Outcome]) -> list[Outcome]:
-    """The outcomes with an observation of the file, the engine that reports most first."""
-    seen = [outcome for outcome in outcomes if outcome.fate is Fate.OBSERVED]
-    return sorted(seen, key=lambda outcome: engine_of(outcome.engine).order)
-
-
-def _reference(outcomes: Sequence[Outcome]) -> Outcome | None:
-    """Diagnostics of the engine that reports most."""
-    return next(iter(ranked(outcomes)), None)
-
-
-def _checks_within(
-    key: str, outcomes: Sequence[Outcome], reference: Outcome | None, found: Diagnostics
-) -> Iterator[Check]:
-    """Every engine of a file against the one that reports most; that one only for its own result."""
-    if reference is None and all(outcome.fate in (Fate.ABSENT, Fate.UNREADABLE) for outcome in outcomes):
-        report_unread(key, outcomes, found)
-    for outcome in outcomes:
-        alone = reference is None or outcome is reference
-        against = "itself" if alone or reference is None else reference.engine
-        subject = Subject(key, outcome.format, outcome.engine, against)
-        if outcome.observation is None:
-            yield from checks_without_observation(subject, outcome, _OWN, found)
-            continue
-        assert reference is not None
-        assert reference.observation is not None
-        pair = normalized(reference.observation, outcome.observation)
-        results = [one for one in compare(*pair) if not alone or one.quantity in _OWN]
-        yield from _reported(subject, results, found)
-
-
-def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostics) -> Iterator[Check]:
-    """Every further file against the first, and for quantities that the first lacks against the files before it."""
-    for number, theirs in enumerate(gathered):
-        compared = set(_OWN)
-        for ours in gathered[:number]:
-            first = ours is gathered[0]
-            results = [
-                one
-                for one in _compared_across(ours, theirs, asked, first=first)
-                if one.quantity not in compared and (first or (one.quantity in _STILL and not one.not_run))
-            ]
-            compared |= {one.quantity for one in results if not one.not_run}
-            if not ours.observation.gravity:  # another file may have one
-                compared.discard(Quantity.GRAVITY_SETTINGS)
-            for one in results:
-                against = f"{ours.key} ({ours.engine(one.quantity)})"
-                subject = Subject(theirs.key, theirs.format, theirs.engine(one.quantity), against)
-                yield from _reported(subject, [one], found)
-
-
-def compared_with_first(ours: Gathered, theirs: Gathered, asked: Asked) -> tuple[Compared, ...]:
-    """The comparison of a file with the first one.
-
-    Args:
-        ours: The first file.
-        theirs: The other file.
-        asked: The requests.
-    """
-    return _compared_across(ours, theirs, asked, first=True, whole=True)
-
-
-def _compared_across(
-    ours: Gathered, theirs: Gathered, asked: Asked, *, first: bool, whole: bool = False
-) -> tuple[Compared, ...]:
-    pair = ours.observation, theirs.observation
-    by = asked.correspondences.get(theirs.key, Correspondence(()))
-    if first:
-        pair = normalized_joints(*pair, by, asked.configurations)
-    results = compare(*normalized(*pair))
-    if first:
-        _add_other_names(results, asked.paired.get(theirs.key, _UNCHANGED))
-    if ours.format == theirs.format:
-        equal = not any(one.deviations.failures for one in results if not one.not_run)
-        said = (asked.said.get(key, ()) for key in (ours.key, theirs.key))
-        text = compare_text(*said, equal=equal, whole=whole)
-        results = results if text is None else (*results, text)
-    return results
-
-
-def _add_other_names(results: Iterable[Compared], names: Renaming) -> None:
-    """What was paired by structure has another name."""
-    for one in results:
-        renamed = {Quantity.LINKS: names.links, Quantity.JOINTS: names.joints}.get(one.quantity, {})
-        for new, old in renamed.items():
-            what = one.quantity.value.removesuffix("s")
-            one.deviations.equal(False, f"{what} '{old}' is named '{new}', paired by structure")
-
-
-def _reported(subject: Subject, results: Iterable[Compared], found: Diagnostics) -> Iterator[Check]:
-    for compared in results:
-        report_failure(subject, compared, ENGINE_WARNING, found)
-        yield check_of(subject, compared)

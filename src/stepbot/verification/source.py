@@ -16,7 +16,8 @@ from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
 from .checks import Subject, check_of, report_failure
 from .effective_ranges import with_effective_ranges
-from .files import ENGINE_WARNING, compared_with_first, observed, ranked
+from .files import observed
+from .judging import ENGINE_WARNING, compared_with_first, ranked
 from .merged_observation import Gathered, gather
 from .renamed import Renaming
 
