@@ -16,6 +16,8 @@ from tests.unit.driving.workbench import HORIZONTAL, VERTICAL, gripper, looped_g
 
 pytestmark = [pytest.mark.mujoco]
 
+INSTALL = {"mujoco": "pip install mujoco", "pybullet": "pip install pybullet-arm64"}
+
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
@@ -190,7 +192,7 @@ def test_an_engine_that_is_needed_is_exit_code_2(
         f"drive in {name}: {name} is not installed" for name in missed
     ]
     assert {one["code"] for one in document["diagnostics"]} == {"SB005"}
-    assert document["diagnostics"][0]["help"][0] == f"pip install {missed[0]}"
+    assert document["diagnostics"][0]["help"][0] == INSTALL[missed[0]]
     other = "or drive in the installed engine: --engine mujoco"
     assert (other in document["diagnostics"][0]["help"]) == (absent == ("pybullet",))
 

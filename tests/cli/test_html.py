@@ -12,10 +12,9 @@ FAST = ("-f", "urdf", "--no-verify")
 
 
 def test_a_page_is_written_with_the_files(arm: Path, stepbot: Stepbot) -> None:
-    """It is listed, the folder stays up to date, and the page goes when it is no longer asked for."""
+    """It is there, the folder stays up to date, and the page goes when it is no longer asked for."""
     run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--html", *FAST)
     assert run.code == 0
-    assert "report.html" in run.out
     page = (arm / "out" / "report.html").read_bytes()
     assert html.fromstring(page.decode()).xpath("string(//title)") == "arm2 – stepbot report"
     assert stepbot("uptodate", "arm2.robot.yaml", "-o", "out", "-f", "urdf").code == 0

@@ -71,7 +71,7 @@ def check_writable(folder: Path) -> None:
     """
     try:
         os.lstat(folder)
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         pass
     except (OSError, ValueError) as error:  # a name that is too long, or a loop of links
         _refuse(folder, f"cannot write {folder}: {getattr(error, 'strerror', None) or error}")
