@@ -101,13 +101,16 @@ def verify_against_source(
 def _comparable(gathered: Gathered) -> Gathered:
     """The source without what the written files have by conventions of their own.
 
-    These are groups of shapes, ranges of actuators beyond the limits of their joints, and ambient colours: one that is
-    not the diffuse colour is reported as lost.
+    These are names and colours of shapes to which the source gives none, groups of shapes, ranges of actuators beyond
+    the limits of their joints, and ambient colours: one that is not the diffuse colour is reported as lost.
     """
     seen = gathered.observation
 
     def plain(shapes: tuple[ObservedShape, ...] | None) -> tuple[ObservedShape, ...] | None:
-        return shapes and tuple(replace(shape, group=None, ambient=None) for shape in shapes)
+        return shapes and tuple(
+            replace(shape, name=shape.name or None, rgba=shape.rgba or None, group=None, ambient=None)
+            for shape in shapes
+        )
 
     links = tuple(replace(link, visuals=plain(link.visuals), collisions=plain(link.collisions)) for link in seen.links)
     return replace(gathered, observation=with_effective_ranges(replace(seen, links=links)))

@@ -114,13 +114,18 @@ def test_gltf_with_its_data_inside(tmp_path: Path) -> None:
     assert _corners(embedded) == _corners(binary) == _expected(1.0)
 
 
-def test_files_named_by_a_gltf_are_not_opened(tmp_path: Path) -> None:
-    """A buffer in another file is not opened: the mesh counts as unreadable."""
+def test_a_gltf_reads_buffers_of_its_own_folder_alone(tmp_path: Path) -> None:
+    """A buffer beside the file or below is read; one elsewhere is not opened, and the mesh counts as unreadable."""
     content, buffer = _gltf()
-    (tmp_path / "part.bin").write_bytes(buffer)
-    path = tmp_path / "part.gltf"
-    path.write_text(json.dumps({**content, "buffers": [{"byteLength": len(buffer), "uri": "part.bin"}]}))
-    assert _read(path) is None
+    folder = tmp_path / "meshes"
+    folder.mkdir()
+    (folder / "part.bin").write_bytes(buffer)
+    (tmp_path / "outside.bin").write_bytes(buffer)
+    (folder / "link.bin").symlink_to(tmp_path / "outside.bin")
+    path = folder / "part.gltf"
+    for uri, is_read in (("part.bin", True), ("../outside.bin", False), ("link.bin", False)):
+        path.write_text(json.dumps({**content, "buffers": [{"byteLength": len(buffer), "uri": uri}]}))
+        assert (_read(path) is not None) == is_read, uri
 
 
 def test_colors_of_materials_split_a_mesh(tmp_path: Path) -> None:
