@@ -194,7 +194,7 @@ def test_loop_closes_at_home_and_has_one_freedom(name: str, write: Write) -> Non
         ("a", robot.closures[0].link_a, robot.closures[0].X_AF),
         ("b", robot.closures[0].link_b, robot.closures[0].X_BF),
     ):
-        site = model.site(f"rocker_pin/{side}")
+        site = model.site(f"rocker_pin::{side}")
         assert model.body(int(site.bodyid[0])).name == link
         np.testing.assert_allclose(site.pos, X_LF.p, atol=1e-15)
 
