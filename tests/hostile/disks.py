@@ -43,7 +43,7 @@ def _tried(version: Versions, which: str, place: Path, disk: Path) -> tuple[str,
     version.put_old(output)
     if which != "cache":
         shutil.copytree(version.cache, cache)
-    command = ("convert", version.folder / "new.robot.yaml", "-o", output, "--cache", cache)
+    command = ("convert", "-v", version.folder / "new.robot.yaml", "-o", output, "--cache", cache)
     ended = stepbot(*command, folder=place, temporary=folders["temporary"])
     faults = list(ended.faults((0,) if which == "cache" else (0, 2)))
     wanted = version.old if ended.code else version.new

@@ -118,4 +118,4 @@ def test_a_closure_that_slides_converts_and_every_check_passes(folder: Path) -> 
     assert report["robot"]["driven"] == ["shaft"]
     assert "JOINT_PRISMATIC" in {one["type"] for one in report["robot"]["pybullet"]}
     assert (conversion.folder / "crank_and_slide.drake.sdf").exists()
-    assert "1 degree of freedom, driven by shaft" in conversion.run.out
+    assert "1 degree of freedom" in conversion.run.out
