@@ -38,7 +38,7 @@ def test_the_elbow_is_found(stepbot: Stepbot, tmp_path: Path, monkeypatch: pytes
     """The pin in its bore is the joint, in files and table, although the other line is wider."""
     monkeypatch.chdir(tmp_path)
     (line,) = write_straight_arm(Path("straight.step")).lines
-    run = stepbot("convert", str(_write()), "-f", "urdf")
+    run = stepbot("convert", str(_write()), "-f", "urdf", "-v")
     assert run.code == 0, run.err
     xyz, rpy = _elbow(Path("straight/straight.urdf"))
     assert xyz == pytest.approx(line.point, abs=1e-9)
@@ -65,7 +65,7 @@ def test_the_wrong_line_is_refused(stepbot: Stepbot, tmp_path: Path, monkeypatch
         )
     pasted = fault["help"][0]
     assert pasted == 'origin: {mate: ["upper", "lower"], radius: 20.2 mm}'
-    run = stepbot("convert", str(_write(pasted.removeprefix("origin: "))), "-f", "urdf")
+    run = stepbot("convert", str(_write(pasted.removeprefix("origin: "))), "-f", "urdf", "-v")
     assert run.code == 0, run.err
     xyz, _ = _elbow(Path("straight/straight.urdf"))
     assert xyz == pytest.approx((0, 0, 0.005 + STRAIGHT_ARM_GAP / 2e3), abs=1e-9)
