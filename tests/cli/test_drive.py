@@ -241,7 +241,7 @@ def test_columns_line_up_and_limits_have_units(folder: Path, stepbot: Stepbot) -
 def test_a_time_limit_ends_a_drive(folder: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
     """A drive that takes too long is reported with the engine."""
     monkeypatch.setattr(
-        "stepbot.pipeline.driving.located", lambda formats, *others, **more: {path: path for path in formats}
+        "stepbot.pipeline.driving.located", lambda formats, *others, **more: ({path: path for path in formats}, {})
     )
     run = stepbot("drive", "gripper", "--engine", "mujoco", "--timeout", "0.01", "--json")
     document = json.loads(run.out)
