@@ -1,7 +1,19 @@
 """The root link."""
 
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from stepbot.draft.contacts.survey import Sources
+from stepbot.draft.inference import infer_mechanism
+from stepbot.draft.parts.names import Role, roles
+from stepbot.geometry.principal_axes import DIRECTIONS, Direction, rotation_of
+from stepbot.geometry.spatial import Pose
+from stepbot.step.assembly import Assembly, ReadOptions
 from tests.assembled import BARE, Node, inferred, links, part
-from tests.solids import box, cylinder
+from tests.solids import Solid, box, cylinder
+from tests.unit.step.in_process import read_quietly
 
 BORED = box(120, 40, 20).at(40, 0, 15) - cylinder(10.02, 20).at(0, 0, 5)
 """5 mm above z = 0."""
@@ -44,3 +56,64 @@ def test_heavy_trunk_is_the_root_before_a_hub_with_more_joints() -> None:
     found = inferred(part("plate", plate), part("hub", hub, z=-22), *levers, sources=BARE)
     assert len(links(found)) == 9
     assert links(found)[found.root] == {"plate"}
+
+
+def linkage(base: Solid, *, plate: str = "plate") -> str:
+    """The root of a base with one joint, to a hub with four; names are read, subassemblies are not needed."""
+    bore = cylinder(5.05, 10).at(0, 0, -5)
+    lever = box(40, 15, 10).at(15, 0, 0) - bore
+    body = box(100, 60, 10) - bore
+    at = [(-40.0, -20.0), (-40.0, 20.0), (40.0, 0.0)]
+    for x, y in at:
+        body += cylinder(5, 11).at(x, y, 5)
+    levers = [part(f"lever {n}", lever, x=x, y=y, z=10.5) for n, (x, y) in enumerate(at)]
+    found = inferred(part(plate, base), part("hub", body), *levers)
+    (name,) = links(found)[found.root]
+    return name
+
+
+@pytest.fixture(scope="module")
+def upper_body(robot_library: Path) -> Assembly:
+    """A torso with two arms and a head on a stand, which has one joint and a third of the torso's volume."""
+    return read_quietly(robot_library / "stepbot_upper_body" / "upper_body.step", ReadOptions(faces=True))
+
+
+@pytest.mark.parametrize("up", DIRECTIONS)
+def test_what_stands_on_the_ground_is_the_root_before_a_trunk(up: Direction, upper_body: Assembly) -> None:
+    """Without names, a stand is the root and not the torso on it with four joints, whichever way is up."""
+    X = Pose.of(rotation_of(up, "y" if up.endswith("x") else "x"))
+    turned = tuple(replace(one, X_WC=X @ one.X_WC) for one in upper_body.components)
+    found = infer_mechanism(replace(upper_body, components=turned), Sources(names=False))
+    assert "base/stand" in links(found)[found.root]
+
+
+def test_named_base_is_the_root_before_a_hub_with_more_joints() -> None:
+    """A short post below the hub is the root if it is named a base, in any language; else the hub is."""
+    post = cylinder(12, 20).at(0, 0, -26) + cylinder(5, 12).at(0, 0, -6.5)
+    assert linkage(post, plate="part 1") == "hub"
+    for name in ("Base", "Sockel", "ground", "底座", "основание"):
+        assert linkage(post, plate=name) == name
+
+
+@pytest.mark.parametrize("name", ["Gripper base", "Greifer Grundplatte", "tool frame", "夹爪底座"])
+def test_base_of_what_is_carried_is_no_base(name: str) -> None:
+    """The base of a gripper or a tool is not that of the robot."""
+    assert Role.BASE not in roles(name)
+    assert hinge("a", name) == {"a/block"}
+
+
+def test_base_of_a_wheel_is_no_base() -> None:
+    """A part named a base in a subassembly named a wheel is not that of the robot."""
+    nodes = [Node("a", children=[part("block", box(80, 80, 20).at(0, 0, -10) + cylinder(10, 25))])]
+    nodes += [Node("omni wheel", children=[part("base", BORED)])]
+    found = inferred(*nodes)
+    assert links(found)[found.root] == {"a/block"}
+
+
+def test_base_drawn_in_pieces_is_one_link() -> None:
+    """A second part named a base that touches nothing is part of the root, and its link is a guess."""
+    block = box(80, 80, 20).at(0, 0, -10) + cylinder(10, 25)
+    pieces = (part("ground", block), part("far ground", box(60, 60, 20), x=400.0))
+    found = inferred(*pieces, part("arm", BORED))
+    assert links(found)[found.root] == {"ground", "far ground"}
+    assert "named a base, as the root is" in found.guesses.values()

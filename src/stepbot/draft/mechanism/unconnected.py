@@ -2,9 +2,11 @@
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import BY_NAME, BY_SHAPE, JointEvidence, Verdict
 from stepbot.draft.evidence.fingers import centroid, direction_between
 from stepbot.draft.evidence.motors import Motor
@@ -15,6 +17,7 @@ from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import box_gap
+from stepbot.geometry.principal_axes import Direction
 from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import JointKind
 from stepbot.step.features.ground import grounds
@@ -37,6 +40,7 @@ class LooseEnds:
 
     def tie(self, root: int) -> None:
         """Connect everything to one tree; ``root`` represents the root link."""
+        root = self._join_bases(root)
         groups = self._clusters.groups()
         jointed = self._jointed()
         loose = [r for r in groups if r not in jointed and r != root]
@@ -61,6 +65,25 @@ class LooseEnds:
                 self._made.guess(groups[r], "not connected: assigned to the nearest part")
                 if target not in jointed or not self._clusters.join(target, r):
                     self._clusters.join(root, r)
+        self._find_again()
+
+    def _join_bases(self, root: int) -> int:
+        """Join what is named a base and has no joint to a root that is named one; a base may be drawn in pieces.
+
+        Returns:
+            The representative of the root, which may change.
+        """
+        groups, jointed = self._clusters.groups(), self._jointed()
+        named = [r for r, members in groups.items() if _is_base_by_name(self._survey, self._structure, members)]
+        if root in named:
+            for r in named:
+                if r not in jointed and r != root and self._clusters.join(root, r):
+                    self._made.guess(groups[r], "named a base, as the root is")
+        self._find_again()
+        return self._clusters.find(root)
+
+    def _find_again(self) -> None:
+        """Let joints name the representatives of their clusters, which joining changes."""
         for j in self._mechanism.joints:
             j.a, j.b = self._clusters.find(j.a), self._clusters.find(j.b)
 
@@ -158,9 +181,11 @@ _LOOSE = 0.2
 """Share of the assembly's volume below which a cluster without joints is not the root."""
 _NAMED_SHARE = 0.05
 """Share of its cluster's volume from which a part's name counts."""
-_TRUNK_SHARE = 0.05
-"""Share of the assembly's volume up to which a cluster with branches is a wrist or a hand, not a trunk."""
-_GROUND, _RIVAL, _ON_GROUND = 0.08, 0.5, 1.0
+_TRUNK_SHARE = 0.25
+"""Share of the largest cluster's volume up to which one with branches is a wrist, a hand or a bar, not a trunk."""
+_BASE_NAME = 2.5
+"""What the name of a base counts: more than branches, and more than standing on the ground."""
+_GROUND, _RIVAL, _ON_GROUND = 0.08, 0.5, 2.0
 """Share of the footprint from which a flat side is the ground, that of another side up to which it is the only one,
 and what standing on it counts.
 """
@@ -179,19 +204,45 @@ def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], mot
         if j.evidence.drives and j.evidence.a in cases:
             holds[made.clusters.find(j.evidence.a)] += 1
             holds[made.clusters.find(j.evidence.b)] -= 1
-    stands = _standing_shares(made)
+    up, stands = _standing(made)
+    groups = made.clusters.groups()
+    volumes = {root: made.survey.total_volume(members) for root, members in groups.items()}
+    largest = max(volumes.values(), default=0.0) or 1.0
     ranked = []
-    for root, members in made.clusters.groups().items():
-        share = made.survey.total_volume(members) / made.survey.volume
+    for root, members in groups.items():
+        share = volumes[root] / made.survey.volume
         if not degree or root in degree or share >= _LOOSE:
-            rank = _rank(made, structure, members, share, degree[root], holds[root])
+            one = _Candidate(members, share, volumes[root] / largest, degree[root], holds[root])
+            rank = _rank(made.survey, structure, one, up)
             rank += _ON_GROUND * exact_sum(stands.get(i, 0.0) for i in members)
             ranked.append((round(rank, 9), -members[0], root))
-    return max(ranked)[-1] if ranked else next(iter(made.clusters.groups()))
+    return max(ranked)[-1] if ranked else next(iter(groups))
 
 
-def _standing_shares(made: Decision) -> dict[int, float]:
-    """For each part that the assembly stands on, its share of the ground; empty if no flat face is the largest."""
+def _is_base_by_name(survey: Survey, structure: Structure, members: Sequence[int]) -> bool:
+    """Whether a cluster has a part, or is in a subassembly, named a base other than that of a wheel or finger."""
+    least = _NAMED_SHARE * survey.total_volume(members)
+    for i in members:
+        own = {*survey.parts[i].roles} if survey.parts[i].volume > least else set()
+        if Role.BASE in own | structure.names(i) and not {Role.WHEEL, Role.JAW} & _roles_above(survey, i):
+            return True
+    return False
+
+
+def _roles_above(survey: Survey, part: int) -> set[Role]:
+    """The roles in the names of a part and of all subassemblies that it is in."""
+    found, node = {*survey.parts[part].roles}, survey.assembly.components[part].parent
+    while node > 0:
+        found |= survey.node_roles(node)
+        node = survey.assembly.components[node].parent
+    return found
+
+
+def _standing(made: Decision) -> tuple[Direction, dict[int, float]]:
+    """The direction away from the ground, and the share of it of each part that the assembly stands on.
+
+    If no flat side is clearly the largest: z, and no shares.
+    """
     found = grounds(made.survey.assembly)
     totals = {up: exact_sum(shares.values()) for up, shares in found.items()}
     up = max(totals, key=lambda one: totals[one], default=None)
@@ -200,22 +251,32 @@ def _standing_shares(made: Decision) -> dict[int, float]:
         or totals[up] < _GROUND
         or any(total > _RIVAL * totals[up] for one, total in totals.items() if one != up)
     ):
-        return {}
-    return {i: share / totals[up] for i, share in found[up].items()}
+        return "z", {}
+    return up, {i: share / totals[up] for i, share in found[up].items()}
 
 
-def _rank(
-    made: Decision, structure: Structure, members: Sequence[int], share: float, branches: int, holds: int
-) -> float:
-    survey = made.survey
-    least = _NAMED_SHARE * share * survey.volume
-    named = any(Role.BASE in survey.parts[i].roles for i in members if survey.parts[i].volume > least)
-    named = named or any(Role.BASE in structure.names(i) for i in members)
-    low = min(float(survey.parts[i].box[0][2]) for i in members)
-    bottom = 1.0 - (low - float(survey.box[0][2])) / max(1e-9, survey.extent)
-    rank = 1.5 * named + share + 0.5 * bottom
-    if branches >= _BRANCHES and share > _TRUNK_SHARE:
+@dataclass(frozen=True)
+class _Candidate:
+    """A cluster that may be the root."""
+
+    members: Sequence[int]
+    share: float
+    """Its share of the assembly's volume."""
+    relative: float
+    """The same of the largest cluster's."""
+    branches: int
+    """Number of joints on it."""
+    holds: int
+    """Number of motors whose cases it has, less those that drive it."""
+
+
+def _rank(survey: Survey, structure: Structure, one: _Candidate, up: Direction) -> float:
+    along, side = "xyz".index(up[-1]), int(up.startswith("-"))
+    bottom = min(abs(float(survey.parts[i].box[side][along] - survey.box[side][along])) for i in one.members)
+    rank = _BASE_NAME * _is_base_by_name(survey, structure, one.members) + one.share
+    rank += 0.5 * (1.0 - bottom / max(1e-9, survey.extent))
+    if one.branches >= _BRANCHES and one.relative > _TRUNK_SHARE:
         rank += _TRUNK
-    if branches == 1:
-        rank += 0.3 + 0.4 * ((holds > 0) - (holds < 0))
-    return round(rank, 9)
+    if one.branches == 1:
+        rank += 0.3 + 0.4 * ((one.holds > 0) - (one.holds < 0))
+    return rank

@@ -98,6 +98,8 @@ def roles(name: str) -> tuple[Role, ...]:
     found += [role for role, pattern in patterns.words if pattern.search(text)]
     if Role.MOTOR in found and patterns.mount.search(text) and not _SOLID_OF_MOTOR.search(text):
         found.remove(Role.MOTOR)
+    if Role.BASE in found and patterns.carried.search(text):
+        found.remove(Role.BASE)
     return tuple(dict.fromkeys(found))
 
 
@@ -116,6 +118,7 @@ class _Patterns:
         self.standards += [(Role.FASTENER, _METRIC), (Role.FASTENER, _CATALOGUE)]
         self.words = [(role, _whole_words(table[role]["words"])) for role in Role]
         self.mount = _whole_words(table[Role.MOTOR]["mount"])
+        self.carried = _whole_words(table[Role.BASE]["carried"])
 
 
 @cache
