@@ -70,6 +70,8 @@ class ObservedShape:
     """The same along the axes of :data:`OBLIQUE`: a shape that is turned or mirrored may fill the same upright box."""
     group: int | None = None
     """The group that viewers show and hide together: by convention, 2 is visual and 3 is collision."""
+    rgba_is_default: bool = False
+    """Whether the engine reports its `rgba` for a shape without one, too."""
 
 
 @dataclass(frozen=True)

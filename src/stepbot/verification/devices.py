@@ -75,6 +75,10 @@ def _compare_actuator(deviations: Deviations, a: ObservedActuator, b: ObservedAc
         expected, seen = getattr(a, name), getattr(b, name)
         if expected is not None and seen is not None:
             deviations.near(seen, expected, f"{name} of {who}", "SI", abs(expected))
+        elif name != "gear" and expected:  # formats without gears have gains, too, and 0 may be left out
+            deviations.equal(False, f"{who}: no {name}, {expected} expected")
+        elif name != "gear" and seen is not None:
+            deviations.untold.append(name)
     for name in ("control", "force"):
         bounds, found = getattr(a, name), getattr(b, name)
         if bounds is None or found is None:

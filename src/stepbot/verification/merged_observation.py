@@ -41,7 +41,7 @@ def gather(outcomes: Sequence[Outcome]) -> Gathered:
     Args:
         outcomes: Outcomes with an observation, at least one; the preferred engine comes first.
     """
-    first, *others = [outcome.observation for outcome in outcomes if outcome.observation is not None]
+    first, *others = [_given(outcome.observation) for outcome in outcomes if outcome.observation is not None]
     whole, added = first, dict[Quantity, tuple[str, ...]]()
     for other in others:
         whole, filled = _filled(whole, other)
@@ -50,6 +50,15 @@ def gather(outcomes: Sequence[Outcome]) -> Gathered:
             before = () if quantity in _WHOLE.values() else added.get(quantity, (first.engine,))
             added[quantity] = (*before, other.engine)
     return Gathered(outcomes[0].key, outcomes[0].format, whole, added)
+
+
+def _given(seen: Observation) -> Observation:
+    """The observation without colours that may be the engine's own."""
+
+    def given(shapes: tuple[ObservedShape, ...] | None) -> tuple[ObservedShape, ...] | None:
+        return shapes and tuple(replace(one, rgba=None) if one.rgba_is_default else one for one in shapes)
+
+    return replace(seen, links=tuple(replace(link, visuals=given(link.visuals)) for link in seen.links))
 
 
 def _filled(whole: Observation, other: Observation) -> tuple[Observation, set[Quantity]]:

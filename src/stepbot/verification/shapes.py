@@ -90,7 +90,7 @@ def _compare_series(
         which = where.format(_called(a, number))
         if a.name is not None and b.name is not None:
             deviations.equal(plain_name(a.name) == plain_name(b.name), f"{which}: named '{b.name}'")
-        if a.rgba is not None and b.rgba is not None:
+        if a.rgba is not None and b.rgba is not None and (a.rgba or not b.rgba_is_default):
             _compare_colors(deviations, f"colour of {which}", a.rgba, b.rgba)
         if a.ambient is not None and b.ambient is not None:
             _compare_colors(deviations, f"ambient colour of {which}", a.ambient, b.ambient)

@@ -209,15 +209,14 @@ def _link(body: Body, index: int, request: Request) -> ObservedLink:
         # PyBullet displays the collision shapes of a link without visuals.
         has_visuals=None if collisions else bool(visuals),
         has_collisions=bool(collisions),
-        visuals=tuple(ObservedShape(rgba=_rgba(shape[7])) for shape in visuals),
+        visuals=tuple(_displayed(shape[7]) for shape in visuals),
         collisions=tuple(ObservedShape() for _ in collisions),
     )
 
 
-def _rgba(reported: Sequence[float]) -> tuple[float, ...] | None:
-    """The colour of a visual; None for opaque white, which PyBullet also reports for a visual without a colour."""
-    rgba = tuple(reported)
-    return None if rgba == (1.0, 1.0, 1.0, 1.0) else rgba
+def _displayed(rgba: Sequence[float]) -> ObservedShape:
+    """A visual by its colour: PyBullet displays one without a colour in opaque white."""
+    return ObservedShape(rgba=tuple(rgba), rgba_is_default=tuple(rgba) == (1.0, 1.0, 1.0, 1.0))
 
 
 def _visual_bounds(body: Body, shapes: Sequence[tuple[Any, ...]]) -> Bounds | None:
