@@ -81,6 +81,15 @@ def test_named_motors_need_no_use() -> None:
     assert motors([part("motor mount", PLATE), part("bracket", ARM, z=4.5)]) == []
 
 
+def test_numbered_pieces_of_one_servo_are_one_motor() -> None:
+    """A case, a lid and an output that were imported as three products are one motor; two of each are two."""
+    pieces = [("MG996R_2", CASE, 0.0), ("MG996R_1", box(40, 20, 4), 2.0), ("MG996R", HORN, 4.0)]
+    nodes = [part("base", box(400, 80, 10), z=-40)]
+    for x in (-100.0, 100.0):
+        nodes += [part(name, solid, x, 0, z) for name, solid, z in pieces]
+    assert [(motor.case, motor.parts) for motor in motors(nodes)] == [(2, (2, 3, 4)), (5, (5, 6, 7))]
+
+
 def test_blocks_in_which_shafts_run_with_play_are_bearing_blocks() -> None:
     """Two equal blocks on a base, each with the shaft of an arm in its bore, are no motors; without play they are."""
     for radius, count in ((7.95, 0), (8.0, 2)):

@@ -21,7 +21,7 @@ LINE_ANGLE = 1e-3
 HALF_ROUND = 3.2
 """Angle [rad] above which a face covers more than half of the circumference."""
 
-_HOLE_RATIO = 2.5
+HOLE_RATIO = 2.5
 """Ratio of the radii of two coaxial holes up to which one screw could be in both."""
 _FLUSH_GAP = 5e-4
 _NEAR = 3e-3
@@ -107,7 +107,7 @@ def _fit(axis: Axis, a: int, b: int, face_a: LineFace, face_b: LineFace) -> Fit 
         kind = FitKind.HOLES
         if not full or low - high >= BESIDE:
             return None
-        if not 1.0 / _HOLE_RATIO < face_a.radius / face_b.radius < _HOLE_RATIO:
+        if not 1.0 / HOLE_RATIO < face_a.radius / face_b.radius < HOLE_RATIO:
             return None
     elif abs(face_a.radius - face_b.radius) >= LINE_DISTANCE or abs(low - high) >= _FLUSH_GAP:
         return None

@@ -8,6 +8,7 @@ import numpy as np
 
 from stepbot.draft.contacts.balls import find_sockets
 from stepbot.draft.contacts.contacts import Contacts, Pair
+from stepbot.draft.contacts.near_fits import NearFit, find_near_fits
 from stepbot.draft.contacts.planes import find_patches
 from stepbot.draft.contacts.relations import Relation, Via, find_relations, neighbours, turned_lines
 from stepbot.draft.contacts.roles import read_parts, spoken_names
@@ -104,6 +105,11 @@ class Survey:
         lines, boxes = self._screws
         near = (axis.point > boxes[:, 0] - _SCREW_REACH) & (axis.point < boxes[:, 1] + _SCREW_REACH)
         return any(axis.same(lines[k]) for k in np.flatnonzero(near.all(axis=1)).tolist())
+
+    @cached_property
+    def near_fits(self) -> dict[Pair, list[NearFit]]:
+        """Nearly coaxial faces of larger parts: what their contacts may have meant to be."""
+        return find_near_fits(self.parts, self.small, self.contacts)
 
     @cached_property
     def tops(self) -> set[int]:

@@ -11,6 +11,7 @@ from stepbot.draft.contacts.relations import Relation, Via, merged, reach
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
+from stepbot.draft.evidence.near_outputs import NearOutput
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.geometry.sums import exact_sum
@@ -44,12 +45,13 @@ class OutputAxes:
 
     def of(self, motor: Motor, outputs: Iterable[int]) -> Output | None:
         """The output of a motor, ``outputs`` being its rotating parts; None without evidence."""
-        survey = self._survey
+        survey, outputs = self._survey, list(outputs)
         for output in outputs:
             others = [i for i in motor.parts if i not in (output, motor.case) and i not in survey.small]
             for relation in (survey.relation(output, i) for i in (motor.case, *others)):
                 if relation is not None and relation.turns is not None:
                     return Output(relation.turns, reach(relation.turns, [relation]))
+        for output in outputs:
             if survey.turned.get(output):
                 return Output(survey.turned[output][0], 0.0)
         voted = self._votes.get(survey.parts[motor.case].definition)
@@ -76,6 +78,8 @@ class OutputAxes:
                         break
                 else:
                     of_case.append((local, [ballot]))
+            if motor.is_named and not of_case:
+                self._vote_by_shafts(motor, of_case)
         named = {survey.parts[motor.case].definition for motor in motors if motor.is_named}
         best = {
             # A motor by its use has the output that it was found by, the widest.
@@ -86,6 +90,15 @@ class OutputAxes:
         return {
             definition: Output(axis, max(far for _, far in ballots)) for definition, (axis, ballots) in best.items()
         }
+
+    def _vote_by_shafts(self, motor: Motor, of_case: list[tuple[Axis, list[tuple[int, float]]]]) -> None:
+        """Votes for the shaft of a motor that another part's bore is nearly on: nothing touches its output."""
+        X = self._survey.scene.component(motor.case).X_WC.inverse()
+        for (a, b), fits in self._survey.near_fits.items():
+            for fit in fits if motor.case in (a, b) else ():
+                if fit.shaft == motor.case:
+                    axis = fit.of(motor.case)
+                    of_case.append((Axis(X.apply(axis.point), X.turn(axis.d)), [(1, fit.radius)]))
 
 
 def _weight(vote: tuple[Axis, list[tuple[int, float]]]) -> float:
@@ -174,6 +187,14 @@ class _OneMotor:
         sides = self._sides(self._output)
         driven = [side for side in sides if side.on_output]
         carrying = [side for side in sides if not side.on_output and side.is_held]
+        near = NearOutput(survey, motor, self._output.axis, self._outputs, self._found)
+        held = {side.part for side in carrying} | near.holders({side.part for side in driven})
+        hinge = near.hinge(held) if not driven else None
+        if hinge is not None:
+            self._joint(*hinge)
+            for side in carrying:
+                self._found.weld(0.94, motor.case, side.part, f"carries the motor '{motor.path}'", holds_motor=True)
+            return
         score, why, review = 0.95, f"output of the motor '{motor.path}'", ""
         if not carrying:
             driven, carrying, score, review = self._split(driven)

@@ -1,5 +1,6 @@
 """Finds motors: one part, or a subassembly of case, output and screws; by name, else by the use of equal parts."""
 
+import re
 from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,8 +11,10 @@ from stepbot.draft.contacts.relations import Via
 from stepbot.draft.contacts.roles import spoken_names
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, roles
 from stepbot.draft.parts.parts import largest
+from stepbot.step.assembly import Component
 
 _LARGEST = 0.6
 """Share of the assembly's size from which a subassembly is more than a motor."""
@@ -23,6 +26,8 @@ _PIECE = 0.15
 """Share of the volume of a motor's case up to which another part of it is its shaft or horn."""
 _LEAST = 5e-3
 """Share of the assembly's volume from which an unnamed part may be a motor: screws and rings are smaller."""
+_NUMBERED = re.compile(r"(?<=\w)[\s_.:-]*\d*$")
+"""The number at the end of the name of one of several pieces."""
 _SAME_AXIS = 5e-5
 """Distance [m] up to which axes of equal parts agree."""
 
@@ -71,15 +76,17 @@ def _named_motors(survey: Survey) -> list[Motor]:
     in_pieces = {c.index for c in assembly.components[1:] if _is_in_pieces(survey, c.index, named)}
     named |= in_pieces
     taken: set[int] = set()
-    motors = []
+    found: list[tuple[Component, tuple[int, ...]]] = []
     for c in assembly.components[1:]:
         if c.index not in named or c.index in taken or _is_folder(survey, c.index, named):
             continue
         below = assembly.subtree(c.index)
         members = tuple(i for i in below if i in parts)
-        if not members or (survey.size_of(members) > _LARGEST * survey.extent and len(parts) > len(members)):
-            continue
-        taken.update(below)
+        if members and (survey.size_of(members) <= _LARGEST * survey.extent or len(parts) == len(members)):
+            taken.update(below)
+            found.append((c, members))
+    motors = []
+    for c, members in _reunited(survey, found):
         if survey.total_volume(members) < _WIRE:
             continue
         case = largest([parts[i] for i in members]).index
@@ -90,6 +97,32 @@ def _named_motors(survey: Survey) -> list[Motor]:
             if i != case and (i in pieces or Role.HORN in parts[i].roles) and Role.FASTENER not in parts[i].roles
         )
         motors.append(Motor(c.path, members, case, outputs))
+    return motors
+
+
+def _reunited(
+    survey: Survey, found: Sequence[tuple[Component, tuple[int, ...]]]
+) -> list[tuple[Component, tuple[int, ...]]]:
+    """Motors, those that were imported as several products with numbered names as one, named after its largest part.
+
+    The pieces of one motor touch each other, and no two of them are of one product.
+    """
+    numbered: dict[tuple[int, str], list[int]] = defaultdict(list)
+    for n, (c, _) in enumerate(found):
+        numbered[c.parent, _NUMBERED.sub("", c.product)].append(n)
+    owner = {i: n for n, (_, members) in enumerate(found) for i in members}
+    tied = Clusters(range(len(found)))
+    for alike in numbered.values():
+        for n in alike:
+            touching = {owner.get(r.other(i), n) for i in found[n][1] for r in survey.near.get(i, ())}
+            for m in sorted(touching.intersection(alike)):
+                products = [found[k][0].product for k in {*tied.members(n), *tied.members(m)}]
+                if len(set(products)) == len(products):
+                    tied.join(n, m)
+    motors = []
+    for group in tied.groups().values():
+        first = max(group, key=lambda n: (survey.total_volume(found[n][1]), -n))
+        motors.append((found[first][0], tuple(sorted(i for n in group for i in found[n][1]))))
     return motors
 
 

@@ -18,6 +18,7 @@ import numpy as np
 from stepbot.draft.contacts.contacts import Pair
 from stepbot.draft.contacts.relations import Relation, Via, reach
 from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.draft import SURE
 from stepbot.draft.evidence.evidence import Verdict
 from stepbot.draft.evidence.subassemblies import Structure
 from stepbot.draft.mechanism.decide import Decision
@@ -96,7 +97,7 @@ def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
     jointed = {made.clusters.find(i) for h in made.joints for i in (h.a, h.b)}
     found: dict[Pair, str] = {}
     for root, members in made.clusters.groups().items():
-        pivots = [_Sides(survey, pivot, members, ties[root]) for pivot in _pivots(survey, structure, members)]
+        pivots = [_Sides(survey, pivot, members, ties[root]) for pivot in _pivots(made, structure, members)]
         between = [pair for sides in pivots if (pair := sides.between_lopsided()) is not None]
         found |= dict.fromkeys(between, _REVIEW)
         if between or root in jointed:
@@ -120,13 +121,15 @@ def _ties(made: Decision) -> dict[int, list[tuple[int, int]]]:
     return found
 
 
-def _pivots(survey: Survey, structure: Structure, members: Sequence[int]) -> Iterator[_Pivot]:
+def _pivots(made: Decision, structure: Structure, members: Sequence[int]) -> Iterator[_Pivot]:
     """The axes that parts of a cluster touch each other about, where no screw clamps them."""
-    inside, found = set(members), list[_Pivot]()
+    survey, inside, found = made.survey, set(members), list[_Pivot]()
+    held = {(w.a, w.b) for w in made.evidence.welds if w.verdict == Verdict.TAKEN and w.score >= SURE}
     for i in members:
         for r in survey.near.get(i, ()):
             axis = r.turns
             is_within = r.a == i and r.b in inside and not structure.are_together(r.a, r.b)
+            is_within &= (r.a, r.b) not in held
             if not is_within or r.via not in _PIVOTS or axis is None:
                 continue
             same = next((pivot for pivot in found if pivot.axis.same(axis)), None)
