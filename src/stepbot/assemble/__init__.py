@@ -44,6 +44,7 @@ from .devices import (
     build_metadata,
     build_sensors,
     build_simulation,
+    build_versions,
     tune_actuators,
 )
 from .double_counting import DoubleCounting
@@ -144,6 +145,7 @@ def build_robot(
         sensors,
         build_simulation(document),
         metadata=build_metadata(document),
+        versions=build_versions(document),
         mesh_formats=build_mesh_formats(document),
     )
     robot = without_contacts_of(robot, sidecar, found)

@@ -6,7 +6,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import IDENTITY, Pose, tidy
 from stepbot.robot.gains import tuned
 from stepbot.robot.metadata import Metadata
-from stepbot.robot.model import Actuator, Frame, JointKind, Limit, MeshFormat, MeshFormats, Robot
+from stepbot.robot.model import Actuator, FormatVersions, Frame, JointKind, Limit, MeshFormat, MeshFormats, Robot
 from stepbot.robot.sensors import SEEING, Sensor, SensorKind, View
 from stepbot.robot.tuning import Simulation, Tuning
 from stepbot.sidecar.devices import ActuatorSection, SensorSection
@@ -89,6 +89,11 @@ def build_mesh_formats(document: Document) -> MeshFormats:
     given = document.mesh
     both = given.format or MeshFormat.OBJ
     return MeshFormats(given.visual or both, given.collision or both, bool(given.visual or given.format))
+
+
+def build_versions(document: Document) -> FormatVersions:
+    """The versions of formats to write."""
+    return FormatVersions(urdf=document.urdf.version)
 
 
 def build_sensors(binder: Binder, frames: Frames) -> tuple[Sensor, ...] | None:

@@ -9,6 +9,7 @@ from stepbot.assemble.devices import (
     build_mesh_formats,
     build_metadata,
     build_simulation,
+    build_versions,
     sensor_view,
     tune_actuators,
 )
@@ -96,6 +97,7 @@ class _Joining:
             tuple(sensor for robot in self._robots for sensor in robot.sensors),
             excluded_contacts=self._excluded(),
             metadata=build_metadata(self._document),
+            versions=build_versions(self._document),
             mesh_formats=build_mesh_formats(self._document),
             modules=tuple(record for name in self._parts for record in self._record(name, mounts)),
         )

@@ -19,7 +19,10 @@ from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link
 
 from .finding import LOST, REARRANGED, UNSUPPORTED, Finding
 
-_UNLIMITED = (("lower", -inf), ("upper", inf), ("velocity", inf), ("effort", inf))
+_UNLIMITED = (
+    *(("lower", -inf), ("upper", inf), ("velocity", inf), ("effort", inf)),
+    *(("acceleration", inf), ("deceleration", inf), ("jerk", inf)),
+)
 
 
 def tree_of(description: Description, found: list[Finding]) -> tuple[list[Joint], dict[str, Link]]:

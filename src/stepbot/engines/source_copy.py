@@ -42,7 +42,7 @@ def located_copy(file: str, copy: str, packages: Iterable[Path]) -> tuple[Missin
     named = {uri: element.sourceline or 0 for element, uri in reversed(list(_meshes(top)))}
     missing = [MissingMesh(uri, line) for uri, line in named.items() if resolve(uri, Path(file), packages) is None]
     if any(uri.startswith(("package://", "model://")) for uri in named) and len(missing) < len(named):
-        _locate(top, Path(file), packages)
+        locate(top, Path(file), packages)
         Path(copy).write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
     return tuple(sorted(missing, key=lambda one: (one.line, one.uri)))
 
@@ -69,13 +69,13 @@ def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[
     from lxml import etree
 
     top = xml_root(Path(file))
-    _locate(top, Path(file), packages)
+    locate(top, Path(file), packages)
     with_chains(top, chains)
     _complete_limits(top)
     Path(copy).write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
 
 
-def _locate(top: Element, file: Path, packages: Iterable[Path]) -> None:
+def locate(top: Element, file: Path, packages: Iterable[Path]) -> None:
     """Make the paths of meshes absolute."""
     for element in top.iter("mesh", "uri"):
         uri = element.get("filename", "") or (element.text or "").strip()

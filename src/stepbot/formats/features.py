@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
+from math import inf
 
 
 class Feature(StrEnum):
@@ -43,6 +44,7 @@ class Feature(StrEnum):
     OPEN_EFFORT = "joint without effort or velocity limit"
     EFFORT = "effort limit"
     VELOCITY = "velocity limit"
+    ACCELERATION = "limit of acceleration, deceleration or jerk"
     FRICTION = "damping, friction"
     SPRING = "spring"
     ARMATURE = "armature"
@@ -102,6 +104,10 @@ class Support:
     """For the table and for messages: a clause, no full stop."""
     code: str = ""
     """Code of the diagnostic if a robot has the feature; empty for exact support."""
+    exact_from: float = inf
+    """The version of the format from which support is exact."""
+    exactly: str = ""
+    """How that version has it."""
 
 
 def exact(how: str) -> Support:
@@ -109,14 +115,14 @@ def exact(how: str) -> Support:
     return Support(Level.EXACT, how)
 
 
-def lowered(code: str, how: str) -> Support:
-    """The format expresses it by other means."""
-    return Support(Level.LOWERED, how, code)
+def lowered(code: str, how: str, exact_from: float = inf, exactly: str = "") -> Support:
+    """The format expresses it by other means, in versions before ``exact_from``."""
+    return Support(Level.LOWERED, how, code, exact_from, exactly)
 
 
-def reported(code: str, how: str) -> Support:
-    """The format cannot express it."""
-    return Support(Level.REPORTED, how, code)
+def reported(code: str, how: str, exact_from: float = inf, exactly: str = "") -> Support:
+    """The format cannot express it, in versions before ``exact_from``."""
+    return Support(Level.REPORTED, how, code, exact_from, exactly)
 
 
 def refused(code: str, how: str) -> Support:

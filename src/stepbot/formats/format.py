@@ -66,6 +66,10 @@ class Format(NamedTuple):
         """The module ``writer`` of the package, imported on first use."""
         return cast(Writer, import_module(f"{self.package}.writer"))
 
+    def version_of(self, robot: "Robot") -> float:
+        """The version of the format in which a robot is written; 0 for a format with one."""
+        return float(getattr(robot.versions, self.name, 0.0))
+
     @property
     def expresses(self) -> "Mapping[Feature, Support]":
         """How the format expresses each feature."""

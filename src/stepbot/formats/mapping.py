@@ -35,4 +35,5 @@ def _cell(written: Format, feature: Feature) -> str:
     support = written.expresses[feature]
     if support.level is Level.EXACT:
         return f"exact: {support.how}"
-    return f"**{support.level}**: {support.how} ({CODES[support.code].severity} {support.code})"
+    version = f"; from version {support.exact_from:g} exact: {support.exactly}" if support.exactly else ""
+    return f"**{support.level}**: {support.how} ({CODES[support.code].severity} {support.code}){version}"

@@ -153,6 +153,10 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
         lacks = f"no {missing} in <limit>" if limit.has_element else "no <limit>"
         taken = "read as unlimited" if len(limit.missing) == 2 else "0 taken"
         found.add("SB874", f"joint '{limit.joint}': {lacks}: {taken}", span._replace(line=limit.line))
+    for newer in description.newer:
+        text = f"{newer.what} is of URDF {newer.needs:g}, which the file does not state: read as such"
+        remedy = f'state it: `<robot version="{newer.needs:g}">`'
+        found.add("SB876", text, span._replace(line=newer.line), help=[remedy])
     if not (described.is_base_known or base or found.has_errors):
         _report_base(described.robot, span, found)
     check_robot(described.robot, found, span, massless_between=True)

@@ -58,6 +58,14 @@ class MeshFormats:
 
 
 @dataclass(frozen=True)
+class FormatVersions:
+    """The versions of formats to write; each default is what all readers of the format read."""
+
+    urdf: float = 1.0
+    """1.1 has quaternions and capsules, 1.2 also limits of acceleration and jerk."""
+
+
+@dataclass(frozen=True)
 class MeshRef:
     """One of the robot's mesh assets, scale 1."""
 
@@ -167,7 +175,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Limit:
-    """Bounds of a joint's position, velocity and effort; infinite if there is none."""
+    """Bounds of a joint's position, velocity, effort, acceleration and jerk; infinite if there is none."""
 
     lower: float = -inf
     """[rad] or [m]."""
@@ -177,6 +185,17 @@ class Limit:
     """[rad/s] or [m/s]."""
     effort: float = inf
     """[N m] or [N]."""
+    acceleration: float = inf
+    """[rad/s^2] or [m/s^2]."""
+    deceleration: float = inf
+    """[rad/s^2] or [m/s^2]; infinite if it is that of the acceleration."""
+    jerk: float = inf
+    """[rad/s^3] or [m/s^3]."""
+
+    @property
+    def is_smooth(self) -> bool:
+        """Whether acceleration, deceleration or jerk is limited."""
+        return min(self.acceleration, self.deceleration, self.jerk) < inf
 
 
 @dataclass(frozen=True)
@@ -327,6 +346,8 @@ class Robot:
     """Maintainer and licence, for packages."""
     mesh_formats: MeshFormats = MeshFormats()
     """The formats of mesh files, for formats that have such files."""
+    versions: FormatVersions = FormatVersions()
+    """The versions of formats to write, for formats that have several."""
     modules: tuple[Module, ...] = ()
     """The robots that it is composed of, modules of modules after them; empty for a robot that is described alone."""
 

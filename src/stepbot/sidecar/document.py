@@ -15,7 +15,7 @@ from stepbot.robot.model import Base, JointKind, MeshFormat
 
 from .devices import ActuatorSection, FrameSection, SensorSection
 from .ignored import IgnoredFinding, IgnoredFindings
-from .metadata import MetadataSection
+from .metadata import MetadataSection, UrdfSection
 from .modules import ModuleSection
 from .motion import DynamicsSection, JointLimits, LimitsSection
 from .origins import AutoOrigin, AxisOrigin, CenterOrigin, ComponentOrigin, ExplicitOrigin, MateOrigin, Offset, Origin
@@ -291,6 +291,8 @@ class Document(Section):
     one."""
     mesh: RobotMeshSection = RobotMeshSection()
     """Tolerance, triangle budget and format of the written meshes."""
+    urdf: UrdfSection = UrdfSection()
+    """Settings of the written URDF."""
     parts: dict[ComponentPath, PartRule] = Field(default_factory=dict)
     """Material, mass and geometry of components, by path or glob. For each field, the first matching rule applies."""
     links: Annotated[dict[Name, LinkSection], Field(min_length=1)]
@@ -380,5 +382,6 @@ __all__ = [
     "SimulationSection",
     "SphereShape",
     "StepDensity",
+    "UrdfSection",
     "document_class",
 ]

@@ -17,12 +17,16 @@ from .document import Document, DynamicsSection, JointDefaults, JointSection, Li
 from .quantities import JointValue
 from .tree import Keys
 from .units import (
+    ACCELERATION,
     ANGLE,
+    ANGULAR_ACCELERATION,
     ANGULAR_DAMPING,
+    ANGULAR_JERK,
     ANGULAR_SPEED,
     ANGULAR_STIFFNESS,
     FORCE,
     INERTIA,
+    JERK,
     LENGTH,
     LINEAR_DAMPING,
     LINEAR_STIFFNESS,
@@ -39,6 +43,9 @@ _TURNING = {
     "lower": ANGLE,
     "upper": ANGLE,
     "velocity": ANGULAR_SPEED,
+    "acceleration": ANGULAR_ACCELERATION,
+    "deceleration": ANGULAR_ACCELERATION,
+    "jerk": ANGULAR_JERK,
     "effort": TORQUE,
     "damping": ANGULAR_DAMPING,
     "friction": TORQUE,
@@ -50,6 +57,9 @@ _SLIDING = {
     "lower": LENGTH,
     "upper": LENGTH,
     "velocity": SPEED,
+    "acceleration": ACCELERATION,
+    "deceleration": ACCELERATION,
+    "jerk": JERK,
     "effort": FORCE,
     "damping": LINEAR_DAMPING,
     "friction": FORCE,
@@ -57,14 +67,19 @@ _SLIDING = {
     "spring_reference": LENGTH,
     "armature": MASS,
 }
+_SHARED = {
+    field: dimension
+    for field, dimension in _TURNING.items()
+    if dimension not in (ANGLE, ANGULAR_ACCELERATION, ANGULAR_JERK)
+}
 _SETTINGS_OF: dict[JointKind, Mapping[str, Dimension]] = {
     JointKind.REVOLUTE: _TURNING,
     JointKind.SCREW: _TURNING,
     JointKind.CONTINUOUS: {field: d for field, d in _TURNING.items() if field not in ("lower", "upper")},
     JointKind.PRISMATIC: _SLIDING,
     # Several rotations: the fields that they share, without positions, which are not single numbers.
-    JointKind.BALL: {field: d for field, d in _TURNING.items() if d is not ANGLE},
-    JointKind.UNIVERSAL: {field: d for field, d in _TURNING.items() if d is not ANGLE},
+    JointKind.BALL: _SHARED,
+    JointKind.UNIVERSAL: _SHARED,
 }
 
 

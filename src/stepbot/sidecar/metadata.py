@@ -1,4 +1,4 @@
-"""What packages state about the robot's description: maintainer, licence, version."""
+"""What packages and files state about the robot's description: maintainer, licence, version; and of their format."""
 
 import re
 from typing import Annotated, Any
@@ -10,6 +10,7 @@ from stepbot.robot.metadata import MAINTAINER, is_maintainer
 from .quantities import described, fault
 from .section import Section
 
+_URDF_VERSIONS = (1.0, 1.1, 1.2)
 _VERSION = r"^[0-9]+\.[0-9]+\.[0-9]+$"
 
 
@@ -27,6 +28,15 @@ def _version(value: Any) -> str:
     return value
 
 
+def _urdf_version(value: Any) -> float:
+    """A version of URDF, as a number or as text."""
+    for version in _URDF_VERSIONS:
+        if not isinstance(value, bool) and value in (version, f"{version:g}", f"{version:.1f}"):
+            return version
+    known = ", ".join(f"{version:.1f}" for version in _URDF_VERSIONS)
+    raise fault("SB123", f"no such version of URDF: {described(value)}", f"versions: {known}")
+
+
 Maintainer = Annotated[
     str,
     PlainValidator(_maintainer),
@@ -34,6 +44,9 @@ Maintainer = Annotated[
 ]
 Version = Annotated[
     str, PlainValidator(_version), WithJsonSchema({"type": "string", "pattern": _VERSION, "examples": ["1.0.0"]})
+]
+UrdfVersion = Annotated[
+    float, PlainValidator(_urdf_version), WithJsonSchema({"enum": list(_URDF_VERSIONS), "type": "number"})
 ]
 Line = Annotated[str, Field(min_length=1, max_length=1000)]
 
@@ -49,3 +62,11 @@ class MetadataSection(Section):
     """Version of the description, three numbers: `1.0.0`."""
     description: Line | None = None
     """One sentence about the robot."""
+
+
+class UrdfSection(Section):
+    """Settings of the written URDF."""
+
+    version: UrdfVersion = 1.0
+    """Version of the format: 1.0 (the default), which all programs read, 1.1 with quaternions and capsules, or 1.2 with
+    limits of acceleration, deceleration and jerk, too."""

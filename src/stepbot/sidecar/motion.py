@@ -5,11 +5,13 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Tag
 
 from .quantities import (
+    JointAcceleration,
     JointBound,
     JointDamping,
     JointEffort,
     JointFriction,
     JointInertia,
+    JointJerk,
     JointPosition,
     JointSpeed,
     JointStiffness,
@@ -28,6 +30,12 @@ class LimitsSection(Section):
     """Maximum torque or force [N m or N]."""
     velocity: JointSpeed | None = None
     """Maximum velocity [rad/s or m/s]."""
+    acceleration: JointAcceleration | None = None
+    """Maximum acceleration [rad/s^2 or m/s^2], for URDF 1.2 and MoveIt."""
+    deceleration: JointAcceleration | None = None
+    """Maximum deceleration [rad/s^2 or m/s^2], if it is not that of `acceleration`."""
+    jerk: JointJerk | None = None
+    """Maximum rate of change of the acceleration [rad/s^3 or m/s^3], for URDF 1.2 and MoveIt."""
 
 
 def _limits_form(value: Any) -> str:

@@ -362,6 +362,16 @@ JointSpeed = Annotated[
     PlainValidator(_joint_value(units.ANGULAR_SPEED, units.SPEED, finite=False, above=0.0)),
     quantity_schema(units.ANGULAR_SPEED, units.SPEED, exclusiveMinimum=0),
 ]
+JointAcceleration = Annotated[
+    JointValue,
+    PlainValidator(_joint_value(units.ANGULAR_ACCELERATION, units.ACCELERATION, finite=False, above=0.0)),
+    quantity_schema(units.ANGULAR_ACCELERATION, units.ACCELERATION, exclusiveMinimum=0),
+]
+JointJerk = Annotated[
+    JointValue,
+    PlainValidator(_joint_value(units.ANGULAR_JERK, units.JERK, finite=False, above=0.0)),
+    quantity_schema(units.ANGULAR_JERK, units.JERK, exclusiveMinimum=0),
+]
 JointEffort = Annotated[
     JointValue,
     PlainValidator(_joint_value(units.TORQUE, units.FORCE, finite=False, above=0.0)),

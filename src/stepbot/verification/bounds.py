@@ -48,9 +48,10 @@ def _freed(joint: ObservedJoint) -> ObservedJoint:
 
 
 def _free(limit: Limit) -> Limit:
-    return Limit(
-        -inf if limit.lower <= -NO_BOUND else limit.lower,
-        inf if limit.upper >= NO_BOUND else limit.upper,
-        inf if limit.velocity >= UNLIMITED else limit.velocity,
-        inf if limit.effort >= UNLIMITED else limit.effort,
+    return replace(
+        limit,
+        lower=-inf if limit.lower <= -NO_BOUND else limit.lower,
+        upper=inf if limit.upper >= NO_BOUND else limit.upper,
+        velocity=inf if limit.velocity >= UNLIMITED else limit.velocity,
+        effort=inf if limit.effort >= UNLIMITED else limit.effort,
     )

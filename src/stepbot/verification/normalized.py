@@ -29,13 +29,14 @@ def normalized(a: Observation, b: Observation) -> tuple[Observation, Observation
     file lacks, are ignored. Initial angles are compared up to full turns with a file that has poses instead. Actuators
     are converted to their joints if a format has no gears. A file without any velocity limit is treated as not
     reporting them: MJCF has no such attribute. Numbers that mean unlimited become infinite. Two files that one engine
-    reads in one format represent everything in the same way.
+    reads in one format represent everything in the same way, but for capsules, which not each version of URDF has.
     """
     alike = a.format == b.format and a.engine == b.engine
     a, b = (_without_world(side) if alike else without_stand_ins(_without_world(side)) for side in (a, b))
     links_a, links_b = ({link.name for link in side.links} for side in (a, b))
     a, b = _with_leaders(_with_frames(a, links_b)), _with_leaders(_with_frames(b, links_a))
     if alike:
+        a, b = _with_capsules_of(a, b), _with_capsules_of(b, a)
         return _with_common_frames(replace(a, name=None), replace(b, name=None))
     a, b = _without_held_mimics(a, b), _without_held_mimics(b, a)
     a, b = _with_common_looks(_with_velocities(a), _with_velocities(b))
@@ -178,6 +179,34 @@ def _common_shapes(a: Shapes, b: Shapes) -> tuple[Shapes, Shapes]:
     if not pairs:
         return None, None
     return tuple(one for one, _ in pairs), tuple(other for _, other in pairs)
+
+
+def _with_capsules_of(a: Observation, b: Observation) -> Observation:
+    """The observation ``a`` with one shape in place of the three that it has for a capsule of ``b``."""
+    theirs = {link.name: link for link in b.links}
+
+    def whole(shapes: Shapes, others: Shapes) -> Shapes:
+        named = {shape.name: shape for shape in shapes or () if shape.name}
+        wanted = {other.name: other for other in others or () if other.name}
+        capsules = {capsule_parts(name)[0]: name for name in wanted if name not in named}
+        split = {part for name in capsules.values() for part in capsule_parts(name)}
+        if shapes is None or not split & set(named):
+            return shapes
+        found = _with_whole_capsules(named, wanted)
+        kept = (found[capsules.get(one.name, one.name)] if one.name in capsules else one for one in shapes)
+        return tuple(one for one in kept if one.name not in split)
+
+    links = (
+        replace(
+            link,
+            visuals=whole(link.visuals, theirs[link.name].visuals),
+            collisions=whole(link.collisions, theirs[link.name].collisions),
+        )
+        if link.name in theirs
+        else link
+        for link in a.links
+    )
+    return replace(a, links=tuple(links))
 
 
 def _with_whole_capsules(shapes: Mapping[str, ObservedShape], others: Mapping[str, ObservedShape]) -> Named:

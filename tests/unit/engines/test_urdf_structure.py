@@ -53,7 +53,7 @@ def test_fixed_joints_need_no_axis() -> None:
         ('<box size="1 1 1"/>', "<!-- none -->", "line 2: link 'base': <visual> has no geometry"),
         ('<box size="1 1 1"/>', '<box size="1 1 1"/><sphere radius="1"/>',
          "line 2: link 'base': <visual> has several geometries"),
-        ("<box", "<cone", "line 2: <cone> is not a geometry of URDF: <box>, <cylinder>, <sphere>, <mesh>"),
+        ("<box", "<cone", "line 2: <cone> is not a geometry of URDF: <box>, <cylinder>, <capsule>, <sphere>, <mesh>"),
         ('<box size="1 1 1"/>', '<cylinder radius="1"/>', "line 2: <cylinder> without attribute 'length'"),
         ('<child link="tip"/>', '<child link="base"/>', "line 4: joint 'hinge': parent and child are both 'base'"),
         ("</joint>", '</joint><joint name="weld" type="fixed"><parent link="base"/><child link="tip"/></joint>',

@@ -54,7 +54,15 @@ def test_pattern_matches_the_whole_name_and_its_case(pattern: str) -> None:
 def test_defaults_give_only_what_the_type_has(kind: JointKind) -> None:
     """A default sets only fields that the joint's type has."""
     every = {
-        "limits": {"lower": -1, "upper": 1, "effort": 2, "velocity": 3},
+        "limits": {
+            "lower": -1,
+            "upper": 1,
+            "effort": 2,
+            "velocity": 3,
+            "acceleration": 4,
+            "deceleration": 5,
+            "jerk": 6,
+        },
         "dynamics": {"damping": 4, "friction": 5, "stiffness": 6, "spring_reference": 0.5, "armature": 7},
     }
     settings = joint_settings(document({"type": kind}, {"*": every}), "left_elbow")

@@ -141,6 +141,17 @@ CODES: tuple[Code, ...] = (
         "Give the component several convex shapes: split it into parts in CAD, or list primitives under `collision`.",
     ),
     Code(
+        "SB718",
+        "warning",
+        "limit of acceleration or jerk not written",
+        "A joint limits its acceleration, deceleration or jerk, and the format, or the version of it that is written, has no "
+        "place for that.",
+        "Programs that read this file may move the joint with any acceleration. MoveIt's settings in a ROS 2 package have "
+        "these limits all the same.",
+        "For URDF, write version 1.2: `urdf: {version: 1.2}` in the sidecar, for readers that know it. In a simulator, "
+        "limit the commands.",
+    ),
+    Code(
         "SB720",
         "warning",
         "joint split into single-axis joints",

@@ -139,4 +139,13 @@ CODES: tuple[Code, ...] = (
         "Masses of hollow parts are too large. Simulations move, and controllers act, as for these values.",
         "Measure or compute the mass properties, and state them in the source.",
     ),
+    Code(
+        "SB876",
+        "warning",
+        "newer than the version that the file states",
+        "A URDF has what a later version of the format added, a rotation as `quat_xyzw`, a capsule, or a limit of acceleration "
+        "or jerk, and states an earlier version, or none, which means 1.0. stepbot reads it as the later version.",
+        "ROS ignores it: a rotation becomes none, and a link with a capsule loses the shape.",
+        'State the version in the file: `<robot version="1.1">`, or 1.2 for limits of acceleration and jerk.',
+    ),
 )

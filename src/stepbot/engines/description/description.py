@@ -12,6 +12,7 @@ from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 from stepbot.robot.tuning import DEFAULTS, Simulation
 
 from ..observation import Observation
+from ..urdf_versions import Newer
 from .vocabulary import Unread
 
 Primitive = Box | Cylinder | Sphere | Capsule
@@ -96,6 +97,8 @@ class Description:
     """Links whose mass properties the file does not give: the format defines them otherwise."""
     open_limits: tuple[OpenLimit, ...] = ()
     """Position limits that are missing, although the format requires them."""
+    newer: tuple[Newer, ...] = ()
+    """What readers of the version that the file states ignore."""
 
     @property
     def seen(self) -> tuple[DescribedShape, ...]:

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import ZERO3, Pose
-from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
+from stepbot.robot.model import Box, Capsule, Cylinder, Limit, Rgba, Sphere
 
 from .. import engine_of
 from ..observation import Observation, Request
 from ..urdf_chains import xml_root
+from ..urdf_versions import EXTRA_LIMITS, extra_limits, newer_than_stated, with_rpy
 from .description import DescribedShape, Description, Primitive
 from .meshes import MeshFiles
 from .urdf_structure import check_structure, open_limits
@@ -34,9 +35,12 @@ def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:
     """
     top = xml_root(Path(file))
     check_structure(top)
+    newer, lost = tuple(newer_than_stated(top)), URDF.unread(top)
+    extra = {_name(joint): extra_limits(joint) for joint in top.findall("joint")}
+    with_rpy(top)
     request = Request(file, "urdf", simulate=0.0)
     seen: Observation = engine_of("yourdfpy").observer.observe(request)
-    observation = _with_extensions(seen, engine_of("extensions").observer.observe(request))
+    observation = _with_extensions(seen, engine_of("extensions").observer.observe(request), extra)
     files = MeshFiles(Path(file), packages)
     X_PC = {_name(joint.find("child"), "link"): _origin(joint) for joint in top.findall("joint")}
     materials = {_name(material): material for material in top.findall("material")}
@@ -46,16 +50,17 @@ def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:
         X_PC,
         shapes,
         files.unread,
-        URDF.unread(top),
+        lost,
         files.files,
         plain_meshes=files.plain,
         assumed=tuple(_name(link) for link in top.findall("link") if _is_unweighed(link)),
         open_limits=tuple(open_limits(top)),
+        newer=newer,
     )
 
 
-def _with_extensions(seen: Observation, blocks: Observation) -> Observation:
-    """The robot with springs, actuators, sensors, and links without gravity of the extension blocks."""
+def _with_extensions(seen: Observation, blocks: Observation, extra: Mapping[str, Limit]) -> Observation:
+    """The robot with limits of URDF 1.2, and springs, actuators, sensors and links without gravity of the blocks."""
     springs = {joint.name: joint.dynamics for joint in blocks.joints}
     weightless = {link.name: link.gravity_compensation for link in blocks.links}
     joints = []
@@ -65,6 +70,10 @@ def _with_extensions(seen: Observation, blocks: Observation) -> Observation:
             dynamics = replace(joint.dynamics, stiffness=spring.stiffness, spring_reference=spring.spring_reference)
             fields = (*joint.dynamics_fields, "stiffness", "spring_reference")
             joint = replace(joint, dynamics=dynamics, dynamics_fields=fields)
+        if joint.limit is not None and joint.name in extra:
+            more = extra[joint.name]
+            limit = replace(joint.limit, **{name: getattr(more, name) for name in EXTRA_LIMITS})
+            joint = replace(joint, limit=limit)
         joints.append(joint)
     return replace(
         seen,

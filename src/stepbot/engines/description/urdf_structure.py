@@ -8,15 +8,16 @@ from math import isfinite, isnan
 from typing import Any
 
 from ..observation import EngineRefused
+from ..urdf_versions import EXTRA_LIMITS, QUATERNION
 from .description import OpenLimit
 
 Element = Any
 """``lxml.etree._Element``; the stubs lack ``sourceline``."""
 
 _NUMBERS = {
-    "origin": {"xyz": 3, "rpy": 3},
+    "origin": {"xyz": 3, "rpy": 3, QUATERNION: 4},
     "axis": {"xyz": 3},
-    "limit": dict.fromkeys(("lower", "upper", "effort", "velocity"), 1),
+    "limit": dict.fromkeys(("lower", "upper", "effort", "velocity", *EXTRA_LIMITS), 1),
     "dynamics": {"damping": 1, "friction": 1},
     "mimic": {"multiplier": 1, "offset": 1},
     "mass": {"value": 1},
@@ -32,7 +33,13 @@ _NUMBERS = {
 _EXPAND = "expand macros first, `xacro robot.urdf.xacro -o robot.urdf`"
 _UNBOUNDED = ("limit", "dynamics")
 """Elements whose numbers may be infinite."""
-_SHAPES = {"box": ("size",), "cylinder": ("radius", "length"), "sphere": ("radius",), "mesh": ("filename",)}
+_SHAPES = {
+    "box": ("size",),
+    "cylinder": ("radius", "length"),
+    "capsule": ("radius", "length"),
+    "sphere": ("radius",),
+    "mesh": ("filename",),
+}
 """Geometries and their attributes, without which they have no size."""
 _WITHOUT_AXIS = ("fixed", "floating")
 """Types of joints whose axis has no meaning: the SolidWorks exporter writes 0 0 0 for fixed joints."""
@@ -61,6 +68,8 @@ def check_structure(robot: Element) -> None:
         for element in top.iter("*"):
             for name, count in _NUMBERS.get(str(element.tag), {}).items():
                 _numbers(element, name, count)
+            if element.tag == "origin":
+                _check_rotation(element)
 
 
 def open_limits(robot: Element) -> Iterator[OpenLimit]:
@@ -103,6 +112,16 @@ def _check_joint(joint: Element) -> None:
     needs_axis = kind not in _WITHOUT_AXIS and axis is not None
     if needs_axis and not any(_numbers(axis, "xyz", 3, (1.0, 0.0, 0.0))):
         raise _refused(axis, f"joint '{joint.get('name')}': the axis is zero")
+
+
+def _check_rotation(origin: Element) -> None:
+    """Check that an origin has one rotation: urdfdom rejects two, and a quaternion of zeros has no direction."""
+    if origin.get(QUATERNION) is None:
+        return
+    if origin.get("rpy") is not None:
+        raise _refused(origin, f"<origin> has 'rpy' and '{QUATERNION}': remove one")
+    if not any(_numbers(origin, QUATERNION, 4)):
+        raise _refused(origin, f"'{QUATERNION}' of <origin> is zero, and no rotation")
 
 
 def _check_link(link: Element) -> None:

@@ -3,7 +3,7 @@
 from .sensor_vocabulary import SENSOR
 from .vocabulary import Vocabulary, each, paths
 
-_ORIGIN = {"origin": "xyz rpy"}
+_ORIGIN = {"origin": "xyz rpy quat_xyzw"}
 _GEOMETRY = {
     "geometry": "",
     "geometry/box": "size",
@@ -66,7 +66,7 @@ _JOINT = {
 }
 _DRIVEN = {
     **_JOINT,
-    "limit": "lower upper effort velocity",
+    "limit": "lower upper effort velocity acceleration deceleration jerk",
     "dynamics": "damping friction",
     "mimic": "joint multiplier offset",
 }

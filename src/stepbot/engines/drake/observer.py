@@ -23,6 +23,7 @@ from ..ball_coordinates import inner_joints
 from ..distribution import provider
 from ..observation import Dynamics, EngineCannotRead, Observation, ObservedLink, Quantity, Request
 from ..urdf_chains import xml_root
+from ..urdf_versions import readable
 from . import ENGINE
 from .coordinates import pose
 from .joints import observed_joints
@@ -78,7 +79,7 @@ def observe(request: Request) -> Observation:
     unmoved = inner_joints(path) if request.format == "urdf" else ""
     if unmoved:
         raise EngineCannotRead(f"Drake names the coordinates of these joints itself, or gives them none: {unmoved}")
-    with _messages(path) as messages:
+    with readable(request) as (request, replaced), _messages(Path(request.file)) as messages:
         built = build(request)
         observation = _static(built, request)
         if request.closures and request.format == "drake.sdf":
@@ -87,7 +88,7 @@ def observe(request: Request) -> Observation:
             observation = replace(observation, simulation_finite=simulate(built, request))
     gaps = [message for message in messages if _GAP.search(message)]
     warnings = [message for message in messages if message not in gaps]
-    return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=tuple(dict.fromkeys(gaps)))
+    return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=(*dict.fromkeys(gaps), *replaced))
 
 
 @contextmanager

@@ -31,6 +31,7 @@ from ..observation import (
 )
 from ..resources import resolve
 from ..urdf_chains import xml_root
+from ..urdf_versions import readable
 from . import ENGINE
 from .compiled import Compiled
 from .contacts import excluded_pairs
@@ -80,7 +81,7 @@ def observe(request: Request) -> Observation:
 
     from .motion import close_by_newton, simulate
 
-    with collected_warnings() as warnings:
+    with readable(request) as (request, replaced), collected_warnings() as warnings:
         model, notes = _compile(engine, request)
         compiled = Compiled(engine, model, request.balls)
         observation = observe_model(compiled, request)
@@ -89,7 +90,7 @@ def observe(request: Request) -> Observation:
         if request.simulate:
             finite, reversals = simulate(compiled, request)
             observation, notes = replace(observation, simulation_finite=finite), (*notes, *reversals)
-    notes = (*notes, *_strays(compiled))
+    notes = (*replaced, *notes, *_strays(compiled))
     return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=notes)
 
 

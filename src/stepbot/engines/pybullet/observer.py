@@ -38,6 +38,7 @@ from ..observation import (
 )
 from ..sdformat_reader.tree import round_shapes, tree_copy
 from ..urdf_chains import xml_root
+from ..urdf_versions import readable
 from . import ENGINE
 from .body import Body, body_of, pose
 
@@ -91,14 +92,14 @@ def observe(request: Request) -> Observation:
 
     observers = {"urdf": _observe_urdf, "sdf": _observe_sdf, "mjcf": _observe_smoke}
     try:
-        with printed() as lines:
+        with readable(request) as (request, replaced), printed() as lines:
             observation = observers[request.format](engine, request)
     except EngineRefused as error:
         raise EngineRefused("; ".join([str(error), *_complaints(lines, request)])) from error
     messages = _complaints(lines, request)
     if request.format == "sdf" and messages.count(_IN_VAIN) == 2 * round_shapes(Path(request.file)):
         messages = [message for message in messages if message != _IN_VAIN]
-    return replace(observation, warnings=tuple(dict.fromkeys(messages)))
+    return replace(observation, warnings=tuple(dict.fromkeys(messages)), notes=(*replaced, *observation.notes))
 
 
 @contextmanager

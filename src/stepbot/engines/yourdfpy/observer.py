@@ -18,6 +18,7 @@ from stepbot.runtime.light_import import import_lightly
 
 from ..distribution import provider
 from ..observation import EngineRefused, Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity, Request
+from ..urdf_versions import readable
 from . import ENGINE
 
 _NO_DYNAMICS = "yourdfpy has no dynamics"
@@ -48,9 +49,9 @@ def observe(request: Request) -> Observation:
     """
     import yourdfpy as engine
 
-    with _warnings() as warnings:
+    with readable(request, capsules=False) as (read, notes), _warnings() as warnings:
         try:
-            urdf = engine.URDF.load(request.file, load_meshes=False, build_collision_scene_graph=False)
+            urdf = engine.URDF.load(read.file, load_meshes=False, build_collision_scene_graph=False)
             urdf.validate()
             joints = tuple(_joint(joint) for joint in urdf.robot.joints)
             chained = _mimic_chains(joints)
@@ -76,6 +77,7 @@ def observe(request: Request) -> Observation:
         poses=poses,
         warnings=tuple(dict.fromkeys([*warnings, *(str(error) for error in urdf.errors)])),
         not_run=not_run,
+        notes=notes,
     )
 
 

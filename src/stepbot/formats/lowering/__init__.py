@@ -143,7 +143,8 @@ def lower(robot: Robot, written: Format, found: Diagnostics, file: str | None = 
         found.add(support.code, f"{written.title}: {support.how}: {', '.join(names)}", span)
     for feature, handling in _HANDLINGS.items():
         support = written.expresses[feature]
-        affected = [] if support.level is Level.EXACT else handling.affected(robot)
+        exact = support.level is Level.EXACT or written.version_of(robot) >= support.exact_from
+        affected = [] if exact else handling.affected(robot)
         if affected:
             found.add(support.code, f"{written.title}: {support.how}: {', '.join(affected)}", span)
             left_out = support.level is Level.REPORTED and handling.leave_out is not None
@@ -197,6 +198,7 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.ARMATURE: _Handling(
         joints_where(lambda joint: joint.dynamics.armature != 0.0), each_joint(without_armature)
     ),
+    Feature.ACCELERATION: _Handling(joints_where(lambda joint: joint.limit.is_smooth)),  # kept for MoveIt's settings
     Feature.MIMIC: _Handling(joints_where(lambda joint: joint.mimic is not None)),
     Feature.MIMIC_CHAIN: _Handling(chained_mimics, flatten_mimics),
     Feature.MIXED_MIMIC: _Handling(mixed_mimics, leave_out=without_mixed_mimics),

@@ -46,7 +46,9 @@ def bound(joint: Joint) -> Joint:
 def lacks_effort(joint: Joint) -> bool:
     """Whether a moving joint lacks an effort or velocity limit, which its format requires beside other limits."""
     missing = (isinf(joint.limit.effort), isinf(joint.limit.velocity))
-    return any(missing) if joint.kind.bounded else joint.kind is JointKind.CONTINUOUS and any(missing) != all(missing)
+    if joint.kind is JointKind.CONTINUOUS:
+        return any(missing) and (joint.limit.is_smooth or not all(missing))
+    return any(missing) and joint.kind.bounded
 
 
 def bound_effort(joint: Joint) -> Joint:

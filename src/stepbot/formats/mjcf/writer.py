@@ -81,6 +81,7 @@ EXPRESSES = {
     Feature.VELOCITY: lowered(
         "SB705", "velocity limits are written as `<numeric>` data, which MuJoCo does not enforce"
     ),
+    Feature.ACCELERATION: reported("SB718", "limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`damping`, `frictionloss`"),
     Feature.SPRING: exact("`stiffness`, `springref`"),
     Feature.ARMATURE: exact("`armature`"),

@@ -82,6 +82,7 @@ EXPRESSES = {
     Feature.OPEN_EFFORT: exact("no element"),
     Feature.EFFORT: exact("`<effort>`"),
     Feature.VELOCITY: exact("`<velocity>`"),
+    Feature.ACCELERATION: reported("SB718", "limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`<dynamics>`"),
     Feature.SPRING: exact("`<spring_stiffness>`, `<spring_reference>`"),
     Feature.ARMATURE: reported("SB703", "armatures are omitted"),

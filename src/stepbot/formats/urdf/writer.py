@@ -5,9 +5,11 @@ about the centre of mass along the axes of the link (rpy = 0), since some reader
 an ``<inertial>``, zero if it is massless: some engines assume 1 kg for a link without one.
 """
 
+from collections.abc import Sequence
+from dataclasses import dataclass
 from math import isfinite
 
-from stepbot.geometry.spatial import ZERO3, Vector3
+from stepbot.geometry.spatial import IDENTITY, Pose, Vector3, quaternion_from_rotation
 from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import (
     Box,
@@ -31,6 +33,8 @@ from .extensions import extensions
 from .srdf import srdf
 
 _SIMULATOR = "settings of the loading program"
+_CAPSULES, _SMOOTH = 1.1, 1.2
+"""The versions that have quaternions and capsules, and that have limits of acceleration and jerk."""
 
 EXPRESSES = {
     Feature.FIXED_BASE: reported("SB707", "the loading program decides whether the base is fixed"),
@@ -45,7 +49,7 @@ EXPRESSES = {
     Feature.STL_COLLISION: exact("as OBJ, in single precision; not read by Drake"),
     Feature.OTHER_COLLISION: lowered("SB733", "simulators agree on OBJ and STL; collision meshes are OBJ"),
     Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
-    Feature.CAPSULE: lowered("SB709", "a capsule is written as a cylinder and two spheres"),
+    Feature.CAPSULE: lowered("SB709", "a capsule is written as a cylinder and two spheres", _CAPSULES, "`<capsule>`"),
     Feature.FLAT_COLLISION: exact("as any mesh"),
     Feature.CONCAVE_COLLISION: exact("as any mesh"),
     Feature.COLOR: exact("a `<material>` in each visual"),
@@ -73,6 +77,12 @@ EXPRESSES = {
     Feature.OPEN_EFFORT: lowered("SB704", "a missing effort or velocity limit is written as 1e9"),
     Feature.EFFORT: exact("`effort`"),
     Feature.VELOCITY: exact("`velocity`"),
+    Feature.ACCELERATION: reported(
+        "SB718",
+        "limits of acceleration, deceleration and jerk are omitted",
+        _SMOOTH,
+        "`acceleration`, `deceleration`, `jerk`",
+    ),
     Feature.FRICTION: exact("`<dynamics>`"),
     Feature.SPRING: lowered("SB725", "springs are in `<gazebo>`"),
     Feature.ARMATURE: reported("SB703", "armatures are omitted"),
@@ -119,18 +129,23 @@ def reserves(name: str) -> bool:
 
 def render(robot: Robot) -> bytes:
     """The URDF of a lowered robot."""
-    top = root("robot", robot.source, name=robot.name)
+    top = root("robot", robot.source, name=robot.name, **version_of(robot))
     content(top, robot)
     return document(top)
 
 
+def version_of(robot: Robot) -> dict[str, str]:
+    """The attribute with the version of the format; none for 1.0, which some readers take for unknown."""
+    return {} if robot.versions.urdf == 1.0 else {"version": f"{robot.versions.urdf:g}"}
+
+
 def content(top: Element, robot: Robot) -> None:
     """Add everything in a URDF's root element to an element."""
-    files, patterns = MeshFiles(robot), Patterns()
+    files, patterns, turned = MeshFiles(robot), Patterns(), _Turned(robot.versions.urdf)
     for link in robot.links:
-        _link(top, link, files, patterns)
+        _link(top, link, files, patterns, turned)
     for joint in robot.joints:
-        _joint(top, joint)
+        _joint(top, joint, turned)
     extensions(top, robot)
 
 
@@ -148,24 +163,24 @@ def scenes(_robot: Robot) -> dict[str, bytes]:
     return {}
 
 
-def _link(top: Element, link: Link, files: MeshFiles, patterns: Patterns) -> None:
+def _link(top: Element, link: Link, files: MeshFiles, patterns: Patterns, turned: "_Turned") -> None:
     xml = element(top, "link", name=link.name)
     mass = link.mass_properties
     inertial = element(xml, "inertial")
-    _origin(inertial, mass.com)
+    turned.origin(inertial, mass.com)
     element(inertial, "mass", value=mass.mass)
     (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
     element(inertial, "inertia", ixx=ixx, ixy=ixy, ixz=ixz, iyy=iyy, iyz=iyz, izz=izz)
     for shape in link.shapes:
-        _shape(xml, shape, files, patterns)
+        _shape(xml, shape, files, patterns, turned)
 
 
-def _shape(parent: Element, shape: Visual | Collision, files: MeshFiles, patterns: Patterns) -> None:
+def _shape(parent: Element, shape: Visual | Collision, files: MeshFiles, patterns: Patterns, turned: "_Turned") -> None:
     X = upright(shape)
 
     def make(parent: Element, name: str, position: str) -> Element:
         xml = element(parent, "visual" if isinstance(shape, Visual) else "collision", name=name)
-        _origin(xml, position if any(X.position) else X.position, X.rpy)
+        turned.origin(xml, position if any(X.position) else X.position, X)
         _geometry(element(xml, "geometry"), shape, files)
         if isinstance(shape, Visual):
             element(element(xml, "material", name=name), "color", rgba=shape.rgba)
@@ -184,23 +199,25 @@ def _geometry(parent: Element, shape: Visual | Collision, files: MeshFiles) -> N
             element(parent, "sphere", radius=radius)
         case MeshRef():
             element(parent, "mesh", filename=files.of(shape).path)
-        case Capsule():
-            raise ValueError("capsules are lowered before they are written")
+        case Capsule(radius, length):
+            element(parent, "capsule", radius=radius, length=length)
 
 
-def _joint(top: Element, joint: Joint) -> None:
+def _joint(top: Element, joint: Joint, turned: "_Turned") -> None:
     xml = element(top, "joint", name=joint.name, type=joint.kind.value)
-    _origin(xml, joint.X_PC.position, joint.X_PC.rpy)
+    turned.origin(xml, joint.X_PC.position, joint.X_PC)
     element(xml, "parent", link=joint.parent)
     element(xml, "child", link=joint.child)
     if joint.kind is JointKind.FIXED:
         return
     element(xml, "axis", xyz=joint.axis)
     limit = joint.limit
-    if joint.kind is not JointKind.CONTINUOUS:
-        element(xml, "limit", lower=limit.lower, upper=limit.upper, effort=limit.effort, velocity=limit.velocity)
-    elif isfinite(limit.effort):
-        element(xml, "limit", effort=limit.effort, velocity=limit.velocity)
+    bounds = {"lower": limit.lower, "upper": limit.upper, "effort": limit.effort, "velocity": limit.velocity}
+    further = ("acceleration", "deceleration", "jerk") if turned.version >= _SMOOTH else ()
+    smooth = {name: getattr(limit, name) for name in further}
+    given = {name: value for name, value in (bounds | smooth).items() if isfinite(value)}
+    if given:
+        element(xml, "limit", **given)
     dynamics = {"damping": joint.dynamics.damping, "friction": joint.dynamics.friction}
     if any(dynamics.values()):
         element(xml, "dynamics", **{name: value for name, value in dynamics.items() if value})
@@ -210,7 +227,18 @@ def _joint(top: Element, joint: Joint) -> None:
         element(xml, "mimic", joint=joint.mimic.joint, **relation, **({"offset": offset} if offset else {}))
 
 
-def _origin(parent: Element, xyz: str | Vector3, rpy: Vector3 = ZERO3) -> None:
-    place = {name: value for name, value in (("xyz", xyz), ("rpy", rpy)) if any(value)}
-    if place:
-        element(parent, "origin", **place)
+@dataclass(frozen=True)
+class _Turned:
+    """Writes where elements are, their rotations as the version of the format has them."""
+
+    version: float
+
+    def origin(self, parent: Element, xyz: str | Vector3, X: Pose = IDENTITY) -> None:
+        """Add the ``<origin>`` of an element, unless it is at the origin and not turned."""
+        rotation: dict[str, Sequence[float]] = {"rpy": X.rpy} if any(X.rpy) else {}
+        if rotation and self.version >= _CAPSULES:
+            w, *xyz_of = quaternion_from_rotation(X.R)
+            rotation = {"quat_xyzw": (*xyz_of, w)}
+        place = {"xyz": xyz} if any(xyz) else {}
+        if place or rotation:
+            element(parent, "origin", **place, **rotation)

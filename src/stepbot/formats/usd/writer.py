@@ -61,6 +61,7 @@ EXPRESSES = {
     Feature.OPEN_EFFORT: exact("no attribute"),
     Feature.EFFORT: exact("`maxForce` of the joint's drive"),
     Feature.VELOCITY: exact("`velocityLimit` of Newton's schema"),
+    Feature.ACCELERATION: reported("SB718", "limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`damping`, `friction` of Newton's schema"),
     Feature.SPRING: reported("SB703", "springs are omitted"),
     Feature.ARMATURE: exact("`armature` of Newton's schema"),

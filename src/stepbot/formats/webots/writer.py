@@ -66,6 +66,7 @@ EXPRESSES = {
     Feature.OPEN_EFFORT: exact("1e9 in a motor"),
     Feature.EFFORT: exact("`maxTorque`, `maxForce` of the motor"),
     Feature.VELOCITY: exact("`maxVelocity` of the motor"),
+    Feature.ACCELERATION: reported("SB718", "limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`dampingConstant`, `staticFriction`"),
     Feature.SPRING: reported("SB703", "springs are omitted: theirs have no rest position of their own"),
     Feature.ARMATURE: reported("SB703", "armatures are omitted"),

@@ -2,10 +2,11 @@
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
+from math import isfinite
 from typing import Any
 
 from stepbot.robot.kinematics import MOVING
-from stepbot.robot.model import ActuatorKind, Robot
+from stepbot.robot.model import ActuatorKind, Limit, Robot
 
 from ...lowering import UNLIMITED
 from ..chains import Chain
@@ -91,17 +92,24 @@ def kinematics(found: Sequence[Chain]) -> str:
 
 
 def joint_limits(robot: Robot) -> str:
-    """``joint_limits.yaml``: velocities of the URDF; accelerations are unknown, and so unlimited."""
+    """``joint_limits.yaml``: velocities, and accelerations and jerks where the robot limits them."""
     limits = {}
     for joint in (joint for joint in robot.joints if joint.kind in MOVING and joint.mimic is None):
         bounded = joint.limit.velocity < UNLIMITED
         limits[joint.name] = {
             "has_velocity_limits": bounded,
             "max_velocity": joint.limit.velocity if bounded else 0.0,
-            "has_acceleration_limits": False,
-            "max_acceleration": 0.0,
+            "has_acceleration_limits": isfinite(joint.limit.acceleration),
+            "max_acceleration": joint.limit.acceleration if isfinite(joint.limit.acceleration) else 0.0,
+            **_further(joint.limit),
         }
     return yaml_text({"joint_limits": limits})
+
+
+def _further(limit: Limit) -> dict[str, float | bool]:
+    """Limits that MoveIt has only where a file states them."""
+    given = {name: getattr(limit, name) for name in ("deceleration", "jerk") if isfinite(getattr(limit, name))}
+    return {k: v for name, value in given.items() for k, v in ((f"has_{name}_limits", True), (f"max_{name}", value))}
 
 
 def moveit_controllers(robot: Robot) -> str:

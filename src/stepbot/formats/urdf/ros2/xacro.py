@@ -46,7 +46,9 @@ def macro_xacro(robot: Robot, package: str) -> bytes:
 
 def instance_xacro(robot: Robot) -> bytes:
     """The file of one robot, which takes the parameters of the macro as arguments; `parent:=world` adds that link."""
-    top = _top(robot.source, name=_escaped(robot.name))
+    from ..writer import version_of
+
+    top = _top(robot.source, name=_escaped(robot.name), **version_of(robot))
     element(top, _tag("include"), filename=f"{_escaped(robot.name)}.macro.xacro")
     defaults = _parameters(robot)
     for name, value in defaults.items():

@@ -1,0 +1,116 @@
+"""URDF 1.1 and 1.2 as URDF 1.0, for engines that take a quaternion for no rotation: all but those of urdfdom 5.1.
+
+https://docs.ros.org/en/rolling/p/urdfdom/ defines what the versions add. MuJoCo, PyBullet, Drake and yourdfpy read the
+capsules of 1.1 whatever version a file states, and ignore the limits of 1.2.
+"""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stepbot.geometry.spatial import Vector3, rotation_from_quaternion, rpy_from_rotation
+from stepbot.robot.model import Limit
+from stepbot.runtime.file import is_file
+from stepbot.runtime.temporary import run_folder
+
+from .observation import Request
+from .source_copy import locate
+from .urdf_chains import xml_root
+
+Element = Any
+"""``lxml.etree._Element``."""
+
+QUATERNION = "quat_xyzw"
+EXTRA_LIMITS = ("acceleration", "deceleration", "jerk")
+"""Attributes of ``<limit>`` in URDF 1.2, and fields of :class:`.Limit`."""
+_RPY = f"rpy in place of {QUATERNION}, which this engine ignores"
+_CYLINDERS = "cylinders in place of capsules, which this engine rejects"
+
+
+class Newer(NamedTuple):
+    """What a file has and readers of the version that it states ignore."""
+
+    what: str
+    needs: float
+    """The version that added it."""
+    line: int
+
+
+def stated_version(robot: Element) -> float:
+    """The version of a URDF; 1.0 if it states none, or no number."""
+    try:
+        return float(robot.get("version", "1.0"))
+    except ValueError:
+        return 1.0
+
+
+def newer_than_stated(robot: Element) -> Iterator[Newer]:
+    """The first of each kind of element or attribute that the stated version lacks, in the order of the versions."""
+    stated = stated_version(robot)
+    kinds = {
+        f"attribute '{QUATERNION}'": (1.1, f"(link|joint)//origin[@{QUATERNION}]"),
+        "<capsule>": (1.1, "link//geometry/capsule"),
+        **{f"attribute '{name}' of <limit>": (1.2, f"joint/limit[@{name}]") for name in EXTRA_LIMITS},
+    }
+    for what, (needs, path) in kinds.items():
+        found = robot.xpath(path.replace("(link|joint)", "*[self::link or self::joint]")) if stated < needs else ()
+        if found:
+            yield Newer(what, needs, found[0].sourceline or 0)
+
+
+def rpy_of(origin: Element) -> Vector3 | None:
+    """The rotation of an ``<origin>`` with a quaternion; None for one without."""
+    text = origin.get(QUATERNION)
+    if text is None:
+        return None
+    x, y, z, w = (float(part) for part in text.split())
+    whole = float(np.linalg.norm((x, y, z, w)))
+    return rpy_from_rotation(rotation_from_quaternion((w / whole, x / whole, y / whole, z / whole)))
+
+
+def extra_limits(joint: Element) -> Limit:
+    """The limits of a joint that URDF 1.2 adds, and no others."""
+    limit = joint.find("limit")
+    given = {} if limit is None else {name: limit.get(name) for name in EXTRA_LIMITS}
+    return Limit(**{name: float(text) for name, text in given.items() if text is not None})
+
+
+def with_rpy(robot: Element) -> bool:
+    """Replace each quaternion by roll, pitch and yaw; returns whether there was one."""
+    origins = [one for one in robot.iter("origin") if one.get(QUATERNION) is not None]
+    for origin in origins:
+        origin.set("rpy", " ".join(map(repr, rpy_of(origin) or ())))
+        del origin.attrib[QUATERNION]
+    return bool(origins)
+
+
+@contextmanager
+def readable(request: Request, *, capsules: bool = True) -> Iterator[tuple[Request, tuple[str, ...]]]:
+    """A request for a file of URDF 1.0, and a note if that is a copy; meshes have absolute paths in it.
+
+    Args:
+        request: A request for a file of any format.
+        capsules: Whether the engine reads capsules; for one that does not and reports no sizes they become cylinders.
+    """
+    from lxml import etree
+
+    file = Path(request.file)
+    top = xml_root(file) if request.format == "urdf" and is_file(file) else None
+    round_ended = [] if capsules or top is None else top.findall("link//geometry/capsule")
+    turned = top is not None and with_rpy(top)
+    if top is None or not (turned or round_ended):
+        yield request, ()
+        return
+    for capsule in round_ended:
+        capsule.tag = "cylinder"
+    locate(top, file, ())
+    with TemporaryDirectory(dir=run_folder()) as folder:
+        copy = Path(folder) / file.name
+        copy.write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
+        done = ([_RPY] if turned else []) + ([_CYLINDERS] if round_ended else [])
+        yield replace(request, file=str(copy)), (f"read from a copy with {' and '.join(done)}",)
