@@ -1,8 +1,9 @@
 """Selects the volume, centre of mass and inertia of each body: the mesh's, by trimesh, or the exact solid's.
 
 ``auto`` uses the mesh if it agrees with the solid within a thousandth, else the exact value; ``mesh`` uses the finest
-mesh available; ``exact`` uses the solid. If only one of them encloses a volume, that one is used. A solid on which no
-two integration methods agree is not used.
+mesh available; ``exact`` uses the solid. If only one of them encloses a volume, that one is used. Of a solid on which
+two integration methods agree to a tenth only, the exact value is used, and reported; a solid on which they differ
+more is not used.
 """
 
 from collections import Counter
@@ -12,7 +13,7 @@ from math import ceil, floor, log10
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.report.robot import MeasuredBody
 from stepbot.sidecar.document import MassMode
-from stepbot.step.assembly import CERTAIN, Assembly, Body, BodyKind
+from stepbot.step.assembly import CERTAIN, USABLE, Assembly, Body, BodyKind
 
 from .binder import Binder, listed
 from .reading import MASS_TOLERANCE
@@ -71,7 +72,7 @@ def report_massless(binder: Binder, bodies: Sequence[MeasuredBody], components: 
         number = binder.assembly.components[index].body
         if bodies[number].used is None:
             body = binder.assembly.bodies[number]
-            group = uncertain if _is_uncertain(body) else broken if body.kind is BodyKind.SOLID else surfaces
+            group = uncertain if _is_unknown(body) else broken if body.kind is BodyKind.SOLID else surfaces
             group.setdefault(number, []).append(index)
     source, span = binder.assembly.source, binder.span(("links",))
     if surfaces:
@@ -120,16 +121,18 @@ def _bodies(binder: Binder, components: Mapping[int, list[int]]) -> tuple[str, .
     return listed(tuple(notes))
 
 
-def _is_uncertain(body: Body) -> bool:
-    """Whether the body has unconfirmed exact mass properties."""
-    return body.exact is not None and body.exact_error > CERTAIN
+def _is_unknown(body: Body) -> bool:
+    """Whether the exact mass properties of the body may be off by more than engineers would accept."""
+    return body.exact is not None and body.exact_error > USABLE
 
 
 def _measured(name: str, occurrences: int, body: Body, mesh: VolumeProperties | None, mode: MassMode) -> MeasuredBody:
     exact = body.exact
     deviation, quantity = mesh.deviation_from(exact) if mesh is not None and exact is not None else (None, "")
     used, written = None, body.defect or f"a {body.kind} has no volume"
-    if not _is_uncertain(body):
+    if exact is not None and CERTAIN < body.exact_error <= USABLE:
+        used, written = exact, f"exact: known to {_shown(body.exact_error):.1%} only"
+    elif not _is_unknown(body):
         if deviation is None:
             used, written = _only_one(exact, mesh, mode, body.defect) or (used, written)
         elif mode is MassMode.EXACT:

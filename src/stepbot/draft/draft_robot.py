@@ -174,7 +174,7 @@ class _Drafting:
             closures=tuple(self._closure(arc) for arc in loops),
             offered=tuple(self._fused(h) for h in self._offered()),
             notes=self._stillness(),
-            base=Base.FLOATING if self._rolls(tree) else Base.FIXED,
+            base=Base.FLOATING if self._rolls(tree) and self._has_mass(found.root) else Base.FIXED,
         )
 
     def _stillness(self) -> tuple[str, ...]:
@@ -236,6 +236,20 @@ class _Drafting:
         return tuple(f"{why}: {_first_of(paths)}" for why, paths in about.items())
 
     def _joint(self, arc: TreeJoint) -> DraftJoint:
+        joint = self._moving_joint(arc)
+        if joint.type is JointKind.FIXED or not joint.confidence.is_chosen or self._has_mass(arc.child):
+            return joint
+        weightless = f"nothing in '{joint.child}' encloses a volume: it needs an `inertial` to move"
+        motion = Alternative(joint.type, *joint.parts, joint.confidence, joint.point, joint.direction)
+        others = (motion, *joint.alternatives)
+        return replace(joint, type=JointKind.FIXED, alternatives=others, review=weightless, doubt="", motor="")
+
+    def _has_mass(self, n: int) -> bool:
+        """Whether a link has a body that a robot can be built with: engines have no moving links without mass."""
+        components = self._assembly.components
+        return any(self._assembly.bodies[components[i].body].has_volume for i in self._found.links[n])
+
+    def _moving_joint(self, arc: TreeJoint) -> DraftJoint:
         found, confidence, doubt = self._origin(arc)
         axis = found.axis
         h, child = arc.evidence, self._names[arc.child]

@@ -1,16 +1,13 @@
 """Reads the text of a sidecar: bounded, as UTF-8."""
 
-import re
 from pathlib import Path
 
-from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+from stepbot.diagnostics import NOT_TEXT, Diagnostics, Span, did_you_mean
 from stepbot.runtime.file import is_folder, open_regular
 
 LARGEST_FILE = 1 << 20
 """Maximum size [bytes] of a file."""
 
-# The characters that YAML allows, except three rare ones that it treats as line ends and editors do not.
-_NO_TEXT = re.compile("[^\t\n\x20-\x7e\xa0-\u2027\u202a-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 _BYTE_ORDER_MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}
 
 
@@ -65,7 +62,7 @@ def _decoded(content: bytes, file: str, found: Diagnostics) -> str | None:
 
 def is_text(text: str, file: str, found: Diagnostics) -> bool:
     """Whether the text has no control characters; reports the first one, SB102."""
-    match = _NO_TEXT.search(text)
+    match = NOT_TEXT.search(text)
     if match is not None:
         place = _place(file, text[: match.start()])
         found.add("SB102", f"sidecar: control character {character(match[0])}", place)
@@ -74,7 +71,7 @@ def is_text(text: str, file: str, found: Diagnostics) -> bool:
 
 def has_only_text(text: str) -> bool:
     """Whether an unescaped value has no control characters."""
-    return _NO_TEXT.search(text) is None
+    return NOT_TEXT.search(text) is None
 
 
 def character(c: str) -> str:

@@ -21,6 +21,8 @@ from .faces import Face
 
 CERTAIN = 1e-3
 """Relative error of mass properties up to which they are reliable."""
+USABLE = 0.1
+"""The same up to which a robot is built with them, with a warning: densities are seldom known better."""
 ROOT_PATH = "."
 """Path of the root of the assembly."""
 
@@ -120,6 +122,11 @@ class Body:
     """Every face, in file order; only with ``ReadOptions.faces``."""
     face_counts: tuple[tuple[str, int], ...] = ()
     """How many faces lie on each kind of surface, by the name of the kind; none for a body of triangles or curves."""
+
+    @property
+    def has_volume(self) -> bool:
+        """Whether it encloses a volume: a solid, or a closed mesh."""
+        return self.kind is BodyKind.SOLID or (self.kind is BodyKind.TESSELLATED and self.watertight)
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,6 @@ def find(found: Diagnostics) -> None:
     """Ask the library."""
     shop = Workshop()
     shop.box("a", density=1000)
-    object.__setattr__(shop.bodies[0], "exact_error", 0.04)
+    object.__setattr__(shop.bodies[0], "exact_error", 0.4)
     object.__setattr__(shop.bodies[0], "defect", "its mass properties do not converge")
     build(shop, Path(), ONE, found)

@@ -530,7 +530,7 @@ def test_mass_properties_that_nothing_confirms_are_an_error(mode: str, tmp_path:
     """Uncertain mass properties are an error in every mode, unless the link has an ``inertial``."""
     shop = Workshop()
     shop.box("a", density=1000)
-    object.__setattr__(shop.bodies[0], "exact_error", 0.04)
+    object.__setattr__(shop.bodies[0], "exact_error", 0.4)
     object.__setattr__(shop.bodies[0], "defect", "its mass properties do not converge")
     build(shop, tmp_path, f"    mass: {mode}\n" + ONE, found)
     faults = [fault for fault in found if fault.code == "SB516"]
@@ -539,6 +539,20 @@ def test_mass_properties_that_nothing_confirms_are_an_error(mode: str, tmp_path:
     given = "    links: {base: {rest: true, inertial: {mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}}}}\n"
     robot = built(shop, tmp_path, f"    mass: {mode}\n" + given)
     assert _mass(robot.root).mass == 1.0
+
+
+def test_roughly_known_mass_properties_are_used_and_reported(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Methods that agree to a few percent give a robot with the exact solid's, and the report says how well known."""
+    shop = Workshop()
+    shop.box("a", density=1000)
+    object.__setattr__(shop.bodies[0], "exact_error", 0.05)
+    exact = shop.bodies[0].exact
+    robot = build(shop, tmp_path, ONE, found)
+    assert robot is not None
+    assert exact is not None
+    assert _mass(robot.root).mass == pytest.approx(1000 * exact.volume)
+    (note,) = (fault for fault in found if fault.code == "SB505")
+    assert note.notes == ("a: exact: known to 5.0% only",)
 
 
 def test_an_open_mesh_gives_way(tmp_path: Path, found: ReadDiagnostics) -> None:

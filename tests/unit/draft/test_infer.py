@@ -1,6 +1,7 @@
 """Drafts from the STEP alone, of robots whose joints are known."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from stepbot.draft.draft import Draft, OriginForm
 from stepbot.draft.draft_robot import infer
 from stepbot.draft.inference import infer_mechanism
 from stepbot.robot.model import Base, JointKind
-from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
+from stepbot.step.assembly import Assembly, BodyKind, MeshTolerance, ReadOptions
 from stepbot.step.reader import read_assembly
 from tests.assembled import assembled, group, part
 from tests.solids import box, cylinder
@@ -48,6 +49,19 @@ def test_four_bar_is_a_loop_of_four_hinges(drafted: Callable[[str], Draft]) -> N
     assert set(kinds) == {JointKind.REVOLUTE}
     directions = np.array([j.direction for j in (*draft.joints, *draft.closures)])
     assert np.linalg.norm(np.cross(directions, directions[0]), axis=1).max() < 1e-9
+
+
+def test_a_link_without_volume_is_fixed_and_may_move() -> None:
+    """Engines have no moving link without mass: the motion of a link of surfaces is a line to uncomment."""
+    drawn = assembly("stepbot_scara")
+    moving = infer(drawn, "scara")
+    (tip,) = (j for j in moving.joints if j.child not in {other.parent for other in moving.joints})
+    (hollow,) = (link for link in moving.links if link.name == tip.child)
+    surfaces = {drawn.components[i].body for i in hollow.components}
+    bodies = tuple(replace(b, kind=BodyKind.SURFACE) if n in surfaces else b for n, b in enumerate(drawn.bodies))
+    (joint,) = (j for j in infer(replace(drawn, bodies=bodies), "scara").joints if j.child == tip.child)
+    assert (joint.type, joint.alternatives[0].type) == (JointKind.FIXED, tip.type)
+    assert "encloses a volume" in joint.review
 
 
 def test_slider_crank_has_one_slide(drafted: Callable[[str], Draft]) -> None:

@@ -146,9 +146,9 @@ CODES = (
         "SB516",
         "error",
         "mass properties not determined",
-        "Three methods to integrate over a solid do not agree to a thousandth: the integration of the geometry "
+        "Three methods to integrate over a solid differ by more than a tenth: the integration of the geometry "
         "kernel, that of stepbot, and a sequence of finer meshes.",
-        "Each value may be wrong by more than a thousandth, and engines would confirm any of them.",
+        "Each value may be wrong by more than that, and engines would confirm any of them.",
         "Repair the solid in CAD (self-intersecting faces, gaps between faces), ignore it under `parts`, or give its "
         "link an `inertial` with com and inertia.",
     ),

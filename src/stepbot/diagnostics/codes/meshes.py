@@ -43,8 +43,8 @@ CODES = (
         "volume integration does not converge",
         "The integration of the geometry kernel, that of stepbot, and a sequence of finer meshes differ by more than "
         "a thousandth.",
-        "The solid may be invalid, for example because a face intersects itself. Its mass properties are unknown, and "
-        "stepbot does not build a robot from it (SB516).",
+        "The solid may be invalid, for example because a face intersects itself. Up to a tenth apart, the value of the "
+        "exact solid is used; further apart, stepbot does not build a robot from it (SB516).",
         "Repair the solid in CAD, ignore it, or give its link an `inertial` with com and inertia.",
     ),
     Code(

@@ -17,7 +17,7 @@ from stepbot.draft.text.values import alternative_origin, angles, comment, flow,
 from stepbot.robot.model import Base, JointKind
 from stepbot.runtime.file import resolved
 from stepbot.sidecar.starter import robot_name, scalar
-from stepbot.step.assembly import Assembly, BodyKind
+from stepbot.step.assembly import Assembly
 from stepbot.step.features.ground import Standing, standing
 from stepbot.step.structure.paths import quoted
 
@@ -229,8 +229,7 @@ def equal_density(assembly: Assembly) -> float:
 
 def _has_volume(assembly: Assembly, index: int) -> bool:
     body = assembly.components[index].body
-    kind = assembly.bodies[body].kind if body >= 0 else None
-    return kind is BodyKind.SOLID or (kind is BodyKind.TESSELLATED and assembly.bodies[body].watertight)
+    return body >= 0 and assembly.bodies[body].has_volume
 
 
 def drawn_up(draft: Draft, assembly: Assembly) -> Standing | None:

@@ -16,7 +16,7 @@ from .gimbals import Gimbals
 if TYPE_CHECKING:
     from .compiled import Compiled
 
-NUDGE = 0.02
+NUDGE = 1e-4
 """Offset [rad], [m] of the following joints from the reference's solution, from which MuJoCo's rows correct them."""
 
 

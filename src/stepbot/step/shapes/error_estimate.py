@@ -10,7 +10,7 @@
     meshes do not converge,  stepbot's own, if the kernel's adaptive integration (Gauss-Kronrod) agrees to 1e-3, its
       or have holes          claim included
 
-An error above 1e-3 means that the mass properties are unknown.
+An error above 1e-3 is reported; above a tenth the mass properties are unknown.
 A solid is simple if all its faces are planes, cylinders, cones, spheres or tori between edges of few spans.
 """
 
@@ -67,7 +67,7 @@ class Estimate:
 
     properties: VolumeProperties
     error: float
-    """Relative, of volume, centre and inertia; above :data:`.assembly.CERTAIN` they are not known."""
+    """Relative, of volume, centre and inertia; above :data:`.assembly.CERTAIN` it is reported."""
     opinions: tuple[tuple[str, float], ...] = ()
     """Volumes [m^3] by several methods, if they do not agree."""
 

@@ -18,7 +18,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeVar
 
-from stepbot.diagnostics import did_you_mean, one_line
+from stepbot.diagnostics import NOT_TEXT, did_you_mean, one_line
 
 from ..assembly import ROOT_PATH, Assembly, Component
 
@@ -65,8 +65,11 @@ def find_one(assembly: Assembly, pattern: str) -> Binding:
 
 
 def plain_name(name: str) -> str:
-    """A name without its save counter: ``arm v12`` and ``arm v12:1`` give ``arm`` and ``arm:1``."""
-    name = name.strip()
+    """A name without its save counter: ``arm v12`` and ``arm v12:1`` give ``arm`` and ``arm:1``.
+
+    Characters that no sidecar may contain, such as those of a wrong code page, are U+FFFD.
+    """
+    name = NOT_TEXT.sub("\ufffd", name.strip())
     return _SAVE_COUNTER.sub("", name) if " v" in name else name
 
 
@@ -173,8 +176,8 @@ def _parse(pattern: str) -> list[_Segment]:
 def _parse_segment(text: str) -> _Segment:
     base = _ORDINAL.sub("", text)
     ordinal = _ORDINAL.search(text)
-    plain = base[1:] if _DOT.fullmatch(base) else _ESCAPED.sub(r"\1", _STAR.sub(_ANY, base))
-    name = plain_name(plain)
+    plain = plain_name(base)
+    name = plain[1:] if _DOT.fullmatch(base) else _ESCAPED.sub(r"\1", _STAR.sub(_ANY, plain))
     return _Segment(text, name, int(ordinal[1]) if ordinal and base else 0)
 
 
