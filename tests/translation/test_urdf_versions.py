@@ -108,10 +108,11 @@ def newest() -> Robot:
     """An arm with a turned capsule, in URDF 1.2."""
     arm = two_link_arm()
     last, limit = arm.links[-1], Limit(-1.0, 1.0, 2.0, 30.0, acceleration=8.0, deceleration=9.0, jerk=70.0)
+    bare = (replace(one, visuals=(), collisions=()) for one in arm.links[:-1])
     rod = Collision("rod", Capsule(0.02, 0.1), Pose.from_xyz_rpy((0.1, 0.0, 0.0), (0.4, 0.5, -0.6)))
     return replace(
         arm,
-        links=(*arm.links[:-1], replace(last, collisions=(rod,))),
+        links=(*bare, replace(last, visuals=(), collisions=(rod,))),
         joints=(*arm.joints[:-1], replace(arm.joints[-1], limit=limit, X_PC=rod.X_LG)),
         versions=FormatVersions(urdf=1.2),
     )

@@ -68,6 +68,7 @@ class Feature(StrEnum):
     FORCE_TORQUE = "force-torque sensor"
     OFF_JOINT = "force-torque sensor not at its joint's origin"
     CAMERA = "camera"
+    OPTICAL = "optical frame of a camera, as REP 103 defines it"
     LIDAR = "lidar"
     CONTACT = "contact sensor"
     SENSOR_PLACE = "IMU, camera or lidar not at its link's frame"

@@ -76,6 +76,7 @@ def renamed(
                 name=sensor(one.name),
                 link=link(one.link) if one.link else "",
                 joint=joint(one.joint) if one.joint else "",
+                frame=(link if one.frame in robot.link_by_name else frame)(one.frame) if one.frame else "",
             )
             for one in robot.sensors
         ),

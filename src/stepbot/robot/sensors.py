@@ -2,7 +2,8 @@
 
 The frame of a sensor has x forward and z up, as REP 103 defines for bodies: a camera looks along x, a lidar scans
 around z with the centre of its range on x. A force-torque sensor measures the wrench that the parent of its joint
-exerts on the child, in its own frame and about its own origin: at rest, the supporting force.
+exerts on the child, in its own frame and about its own origin: at rest, the supporting force. Images of a camera are in
+its optical frame, with z forward and x right, for which formats of ROS have a frame of its own.
 """
 
 from dataclasses import dataclass
@@ -27,6 +28,10 @@ PLACED = (SensorKind.IMU, SensorKind.FORCE_TORQUE, SensorKind.CAMERA, SensorKind
 """Kinds of sensors that have a frame of their own; the others measure a whole joint or link."""
 SEEING = (SensorKind.CAMERA, SensorKind.LIDAR)
 """Kinds of sensors that have a field of view."""
+
+
+OPTICAL = Pose.of(((0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
+"""Pose of an optical frame in its camera: z is forward, x right, y down (REP 103)."""
 
 
 @dataclass(frozen=True)
@@ -61,5 +66,7 @@ class Sensor:
     """Measurements per second [Hz]; 0 for one in every step of a simulation."""
     view: View = View()
     """For the kinds in :data:`SEEING`."""
+    frame: str = ""
+    """The link or frame by which programs of ROS name the place of its measurements; empty for Gazebo's own name."""
     source: str = ""
     """How its frame was found, for messages; empty if it is the frame of its link or joint."""

@@ -152,6 +152,15 @@ CODES: tuple[Code, ...] = (
         "limit the commands.",
     ),
     Code(
+        "SB719",
+        "note",
+        "optical frame added for a camera",
+        "ROS describes images in a frame with z forward, x right and y down (REP 103), and the frame of a camera has x forward and "
+        "z up.",
+        "The file has a frame `<camera>_optical_frame` beside the camera, and Gazebo names it with every image (`gz_frame_id`).",
+        "No action is needed.",
+    ),
+    Code(
         "SB720",
         "warning",
         "joint split into single-axis joints",

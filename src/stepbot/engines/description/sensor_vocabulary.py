@@ -18,6 +18,8 @@ SENSOR = {
     "": "name type",
     "pose": "relative_to degrees rotation_format",
     "update_rate": "",
+    "topic": "",  # topics and frames of messages are named anew
+    "gz_frame_id": "",
     "force_torque": "",
     "force_torque/frame": "",
     "force_torque/measure_direction": "",

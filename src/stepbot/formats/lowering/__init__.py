@@ -39,10 +39,12 @@ from .devices import (
     is_open_view,
     is_timed_encoder,
     is_unlimited_actuator,
+    lacks_optical_frame,
     seeing_what_is_near,
     sensors_as_links,
     sensors_of,
     sensors_where,
+    with_optical_frames,
     without_actuators,
     without_camera_extras,
     without_encoder_rates,
@@ -202,6 +204,7 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.MIMIC: _Handling(joints_where(lambda joint: joint.mimic is not None)),
     Feature.MIMIC_CHAIN: _Handling(chained_mimics, flatten_mimics),
     Feature.MIXED_MIMIC: _Handling(mixed_mimics, leave_out=without_mixed_mimics),
+    Feature.OPTICAL: _Handling(sensors_where(lacks_optical_frame), with_optical_frames),
     Feature.FRAME: _Handling(
         lambda robot: [f"'{frame.name}' on '{frame.link}'" for frame in robot.frames], frames_as_links
     ),

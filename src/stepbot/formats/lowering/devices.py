@@ -4,11 +4,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import inf, isinf
 
-from stepbot.geometry.spatial import IDENTITY
+import numpy as np
+
+from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.gains import actuator_limit, joint_range
 from stepbot.robot.mesh_names import free_name
-from stepbot.robot.model import Actuator, ActuatorKind, Frame, Limit, Robot
-from stepbot.robot.sensors import SEEING, Sensor, SensorKind
+from stepbot.robot.model import Actuator, ActuatorKind, Frame, JointKind, Limit, Robot
+from stepbot.robot.sensors import OPTICAL, SEEING, Sensor, SensorKind
 
 from .joints import UNLIMITED, frames_as_links
 
@@ -17,6 +19,8 @@ NEAREST, FARTHEST = 0.1, 100.0
 
 _WITH_PLACE = (SensorKind.IMU, SensorKind.CAMERA, SensorKind.LIDAR)
 """Kinds of sensors that ROS expects on a link of their own."""
+_SAME = 1e-6
+"""Difference [m], or of rotation entries, of frames at one place."""
 
 
 def sensors_where(condition: Callable[[Sensor], bool]) -> Callable[[Robot], list[str]]:
@@ -144,6 +148,40 @@ def sensors_as_links(robot: Robot) -> Robot:
             sensors.append(sensor)
     mounted = frames_as_links(replace(robot, frames=tuple(frames), sensors=tuple(sensors)))
     return replace(mounted, frames=robot.frames)
+
+
+def lacks_optical_frame(sensor: Sensor) -> bool:
+    """Whether a sensor is a camera without a frame for its images."""
+    return sensor.kind is SensorKind.CAMERA and not sensor.frame
+
+
+def with_optical_frames(robot: Robot) -> Robot:
+    """The robot with an optical frame for every camera, by which its images are named; one that exists is kept."""
+    taken = {link.name for link in robot.links} | {frame.name for frame in robot.frames}
+    taken |= {joint.name for joint in robot.joints} | {closure.name for closure in robot.closures}
+    added: list[Frame] = []
+    sensors: list[Sensor] = []
+    for sensor in robot.sensors:
+        if lacks_optical_frame(sensor):
+            name, X_LF = f"{sensor.name}_optical_frame", sensor.X_LS @ OPTICAL
+            if not _is_there(robot, name, sensor.link, X_LF):
+                name = free_name(name, "_2", taken)
+                added.append(Frame(name, sensor.link, X_LF))
+            sensor = replace(sensor, frame=name)
+        sensors.append(sensor)
+    return replace(robot, frames=(*robot.frames, *added), sensors=tuple(sensors))
+
+
+def _is_there(robot: Robot, name: str, link: str, X_LF: Pose) -> bool:
+    """Whether a frame or a link that is fixed to a link is at a place."""
+    frames = [(frame.link, frame.X_LF) for frame in robot.frames if frame.name == name]
+    above = {joint.child: joint for joint in robot.joints if joint.kind is JointKind.FIXED}
+    if name in robot.link_by_name:
+        X = IDENTITY
+        while name != link and name in above:
+            name, X = above[name].parent, above[name].X_PC @ X
+        frames.append((name, X))
+    return any(on == link and np.allclose(X.matrix, X_LF.matrix, rtol=0.0, atol=_SAME) for on, X in frames)
 
 
 def is_off_joint(sensor: Sensor) -> bool:

@@ -109,6 +109,7 @@ EXPRESSES = {
     Feature.FORCE_TORQUE: exact("`<force>`, `<torque>` at a site"),
     Feature.OFF_JOINT: exact("`<force>`, `<torque>` at a site"),
     Feature.CAMERA: exact("`<camera>`"),
+    Feature.OPTICAL: exact("`<camera>`, which has no other frame"),
     Feature.LIDAR: exact("`<rangefinder>` at a site for each ray"),
     Feature.CONTACT: exact("`<contact>` of a body"),
     Feature.SENSOR_PLACE: exact("`<site>`, `<camera>`"),

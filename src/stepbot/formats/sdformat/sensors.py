@@ -3,6 +3,7 @@
 Gazebo's only lidar is rendered on the graphics card: hence ``gpu_lidar``. The format has no joint sensor.
 """
 
+import re
 from collections.abc import Sequence
 
 from stepbot.geometry.spatial import IDENTITY, Pose
@@ -20,6 +21,16 @@ _TYPES = {
     SensorKind.CONTACT: "contact",
 }
 """The format's name of each kind."""
+_TOPICS = {
+    SensorKind.IMU: "imu",
+    SensorKind.FORCE_TORQUE: "wrench",
+    SensorKind.CAMERA: "image",
+    SensorKind.LIDAR: "scan",
+}
+_IN_LINK = (SensorKind.IMU, SensorKind.LIDAR)
+"""Kinds that measure in the frame of their link if they are at its origin."""
+_TOPIC = re.compile(r"[A-Za-z][A-Za-z0-9_]*|\$\{prefix\}[A-Za-z0-9_]+")
+"""Names that ROS allows in topics; the prefix of a xacro is the user's."""
 
 
 def sensors_on_link(xml: Element, link: Link, sensors: Sequence[Sensor], shapes: Sequence[str]) -> None:
@@ -42,6 +53,11 @@ def sdf_sensor(parent: Element, sensor: Sensor, shapes: Sequence[str] = ()) -> E
     sdf_pose(xml, sensor.X_LS)
     if sensor.rate:
         element(xml, "update_rate", sensor.rate)
+    if topic := topic_of(sensor):
+        element(xml, "topic", topic)
+    at_link = sensor.kind in _IN_LINK and sensor.X_LS.is_identity
+    if frame := sensor.frame or (sensor.link if at_link else ""):
+        element(xml, "gz_frame_id", frame)
     match sensor.kind:
         case SensorKind.FORCE_TORQUE:
             cell = element(xml, "force_torque")
@@ -57,6 +73,12 @@ def sdf_sensor(parent: Element, sensor: Sensor, shapes: Sequence[str] = ()) -> E
             for shape in shapes:
                 element(contact, "collision", shape)
     return xml
+
+
+def topic_of(sensor: Sensor) -> str:
+    """The topic on which Gazebo publishes a sensor, ``wrist_camera/image``; empty for a name that none can have."""
+    ending = _TOPICS.get(sensor.kind, "")
+    return f"{sensor.name}/{ending}" if ending and _TOPIC.fullmatch(sensor.name) else ""
 
 
 def _camera(xml: Element, sensor: Sensor) -> None:

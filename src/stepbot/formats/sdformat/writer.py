@@ -108,6 +108,7 @@ EXPRESSES = {
     Feature.FORCE_TORQUE: exact("`force_torque` in its joint"),
     Feature.OFF_JOINT: reported("SB728", "torques are about the joint's origin"),
     Feature.CAMERA: exact("`camera`"),
+    Feature.OPTICAL: lowered("SB719", "images of these cameras are in frames `<camera>_optical_frame`"),
     Feature.LIDAR: exact("`gpu_lidar`"),
     Feature.CONTACT: exact("`contact` with the collisions of its link"),
     Feature.SENSOR_PLACE: exact("`<pose>`"),

@@ -106,6 +106,7 @@ EXPRESSES = {
     Feature.FORCE_TORQUE: lowered("SB725", "force-torque sensors are in `<gazebo>` and `<ros2_control>`"),
     Feature.OFF_JOINT: reported("SB728", "torques are about the joint's origin"),
     Feature.CAMERA: lowered("SB725", "cameras are in `<gazebo>`"),
+    Feature.OPTICAL: lowered("SB719", "images of these cameras are in links `<camera>_optical_frame`"),
     Feature.LIDAR: lowered("SB725", "lidars are in `<gazebo>`"),
     Feature.CONTACT: lowered("SB725", "contact sensors are in `<gazebo>`"),
     Feature.SENSOR_PLACE: lowered("SB708", "these sensors are on massless links with fixed joints"),

@@ -85,6 +85,7 @@ EXPRESSES = {
     Feature.FORCE_TORQUE: _SENSORS,
     Feature.OFF_JOINT: _SENSORS,
     Feature.CAMERA: _SENSORS,
+    Feature.OPTICAL: exact("sensors are omitted"),
     Feature.LIDAR: _SENSORS,
     Feature.CONTACT: _SENSORS,
     Feature.SENSOR_PLACE: _SENSORS,

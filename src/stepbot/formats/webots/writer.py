@@ -90,6 +90,7 @@ EXPRESSES = {
     Feature.FORCE_TORQUE: _NO_SENSOR,
     Feature.OFF_JOINT: _NO_SENSOR,
     Feature.CAMERA: exact("`Camera`"),
+    Feature.OPTICAL: exact("`Camera`, which has no other frame"),
     Feature.LIDAR: exact("`Lidar`"),
     Feature.CONTACT: _NO_SENSOR,
     Feature.SENSOR_PLACE: exact("`translation`, `rotation`"),

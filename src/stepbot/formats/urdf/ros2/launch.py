@@ -1,10 +1,20 @@
 """A launch file and settings of RViz, to look at the robot and move its joints."""
 
 from stepbot.robot.model import Base, Robot
+from stepbot.robot.sensors import SensorKind
 from stepbot.robot.standing import standing_height
 
+from ...sdformat.sensors import topic_of
 from .moveit import controller_names
 from .xacro import GAZEBO_HARDWARE
+
+_MESSAGES = {
+    SensorKind.IMU: ("sensor_msgs/msg/Imu", "gz.msgs.IMU"),
+    SensorKind.FORCE_TORQUE: ("geometry_msgs/msg/WrenchStamped", "gz.msgs.Wrench"),
+    SensorKind.CAMERA: ("sensor_msgs/msg/Image", "gz.msgs.Image"),
+    SensorKind.LIDAR: ("sensor_msgs/msg/LaserScan", "gz.msgs.LaserScan"),
+}
+"""For each kind of sensor its message in ROS and in Gazebo: https://github.com/gazebosim/ros_gz/tree/ros2/ros_gz_bridge."""
 
 
 def view_launch(robot: Robot, package: str) -> str:
@@ -76,6 +86,18 @@ def rviz(robot: Robot) -> str:
     )
 
 
+def bridged(robot: Robot) -> list[str]:
+    """What ``parameter_bridge`` hands on to ROS: the clock, and a topic for each sensor."""
+    topics = ["/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock"]
+    for sensor in robot.sensors:
+        if topic := topic_of(sensor):
+            ros, gazebo = _MESSAGES[sensor.kind]
+            topics.append(f"/{topic}@{ros}[{gazebo}")
+            if sensor.kind is SensorKind.CAMERA:
+                topics.append(f"/{sensor.name}/camera_info@sensor_msgs/msg/CameraInfo[gz.msgs.CameraInfo")
+    return topics
+
+
 def gazebo_launch(robot: Robot, package: str) -> str:
     """Starts Gazebo with the robot in a world, and the controllers of its actuators.
 
@@ -101,6 +123,7 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 ARGUMENTS = {arguments!r}
 CONTROLLERS = {controllers!r}
+TOPICS = {bridged(robot)!r}
 HEIGHT = {str(standing_height(robot, {}))!r}
 
 
@@ -127,7 +150,7 @@ def generate_launch_description():
             Node(
                 package="ros_gz_bridge",
                 executable="parameter_bridge",
-                arguments=["/clock@rosgraph_msgs/msg/Clock[gz.msgs.Clock"],
+                arguments=TOPICS,
             ),
             Node(
                 package="ros_gz_sim",
