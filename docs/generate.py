@@ -12,7 +12,7 @@ from reference import reference_page  # beside this file
 from stepbot.diagnostics.codes.page import diagnostics_page
 from stepbot.driving.limits import LIMITS, UNITS
 from stepbot.formats.mapping import mapping_page
-from stepbot.sidecar.schema import schema_text
+from stepbot.sidecar.schema import motors_schema_text, schema_text
 from stepbot_cli.application import application
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -80,6 +80,7 @@ def drive() -> str:
 GENERATED: dict[str, Callable[[], str]] = {
     "docs/architecture.md": architecture,
     "schemas/robot-1.schema.json": schema_text,
+    "schemas/motors-1.schema.json": motors_schema_text,
     "docs/diagnostics.md": diagnostics,
     "docs/mapping.md": mapping_page,
     "docs/drive.md": drive,

@@ -35,6 +35,7 @@ COMMANDS = {
     "docs": "Open the documentation.",
     "schema": "Print the JSON Schema of the sidecar.",
     "formats": "List the output formats.",
+    "motors": "List or show motors, with their sources.",
     "library": "List, show or export the bundled robots.",
     "cache": "Show or clear the cache.",
 }

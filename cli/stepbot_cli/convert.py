@@ -279,12 +279,15 @@ def _show_files(files: Iterable[str], folder: Path, *, failed: bool) -> None:
 
 
 def _show_in_full(report: "Results") -> None:
-    """Print the results, the evidence for each joint, the collision shapes of each link, and each engine."""
+    """Print the evidence for each joint, masses, the figures of motors, collision shapes, and each engine's results."""
     from stepbot.report.mass_words import collision_summary, mass_summary, mass_words
 
     show_joint_rows(report.joint_table, verbose=True)
     if report.masses:
         write_filled(mass_summary(report.masses), *(f"  {link}: {mass_words(m)}" for link, m in report.masses.items()))
+    for name, motor in report.motors.items():
+        sources = (f"  {one.quantity} {one.value:.6g} {one.unit}: {one.source}" for one in motor.figures)
+        write_filled(f"actuator {name}: motor {motor.name}", *sources)
     if shapes := report.collision_shapes:
         links = (f"  {one.link}: {collision_summary([one]).partition(': ')[2]}" for one in shapes)
         write_filled(collision_summary(shapes), *links)

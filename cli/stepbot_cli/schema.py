@@ -16,7 +16,8 @@ FILES = ("*.robot.yaml", "*.robot.yml", "robot.yaml", "robot.yml")
     epilog="Example: stepbot schema > robot-1.schema.json",
 )
 @click.option("--vscode", is_flag=True, help="Print VS Code settings that apply the schema to all sidecars.")
-def command(vscode: bool) -> int:
+@click.option("--motors", is_flag=True, help="Print the schema of a file of motors of your own.")
+def command(vscode: bool, motors: bool) -> int:
     """Print the JSON Schema of the sidecar, for editors and scripts."""
     if vscode:
         from stepbot.jobs.library import schema_file
@@ -24,7 +25,7 @@ def command(vscode: bool) -> int:
         settings = {"yaml.schemas": {schema_file().as_uri(): list(FILES)}}
         write_result(json.dumps(settings, indent=2, ensure_ascii=False))
         return 0
-    from stepbot.sidecar.schema import schema_text
+    from stepbot.sidecar.schema import motors_schema_text, schema_text
 
-    write_result(schema_text())
+    write_result(motors_schema_text() if motors else schema_text())
     return 0

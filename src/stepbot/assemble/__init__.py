@@ -4,6 +4,7 @@ material_assignment  density, colour and collision of each component
 claims               the link of each component
 measured_bodies      mass properties of each body: exact or from its mesh
 masses               mass of each component
+motor_parts          the parts of motors against the catalogue
 overlaps             mass that overlapping solids count twice
 bound                links, masses and joints as far as the sidecar binds
 frames               origin of each joint and frame, as drawn
@@ -57,6 +58,7 @@ from .links import Links, is_complete
 from .masses import masses
 from .material_assignment import assign_materials
 from .measured_bodies import measured_bodies, report_choices, report_massless
+from .motor_parts import report_unlike_motors
 from .scored_collisions import ScoredCollisions
 from .simplified_visuals import SimplifiedVisualMeshes
 
@@ -118,6 +120,7 @@ def build_robot(
     bodies = measured_bodies(assembly, measures(), document.mass)
     fitted = FittedCollisions(binder, claims, materials.of, bodies, cache, process)
     weighed = masses(binder, materials, bodies)
+    report_unlike_motors(binder, weighed)
     links = Links(binder, claims, materials.of, weighed, bodies, fitted)
     links.report_unknown_masses()
     _report_bodies(binder, claims, bodies)
@@ -138,7 +141,7 @@ def build_robot(
         joints,
         closures,
         named,
-        build_actuators(document),
+        build_actuators(sidecar),
         links.assets.all(),
         document.base,
         assembly.source,

@@ -31,7 +31,7 @@ def build_frames(binder: Binder, frames: Frames) -> tuple[Frame, ...] | None:
     return named if len(named) == len(built) else None
 
 
-def build_actuators(document: Document) -> tuple[Actuator, ...]:
+def build_actuators(sidecar: Sidecar) -> tuple[Actuator, ...]:
     """The actuators, in the sidecar's order."""
     return tuple(
         Actuator(
@@ -43,8 +43,9 @@ def build_actuators(document: Document) -> tuple[Actuator, ...]:
             drive.gear,
             limit=_limit(drive.limits),
             tuning=_tuning(drive),
+            motor=sidecar.motors.get(name),
         )
-        for name, drive in document.actuators.items()
+        for name, drive in sidecar.document.actuators.items()
     )
 
 

@@ -81,9 +81,8 @@ class _Sharing:
         computed = [part.mass for part in parts if part.mass is not None]
         weights = computed if len(computed) == len(parts) else [part.volume or 0.0 for part in parts]
         whole = exact_sum(weights)
-        origin = f"parts rule '{given.pattern}'"
         for i, part, weight in zip(members, parts, weights, strict=True):
-            self._result[i] = replace(part, mass=total * weight / whole, density=None, origin=origin)
+            self._result[i] = replace(part, mass=total * weight / whole, density=None, origin=given.origin)
 
     def _report_density(self, given: GivenMass, mass: float, volume: float) -> None:
         """Warn, once for each rule, of a mass that no material has in this volume: grams without a unit."""
@@ -93,7 +92,7 @@ class _Sharing:
         self._heavy.add(given.pattern)
         whole = "a mass is that of each component that the path matches, with everything below it"
         help = tuple(filter(None, (doubt.remedy, whole)))
-        self._binder.report(doubt.code, ("parts", given.pattern, "mass"), doubt.message, help=help)
+        self._binder.report(doubt.code, given.keys, doubt.message, help=help)
 
     def _topmost(self, start: int, end: int, beside: str = "") -> list[int]:
         """Topmost components with a given mass in a range of indices, without those of the rule ``beside``."""
@@ -115,7 +114,7 @@ class _Sharing:
             self._empty[pattern] = self._ends[index]
             self._binder.report(
                 "SB503",
-                ("parts", pattern, "mass"),
+                self._materials.given[index].keys,
                 f"'{self._binder.path(index)}' has no volume for its mass of {self._materials.given[index].mass:g} kg",
                 help=(
                     "give its link an `inertial` with mass, com and inertia, or set `mass` on a component with solids",
@@ -127,10 +126,9 @@ class _Sharing:
         within = exact_sum(self._given[i].mass for i in inner)
         self._binder.report(
             "SB504",
-            ("parts", given.pattern, "mass"),
+            given.keys,
             f"'{self._binder.path(index)}' weighs {given.mass:g} kg, but the masses below it add up to {within:g} kg",
             notes=tuple(
-                f"'{self._binder.path(i)}': {self._given[i].mass:g} kg by parts rule '{self._given[i].pattern}'"
-                for i in inner
+                f"'{self._binder.path(i)}': {self._given[i].mass:g} kg by {self._given[i].origin}" for i in inner
             ),
         )

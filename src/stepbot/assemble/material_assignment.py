@@ -12,6 +12,8 @@ import numpy as np
 
 from stepbot.robot.model import Rgba
 from stepbot.sidecar.document import Derived, Document, MaterialSection, PartRule, StepDensity
+from stepbot.sidecar.subjects import subject
+from stepbot.sidecar.tree import Keys
 from stepbot.step.assembly import BodyKind, Component
 from stepbot.step.structure.paths import quoted
 
@@ -97,6 +99,18 @@ class GivenMass:
     """[kg]."""
     pattern: str
     """The rule's path or glob."""
+    actuator: str = ""
+    """The actuator whose motor has this mass; empty for a rule of ``parts``."""
+
+    @property
+    def keys(self) -> Keys:
+        """Its place in the sidecar."""
+        return ("actuators", self.actuator, "part") if self.actuator else ("parts", self.pattern, "mass")
+
+    @property
+    def origin(self) -> str:
+        """The source of the mass."""
+        return f"motor of {subject(self.keys[:2])}" if self.actuator else subject(self.keys[:2])
 
 
 @dataclass(frozen=True)
@@ -137,9 +151,27 @@ def assign_materials(binder: Binder) -> MaterialAssignments:
         for component in components
     )
     shadowed.report()
+    _give_motor_masses(binder, found, given)
     _warn_of_uniform_density(binder, found)
     _note_unlisted_materials(binder, found)
     return MaterialAssignments(found, given)
+
+
+def _give_motor_masses(binder: Binder, found: Sequence[MaterialAssignment], given: dict[int, GivenMass]) -> None:
+    """Give the part of a motor its catalogue's mass, if no rule, no subassembly and no density gives it one."""
+    components = binder.assembly.components
+    for name, motor in binder.sidecar.motors.items():
+        figure = motor.figure("mass")
+        index = binder.one(motor.part, ("actuators", name, "part")) if motor.part else None
+        if figure is None or index is None:
+            continue
+        above = {index}
+        while (parent := components[min(above)].parent) >= 0:
+            above.add(parent)
+        below = binder.assembly.subtree(index)
+        known = any(found[i].density_origin not in ("", "defaults", PLACEHOLDER) for i in below)
+        if not known and given.keys().isdisjoint(above.union(below)):
+            given[index] = GivenMass(figure.value, motor.part, name)
 
 
 def _rule_of_mass(rules: Sequence[tuple[str, PartRule]], given: GivenMass | None) -> int:

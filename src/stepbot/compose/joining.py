@@ -159,7 +159,7 @@ class _Joining:
 
         closures = [self._closure(name, document.closures[name]) for name in new("closures")]
         frames = [self._frame(name) for name in new("frames")]
-        actuators = [self._actuator(one) for one in build_actuators(document) if one.name in new("actuators")]
+        actuators = [self._actuator(one) for one in build_actuators(self._sidecar) if one.name in new("actuators")]
         sensors = [self._sensor(name, whole) for name in new("sensors")]
         return replace(
             whole,

@@ -91,6 +91,18 @@ class FoundStop:
 
 
 @dataclass(frozen=True)
+class Models:
+    """Motors of the catalogue that a part may be."""
+
+    names: tuple[str, ...]
+    """One, or the members of a family."""
+    family: str
+    """The name that several of them share; empty for one."""
+    why: str
+    """The evidence: its name, its box."""
+
+
+@dataclass(frozen=True)
 class Alternative:
     """An alternative at the same place: a line that `init` writes as a comment."""
 
@@ -191,6 +203,8 @@ class DraftJoint(DraftConnection):
     """By the leading joint's name in the draft."""
     motor: str = ""
     """Path of the motor that turns it; empty if no part named as a motor does."""
+    models: Models | None = None
+    """The motors of the catalogue that it may be; None if it is like none."""
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from stepbot.draft.draft import (
     OriginSnippet,
 )
 from stepbot.draft.evidence.evidence import JointEvidence
+from stepbot.draft.evidence.motor_models import models
 from stepbot.draft.inference import Inferred, infer_from
 from stepbot.draft.link_claims import LinkClaims
 from stepbot.draft.mechanism.loops import TreeJoint
@@ -271,6 +272,7 @@ class _Drafting:
             axis2="y" if is_universal else None,
             direction2=_direction(h.axis2) if h.axis2 is not None else None,
             motor=h.motor,
+            models=models(self._assembly, h.motor) if h.motor else None,
         )
 
     def _closure(self, arc: TreeJoint) -> DraftClosure:

@@ -6,6 +6,8 @@ A lookup loads neither kernel, engines nor numpy; the pipeline is imported on a 
 or an engine are never cached, because they may be temporary.
 """
 
+import os
+import re
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
@@ -27,11 +29,14 @@ from stepbot.runtime.cache import (
     keep_own_code,
     own_code,
 )
+from stepbot.runtime.file import read_regular
 from stepbot.step.exchange.input_files import input_digest
 
 if TYPE_CHECKING:
     from stepbot.robot.joint_table import JointRow
 
+_NAMED_FILE = re.compile(rb"""[^\s"'{}\[\],#:][^"'{}\[\],#:\n]*\.(?:ya?ml|json)\b""")
+"""Name of a file in a sidecar's text, such as one of motors: what it may contain is input, too."""
 _NO_MATTER = ("output", "timeout", "memory_limit", "cache", "step")
 """Options that do not affect results; the STEP is in the key by its content."""
 _NEVER_KEPT = "SB817"
@@ -209,8 +214,13 @@ def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options)
 
 
 def _content(sidecar: Path, cache: Cache | None) -> str:
-    """Hash of a sidecar's text; empty if it cannot be read, or without a cache."""
-    return (file_digest(sidecar) or "") if cache is not None else ""
+    """Hash of a sidecar's text, and of the files that it names beside it; empty if unreadable, or without a cache."""
+    content = (file_digest(sidecar) or "") if cache is not None else ""
+    if not content:
+        return ""
+    named = _NAMED_FILE.findall(read_regular(sidecar).replace(b"\\", b"/"))
+    others = sorted({(os.fsdecode(name), file_digest(sidecar.parent / os.fsdecode(name)) or "") for name in named})
+    return Digest("content").add(content, repr(others)).key if others else content
 
 
 def _named_step(sidecar: Path, content: str, cache: Cache | None) -> Path | None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 from stepbot.robot.joint_table import JointRow
+from stepbot.robot.motors import Motor
 
 
 class Status(StrEnum):
@@ -152,6 +153,8 @@ class Results:
     """The pose of each joint, for review; for compared files, of the first one."""
     own_parsers: tuple[str, ...] = ()
     """Names of stepbot's own parsers among the engines, which confirm only the text of a file."""
+    motors: Mapping[str, Motor] = field(default_factory=dict)
+    """The motor of each actuator that has one, by the actuator's name."""
     distributions: Mapping[str, str] = field(default_factory=dict)
     """The installed distribution that each engine that ran comes from: `pybullet-arm64`."""
 

@@ -10,6 +10,7 @@ from stepbot.geometry.sums import exact_sum
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, Module, Robot
+from stepbot.robot.motors import Motor
 from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
 from stepbot.robot.sensors import SEEING, Sensor
 from stepbot.robot.simulation_settings import settings_of
@@ -197,6 +198,21 @@ def _actuator(actuator: Actuator) -> Json:
         "gear": actuator.gear,
         "computed": None if actuator.tuning is None else _tuning(actuator.tuning),
         "limits": _limits(actuator.limit),
+        "motor": None if actuator.motor is None else _motor(actuator.motor),
+    }
+
+
+def _motor(motor: Motor) -> Json:
+    """The motor and each figure that it gives, with its source; where the sidecar sets another one, that applies."""
+    return {
+        "name": motor.name,
+        "part": motor.part or None,
+        "figures": [
+            {"quantity": one.quantity, "value": one.value, "unit": one.unit, "source": one.source}
+            for one in motor.figures
+        ],
+        "unknown": list(motor.unknown),
+        "doubts": list(motor.doubts),
     }
 
 

@@ -26,6 +26,7 @@ from stepbot.geometry.spatial import (
 
 from .joint_types import JointKind as JointKind  # noqa: PLC0414
 from .metadata import NO_METADATA, Metadata
+from .motors import Motor
 from .self_collision import SelfCollision
 from .sensors import Sensor
 from .tuning import DEFAULTS, Simulation, Tuning
@@ -298,6 +299,8 @@ class Actuator:
     """Its own bounds, at the joint, in addition to those of the joint."""
     tuning: Tuning | None = None
     """How its gains are computed; None if they are given."""
+    motor: Motor | None = None
+    """The motor of the catalogue whose figures it has; None if it is not known."""
 
 
 @dataclass(frozen=True)

@@ -41,6 +41,9 @@ def check_actuators(sidecar: Sidecar, found: Diagnostics) -> None:
         _check_gains(sidecar, name, actuator, found)
         _check_bounds(sidecar, name, actuator, found)
         joint = document.joints.get(actuator.joint)
+        if actuator.voltage is not None and actuator.motor is None:
+            place = sidecar.key_span("actuators", name, "voltage")
+            found.add("SB137", f"{who}: 'voltage' without 'motor'", place, help=["name the motor, or remove `voltage`"])
         if joint is None:
             continue
         place = sidecar.span("actuators", name, "joint")
@@ -98,7 +101,7 @@ def _check_gains(sidecar: Sidecar, name: str, actuator: ActuatorSection, found: 
     needed = _NEEDED_GAIN.get(kind)
     if actuator.gains is not None:
         _check_computed_gains(sidecar, name, actuator, found)
-    elif needed is not None and needed not in actuator.model_fields_set:
+    elif needed is not None and needed not in actuator.model_fields_set and actuator.motor is None:
         message = f"{who}: missing key '{needed}', required for kind {kind}"
         help = [f"example: `{needed}: 100`", "or `gains: auto`, to compute the gains"]
         found.add("SB121", message, sidecar.key_span("actuators", name), help=help)

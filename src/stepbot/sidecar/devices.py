@@ -10,6 +10,7 @@ from stepbot.robot.tuning import BANDWIDTH, DAMPING_RATIO
 
 from .counts import Count, Resolution
 from .motion import LimitsSection
+from .motor_sections import MotorName, SupplyVoltage
 from .origins import Origin
 from .quantities import (
     Bandwidth,
@@ -22,7 +23,7 @@ from .quantities import (
     JointValue,
     Number,
 )
-from .section import Reference, Section
+from .section import ComponentPath, Reference, Section
 
 
 class FrameSection(Section):
@@ -58,10 +59,16 @@ Gains = Annotated[
 class ActuatorSection(Section):
     """An actuator on a joint."""
 
-    joint: Reference
-    """The joint that it drives."""
+    joint: Reference = ""
+    """The joint that it drives; by default the one of its own name."""
     kind: ActuatorKind = ActuatorKind.MOTOR
-    """The type of its input: a position, a velocity, or (motor) an effort."""
+    """The type of its input: a position, a velocity, or (motor) an effort; with `motor`, a position by default."""
+    motor: MotorName | None = None
+    """Its motor: a name of the catalogue (`stepbot motors`) or of `motors`. It gives what no other key does."""
+    voltage: SupplyVoltage | None = None
+    """The supply [V] of `motor`; by default that of the catalogue."""
+    part: ComponentPath | None = None
+    """The component of `motor`, which gets its mass if nothing else gives it one."""
     kp: JointStiffness = JointValue(0.0)
     """Position gain [N m/rad or N/m]."""
     kv: JointDamping = JointValue(0.0)
@@ -69,7 +76,8 @@ class ActuatorSection(Section):
     gains: Gains | None = None
     """Computes `kp` and `kv` from the inertia that the actuator moves in the drawn pose, and from its effort limit."""
     gear: Number = 1.0
-    """Motor position / joint position. `kp`, `kv` and the input are on the motor's side."""
+    """Motor position / joint position; [rad/m] where the joint slides. `kp`, `kv` and the input are on the motor's
+    side."""
     limits: LimitsSection = LimitsSection()
     """Its own limits, at the joint, in addition to those of the joint."""
 

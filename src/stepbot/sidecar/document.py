@@ -8,7 +8,7 @@ mimic of a missing joint) are checked in :mod:`stepbot.sidecar.check`; everythin
 from enum import StrEnum
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, StrictBool
+from pydantic import Field, StrictBool, field_validator
 
 from stepbot.geometry.principal_axes import Direction
 from stepbot.robot.model import Base, JointKind, MeshFormat
@@ -18,6 +18,7 @@ from .ignored import IgnoredFinding, IgnoredFindings
 from .metadata import MetadataSection, UrdfSection
 from .modules import ModuleSection
 from .motion import DynamicsSection, JointLimits, LimitsSection
+from .motor_sections import Motors
 from .origins import AutoOrigin, AxisOrigin, CenterOrigin, ComponentOrigin, ExplicitOrigin, MateOrigin, Offset, Origin
 from .quantities import (
     Angle,
@@ -307,6 +308,8 @@ class Document(Section):
     """Named frames, such as tool centre points and flanges."""
     actuators: dict[Name, ActuatorSection] = Field(default_factory=dict)
     """Actuators by name."""
+    motors: Motors = Field(default_factory=dict)
+    """Motors that the catalogue lacks, by name, or the path of a file of them, relative to the sidecar."""
     sensors: dict[Name, SensorSection] = Field(default_factory=dict)
     """Sensors by name."""
     simulation: SimulationSection = SimulationSection()
@@ -321,6 +324,11 @@ class Document(Section):
     """Codes of warnings and notes to suppress everywhere."""
     modules: dict[Name, ModuleSection] = Field(default_factory=dict)
     """Robots that this one is composed of, by instance name."""
+
+    @field_validator("actuators", mode="after")
+    @classmethod
+    def _on_joints_of_their_names(cls, actuators: dict[str, ActuatorSection]) -> dict[str, ActuatorSection]:
+        return {name: one if one.joint else one.model_copy(update={"joint": name}) for name, one in actuators.items()}
 
 
 class Composition(Document):

@@ -10,6 +10,7 @@ from stepbot.diagnostics import Diagnostics, Span
 from . import VERSION
 from .bounds import BoundedDiagnostics, TooManyFaultsError
 from .document import document_class
+from .fitting import with_motors
 from .located import Sidecar
 from .quantities import described
 from .salvage import check_what_is_left
@@ -62,8 +63,9 @@ def _parsed(text: str, path: Path, found: Diagnostics) -> Sidecar | None:
     except ValidationError as failure:
         faults = report_schema_faults(failure, root, composed.whole, found)
     else:
+        sidecar = with_motors(Sidecar(document, path, text, root), found)
         if not found.has_errors:
-            return Sidecar(document, path, text, root)
+            return sidecar
     if composed.whole:
         check_what_is_left(root, faults, path, text, found)
     return None

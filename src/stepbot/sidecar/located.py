@@ -1,10 +1,12 @@
 """The values of a sidecar with their places in the text."""
 
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from stepbot.diagnostics import Span
+from stepbot.robot.motors import Motor
 
 from .document import Document
 from .tree import Keys, Listing, Scalar, Tree, key_span, span, way
@@ -21,6 +23,8 @@ class Sidecar:
     """With line feeds at line ends."""
     root: Tree
     """The values with their places."""
+    motors: Mapping[str, Motor] = field(default_factory=dict)
+    """What the motor of each actuator gives it."""
 
     @property
     def step_path(self) -> Path:

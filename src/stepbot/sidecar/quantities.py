@@ -81,7 +81,7 @@ def described(value: Any) -> str:
             return "a list"
 
 
-def _quantity(value: Any, *dimensions: Dimension) -> JointValue:
+def quantity(value: Any, *dimensions: Dimension) -> JointValue:
     """A number, or a number with a unit of one of the dimensions; infinity is allowed, NaN is not.
 
     Raises:
@@ -93,10 +93,10 @@ def _quantity(value: Any, *dimensions: Dimension) -> JointValue:
         raise fault("SB122", f"expected {wanted}, not {described(value)}", f"example: {example}")
     if isinstance(value, str):
         try:
-            quantity = read_quantity(value, *dimensions)
+            read = read_quantity(value, *dimensions)
         except UnitError as failure:
             raise fault("SB124", str(failure), *failure.hints) from None
-        return JointValue(quantity.value, quantity.dimension)
+        return JointValue(read.value, read.dimension)
     try:
         number = float(value)
     except OverflowError:
@@ -114,7 +114,7 @@ def _finite(
     unit = "" if dimension is units.RATIO else f" {dimension.unit}"
 
     def parse(value: Any) -> float:
-        number = float(_quantity(value, dimension))
+        number = float(quantity(value, dimension))
         if not math.isfinite(number):
             raise fault("SB125", f"{number:g} is not finite")
         if number < low or number <= above:
@@ -138,7 +138,7 @@ def _joint_value(
     """
 
     def parse(value: Any) -> JointValue:
-        number = _quantity(value, *dimensions)
+        number = quantity(value, *dimensions)
         if finite and not math.isfinite(number):
             raise fault("SB125", f"{number:g} is not finite")
         if math.isfinite(number) and abs(number) > GREATEST:
@@ -238,7 +238,7 @@ def two(value: Any) -> Any:
 
 def _distance(value: Any) -> float:
     """A length that is not negative; may be infinite."""
-    number = float(_quantity(value, units.LENGTH))
+    number = float(quantity(value, units.LENGTH))
     if number < 0.0:
         raise fault("SB125", f"{number:g} m is out of range: length must be at least 0")
     if FARTHEST < number < math.inf:

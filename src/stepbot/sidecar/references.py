@@ -96,6 +96,8 @@ def _check_joint(sidecar: Sidecar, keys: Keys, joint: str, found: Diagnostics) -
         help = _candidates(joint, sidecar.document.joints, "joints")
         if joint in sidecar.document.closures:
             help = ("it is a closure; only joints of the tree can be referenced",)
+        elif not sidecar.written(*keys):
+            help = ("without `joint`, an actuator drives the joint of its own name", *help)
         found.add("SB131", f"{_user(keys)}: unknown joint '{joint}'", sidecar.span(*keys), help=help)
 
 

@@ -5,6 +5,7 @@ https://json-schema.org/draft/2020-12
 """
 
 import json
+import re
 import sys
 from pathlib import Path
 from typing import Any
@@ -17,7 +18,7 @@ from .quantities import JointValue
 from .section import NAME_PATTERN, REFERENCE_PATTERN
 from .units import QUANTITY_PATTERN
 
-ID = "urn:stepbot:robot-1"
+ID, MOTORS_ID = "urn:stepbot:robot-1", "urn:stepbot:motors-1"
 Json = dict[str, Any]
 
 ALTERNATIVE = ("step", "links")
@@ -71,6 +72,30 @@ def json_schema() -> Json:
     }
 
 
+def motors_schema_text() -> str:
+    """The content of ``schemas/motors-1.schema.json``: a user's own file of motors, and the catalogue."""
+    whole = json_schema()
+    wanted, used = ["MotorSection"], {}
+    while wanted:
+        name = wanted.pop()
+        if name not in used:
+            used[name] = whole["$defs"][name]
+            wanted += re.findall(r'"#/\$defs/(\w+)"', json.dumps(used[name]))
+    motors = {"propertyNames": {"$ref": "#/$defs/Name"}, "additionalProperties": {"$ref": "#/$defs/MotorSection"}}
+    schema = {
+        "$schema": whole["$schema"],
+        "$id": MOTORS_ID,
+        "title": "stepbot motors, version 1",
+        "description": "Motors by name, each figure with its source.",
+        "type": "object",
+        "required": ["motors"],
+        "properties": {"motors": {"type": "object", **motors}},
+        "additionalProperties": False,
+        "$defs": {"Name": whole["$defs"]["Name"], **{name: used[name] for name in sorted(used) if name != "Name"}},
+    }
+    return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
+
+
 def schema_text() -> str:
     """The content of ``schemas/robot-1.schema.json``."""
     return json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n"
@@ -99,14 +124,14 @@ def _simplified(schema: Any) -> Any:
         return schema
     for name, shared in _SHARED.items():
         if shared.items() <= schema.items():
-            rest = {key: value for key, value in schema.items() if key not in shared}
+            rest = {key: value for key, value in schema.items() if key not in shared and value != ""}
             return {"$ref": f"#/$defs/{name}", **rest}
     inner = _optional(schema)
     if inner is not schema:
         schema = {**inner, **{key: value for key, value in schema.items() if key != "anyOf"}}
     result: Json = {}
     for key, value in schema.items():
-        if key == "default" and (value is None or isinstance(value, dict) or value == []):
+        if key == "default" and (value is None or isinstance(value, dict) or value in ([], "")):
             continue
         if key == "patternProperties":
             (pattern, member) = next(iter(value.items()))

@@ -11,6 +11,7 @@ _SUBJECTS = {
     "closures": "closure",
     "frames": "frame",
     "actuators": "actuator",
+    "motors": "motor",
     "sensors": "sensor",
 }
 

@@ -21,7 +21,7 @@ ALSO_CALLED = {
     "torque": "motor",
     "effort": "motor",
     "ft": "force_torque",
-    "motors": "actuators",
+    "servos": "actuators",
     "transmissions": "actuators",
     "author": "maintainer",
     "licence": "license",

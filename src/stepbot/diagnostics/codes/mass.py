@@ -221,4 +221,12 @@ CODES = (
         "Values that were read in the drawn pose, in axes of the assembly or of `origin`, are off by `zero`.",
         "Give the values in the frame at q = 0, as a URDF does, or leave out `zero`. `ignore: [SB523]` confirms them.",
     ),
+    Code(
+        "SB524",
+        "warning",
+        "part is not like its motor",
+        "The bounding box or the mass of the component under `part` differs from that of the actuator's motor.",
+        "It is another motor, or another part.",
+        "Correct `motor` or `part`; `stepbot motors NAME` shows size and mass with their sources.",
+    ),
 )

@@ -331,4 +331,31 @@ CODES = (
         "It changes nothing: contacts between these are excluded in any case.",
         "Remove the pair, or correct its names.",
     ),
+    Code(
+        "SB147",
+        "error",
+        "unknown or ambiguous motor",
+        "An actuator names a motor that neither the catalogue nor `motors` has, or a family of motors.",
+        "The figures of a similar motor may differ by a factor of ten, and members of a family by a factor of two.",
+        "Choose a name of the help, or one that `stepbot motors` lists. Describe another motor under `motors`, with the "
+        "source of each figure.",
+    ),
+    Code(
+        "SB148",
+        "error",
+        "motor does not suit its joint",
+        "A motor that turns is on a joint that slides and has no `gear`, a linear drive is on a joint that turns, or no "
+        "source gives the supply that the figures hold at.",
+        "Torque and speed of the joint cannot be computed.",
+        "Give `gear`, in rad/m where the joint slides, remove `voltage`, or choose another motor.",
+    ),
+    Code(
+        "SB149",
+        "note",
+        "doubtful figures of a motor",
+        "Sources disagree on a figure of a motor that is used, a figure fails a check of the catalogue, or no source gives "
+        "it.",
+        "Effort, speed, inertia or friction of the joint may be wrong.",
+        "Read the sources with `stepbot motors NAME`. Measure the figure, and set it in `limits` or `dynamics` of the joint.",
+    ),
 )

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from stepbot.diagnostics import one_line
-from stepbot.draft.draft import Alternative, Draft, DraftLink
+from stepbot.draft.draft import Alternative, Draft, DraftLink, Models
 from stepbot.draft.text.connection_text import closure_lines, fused_lines, inertial_lines, joint_lines
 from stepbot.draft.text.densities import typical_density
 from stepbot.draft.text.draft_names import DraftNames, names_of
@@ -113,7 +113,7 @@ def _frames(draft: Draft, names: DraftNames) -> list[str]:
 def _actuators(draft: Draft, names: DraftNames) -> list[str]:
     """Actuators of the joints that motors turn, as lines to uncomment: a motor can be driven in several ways."""
     driven = [
-        name
+        (name, joint)
         for joint, name in zip(draft.joints, names.joints, strict=True)
         if joint.type.is_pair and joint.confidence.is_chosen and joint.motor
     ]
@@ -121,12 +121,22 @@ def _actuators(draft: Draft, names: DraftNames) -> list[str]:
         return []
     lines = [
         "",
-        "# Joints that motors turn. Uncomment these lines to drive them, and add `effort` and `velocity` to `limits`.",
+        "# Joints that motors turn. Uncomment these lines to drive them. `motor` gives effort, velocity and inertia",
+        "# (`stepbot motors NAME`); without it, add `effort` and `velocity` to `limits`.",
         "# actuators:",
     ]
-    for name in driven:
-        motor = scalar(f"{name.removesuffix('_joint')}_motor")
-        lines.append(f"#   {motor}: {flow([('joint', scalar(name)), ('kind', 'position'), ('gains', 'auto')])}")
+    told: set[Models] = set()
+    for name, joint in driven:
+        key, found = scalar(f"{name.removesuffix('_joint')}_motor"), joint.models
+        if found is None:
+            lines.append(f"#   {key}: {flow([('joint', scalar(name)), ('kind', 'position'), ('gains', 'auto')])}")
+            continue
+        model = scalar(found.family or found.names[0])
+        several = f"; one of {', '.join(found.names)}" if len(found.names) > 1 else ""
+        review = f"{one_line(found.why)}{several}" if found not in told else "as above"
+        told.add(found)
+        keys = [("joint", scalar(name)), ("motor", model), ("part", quoted(joint.motor))]
+        lines.append(f"#   {key}: {flow(keys)}  # REVIEW: {review}")
     return lines
 
 

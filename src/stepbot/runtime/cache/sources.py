@@ -15,7 +15,7 @@ from .digest import Digest
 from .store import Cache
 
 _PACKAGE = Path(__file__).resolve().parents[2]
-_SUFFIXES = (".py", ".toml", ".html", ".css", ".js")
+_SUFFIXES = (".py", ".toml", ".json", ".html", ".css", ".js")
 _SETTLED = 2 * 10**9
 """Age [ns] of a file from which a further change gives it another time, on any file system."""
 _caches: list[Cache] = []

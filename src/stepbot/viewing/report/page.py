@@ -15,7 +15,7 @@ from ..scene import scene_document
 from .markup import Markup, element, joined, mass_text
 from .reduction import Reduced, reduced
 from .result_tables import Places, findings_section, inputs_section, proof_section
-from .robot_tables import bodies_section, collisions_section, joints_section, masses_section
+from .robot_tables import bodies_section, collisions_section, joints_section, masses_section, motors_section
 
 STYLES = ("style.css", "report.css")
 _GENERATOR = f"Written by stepbot {__version__}."
@@ -45,6 +45,7 @@ def report_page(robot: Robot, report: Report, found: Sequence[Diagnostic], lines
         _summary(robot, report, found),
         joints_section(robot, report.joint_table),
         masses_section(robot),
+        motors_section(robot),
         proof_section(report),
         findings_section(found, lines, names),
         collisions_section(report.collision_shapes),

@@ -137,6 +137,31 @@ def _sources(masses: tuple[ComponentMass, ...]) -> Markup | None:
     return element("details", element("summary", summary), table(headings, rows))
 
 
+def motors_section(robot: Robot) -> Markup | None:
+    """Each figure that a motor of the catalogue gives, with its source, and the doubts."""
+    driven = [(one, one.motor) for one in robot.actuators if one.motor is not None]
+    rows = [
+        element(
+            "tr",
+            element("th", actuator.name),
+            element("td", motor.name),
+            element("td", figure.quantity),
+            cell(f"{figure.value:.6g} {figure.unit}", figure.value),
+            element("td", figure.source),
+        )
+        for actuator, motor in driven
+        for figure in motor.figures
+    ]
+    if not rows:
+        return None
+    doubts = dict.fromkeys(f"{motor.name}: {doubt}" for _, motor in driven for doubt in motor.doubts)
+    headings = ("actuator", "motor", "quantity", "value", "source")
+    note = "Limits and dynamics that the sidecar sets for a joint apply in place of these."
+    listed = element("ul", (element("li", doubt) for doubt in doubts)) if doubts else None
+    heading = element("h2", "Motors")
+    return element("section", heading, table(headings, rows), listed, element("p.quiet", note), id="motor-table")
+
+
 def collisions_section(shapes: Iterable[LinkCollision]) -> Markup | None:
     """The collision shapes of every link, and how well they match its solids."""
     rows = [

@@ -1,0 +1,144 @@
+"""``stepbot motors``: list and show the motors of the catalogue, each figure with its source."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from .columns import table_lines
+from .command import Command, json_option
+from .terminal import screen_width, write_json, write_result
+
+if TYPE_CHECKING:
+    from stepbot.sidecar.motor_sections import MotorSection
+
+_UNITS = {
+    "voltage": "V",
+    "max_force": "N",
+    "backdrive_force": "N",
+    "no_load_speed": "rad/s",
+    "rated_speed": "rad/s",
+    "no_load_linear_speed": "m/s",
+    "gear_ratio": "",
+    "armature": "kg m^2",
+    "rotor_inertia": "kg m^2",
+    "viscous_damping": "N m s/rad",
+    "back_emf_damping": "N m s/rad",
+    "position_gain": "N m/rad",
+    "torque_constant": "N m/A",
+    "torque_constant_motor": "N m/A",
+    "winding_resistance": "ohm",
+    "stall_current": "A",
+    "backlash": "rad",
+    "mass": "kg",
+    "size": "m",
+    "diameter": "m",
+    "length": "m",
+    "mass_by_stroke": "m, kg",
+}
+"""Unit of each figure; of all others, N m."""
+_EFFORTS = ("stall_torque", "peak_torque", "holding_torque", "rated_torque", "max_force")
+_SPEEDS = ("no_load_speed", "rated_speed", "no_load_linear_speed")
+"""Figures in a list, the first that is known."""
+
+
+@click.command(cls=Command, epilog="Example: stepbot motors XL430-W250")
+@click.argument("name", required=False)
+@click.option(
+    "--own", type=click.Path(path_type=Path), metavar="FILE", help="A file of motors of your own; they come first."
+)
+@json_option
+def command(name: str | None, own: Path | None, as_json: bool) -> int:
+    """List the motors that `motor:` of an actuator can name, or show NAME: each figure with its source, and doubts.
+
+    A name of a family shows all its members.
+    """
+    from stepbot.diagnostics import Diagnostics
+    from stepbot.sidecar.fitting import read_own_motors
+    from stepbot.sidecar.motors import catalogue_motor, catalogue_names
+
+    found = Diagnostics()
+    mine = read_own_motors(own, found) if own is not None else {}
+    if found.has_errors:
+        from .terminal import Display, show_diagnostics
+
+        if as_json:
+            write_json({"motors": {}, "diagnostics": found, "exit_code": found.exit_code})
+        else:
+            show_diagnostics(found, Display(False, False, False))
+        return found.exit_code
+    if name is None:
+        shown = {**mine, **{one: catalogue_motor(one) for one in catalogue_names() if one not in mine}}
+    else:
+        shown = _chosen(name, mine)
+    if as_json:
+        write_json({"motors": {one: motor.model_dump(mode="json", exclude_none=True) for one, motor in shown.items()}})
+    elif name is None:
+        rows = [_row(one, motor) for one, motor in shown.items()]
+        write_result("\n".join(table_lines(rows, screen_width(sys.stdout))))
+    else:
+        write_result("\n\n".join("\n".join(_lines(one, motor)) for one, motor in shown.items()))
+    return 0
+
+
+def _chosen(name: str, mine: "dict[str, MotorSection]") -> "dict[str, MotorSection]":
+    """The motor of a name, or the members of a family."""
+    from stepbot.sidecar.motors import AmbiguousMotor, UnknownMotor, find_motor
+
+    try:
+        return dict([find_motor(name, mine)])
+    except AmbiguousMotor as family:
+        return dict(find_motor(one, mine) for one in family.members)
+    except UnknownMotor as unknown:
+        near = f"did you mean {' or '.join(unknown.nearest)}?" if unknown.nearest else "`stepbot motors` lists all"
+        raise click.BadParameter(f"{unknown}; {near}", param_hint="NAME") from None
+
+
+def _row(name: str, motor: "MotorSection") -> tuple[str, ...]:
+    figures = motor.figures()
+    effort, speed = (next((one for one in fields if one in figures), "") for fields in (_EFFORTS, _SPEEDS))
+    cells = [f"{figures[one].value:.4g} {_unit(one)}" if one else "-" for one in (effort, speed)]
+    supply = f"{figures['voltage'].value:g} V" if "voltage" in figures else "-"
+    return (name, motor.maker or "", motor.kind.value.replace("_", " "), supply, *cells)
+
+
+def _lines(name: str, motor: "MotorSection") -> list[str]:
+    """All that is known of a motor."""
+    width = screen_width(sys.stdout)
+    lines = [f"{name}: {motor.kind.value.replace('_', ' ')}{f' of {motor.maker}' if motor.maker else ''}"]
+    if motor.names:
+        lines.append(f"also: {', '.join(motor.names)}")
+    if motor.family:
+        lines.append(f"family, which several motors share: {', '.join(motor.family)}")
+    rows = [
+        (key, f"{_text(one.value)} {_unit(key)}{f' at {one.voltage:g} V' if one.voltage else ''}", one.source)
+        for key, one in motor.figures().items()
+    ]
+    for at in motor.at_other_voltages:
+        given = (
+            ("stall_torque", at.stall_torque),
+            ("no_load_speed", at.no_load_speed),
+            ("rated_speed", at.rated_speed),
+        )
+        rows += [
+            (f"{key} at {at.voltage:g} V", f"{_text(one.value)} {_unit(key)}", at.source or motor.source or "")
+            for key, one in given
+            if one is not None
+        ]
+    lines += ["", *table_lines(rows, width)]
+    if motor.alternatives:
+        others = [(one.field, f"{_text(one.value)} {_unit(one.field)}", one.source) for one in motor.alternatives]
+        lines += ["", "other sources, which are never filled in:", *table_lines(others, width)]
+    lines += [f"doubt: {key.replace('_', ' ')}: {text}" for key, text in motor.doubts.items()]
+    return [*lines, *([f"note: {motor.note}"] if motor.note else [])]
+
+
+def _unit(key: str) -> str:
+    return _UNITS.get(key, "N m" if "torque" in key or "friction" in key else "")
+
+
+def _text(value: object) -> str:
+    if isinstance(value, tuple | list):
+        return ", ".join(map(_text, value))
+    return f"{value:.6g}" if isinstance(value, int | float) else str(value)

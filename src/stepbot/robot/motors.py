@@ -1,0 +1,37 @@
+"""What a motor of the catalogue gives its actuator: each figure at the joint, with its source."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class MotorFigure:
+    """A number that a motor gives its actuator."""
+
+    quantity: str
+    """``effort``, ``velocity``, ``armature``, ``friction``, ``damping``, ``kp`` or ``mass``."""
+    value: float
+    """At the joint, after the gear; [SI]. ``kp`` is on the motor's side."""
+    unit: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Motor:
+    """The motor of an actuator."""
+
+    name: str
+    """Its name in the catalogue."""
+    figures: tuple[MotorFigure, ...] = ()
+    """What it gives, in the order of the quantities."""
+    doubts: tuple[str, ...] = ()
+    """Why these figures may be wrong."""
+    unknown: tuple[str, ...] = ()
+    """Quantities that no source gives."""
+    size: tuple[float, ...] = ()
+    """Edges [m] of its box, the shortest first; empty if unknown."""
+    part: str = ""
+    """Path of its component in the assembly; empty if it is not given."""
+
+    def figure(self, quantity: str) -> MotorFigure | None:
+        """What it gives for a quantity; None if nothing."""
+        return next((one for one in self.figures if one.quantity == quantity), None)

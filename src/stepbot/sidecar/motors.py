@@ -1,0 +1,286 @@
+"""Looks up motors by name, and scales their figures to a supply and a gear.
+
+The catalogue is JSON, which is YAML, in the form of a user's own file: :mod:`.motor_sections`.
+"""
+
+import json
+import re
+from collections.abc import Iterable, Mapping
+from difflib import get_close_matches
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from pydantic import TypeAdapter
+
+from stepbot.robot.model import ActuatorKind, JointKind
+from stepbot.robot.motors import Motor, MotorFigure
+
+from .motor_sections import Figure, MotorKind, MotorSection
+
+_CATALOGUE = Path(__file__).with_name("motors.json")
+_SEPARATORS = re.compile(r"[\s_\-]+")
+_NEAREST, _SIMILAR = 3, 0.6
+"""Maximum number of similar names in a remedy, and how similar they are, from 0 to 1."""
+_EFFORTS = ("stall_torque", "peak_torque", "holding_torque", "rated_torque")
+"""Figures that limit the effort, the first that is known."""
+_SPEEDS = ("no_load_speed", "rated_speed")
+_VOLTAGE_DRIVEN = (MotorKind.SERVO, MotorKind.DC_MOTOR)
+"""Types whose drive sets the voltage: their torque falls with speed at any input."""
+_SCALED_BY_VOLTAGE = {
+    "stall_torque": (MotorKind.SERVO, MotorKind.DC_MOTOR, MotorKind.BRUSHLESS),
+    "no_load_speed": tuple(kind for kind in MotorKind if kind is not MotorKind.STEPPER),
+    "position_gain": tuple(MotorKind),
+    "no_load_linear_speed": tuple(MotorKind),
+}
+"""Figures that are proportional to the supply, and the types of motors of which this holds."""
+_EXACT = 1e-9
+
+
+class UnknownMotor(ValueError):
+    """No motor has this name.
+
+    Attributes:
+        nearest: Similar names.
+    """
+
+    def __init__(self, name: str, nearest: tuple[str, ...]) -> None:
+        self.nearest = nearest
+        super().__init__(f"unknown motor '{name}'")
+
+
+class AmbiguousMotor(ValueError):
+    """Several motors share this name.
+
+    Attributes:
+        members: Their names.
+    """
+
+    def __init__(self, name: str, members: tuple[str, ...]) -> None:
+        self.members = members
+        super().__init__(f"'{name}' names a family of motors")
+
+
+class UnscalableMotor(ValueError):
+    """A motor has no figures for a supply or a type of joint."""
+
+
+class Found(NamedTuple):
+    """A motor of the catalogue."""
+
+    name: str
+    motor: MotorSection
+
+
+@cache
+def _catalogue() -> dict[str, dict[str, Any]]:
+    content: dict[str, dict[str, dict[str, Any]]] = json.loads(_CATALOGUE.read_text(encoding="utf-8"))
+    return content["motors"]
+
+
+@cache
+def catalogue_motor(name: str) -> MotorSection:
+    """A motor of the catalogue by its own name.
+
+    Raises:
+        KeyError: There is none.
+    """
+    return _reader().validate_python(_catalogue()[name])
+
+
+@cache
+def _reader() -> TypeAdapter[MotorSection]:
+    return TypeAdapter(MotorSection)
+
+
+def catalogue_names() -> tuple[str, ...]:
+    """The names of all motors, in the order of the catalogue."""
+    return tuple(_catalogue())
+
+
+def bare(name: str) -> str:
+    """A name for comparison: without case, and with one kind of separator."""
+    return _SEPARATORS.sub("-", name.strip().casefold())
+
+
+def find_motor(name: str, own: Mapping[str, MotorSection] = {}) -> Found:
+    """A motor by any of its names; a user's own motors first.
+
+    Args:
+        name: Its name, in any case, with any separators.
+        own: The user's own motors.
+
+    Raises:
+        AmbiguousMotor: It is the name of a family.
+        UnknownMotor: No motor has it.
+    """
+    wanted = bare(name)
+    of_own = _by_name((name, one.names, one.family) for name, one in own.items())
+    known: dict[str, tuple[str, ...]] = {}
+    for names, families in (of_own, _names_of_catalogue()):
+        if wanted in names:
+            found = names[wanted]
+            return Found(found, own[found] if names is of_own[0] else catalogue_motor(found))
+        if wanted in families:
+            raise AmbiguousMotor(name, families[wanted])
+        known |= {word: (one,) for word, one in names.items()} | families
+    near = get_close_matches(wanted, known, n=_NEAREST, cutoff=_SIMILAR)
+    raise UnknownMotor(name, tuple(dict.fromkeys(one for word in near for one in known[word])))
+
+
+_Names = tuple[dict[str, str], dict[str, tuple[str, ...]]]
+"""The motor of each name, and the motors of each family, by :func:`bare` names."""
+
+
+@cache
+def _names_of_catalogue() -> _Names:
+    return _by_name((name, one.get("names", ()), one.get("family", ())) for name, one in _catalogue().items())
+
+
+def _by_name(motors: Iterable[tuple[str, Iterable[str], Iterable[str]]]) -> _Names:
+    names: dict[str, str] = {}
+    families: dict[str, tuple[str, ...]] = {}
+    for name, others, family in motors:
+        for one in (name, *others):
+            names.setdefault(bare(one), name)
+        for one in dict.fromkeys(map(bare, family)):
+            families[one] = (*families.get(one, ()), name)
+    return names, families
+
+
+def motors_named_in(text: str) -> tuple[str, ...]:
+    """Motors that a name of a CAD part indicates: one by its own name, or all of a family; empty without any.
+
+    Names are found as whole words: ``Dynamixel_XL430-W250-T v3`` is an XL430-W250, ``XL4301`` is none.
+    """
+    names, families = _names_of_catalogue()
+    padded = f"-{re.sub(r'[^0-9a-z+.]+', '-', text.casefold())}-"
+    found: list[tuple[int, tuple[str, ...]]] = []
+    found += [(len(word), (name,)) for word, name in names.items() if f"-{word}-" in padded]
+    found += [(len(word), members) for word, members in families.items() if f"-{word}-" in padded]
+    return max(found, key=lambda one: one[0], default=(0, ()))[1]
+
+
+def default_kind(motor: MotorSection, joint: JointKind) -> ActuatorKind:
+    """How a motor is driven if the sidecar does not say so: a speed on an endless joint, else a position."""
+    turns = joint is JointKind.CONTINUOUS
+    return ActuatorKind.VELOCITY if turns and motor.kind is not MotorKind.STEPPER else ActuatorKind.POSITION
+
+
+def fitted(found: Found, joint: JointKind, voltage: float | None, gear: float, part: str = "") -> Motor:
+    """What a motor gives an actuator.
+
+    Args:
+        found: The motor.
+        joint: The type of the joint.
+        voltage: The supply [V]; None for that of the catalogue.
+        gear: Position of the motor's output / position of the joint; [rad/m] of a motor that turns, on a joint that
+            slides.
+        part: Path of its component.
+
+    Raises:
+        UnscalableMotor: It has no figures for this supply, or does not move such a joint.
+    """
+    name, motor = found
+    linear, slides = motor.kind is MotorKind.LINEAR, joint is JointKind.PRISMATIC
+    if linear and not slides:
+        raise UnscalableMotor(f"'{name}' is a linear drive, and the joint turns")
+    given = _at(name, motor, voltage)
+    ratio = abs(gear)
+    units = ("N", "m/s", "kg", "N*s/m") if slides else ("N*m", "rad/s", "kg*m^2", "N*m*s/rad")
+    effort_unit, speed_unit, inertia_unit, damping_unit = units
+    figures: list[MotorFigure] = []
+
+    def add(quantity: str, figure: Figure | None, scale: float, unit: str) -> None:
+        if figure is not None:
+            source = figure.source if scale == 1.0 else f"{figure.source}; x {scale:.6g} for the gear"
+            figures.append(MotorFigure(quantity, float(f"{figure.value * scale:.12g}"), unit, source))
+
+    efforts, speeds = (("max_force",), ("no_load_linear_speed",)) if linear else (_EFFORTS, _SPEEDS)
+    effort = next((given[one] for one in efforts if one in given), None)
+    speed = next((given[one] for one in speeds if one in given), None)
+    add("effort", effort, ratio, effort_unit)
+    add("velocity", speed, 1.0 / ratio, speed_unit)
+    add("armature", _armature(given), ratio**2, inertia_unit)
+    add("friction", given.get("coulomb_friction"), ratio, effort_unit)
+    add("damping", _damping(motor, given), ratio**2, damping_unit)
+    add("kp", given.get("position_gain"), 1.0, "N*m/rad")
+    add("mass", given.get("mass"), 1.0, "kg")
+    known = {one.quantity for one in figures}
+    unknown = tuple(q for q in ("effort", "velocity", "armature", "friction", "damping") if q not in known)
+    doubts = tuple(f"{key.replace('_', ' ')}: {text}" for key, text in motor.doubts.items())
+    return Motor(name, tuple(figures), doubts, unknown, body_size(motor), part)
+
+
+def body_size(motor: MotorSection) -> tuple[float, ...]:
+    """Edges [m] of a motor's box, the shortest first; empty if they are unknown."""
+    if motor.size is not None:
+        return tuple(sorted(motor.size.value))
+    if motor.diameter is not None and motor.length is not None:
+        return tuple(sorted((motor.diameter.value, motor.diameter.value, motor.length.value)))
+    return ()
+
+
+def _armature(given: Mapping[str, Figure]) -> Figure | None:
+    if "armature" in given or "rotor_inertia" not in given or "gear_ratio" not in given:
+        return given.get("armature")
+    rotor, ratio = given["rotor_inertia"], given["gear_ratio"]
+    return Figure(rotor.value * ratio.value**2, f"derived: rotor_inertia x gear_ratio^2; {rotor.source}")
+
+
+def _damping(motor: MotorSection, given: Mapping[str, Figure]) -> Figure | None:
+    """Viscous damping with that of the back-EMF, once; of a drive that sets the voltage, else the slope of its line."""
+    viscous, back_emf = given.get("viscous_damping"), given.get("back_emf_damping")
+    if motor.control == "voltage" and back_emf is not None:
+        if viscous is None:
+            return back_emf
+        source = f"derived: viscous_damping + back_emf_damping; {viscous.source}"
+        return Figure(viscous.value + back_emf.value, source)
+    stall, idle = given.get("stall_torque"), given.get("no_load_speed")
+    if motor.control != "current" and motor.kind in _VOLTAGE_DRIVEN and stall is not None and idle is not None:
+        return Figure(stall.value / idle.value, f"derived: stall_torque / no_load_speed; {stall.source}")
+    return viscous
+
+
+def _at(name: str, motor: MotorSection, voltage: float | None) -> dict[str, Figure]:
+    """The figures at a supply: published ones, between two published ones a line, else in proportion."""
+    given = motor.figures()
+    own = given["voltage"].value if "voltage" in given else None
+    if voltage is None or (own is not None and abs(voltage - own) <= _EXACT * own):
+        return {key: _at_supply(figure, own) if key == "position_gain" else figure for key, figure in given.items()}
+    if own is None:
+        raise UnscalableMotor(f"no source gives the supply of '{name}', so that its figures cannot be scaled")
+    for key, kinds in _SCALED_BY_VOLTAGE.items():
+        if key in given and motor.kind in kinds:
+            figure = given[key]
+            points = {figure.voltage or own: figure}
+            for other in motor.at_other_voltages:
+                at = getattr(other, key, None)
+                if at is not None:
+                    points[other.voltage] = Figure(at.value, at.source or other.source or motor.source or "")
+            given[key] = _interpolated(points, voltage)
+    return given
+
+
+def _at_supply(figure: Figure, own: float | None) -> Figure:
+    """A figure that holds at another supply than the motor's, in proportion."""
+    if figure.voltage is None or own is None or figure.voltage == own:
+        return figure
+    return _interpolated({figure.voltage: figure}, own)
+
+
+def _interpolated(points: Mapping[float, Figure], voltage: float) -> Figure:
+    near = next((at for at in points if abs(at - voltage) <= _EXACT * voltage), None)
+    if near is not None:
+        return points[near]
+    below = max((at for at in points if at < voltage), default=None)
+    above = min((at for at in points if at > voltage), default=None)
+    if below is not None and above is not None:
+        share = (voltage - below) / (above - below)
+        value = points[below].value + share * (points[above].value - points[below].value)
+        source = f"derived: between {below:g} V and {above:g} V; {points[below].source}"
+        return Figure(value, source)
+    nearest = below if below is not None else above
+    assert nearest is not None  # points are never empty
+    source = f"derived: {nearest:g} V x {voltage / nearest:.4g}; {points[nearest].source}"
+    return Figure(points[nearest].value * voltage / nearest, source)
