@@ -151,7 +151,8 @@ def _sidecar() -> Sidecar:
     return sidecar
 
 
-_OF_PYDANTIC = re.compile(r"\binput (should|tag)\b|found using|\w_form\(\)|expected tags", re.IGNORECASE)
+OF_PYDANTIC = re.compile(r"\binput (should|tag)\b|found using|\w_form\(\)|expected tags", re.IGNORECASE)
+"""Words of pydantic's messages, which are no diagnostics."""
 
 
 def unsound_diagnostics(found: Iterable[Diagnostic]) -> Iterator[str]:
@@ -167,7 +168,7 @@ def unsound_diagnostics(found: Iterable[Diagnostic]) -> Iterator[str]:
             yield f"no such code: {diagnostic}"
         if any("Traceback" in text for text in (diagnostic.message, *diagnostic.notes)):
             yield f"{diagnostic.code}: a traceback: {diagnostic.message} {diagnostic.notes}"
-        if _OF_PYDANTIC.search(diagnostic.message):
+        if OF_PYDANTIC.search(diagnostic.message):
             yield f"{diagnostic.code}: a message of pydantic's: {diagnostic.message}"
 
 

@@ -72,13 +72,17 @@ class Mutant:
 
     def content(self, bases: Path) -> bytes:
         """The damaged file; the bytes are deterministic."""
-        rng = Random(self.name)  # a text as seed gives the same numbers on every platform and for every hash seed
-        step = _step_text(bases / self.base)
-        if self.kind != MIXED:
-            return KINDS[self.kind](step, rng)
-        for _ in range(rng.choice((2, 3, 5))):
-            step = StepText(KINDS[rng.choice(list(KINDS))](step, rng) or b" ")
-        return step.data
+        # A text as seed gives the same numbers on every platform and for every hash seed.
+        return damaged(step_text(bases / self.base), self.kind, Random(self.name))
+
+
+def damaged(step: StepText, kind: str, rng: Random) -> bytes:
+    """The bytes of a STEP file with damage of one of :data:`ALL_KINDS`."""
+    if kind != MIXED:
+        return KINDS[kind](step, rng)
+    for _ in range(rng.choice((2, 3, 5))):
+        step = StepText(KINDS[rng.choice(list(KINDS))](step, rng) or b" ")
+    return step.data
 
 
 def plan(bases: Sequence[str], count: int, seed: int) -> list[Mutant]:
@@ -89,5 +93,6 @@ def plan(bases: Sequence[str], count: int, seed: int) -> list[Mutant]:
 
 
 @cache
-def _step_text(path: Path) -> StepText:
+def step_text(path: Path) -> StepText:
+    """The text of a valid STEP file."""
     return StepText(path.read_bytes())

@@ -3,6 +3,7 @@
 python -m tests.hostile                         all experiments in their long form, hours
 python -m tests.hostile --short                 a few trials of each, a minute
 python -m tests.hostile --only NAME [--count N] [--seed N]
+python -m tests.hostile --only mutants --repeat TRIAL --keep DIR        one trial, whose files stay in DIR
 python -m tests.hostile --page                  all, and writes the results to docs/reliability.md
 """
 
@@ -20,7 +21,7 @@ from stepbot.runtime.cache.keys import own_code
 from . import page
 from .experiment import Experiment, Setting, Trial
 
-NAMES = ("sidecars", "steps", "names", "kills", "caches", "disks", "concurrent", "descriptions", "trees")
+NAMES = ("mutants", "sidecars", "steps", "names", "kills", "caches", "disks", "concurrent", "descriptions", "trees")
 """Modules, each with an ``EXPERIMENT``."""
 _REPORT_EVERY = 500
 
@@ -32,12 +33,14 @@ def experiment(name: str) -> Experiment:
     return found
 
 
-def trials_of(chosen: Experiment, count: int, seed: int, jobs: int, minutes: float) -> list[Trial]:
+def trials_of(chosen: Experiment, count: int, arguments: argparse.Namespace) -> list[Trial]:
     """Run an experiment until it ends or the time is up; defects are printed as they are found."""
     trials: list[Trial] = []
+    minutes = arguments.minutes
     end = time.monotonic() + 60.0 * minutes
     with tempfile.TemporaryDirectory(prefix=f"hostile-{chosen.name}-") as folder:
-        running = chosen.run(Setting(Path(folder).resolve(), seed, count, jobs))
+        place = Path(arguments.keep or folder).resolve()
+        running = chosen.run(Setting(place, arguments.seed, count, arguments.jobs, tuple(arguments.repeat)))
         for trial in running:
             trials.append(trial)
             if time.monotonic() > end:
@@ -69,6 +72,8 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--seed", type=int, default=1, help="of the random choices (1)")
     parser.add_argument("--jobs", type=int, default=2, help="how many processes at once (2)")
     parser.add_argument("--minutes", type=float, default=math.inf, help="stop each experiment after so many")
+    parser.add_argument("--repeat", nargs="+", default=[], metavar="TRIAL", help="mutants to repeat")
+    parser.add_argument("--keep", metavar="DIR", help="work in this folder, which stays")
     parser.add_argument("--page", action="store_true", help="write the results to docs/reliability.md")
     return parser.parse_args(argv)
 
@@ -81,7 +86,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         chosen = experiment(name)
         count = arguments.count or (chosen.short if arguments.short else chosen.long)
         before = _code()
-        trials = trials_of(chosen, count, arguments.seed, arguments.jobs, arguments.minutes)
+        trials = trials_of(chosen, count, arguments)
         if _code() != before:
             _say(f"{name}: stepbot's code has changed during the run, so what it found does not count")
             return 2

@@ -29,6 +29,8 @@ class Setting:
     """Number of trials; experiments with a list of cases try that many of them."""
     jobs: int = 1
     """Number of processes to keep busy."""
+    names: tuple[str, ...] = ()
+    """Trials to repeat, instead of those of the seed; for experiments whose trials have no list."""
 
 
 @dataclass(frozen=True)

@@ -1,18 +1,23 @@
 """A few trials of each experiment; ``make hostile`` runs thousands."""
 
+import json
 import multiprocessing
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
 import pytest
 
 from . import __main__ as runner
-from . import page
+from . import page, sandbox, xml_damage
 from .__main__ import NAMES, experiment
 from .command import _is_open, _shared_memory
 from .disks import NOT_RUN
 from .experiment import Experiment, Setting, Trial
+from .mutant_files import FILES, FileMutant
+from .mutant_files import plan as plan_files
+from .mutant_runner import Ended, planned
 from .sidecar_damage import KINDS, damaged
 from .sidecar_mutant import LIBRARY, SidecarMutant, plan
 from .sidecar_tree import read_tree, written
@@ -90,6 +95,71 @@ def test_damage_depends_on_the_name_alone_and_changes_the_sidecar() -> None:
         assert contents == [damaged(base, kind, Random(f"{kind}{seed}")) for seed in range(30)]
         assert len(set(contents) - {sound.encode()}) > 15, kind
     assert written(base) == sound
+
+
+@pytest.mark.parametrize("name", ["arm.urdf", "leg.xml", "cell.sdf"])
+def test_damage_to_a_description_depends_on_the_name_alone(name: str) -> None:
+    """The same seed gives the same bytes; each kind changes most files, and leaves the tree as it is."""
+    base = xml_damage.parse((Path(__file__).parent / "foreign" / name).read_bytes())
+    sound = xml_damage.etree.tostring(base)
+    for kind in xml_damage.KINDS:
+        contents = [xml_damage.damaged(base, kind, Random(f"{kind}{seed}")) for seed in range(12)]
+        assert contents == [xml_damage.damaged(base, kind, Random(f"{kind}{seed}")) for seed in range(12)], kind
+        assert len(set(contents) - {sound}) > 6, kind
+    assert xml_damage.etree.tostring(base) == sound
+
+
+def test_mutants_of_files_are_of_every_group_with_a_command_each(tmp_path: Path) -> None:
+    """Groups come in turn; a name gives its mutant and its command."""
+    for name in ("sidecar-a", "step-a", "urdf-a", "sdf-a", "mjcf-a", "mesh-urdf"):
+        (tmp_path / name).mkdir()
+    mutants = plan_files(tmp_path, 110, 3)
+    assert {mutant.group for mutant in mutants} == {*FILES}
+    assert [FileMutant.named(mutant.name) for mutant in mutants] == mutants
+    assert [planned(mutant, "main.x") for mutant in mutants] == [planned(mutant, "main.x") for mutant in mutants]
+
+
+def test_every_forbidden_end_of_a_command_is_a_fault() -> None:
+    """Tracebacks, internal errors, other exit codes, hangs, control characters, and JSON that is none."""
+    sound = Ended(1, "", "x.urdf: error[SB814]: not XML", hung=False, seconds=1.0, memory=1 << 28)
+    assert not sound.faults()
+    diagnostic = {"code": "SB814", "message": "a\nb", "file": "x", "severity": "note", "help": []}
+    for changes in (
+        {"code": -11},
+        {"code": 3},
+        {"code": 2, "err": "no"},
+        {"err": "Traceback (most recent call last):\n"},
+        {"err": "error[SB901]: x"},
+        {"err": "\x1b[31m"},
+        {"hung": True},
+        {"seconds": 1e3},
+        {"memory": 1 << 40},
+        {"out": "{"},
+        {"out": '{"deviation": NaN}'},
+        {"out": json.dumps({"diagnostics": [diagnostic]})},
+    ):
+        assert replace(sound, **changes).faults(), changes
+
+
+def test_sandbox_notices_whatever_changes(tmp_path: Path) -> None:
+    """Files that are new, gone, or others; their times and permissions; links; what may change is left out."""
+    base = tmp_path / "base"
+    base.mkdir()
+    (base / "main.urdf").write_text("<robot/>")
+    place = tmp_path / "place"
+    sandbox.build(place, base, base)
+    before = sandbox.entries(place)
+    assert not sandbox.changed(before, sandbox.entries(place), ())
+    (place / "outside" / "kept.txt").chmod(0o600)
+    (place / "work" / "out" / "main.urdf").write_text("<robot name='x'/>")
+    (place / "work" / "out" / "notes.txt").unlink()
+    (place / "work" / "linked.stl").unlink()
+    (place / "home" / ".cache").mkdir()
+    expected = ["'home/.cache' is new", "'outside/kept.txt' is another", "'work/linked.stl' is gone"]
+    of_output = ["'work/out/main.urdf' is another", "'work/out/notes.txt' is gone"]
+    after = sandbox.entries(place)
+    assert sandbox.changed(before, after, ()) == [*expected, *of_output]
+    assert sandbox.changed(before, after, ("work/out",)) == [*expected, of_output[1]]
 
 
 def test_plan_names_each_mutant() -> None:

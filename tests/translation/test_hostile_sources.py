@@ -20,7 +20,7 @@ CASES = {
         "<sdf version='1.9'><model name='r'><link name='a'><visual name='v'><geometry><mesh><uri>pipe.obj</uri></mesh>"
         "</geometry></visual></link></model></sdf>",
     ),
-    "SB823": ("robot.urdf", "<robot name='r'>"),
+    "SB814": ("robot.urdf", "<robot name='r'>"),
 }
 
 

@@ -5,6 +5,7 @@ MJCF, wherever it is, and block on a named pipe or a device in place of a mesh u
 may be anywhere, since descriptions share them.
 """
 
+import re
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -25,6 +26,7 @@ Element = Any
 ENTITIES = "SB820"
 OUTSIDE = "SB821"
 NOT_REGULAR = "SB822"
+NOT_XML = "SB814"
 TOO_LARGE = "SB823"
 
 _MOST_INCLUDES = 1000
@@ -34,6 +36,12 @@ _ATTRIBUTES = ("filename", *(f"file{suffix}" for suffix in _SUFFIXED))
 """Attributes that name files; six of them are the sides of a texture in MJCF."""
 _FOLDERS = ("meshdir", "texturedir", "assetdir")
 """Attributes of MJCF's ``<compiler>``."""
+_XML = ("urdf", "sdf", "mjcf")
+_WITH_ASCII = re.compile(r"utf-?8|(us-)?ascii|iso-8859-\d+|(windows-|cp)125\d", re.IGNORECASE)
+"""Encodings in which every ASCII character is itself and nothing else is.
+
+Engines ignore what a file declares: in the others, tags that they read may be characters of a comment to our parser.
+"""
 
 
 @dataclass(frozen=True)
@@ -47,14 +55,18 @@ class Refusal:
 
 
 def refusals(file: str, written_in: str) -> tuple[Refusal, ...]:
-    """Why engines must not read a file; empty if they may, and if it is neither XML nor USD, which they report.
+    """Why engines must not read a file; empty if they may.
+
+    A file that is no well-formed XML is refused: parsers of engines are more lenient, and would open what it names.
 
     Args:
         file: Path of the description.
         written_in: Its format.
     """
     given, main = Path(file), resolved(Path(file))  # engines resolve symbolic links
-    found = _layer_refusals(main) if written_in == "usd" else _refusals(main, written_in == "mjcf")
+    found = _layer_refusals(main) if written_in == "usd" else ()
+    if written_in in _XML:
+        found = _refusals(main, written_in == "mjcf")
     return tuple(replace(one, file=_shown(one.file, main, given)) for one in found)
 
 
@@ -107,15 +119,25 @@ def declares_entities(root: Element) -> bool:
 
 
 def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
+    from lxml import etree
+
     pending, seen = [main], {main}
     roots: list[tuple[Path, Element]] = []
     while pending:
         path = pending.pop()
-        root = _parsed(path)
-        if root is None:
+        try:
+            root = _parsed(path)
+        except etree.XMLSyntaxError as error:
+            yield Refusal(NOT_XML, f"not XML: {error.msg}", str(path), error.lineno or 0)
+            continue
+        except OSError:  # engines cannot read it either
             continue
         if declares_entities(root):
             yield Refusal(ENTITIES, "declares XML entities", str(path))
+            continue
+        encoding = root.getroottree().docinfo.encoding or "UTF-8"
+        if not _WITH_ASCII.fullmatch(encoding):
+            yield Refusal(NOT_XML, f"encoding {encoding}, which engines do not read; save the file as UTF-8", str(path))
             continue
         roots.append((path, root))
         for element, reason in excessive_sizes(root) if has_includes else ():
@@ -141,17 +163,20 @@ def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
                 yield from _irregular(element, main, folders, path)
 
 
-def _parsed(path: Path) -> Element | None:
-    """The root element; without its content if the document declares entities, which may expand to gigabytes."""
+def _parsed(path: Path) -> Element:
+    """The root element; without its content if the document declares entities, which may expand to gigabytes.
+
+    Raises:
+        XMLSyntaxError: The file is not XML.
+        OSError: It cannot be read.
+    """
     from lxml import etree
 
-    try:
-        first = first_element(path)
-        if declares_entities(first):
-            return first
-        return etree.fromstring(read_regular(path), etree.XMLParser(resolve_entities=False, no_network=True))
-    except (etree.XMLSyntaxError, OSError):
-        return None
+    first = first_element(path)
+    if declares_entities(first):
+        return first
+    parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True)
+    return etree.fromstring(read_regular(path), parser)
 
 
 def _folders(root: Element) -> list[str]:

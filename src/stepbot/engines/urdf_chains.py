@@ -82,7 +82,7 @@ def xml_root(file: Path) -> Any:
     from lxml import etree
 
     try:
-        parser = etree.XMLParser(resolve_entities=False, no_network=True, remove_comments=True)
-        return etree.parse(str(file), parser).getroot()
+        parser = etree.XMLParser(resolve_entities=False, no_network=True, remove_comments=True, huge_tree=True)
+        return etree.fromstring(file.read_bytes(), parser)  # `etree.parse` raises OSError for some invalid encodings
     except etree.XMLSyntaxError as error:
         raise EngineRefused(f"not XML: {error.msg}") from error

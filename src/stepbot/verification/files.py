@@ -31,6 +31,7 @@ from stepbot.runtime.temporary import run_folder
 from .admission import admitted, located
 from .checks import (
     distributions,
+    report_unread,
     versions,
 )
 from .compare import Compared
@@ -108,7 +109,8 @@ def compare_two(
     Args:
         old: The file to compare with.
         new: The file that is compared.
-        found: Receives the errors of files that cannot be read, and of engines that cannot read one of them.
+        found: Receives the errors of files that cannot be read, and of engines that cannot read one of them; SB815 for
+            a file that no engine reads.
         timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of each engine; None for no limit.
         packages: Folders of the packages that the files name, or the folders that contain them.
@@ -123,6 +125,10 @@ def compare_two(
     seen = [seen_by for path in (old, new) if (seen_by := ranked(of_file[_key(path)]))]
     found.extend(one for one in reported if one.severity == "error" and (len(seen) < 2 or one.code in _UNREAD))
     if len(seen) < 2:
+        if not found.has_errors:
+            for key, some in of_file.items():
+                if some and not ranked(some):
+                    report_unread(key, some, found)
         return None
     ours, theirs = map(gather, seen)
     return compared_with_first(ours, theirs, asked)

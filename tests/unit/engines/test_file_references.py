@@ -46,6 +46,38 @@ def test_includes_stay_in_the_folder(tmp_path: Path) -> None:
     assert including("parts/far.xml") == ["SB821"]
 
 
+OUTSIDE = b'<include file="../outside.xml"/>'
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"<mujoco><!-- \xff -->" + OUTSIDE + b"</mujoco>",
+        b"<mujoco>" + OUTSIDE + b"</mujoco><more/>",
+        b"<mujoco a='1' a='2'>" + OUTSIDE + b"</mujoco>",
+        b"<?xml version='1.0' encoding='iso-2022-jp'?><mujoco><!-- \x1b$B-->" + OUTSIDE + b"<!--\x1b(B --></mujoco>",
+    ],
+    ids=["bytes that are not UTF-8", "two roots", "an attribute twice", "tags that are Japanese"],
+)
+def test_file_that_our_parser_reads_otherwise_reaches_no_engine(text: bytes, tmp_path: Path) -> None:
+    """MuJoCo and PyBullet read what is not XML, or declares another encoding, and would open the includes in it."""
+    (tmp_path / "in").mkdir()
+    (tmp_path / "outside.xml").write_text("<mujocoinclude/>", encoding="utf-8")
+    main, part = tmp_path / "in" / "main.xml", tmp_path / "in" / "part.xml"
+    main.write_bytes(text)
+    assert {one.code for one in refusals(str(main), "mjcf")} == {"SB814"}
+    part.write_bytes(text)
+    assert codes(main, '<mujoco><include file="part.xml"/></mujoco>', "mjcf") == ["SB814"]
+
+
+def test_latin_1_and_deep_trees_are_read(tmp_path: Path) -> None:
+    """Encodings of which ASCII is a part are read, and trees of a thousand bodies, deeper than lxml's limit."""
+    path = tmp_path / "latin.xml"
+    path.write_bytes("<?xml version='1.0' encoding='ISO-8859-1'?><mujoco model='Fuß'/>".encode("latin-1"))
+    assert refusals(str(path), "mjcf") == ()
+    assert codes(tmp_path / "deep.xml", "<mujoco>" + 1000 * "<body>" + 1000 * "</body>" + "</mujoco>", "mjcf") == []
+
+
 def test_link_out_of_the_folder_is_no_way_around(tmp_path: Path) -> None:
     """The target of a symbolic link counts."""
     (tmp_path / "outside.xml").write_text("<mujoco/>", encoding="utf-8")

@@ -19,6 +19,7 @@ from ..description.description import DescribedShape, Description, Primitive
 from ..description.meshes import MeshFiles
 from ..description.mjcf_vocabulary import unread_of_mjcf
 from ..observation import EngineRefused, Observation, Request
+from ..urdf_chains import xml_root
 from .compiled import Compiled
 from .observer import observe_model
 from .shapes import collides, color_of, geoms, is_visual
@@ -79,15 +80,12 @@ def _roots(path: Path) -> list[tuple[Any, str]]:
     Raises:
         EngineRefused: One is not XML.
     """
-    from lxml import etree
-
     pending, found = [""], list[tuple[Any, str]]()
     while pending:
         name = pending.pop(0)
         try:
-            parser = etree.XMLParser(resolve_entities=False, no_network=True)
-            root = etree.parse(str(path.parent / name if name else path), parser).getroot()
-        except (etree.XMLSyntaxError, OSError) as error:
+            root = xml_root(path.parent / name if name else path)
+        except (EngineRefused, OSError) as error:
             raise EngineRefused(f"{name or path.name}: {error}") from error
         found.append((root, name))
         known = {one for _, one in found}

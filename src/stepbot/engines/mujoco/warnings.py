@@ -3,10 +3,16 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 
+from ..observation import EngineRefused
+
 
 @contextmanager
 def collected_warnings() -> Iterator[list[str]]:
-    """Collect the warnings of MuJoCo in this process."""
+    """Collect the warnings of MuJoCo in this process.
+
+    Raises:
+        EngineRefused: MuJoCo gave up, as on a chain of hundreds of bodies, which exceeds its stack.
+    """
     import mujoco as engine
 
     collected: list[str] = []
@@ -14,5 +20,7 @@ def collected_warnings() -> Iterator[list[str]]:
     engine.set_mju_user_warning(collected.append)
     try:
         yield collected
+    except engine.FatalError as error:
+        raise EngineRefused(str(error).strip()) from error
     finally:
         engine.set_mju_user_warning(former)

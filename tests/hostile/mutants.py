@@ -1,0 +1,35 @@
+"""Sidecars, STEP files, descriptions and meshes with damaged structure are given to every command that reads them."""
+
+from collections.abc import Iterator
+
+from tests.fuzz.mutants import try_all
+
+from .experiment import Experiment, Setting, Trial
+from .mutant_files import FileMutant, collect, plan
+
+
+def run(setting: Setting) -> Iterator[Trial]:
+    """Run a command on each mutant, in a sandbox with earlier output and files of others."""
+    bases = setting.folder / "bases"
+    if not bases.is_dir():
+        collect(bases)
+    mutants = [FileMutant.named(name) for name in setting.names] or plan(bases, setting.count, setting.seed)
+    for trial in try_all(mutants, bases, jobs=setting.jobs, runner="tests.hostile.mutant_runner"):
+        yield Trial(trial.mutant.name, trial.verdict.outcome, trial.verdict.faults)
+
+
+EXPERIMENT = Experiment(
+    "mutants",
+    "damaged sidecars, STEP files, URDF, SDFormat, MJCF and meshes, given to the commands that read them",
+    "exit code 0, 1 or 2 with a code, in bounded time and memory; after an error the earlier output; no byte changes "
+    "outside of the output folder, the cache and the folder for temporary files",
+    run,
+    short=24,
+    long=20_000,
+    repaired=(
+        "URDF with a byte that is no character raised an exception in `convert` and `verify` (SB814)",
+        "MJCF that is no XML, or whose encoding hides tags, reached MuJoCo, which opened includes anywhere (SB814)",
+        "MJCF with hundreds of nested bodies was refused by our parser, and MuJoCo's full stack was SB901 (SB801)",
+        "`diff` of a file that no engine reads ended with code 2 and without a word (SB815)",
+    ),
+)
