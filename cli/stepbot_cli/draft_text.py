@@ -42,6 +42,7 @@ def draft_text(draft: "Draft", sidecar: Path, text: str, *, verbose: bool = Fals
         lines.append(f"  on strong evidence: {', '.join(sure)}; -v shows it")
     lines += _fused(draft, names.freed, verbose=verbose)
     lines += [f"  {printable(note)}" for note in draft.notes]
+    lines += _asked(draft)
     return "\n".join([*lines, *_next(sidecar, questions)])
 
 
@@ -96,6 +97,17 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
             }
             for one, name in zip(draft.fused, names.freed, strict=True)
         ],
+        "questions": [
+            {
+                "name": one.name,
+                "text": one.text,
+                "decides": one.decides,
+                "options": [{"value": option.value, "text": option.text} for option in one.options],
+                "drafted": one.drafted.value,
+            }
+            for one in draft.questions
+        ],
+        "answers": dict(draft.answers),
         "review": _reviews(text),
         "limits_to_fill_in": _todo(draft),
         "notes": list(draft.notes),
@@ -138,6 +150,17 @@ def _fused(draft: "Draft", names: Sequence[str], *, verbose: bool) -> list[str]:
     for one, name in shown:
         lines.append(f"    {printable(name)} ({one.type}) in '{printable(one.link)}', held by: {printable(one.held)}")
     return [*lines, f"    {more} more; -v shows them"] if more else lines
+
+
+def _asked(draft: "Draft") -> list[str]:
+    """The questions that are left."""
+    if not draft.questions:
+        return []
+    lines = [f"  {counted(len(draft.questions), 'question')} for `init --interactive`, or as `answers` in the sidecar:"]
+    for one in draft.questions:
+        others = ", ".join(option.value for option in one.options if option is not one.drafted)
+        lines.append(f"    {printable(one.text)} drafted: {printable(one.drafted.value)}; or {printable(others)}")
+    return lines
 
 
 def _line_of(start: str, text: str) -> int:

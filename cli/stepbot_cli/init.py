@@ -1,5 +1,6 @@
 """``stepbot init``: draft a sidecar from a STEP file."""
 
+import json
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -21,8 +22,8 @@ from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.draft.draft import Draft
+    from stepbot.draft.questions import Dialogue
     from stepbot.pipeline.conversion import Options
-    from stepbot.pipeline.drafting import Again
 
 
 @click.command(
@@ -45,7 +46,15 @@ if TYPE_CHECKING:
     help="URDF, SDFormat or MJCF of the same robot: take its names, joints, limits and masses.",
 )
 @click.option("--force", is_flag=True, help="Overwrite an existing sidecar.")
-@click.option("-i", "--interactive", is_flag=True, help="Ask for the root link and the types of uncertain joints.")
+@click.option("-i", "--interactive", is_flag=True, help="Ask the questions, at most five, that most joints depend on.")
+@click.option(
+    "--answers",
+    "answers_file",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Answers to the questions of --json: a JSON object {question: answer}, or a sidecar with `answers`. "
+    "[default: those of the sidecar that --force overwrites]",
+)
 @reading_options
 @package_path_option
 @json_option
@@ -57,6 +66,7 @@ def command(
     description: Path | None,
     force: bool,
     interactive: bool,
+    answers_file: Path | None,
     as_json: bool,
     display: Display,
 ) -> int:
@@ -76,14 +86,15 @@ def command(
         help = ["write another file with -o, or overwrite it with --force"]
         found.add("SB012", "sidecar already exists", Span(sidecar.as_posix()), help=help)
         return _show_result(None, "", sidecar, step, found, as_json=as_json, display=display)
+    answers = _answers(answers_file or sidecar)
     with ExitStack() as bar:
         bar.enter_context(progress_bar(("read",)))("read")
 
-        def ask(draft: "Draft", again: "Again | None") -> "Draft":
+        def ask(draft: "Draft", dialogue: "Dialogue | None") -> "Draft":
             bar.close()
-            return asked(draft, again)
+            return asked(draft, dialogue)
 
-        drafting = draft_step(step, options, description, ask if interactive else None)
+        drafting = draft_step(step, options, description, ask if interactive else None, answers)
     found.extend(drafting.diagnostics)
     draft, text = drafting.draft, ""
     if draft is not None:
@@ -91,6 +102,21 @@ def command(
         text = write_draft(draft, sidecar, step, options.encoding, found)
     say_trouble(options.cache, found)
     return _show_result(draft, text, sidecar, step, found, as_json=as_json, display=display)
+
+
+def _answers(file: Path) -> dict[str, str]:
+    """The answers in a JSON object or in a sidecar; none without the file."""
+    from stepbot.pipeline.drafting import kept_answers
+
+    if file.suffix.lower() != ".json":
+        return kept_answers(file) if exists(file) else {}
+    try:
+        answers = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise click.UsageError(f"--answers: {file.as_posix()}: {error}") from error
+    if not isinstance(answers, dict) or not all(isinstance(value, str) for value in answers.values()):
+        raise click.UsageError(f"--answers: {file.as_posix()}: expected an object {{question: answer}}")
+    return answers
 
 
 def _beside(step: Path) -> Path:

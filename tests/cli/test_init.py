@@ -140,7 +140,7 @@ def test_interactive_asks_for_the_root_link(slider: Path, stepbot: Stepbot, monk
     monkeypatch.setattr("sys.stdin", io.StringIO("2\n"))
     run = stepbot("init", "slider.step", "--interactive", "-v")
     assert run.code == 0, run.err
-    assert "Which link is the root" in run.err
+    assert "Which link stands, as the root?" in run.err
     assert "  slide: prismatic, block -> holder, score 1.00\n" in run.out
     assert stepbot("check", "--step", "slider.robot.yaml").code == 0
     assert stepbot("init", "slider.step", "-i", "--json").code == 2
@@ -150,10 +150,10 @@ def test_interactive_asks_for_the_root_link(slider: Path, stepbot: Stepbot, monk
 @pytest.mark.parametrize(
     ("answers", "motions", "joints"),
     [
-        ("\n\n\n", 2, ["score 0.8", "score 0.8"]),  # root and both joints unknown: the draft as it is
-        ("\n2\n1\n", 2, ["score 1.00"]),  # the arm is fixed, the hand turns
-        ("\n2\n2\n", 2, []),  # all is one link
-        ("3\n1\n1\n", 2, ["score 1.00", "score 1.00"]),  # the hand is the root, and both turn
+        ("\n\n", 2, ["score 0.8", "score 0.8"]),  # both joints unknown: the draft as it is
+        ("2\n1\n", 2, ["score 1.00"]),  # the arm is fixed, the hand turns
+        ("2\n2\n", 2, []),  # all is one link
+        ("1\n1\n", 2, ["score 1.00", "score 1.00"]),  # both turn
     ],
 )
 def test_answers_are_facts_to_infer_from(
@@ -165,13 +165,36 @@ def test_answers_are_facts_to_infer_from(
     monkeypatch.setattr("sys.stdin", io.StringIO(answers))
     run = stepbot("init", "chain.step", "--interactive", "--force", "-v")
     assert run.code == 0, run.err
-    assert run.err.count(" move (") == motions
+    assert run.err.count(", or is it fixed?") == motions
     lines = [line for line in run.out.splitlines() if "revolute, " in line]
     assert all(score in line for score, line in zip(joints, lines, strict=True)), run.out
     assert run.out.startswith(f"chain.robot.yaml: {len(joints) + 1} link")
-    assert ("root link 'hand'" in run.out) == answers.startswith("3")
-    assert "fixed" not in run.out
+    assert not [line for line in run.out.splitlines() if ": fixed, " in line]
     assert stepbot("check", "--step", "chain.robot.yaml").code == 0
+
+
+def test_answers_are_kept_for_the_next_draft(chain: Path, stepbot: Stepbot) -> None:
+    """Answers of a file are in the sidecar, and `init --force` uses them again; one that does not apply is noted."""
+    asked = json.loads(stepbot("init", "chain.step", "--json").out)["questions"]
+    assert [one["name"] for one in asked] == ["arm bar + base bar", "arm bar + hand bar"]
+    assert [one["drafted"] for one in asked] == ["revolute", "revolute"]
+    answers = {"stands": "hand/hand bar", asked[0]["name"]: "fixed", "cap + lid": "revolute", asked[1]["name"]: "maybe"}
+    (chain / "answers.json").write_text(json.dumps(answers))
+    first = stepbot("init", "chain.step", "--force", "--answers", "answers.json", "--json")
+    document = json.loads(first.out)
+    assert (document["root"], len(document["joints"])) == ("hand", 1)
+    assert document["answers"] == {"stands": "hand/hand bar", asked[0]["name"]: "fixed"}
+    assert sorted(document["notes"]) == [
+        "the answer 'maybe' to 'arm bar + hand bar' was not used: it must be one of revolute, fixed",
+        "the answer 'revolute' to 'cap + lid' was not used: there is no such question",
+    ]
+    kept = (chain / "chain.robot.yaml").read_text(encoding="utf-8")
+    again = json.loads(stepbot("init", "chain.step", "--force", "--json").out)
+    assert (again["root"], again["answers"], again["notes"]) == ("hand", document["answers"], [])
+    assert "  stands: hand/hand bar\n" in kept
+    assert stepbot("check", "--step", "chain.robot.yaml").code == 0
+    (chain / "answers.json").write_text("[1]")
+    assert stepbot("init", "chain.step", "--force", "--answers", "answers.json").code == 2
 
 
 def test_pairs_of_a_referenced_file_are_noted(

@@ -9,10 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepbot.draft.contacts.survey import Survey
-from stepbot.draft.draft import Alternative, Confidence, Draft, DraftConnection, DraftJoint, OriginForm, OriginSnippet
+from stepbot.draft.draft import Alternative, Draft, DraftConnection, DraftJoint
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Weld
 from stepbot.draft.parts.axis import Axis
-from stepbot.draft.text.values import z_along
 from stepbot.geometry.spatial import Vector3
 from stepbot.robot.model import JointKind
 
@@ -111,62 +110,6 @@ def rerooted(draft: Draft, root: str) -> Draft:
         at = joint.parent
     joints = tuple(_ordered(root, tuple(turned.get(joint.name, joint) for joint in draft.joints)))
     return replace(draft, root=root, links=(chosen, *by_name.values()), joints=joints)
-
-
-def chosen(draft: Draft, joint: str, alternative: Alternative) -> Draft:
-    """The draft with a joint replaced by an alternative, which no longer needs review."""
-
-    def pick(one: DraftJoint) -> DraftJoint:
-        if one.name != joint:
-            return one
-        sure = Confidence(1.0, (STATED, *alternative.confidence.evidence))
-        others = tuple(other for other in one.alternatives if other is not alternative)
-        picked = replace(
-            one, type=alternative.type, confidence=sure, alternatives=others, review="", doubt="", limits=None
-        )
-        if alternative.point is None or (alternative.point, alternative.direction) == (one.point, one.direction):
-            return picked
-        rpy = (0.0, 0.0, 0.0) if alternative.direction is None else z_along(alternative.direction)
-        return replace(
-            picked,
-            origin=OriginSnippet(OriginForm.XYZ, xyz=alternative.point, rpy=rpy),
-            axis="z",
-            point=alternative.point,
-            direction=alternative.direction,
-        )
-
-    return replace(draft, joints=tuple(pick(one) for one in draft.joints))
-
-
-def confirmed(draft: Draft, joint: str) -> Draft:
-    """The draft with a joint confirmed by the user."""
-
-    def sure(one: DraftJoint) -> DraftJoint:
-        if one.name != joint:
-            return one
-        return replace(one, confidence=Confidence(1.0, (STATED, *one.confidence.evidence)), review="", doubt="")
-
-    return replace(draft, joints=tuple(sure(one) for one in draft.joints))
-
-
-def fixed(draft: Draft, joint: str) -> Draft:
-    """The draft with a joint made fixed; its former motion is kept as an alternative."""
-
-    def still(one: DraftJoint) -> DraftJoint:
-        if one.name != joint:
-            return one
-        other = Alternative(one.type, *one.parts, one.confidence, one.point, one.direction)
-        return replace(
-            one,
-            type=JointKind.FIXED,
-            confidence=Confidence(1.0, (STATED,)),
-            alternatives=(other, *one.alternatives),
-            review="",
-            doubt="",
-            limits=None,
-        )
-
-    return replace(draft, joints=tuple(still(one) for one in draft.joints))
 
 
 def _turned_round(joint: DraftJoint) -> DraftJoint:

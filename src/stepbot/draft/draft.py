@@ -4,7 +4,8 @@ Lengths are in metres and angles in radians, points and directions in the frame 
 component paths, as `inspect` prints them.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 from math import inf
 
@@ -216,6 +217,35 @@ class DraftClosure(DraftConnection):
 
 
 @dataclass(frozen=True)
+class Option:
+    """An answer to a question."""
+
+    value: str
+    """What the sidecar keeps: a type of joint, or the path of a part."""
+    text: str
+    """What the user sees."""
+    is_drafted: bool
+    """Whether the draft is as if this were the answer."""
+
+
+@dataclass(frozen=True)
+class Question:
+    """A decision that several joints depend on."""
+
+    name: str
+    """By which the sidecar keeps the answer."""
+    text: str
+    options: tuple[Option, ...]
+    decides: int
+    """Number of joints that depend on it."""
+
+    @property
+    def drafted(self) -> Option:
+        """The option that the draft has taken."""
+        return next((option for option in self.options if option.is_drafted), self.options[0])
+
+
+@dataclass(frozen=True)
 class Draft:
     """A drafted robot."""
 
@@ -243,6 +273,10 @@ class Draft:
     """The frame of the root; None for that of the assembly."""
     base: Base = Base.FIXED
     frames: tuple[Frame, ...] = ()
+    answers: Mapping[str, str] = field(default_factory=dict)
+    """Answers to questions that were used, by the names of the questions."""
+    questions: tuple[Question, ...] = ()
+    """What is left to ask, the question first that most joints depend on."""
 
     @property
     def fused(self) -> tuple[Alternative, ...]:

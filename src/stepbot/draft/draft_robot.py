@@ -210,6 +210,8 @@ class _Drafting:
         if link != self._link_of[h.b] or parts[h.a].is_small or parts[h.b].is_small:
             return found
         moving = min((h.a, h.b), key=lambda i: (parts[i].volume, -i))
+        if Role.MOTOR in parts[moving].roles and not h.drives:
+            return found  # it shares a hole for a screw with what carries it
         welds = [weld for weld in self._found.welds if (weld.a, weld.b) == (min(h.a, h.b), max(h.a, h.b))]
         held = max(welds, key=lambda weld: weld.score).why if welds else "other parts of the link hold both"
         freed = LinkClaims.name(self._claims, [parts[moving]])[0]

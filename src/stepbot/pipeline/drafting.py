@@ -1,15 +1,15 @@
 """Drafts a sidecar from a STEP file: with joints from a description or stated in the file, else inferred ones."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
-from stepbot.draft.answers import Facts
 from stepbot.draft.draft import Draft
 from stepbot.draft.draft_robot import Inference
 from stepbot.draft.from_description.drafted import draft_of_description
+from stepbot.draft.questions import Dialogue
 from stepbot.draft.stated_joints import draft_of_mechanism
 from stepbot.draft.stops.stops import with_stops
 from stepbot.draft.text.sidecar_text import (
@@ -22,6 +22,7 @@ from stepbot.draft.text.sidecar_text import (
 )
 from stepbot.robot.step_names import step_stem
 from stepbot.runtime.file import exists, write_file
+from stepbot.sidecar.load import load_sidecar
 from stepbot.sidecar.schema import schema_text
 from stepbot.step.assembly import Assembly, MeshTolerance, ReadOptions
 from stepbot.step.exchange.mechanisms import Mechanism, has_mechanism, read_mechanism
@@ -47,13 +48,17 @@ class Drafting:
     """Whether the joints are kinematic pairs of the file."""
 
 
-Again = Callable[[Facts], Draft]
-"""Drafts again, from everything known."""
-Ask = Callable[[Draft, Again | None], Draft]
-"""Returns a draft corrected by the user; without a way to draft again if its joints are not inferred."""
+Ask = Callable[[Draft, Dialogue | None], Draft]
+"""Returns a draft corrected by the user; without questions to answer if its joints are not inferred."""
 
 
-def draft_step(step: Path, options: Options, description: Path | None = None, ask: Ask | None = None) -> Drafting:
+def draft_step(
+    step: Path,
+    options: Options,
+    description: Path | None = None,
+    ask: Ask | None = None,
+    answers: Mapping[str, str] | None = None,
+) -> Drafting:
     """Read a STEP file and draft links and joints; writes nothing.
 
     Args:
@@ -61,6 +66,7 @@ def draft_step(step: Path, options: Options, description: Path | None = None, as
         options: Code page, limits and cache.
         description: URDF, SDFormat or MJCF of the same robot, whose joints and masses are taken; None for none.
         ask: Asks the user about the draft.
+        answers: Answers to questions about earlier drafts, for joints that are inferred.
     """
     found = Diagnostics()
     try:
@@ -86,9 +92,9 @@ def draft_step(step: Path, options: Options, description: Path | None = None, as
     if stated is not None:
         draft = stated if ask is None else ask(stated, None)
     else:
-        inference = Inference(assembly, step_stem(step.name))
-        draft = inference.draft()
-        draft = with_stops(draft if ask is None else ask(draft, inference.draft), assembly)
+        dialogue = Dialogue(Inference(assembly, step_stem(step.name)), assembly)
+        dialogue.answer_all(answers or {})
+        draft = with_stops(dialogue.draft if ask is None else ask(dialogue.draft, dialogue), assembly)
     if mechanism is not None and stated is None:
         note = "the STEP file has kinematic pairs between unknown components; they were ignored"
         draft = replace(draft, notes=(*draft.notes, note))
@@ -110,6 +116,12 @@ def _mechanism(step: Path, options: Options) -> Mechanism | None:
     """The kinematic pairs in a file that was read."""
     part21 = check_step(step, str(step), Diagnostics(), options.encoding)
     return read_mechanism(step, part21.encoding) if part21 is not None else None
+
+
+def kept_answers(sidecar: Path) -> dict[str, str]:
+    """The answers that a sidecar keeps for the next draft; none of a file that cannot be read."""
+    read = load_sidecar(sidecar, Diagnostics())
+    return {} if read is None else dict(read.document.answers)
 
 
 def write_draft(draft: Draft, sidecar: Path, step: Path, encoding: str, found: Diagnostics) -> str:

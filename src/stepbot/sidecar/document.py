@@ -15,7 +15,7 @@ from stepbot.robot.model import Base, JointKind, MeshFormat
 
 from .devices import ActuatorSection, FrameSection, SensorSection
 from .ignored import IgnoredFinding, IgnoredFindings
-from .metadata import MetadataSection, UrdfSection
+from .metadata import Line, MetadataSection, UrdfSection
 from .modules import ModuleSection
 from .motion import DynamicsSection, JointLimits, LimitsSection
 from .motor_sections import Motors
@@ -320,6 +320,8 @@ class Document(Section):
     """Pairs of links, `[link_a, link_b]`, without contacts between them, in addition to adjacent links."""
     metadata: MetadataSection = MetadataSection()
     """Maintainer, licence, version and description, for packages of ROS 2, Gazebo and Webots."""
+    answers: dict[Line, Line] = Field(default_factory=dict)
+    """Answers to questions of `stepbot init`, which uses them when it drafts this sidecar again."""
     ignore_findings: IgnoredFindings = ()
     """Codes of warnings and notes to suppress everywhere."""
     modules: dict[Name, ModuleSection] = Field(default_factory=dict)

@@ -6,12 +6,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.draft.answers import Facts, chosen, confirmed, fixed, known_fixed, known_joint, rerooted
+from stepbot.draft.answers import Facts, known_fixed, known_joint, rerooted
 from stepbot.draft.draft import Alternative, Confidence, Draft, DraftLimits, DraftLink, OriginForm, OriginSnippet
 from stepbot.robot.kinematics import link_poses
 from stepbot.robot.model import JointKind
 from tests.unit.assemble.workshop import Workshop, at
-from tests.unit.draft.test_sidecar_text import DRAFT, HINGE, built
+from tests.unit.draft.test_sidecar_text import HINGE, built
 
 ARMS = ("base", "arm", "hand", "lamp")
 
@@ -73,20 +73,6 @@ def test_unknown_root_is_refused() -> None:
         rerooted(chain(), "nobody")
 
 
-def test_alternative_takes_the_joint_s_place(tmp_path: Path) -> None:
-    """An alternative of another kind keeps the origin; one on another line has its own; neither needs review."""
-    slide = Alternative(JointKind.PRISMATIC, "base", "arm", Confidence(0.6), HINGE.point, HINGE.direction)
-    turn = Alternative(JointKind.CONTINUOUS, "base", "arm", Confidence(0.6), (0.0, 0.0, 0.01), (1.0, 0.0, 0.0))
-    weak = replace(HINGE, confidence=Confidence(0.7), review="?", alternatives=(slide, turn))
-    draft = replace(DRAFT, joints=(weak,))
-    first = chosen(draft, "elbow", slide)
-    assert not first.joints[0].is_reviewed
-    assert first.joints[0].origin == HINGE.origin
-    assert built(first, tmp_path)[0].joints[0].kind is JointKind.PRISMATIC
-    joint = built(chosen(draft, "elbow", turn), tmp_path)[0].joints[0]
-    assert joint.X_PC.turn(joint.axis) == pytest.approx((1.0, 0.0, 0.0))
-
-
 def test_answer_is_a_fact_about_two_parts() -> None:
     """A confirmed joint, one of its alternatives and a fixed one are facts with their parts, type and axis."""
     turn = Alternative(JointKind.BALL, "x", "y", Confidence(0.6, ("a ball",)), (0.0, 0.0, 0.01), None)
@@ -100,12 +86,3 @@ def test_answer_is_a_fact_about_two_parts() -> None:
     assert other.why == "stated by the user; a ball"
     facts = Facts().with_joint(known_fixed(joint)).with_joint(other)
     assert (facts.rigid, facts.joints) == ((HINGE.parts,), (other,))
-
-
-def test_joint_can_be_confirmed_or_fixed(tmp_path: Path) -> None:
-    """A confirmed joint loses its mark; a fixed one keeps the inferred joint as a comment."""
-    draft = replace(DRAFT, joints=(replace(HINGE, confidence=Confidence(0.7), review="?"),))
-    assert not confirmed(draft, "elbow").joints[0].is_reviewed
-    still = fixed(draft, "elbow")
-    assert built(still, tmp_path)[0].joints[0].kind is JointKind.FIXED
-    assert still.joints[0].alternatives[0].type is JointKind.REVOLUTE

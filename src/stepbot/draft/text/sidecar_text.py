@@ -47,7 +47,7 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
     lines += _introduction(draft)
     lines += ["version: 1", f"robot: {scalar(robot_name(draft.robot))}", f"step: {scalar(step)}"]
     lines += [*([f"step_encoding: {scalar(encoding)}"] if encoding else [])]
-    lines += [*_stand(draft, names), ""]
+    lines += [*_stand(draft, names), "", *_answers(draft)]
     lines += _defaults(draft)
     lines += ["links:"]
     for link in draft.links:
@@ -99,6 +99,22 @@ def _stand(draft: Draft, names: DraftNames) -> list[str]:
         lines += comment(f"REVIEW: drawn with {draft.standing.up} up? {draft.standing}")
         lines.append(f"root: {{up: {draft.standing.up}}}")
     return lines
+
+
+def _answers(draft: Draft) -> list[str]:
+    """Answers that were used, and the questions left, each as a line to uncomment."""
+    lines = [f"  {scalar(name)}: {scalar(value)}" for name, value in draft.answers.items()]
+    lines = ["answers:  # to questions of `stepbot init`, which uses them again with --force", *lines] if lines else []
+    if draft.questions:
+        lines += [
+            "# What decides most: uncomment a line with your answer and run `stepbot init --force`, or run `init -i`.",
+            *([] if draft.answers else ["# answers:"]),
+        ]
+    for one in draft.questions:
+        others = ", ".join(option.value for option in one.options if option is not one.drafted)
+        lines += comment(one.text, 2)
+        lines.append(f"  # {scalar(one.name)}: {scalar(one.drafted.value)}  # as drafted; or {one_line(others)}")
+    return [*lines, ""] if lines else []
 
 
 def _frames(draft: Draft, names: DraftNames) -> list[str]:
