@@ -16,7 +16,7 @@ from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import printable
 from .joint_table import show_joint_rows, show_joint_table
 from .progress import progress_bar
-from .reading import reading_options
+from .reading import reading_options, variant_option
 from .table import write_filled
 from .terminal import Display, show_diagnostics, write_json, write_result
 
@@ -59,6 +59,7 @@ class CheckCommand(Command):
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @ignore_option
 @reading_options
+@variant_option
 @description_options
 @json_option
 @display_options
@@ -79,12 +80,13 @@ def command(
     STEP files are read only with --step. A STEP file that differs from the sidecar's lock file (`stepbot lock`) is
     compared with it. No files are written, except by --fix. Diagnostics are printed to standard output.
     """
-    from stepbot.jobs.discovery import find_sidecars
+    from stepbot.jobs.discovery import find_sidecars, variants_of
     from stepbot.jobs.incremental import check
 
     options = options._replace(step=None if step in (None, _NAMED) else Path(str(step)), ignore=ignore)
     found = Diagnostics()
-    checked: dict[Path, Checked] = {}
+    checked: dict[str, Checked] = {}
+    failed: set[str] = set()
     sidecars = tuple(find_sidecars(sidecars or (Path(),), found))
     open_step = fix or step is not None
     if open_step:
@@ -95,9 +97,14 @@ def command(
             progress(str(sidecar))
             if fix:
                 fixes += _fixed(sidecar, options, found)
-            checked[sidecar] = check(sidecar, options, found, open_step=open_step)
-    if strict:
-        found.make_strict()
+            for variant in (options.variant,) if options.variant else ("", *variants_of(sidecar)):
+                label = f"{sidecar.as_posix()} ({variant})" if variant else sidecar.as_posix()
+                of_one = Diagnostics()
+                checked[label] = check(sidecar, options._replace(variant=variant), of_one, open_step=open_step)
+                if strict:
+                    of_one.make_strict()
+                failed |= {label} if of_one.has_errors else set()
+                _add(of_one, variant, found)
     say_trouble(options.cache, found)
     if as_json:
         from stepbot.report.joint_table import joint_table_document
@@ -105,9 +112,7 @@ def command(
         write_json(
             {
                 "files": [path.as_posix() for path in sidecars],
-                "joint_tables": {
-                    path.as_posix(): joint_table_document(one.joint_table) for path, one in checked.items()
-                },
+                "joint_tables": {label: joint_table_document(one.joint_table) for label, one in checked.items()},
                 **({"fixed": [fixed.document for fixed in fixes]} if fix else {}),
                 "ignored": len(found.ignored),
                 "diagnostics": found,
@@ -118,7 +123,7 @@ def command(
         for fixed in fixes:
             write_result(fixed.difference)
         if not (display.quiet or display.concise):
-            _show(checked, found, display, open_step=open_step)
+            _show(checked, failed, display, open_step=open_step)
         show_diagnostics(found, display, as_result=True)
         if open_step and len(sidecars) == 1 and not (found.has_errors or display != Display()):
             path = shlex.quote(sidecars[0].as_posix())
@@ -133,16 +138,23 @@ def _fixed(sidecar: Path, options: "Options", found: Diagnostics) -> "list[Fixed
     return [] if fixed is None else [fixed]
 
 
-def _show(checked: "Mapping[Path, Checked]", found: Diagnostics, display: Display, *, open_step: bool) -> None:
+def _add(of_one: Diagnostics, variant: str, found: Diagnostics) -> None:
+    """Add the diagnostics of a sidecar; of a variant, those that the sidecar itself does not have, with its name."""
+    known = set(found) if variant else set()
+    note = (f"variant '{variant}'",) if variant else ()
+    found.extend(one._replace(notes=(*one.notes, *note)) for one in of_one if one not in known)
+    found.add_ignored(of_one.ignored)
+
+
+def _show(checked: "Mapping[str, Checked]", failed: set[str], display: Display, *, open_step: bool) -> None:
     """Print the verdict on each valid robot and its joints: all with -v, else those on weak evidence."""
     from stepbot.pipeline.source_names import is_description
 
-    wrong = {one.span.file for one in found if one.severity == "error"}
-    for sidecar, robot in checked.items():
-        name = printable(sidecar.as_posix())
-        if robot.links and not (wrong and (len(checked) == 1 or name in wrong)):
+    for label, robot in checked.items():
+        name = printable(label)
+        if robot.links and label not in failed:
             several = f"{name}: " if len(checked) > 1 else ""
-            read = open_step or is_description(sidecar)
+            read = open_step or is_description(Path(label))
             size = f"{counted(robot.links, 'link')}, {counted(robot.joints, 'joint')}; STEP not read (--step)"
             write_filled(f"{several}ok: {robot.robot if read else size}")
         if display.verbose:

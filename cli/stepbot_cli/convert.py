@@ -21,7 +21,7 @@ from .joint_table import show_joint_rows, show_joint_table
 from .junit import junit_option, write_junit
 from .metadata_options import metadata_options
 from .progress import CONVERSION, progress_bar
-from .reading import reading_options
+from .reading import reading_options, variant_option
 from .table import show_table, write_filled
 from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
@@ -113,6 +113,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 @require_option
 @ignore_option
 @reading_options
+@variant_option
 @description_options
 @html_option
 @package_option
@@ -150,10 +151,11 @@ def command(
     """
     if no_verify and require:
         raise click.UsageError("--require and --no-verify cannot be combined")
-    if step is not None:
-        reject_descriptions("--step", [sidecar])
+    for option, given in (("--step", step is not None), ("--variant", bool(options.variant))):
+        if given:
+            reject_descriptions(option, [sidecar])
     package = package_name(package, ros2, formats)
-    output = output or default_output(sidecar)
+    output = output or default_output(sidecar, options.variant)
     options = options._replace(
         output=output,
         formats=format_names(formats),
@@ -295,9 +297,10 @@ def _show_in_full(report: "Results") -> None:
         show_table(report)
 
 
-def default_output(sidecar: Path) -> Path:
-    """Folder for the files of a sidecar: ``arm.robot.yaml`` goes to ``arm``."""
-    return Path(sidecar.name.removesuffix(sidecar.suffix).removesuffix(".robot"))
+def default_output(sidecar: Path, variant: str = "") -> Path:
+    """Folder for the files of a sidecar: ``arm.robot.yaml`` goes to ``arm``, its variant ``long`` to ``arm_long``."""
+    name = sidecar.name.removesuffix(sidecar.suffix).removesuffix(".robot")
+    return Path(f"{name}_{variant}" if variant else name)
 
 
 def written_to(conversion: "Conversion", output: Path) -> Path:

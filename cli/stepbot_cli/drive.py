@@ -16,7 +16,7 @@ from .descriptions import package_path_option
 from .drive_table import driven_json, driven_lines
 from .picture_file import require_plots
 from .progress import progress_bar
-from .reading import reading_options
+from .reading import reading_options, variant_option
 from .terminal import Display, screen_width, show_diagnostics_of_use, write_json, write_result
 
 if TYPE_CHECKING:
@@ -59,6 +59,7 @@ def _known(given: tuple[str, ...], known: Collection[str], noun: str) -> tuple[s
     "--plots", type=click.Path(path_type=Path), metavar="DIR", help="Draw the curves of each test, as SVG files in DIR."
 )
 @reading_options
+@variant_option
 @package_path_option
 @json_option
 @display_options

@@ -10,7 +10,7 @@ from .caching import say_trouble
 from .command import Command, display_options, json_option
 from .picture_file import checked_picture_name, picture_lines, require_packages, write_picture
 from .progress import progress_bar
-from .reading import reading_options
+from .reading import reading_options, variant_option
 from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
@@ -58,6 +58,7 @@ _APART = 0.8
     help="Write an exploded view as a PNG file; the listed components have labels.",
 )
 @reading_options
+@variant_option
 @json_option
 @display_options
 def command(

@@ -13,7 +13,7 @@ from .counts import counted
 from .descriptions import reject_descriptions
 from .diagnostic_text import printable
 from .progress import progress_bar
-from .reading import reading_options
+from .reading import reading_options, variant_option
 from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 )
 @ignore_option
 @reading_options
+@variant_option
 @json_option
 @display_options
 def command(
@@ -63,9 +64,9 @@ def command(
             of_one = Diagnostics()
             locked = make_lock(sidecar, options, of_one)
             if locked is not None:
-                write_file(lock_path(sidecar), locked.content, of_one)
+                write_file(lock_path(sidecar, options.variant), locked.content, of_one)
             if locked is not None and not of_one.has_errors:
-                written[lock_path(sidecar)] = locked.snapshot
+                written[lock_path(sidecar, options.variant)] = locked.snapshot
             # `check --step` and `convert` report the rest
             found.extend(one for one in of_one if one.severity == "error")
     say_trouble(options.cache, found)

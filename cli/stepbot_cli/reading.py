@@ -3,11 +3,16 @@
 from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import click
 
 from .caching import cache_options, opened
 from .encodings import encoding_option
 from .engines import limit_options
+
+if TYPE_CHECKING:
+    from stepbot.pipeline.conversion import Options
 
 
 def working_options(command: Callable[..., int]) -> Callable[..., int]:
@@ -35,6 +40,17 @@ def working_options(command: Callable[..., int]) -> Callable[..., int]:
         return command(options=options, **others)
 
     return limit_options(cache_options(with_options))
+
+
+def variant_option(command: Callable[..., int]) -> Callable[..., int]:
+    """Add ``--variant`` to the ``options`` that :func:`reading_options` makes."""
+
+    @wraps(command)
+    def with_variant(*, options: "Options", variant: str, **others: Any) -> int:
+        return command(options=options._replace(variant=variant), **others)
+
+    help = "Variant of the sidecar, by its name under `variants`."
+    return click.option("--variant", default="", metavar="NAME", help=help)(with_variant)
 
 
 def reading_options(command: Callable[..., int]) -> Callable[..., int]:

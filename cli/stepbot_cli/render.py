@@ -14,7 +14,7 @@ from .descriptions import package_path_option
 from .joint_positions import joint_option, position_words, read_positions
 from .picture_file import checked_picture_name, picture_lines, require_packages, write_picture
 from .progress import progress_bar
-from .reading import reading_options
+from .reading import reading_options, variant_option
 from .terminal import Display, show_diagnostics_of_use, write_json, write_result
 
 if TYPE_CHECKING:
@@ -89,6 +89,7 @@ def _view(context: click.Context, option: click.Parameter, text: str) -> "View":
     help="N x N rays for each pixel; more give less noise.",
 )
 @reading_options
+@variant_option
 @package_path_option
 @json_option
 @display_options

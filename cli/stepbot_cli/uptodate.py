@@ -72,7 +72,7 @@ def command(
     Folders are searched recursively for sidecars; the default is the current folder. Robot files and meshes are
     compared byte by byte, report.json without the parts that depend on installed engines. No engine is started.
     """
-    from stepbot.jobs.discovery import find_sidecars, robot_name
+    from stepbot.jobs.discovery import find_sidecars, robot_name, variants_of
     from stepbot.jobs.uptodate import check_up_to_date, output_folders
 
     options = options._replace(
@@ -88,9 +88,13 @@ def command(
     compared = 0
     with progress_bar() as progress:
         for path in paths:
-            folders = filled.get(resolved(path)) or [_folder(output or "{name}", robot_name(path), path)]
-            for folder in folders:
-                asked = options._replace(output=folder, gazebo=model_of(folder, formats) if gazebo else "")
+            folders = filled.get(resolved(path)) or {
+                _folder(output or "{name}", robot_name(path, variant), path): variant
+                for variant in ("", *variants_of(path))
+            }
+            for folder, variant in folders.items():
+                model = model_of(folder, formats) if gazebo else ""
+                asked = options._replace(output=folder, gazebo=model, variant=variant)
                 check_up_to_date(path, asked, found, exclude=exclude, progress=progress)
                 compared += 1
     say_trouble(options.cache, found)

@@ -18,7 +18,7 @@ from .convert import default_output
 from .descriptions import package_path_option
 from .diagnostic_text import printable, summary
 from .progress import progress_bar
-from .reading import reading_options
+from .reading import reading_options, variant_option
 from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 )
 @click.option("--no-verify", is_flag=True, help="Do not load the files in engines.")
 @reading_options
+@variant_option
 @package_path_option
 @json_option
 @display_options

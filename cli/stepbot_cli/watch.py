@@ -119,7 +119,7 @@ def _sessions(
         return []
     folders = [output or Path()] if len(tasks) == 1 else [task.output for task in tasks]
     return [
-        Session(task.sidecar, options._replace(output=folder), writes=output is not None)
+        Session(task.sidecar, options._replace(output=folder, variant=task.variant), writes=output is not None)
         for task, folder in zip(tasks, folders, strict=True)
     ]
 

@@ -12,6 +12,7 @@ from stepbot.runtime.file import is_folder, read_regular, resolved
 _SIDECAR = re.compile(r"(?:^|\.)robot\.ya?ml$")
 """Names of sidecars, as in the hooks for pre-commit."""
 _LIST = ".txt"
+_HAS_VARIANTS = re.compile(r"(?m)^[\"']?variants[\"']?\s*:")
 
 
 def find_sidecars(named: Iterable[Path], found: Diagnostics) -> list[Path]:
@@ -54,10 +55,24 @@ def _below(folder: Path) -> list[Path]:
     return sidecars
 
 
-def robot_name(sidecar: Path) -> str:
-    """Name of a sidecar's output: ``arm.robot.yaml`` gives ``arm``, and so does ``arm/robot.yaml``."""
+def variants_of(sidecar: Path) -> tuple[str, ...]:
+    """The names of a sidecar's variants; none if it cannot be read, which its conversion reports."""
+    try:
+        text = read_regular(sidecar).decode("utf-8")
+    except (OSError, UnicodeDecodeError):
+        return ()
+    if not _HAS_VARIANTS.search(text):  # most sidecars: nothing is imported
+        return ()
+    from stepbot.sidecar.variants import variant_names
+
+    return variant_names(text)
+
+
+def robot_name(sidecar: Path, variant: str = "") -> str:
+    """Name of a sidecar's output: ``arm`` of ``arm.robot.yaml`` or ``arm/robot.yaml``, ``arm_long`` of a variant."""
     name = sidecar.name.removesuffix(sidecar.suffix).removesuffix(".robot")
-    return (resolved(sidecar).parent.name or name) if name == "robot" else name
+    name = (resolved(sidecar).parent.name or name) if name == "robot" else name
+    return f"{name}_{variant}" if variant else name
 
 
 def output_folder(template: str, name: str, sidecar: Path) -> Path:

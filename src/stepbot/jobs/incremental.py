@@ -87,8 +87,8 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
     record = recorded(sidecar, options)
     if record is not None:
         return _conversion_of(record)
-    before = _content(sidecar, options.cache)
-    lock = file_digest(lock_path(sidecar))
+    before = _content(sidecar, options)
+    lock = file_digest(lock_path(sidecar, options.variant))
     from stepbot.pipeline.prestart import started_kernel, started_server
 
     with ExitStack() as running:
@@ -100,7 +100,8 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
         from stepbot.pipeline import stages as pipeline
 
         conversion = pipeline.produce(sidecar, options, progress, kernel, server)
-    if before and before == _content(sidecar, options.cache) and lock == file_digest(lock_path(sidecar)):
+    unchanged = lock == file_digest(lock_path(sidecar, options.variant))
+    if before and before == _content(sidecar, options) and unchanged:
         _keep(conversion, sidecar, before, options)
     return conversion
 
@@ -110,7 +111,7 @@ def recorded(sidecar: Path, options: Options) -> Record | None:
     if options.cache is None:
         return None
     keep_own_code(options.cache)
-    content = _content(sidecar, options.cache)
+    content = _content(sidecar, options)
     read = TypedCache(options.cache, tuple[str, ...]).get(_modules_key(sidecar, content)) if content else None
     if read is not None:
         step, geometry = options.step or sidecar, files_digest(map(Path, read))
@@ -133,7 +134,7 @@ def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, optio
         options: Conversion options.
     """
     digest = Digest("conversion").add(environment(), sidecar.as_posix(), content, str(step), geometry)
-    digest.add(file_digest(lock_path(sidecar)) or "no lock")
+    digest.add(file_digest(lock_path(sidecar, options.variant)) or "no lock")
     return digest.add(*_asked(options)).key
 
 
@@ -152,11 +153,11 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
         return Checked(kept.named, kept.links, kept.joints, _decoded_rows(kept.joint_table), kept.robot)
     from stepbot.pipeline import stages as pipeline
 
-    before, local = _content(sidecar, cache), Diagnostics()
+    before, local = _content(sidecar, options._replace(cache=cache)), Diagnostics()
     checked = pipeline.check(sidecar, options, local, open_step=open_step)
     found.extend(local)
     found.add_ignored(local.ignored)
-    if not before or before != _content(sidecar, cache):
+    if not before or before != _content(sidecar, options._replace(cache=cache)):
         return checked
     if checked.named:
         TypedCache(cache, str).put(_name_key(before), checked.named)
@@ -213,14 +214,19 @@ def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options)
     TypedCache(options.cache, Record).put(key, record)
 
 
-def _content(sidecar: Path, cache: Cache | None) -> str:
-    """Hash of a sidecar's text, and of the files that it names beside it; empty if unreadable, or without a cache."""
-    content = (file_digest(sidecar) or "") if cache is not None else ""
+def _content(sidecar: Path, options: Options) -> str:
+    """What :func:`sidecar_digest` gives; empty without a cache."""
+    return sidecar_digest(sidecar, options.variant) if options.cache is not None else ""
+
+
+def sidecar_digest(sidecar: Path, variant: str) -> str:
+    """Hash of a sidecar's text, its variant, and the files that it names beside it; empty if it cannot be read."""
+    content = file_digest(sidecar) or ""
     if not content:
         return ""
     named = _NAMED_FILE.findall(read_regular(sidecar).replace(b"\\", b"/"))
     others = sorted({(os.fsdecode(name), file_digest(sidecar.parent / os.fsdecode(name)) or "") for name in named})
-    return Digest("content").add(content, repr(others)).key if others else content
+    return Digest("content").add(content, variant, repr(others)).key if others or variant else content
 
 
 def _named_step(sidecar: Path, content: str, cache: Cache | None) -> Path | None:
@@ -245,7 +251,7 @@ def _asked(options: Options) -> list[str]:
 
 def _check_key(sidecar: Path, options: Options, open_step: bool) -> str:
     """Key of a check's result; empty without a cache, or if a file is unreadable or unknown."""
-    content = _content(sidecar, options.cache)
+    content = _content(sidecar, options)
     if not content:
         return ""
     digest = Digest("check").add(own_code(), sidecar.as_posix(), content, repr(options.ignore))
@@ -255,5 +261,5 @@ def _check_key(sidecar: Path, options: Options, open_step: bool) -> str:
     geometry = input_digest(source) if source is not None else None
     if geometry is None:
         return ""
-    lock = file_digest(lock_path(sidecar)) or "no lock"
+    lock = file_digest(lock_path(sidecar, options.variant)) or "no lock"
     return digest.add(environment(), str(source), geometry, lock, *_asked(options)).key

@@ -22,23 +22,32 @@ from stepbot.runtime.output_list import MANIFEST, sidecars_of
 from .incremental import check, produce, recorded
 
 
-def output_folders(below: Path) -> dict[Path, list[Path]]:
+def output_folders(below: Path) -> dict[Path, dict[Path, str]]:
     """The output folders at and below a folder, except hidden ones, by the sidecar in their file lists.
 
     Args:
         below: Where to look.
 
     Returns:
-        For each sidecar, as an absolute path, the folders that hold files converted from it, by name.
+        For each sidecar, as an absolute path, the folders that hold files converted from it, by name, each with the
+        variant of the sidecar.
     """
-    folders: dict[Path, list[Path]] = {}
+    folders: dict[Path, dict[Path, str]] = {}
     for place, subfolders, files in os.walk(below):
         subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
         if MANIFEST in files:
             folder = Path(place)
             for sidecar in dict.fromkeys(sidecars_of(folder).values()):
-                folders.setdefault(resolved(folder / sidecar), []).append(folder)
+                folders.setdefault(resolved(folder / sidecar), {})[folder] = _variant(folder)
     return folders
+
+
+def _variant(folder: Path) -> str:
+    """The variant in a folder's report; empty for none, or without a report."""
+    try:
+        return str(json.loads(read_regular(folder / REPORT)).get("variant", ""))
+    except (OSError, ValueError, AttributeError):
+        return ""
 
 
 def check_up_to_date(
@@ -87,6 +96,8 @@ def check_up_to_date(
 def _command(sidecar: Path, options: Options) -> list[str]:
     """The command that writes the files."""
     command = ["stepbot", "convert", sidecar.as_posix(), "-o", options.output.as_posix()]
+    if options.variant:
+        command += ["--variant", options.variant]
     if options.formats != default_formats():
         command += ["-f", ",".join(options.formats)]
     if options.ros2:

@@ -30,7 +30,8 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
     """
     measures = partial(loading.measures, found)
     revised = UNREVISED
-    if os.path.lexists(lock_path(sidecar.path)):  # without one, revisions are not imported
+    lock = lock_path(sidecar.path, sidecar.variant)
+    if not sidecar.is_changed and os.path.lexists(lock):  # without one, revisions are not imported
         from .locking import compared_with_lock
 
         compared = compared_with_lock(sidecar, assembly, measures, loading.content, options, found)

@@ -1,7 +1,9 @@
 """The robot of a sidecar with modules: each file that it names, directly or through others, is read once."""
 
+import json
+from collections.abc import Iterable
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stepbot.compose.joining import composed
@@ -15,11 +17,16 @@ from stepbot.robot.step_names import is_step_name, step_stem
 from stepbot.robot.validity import check_robot
 from stepbot.runtime.cache import file_digest, files_digest
 from stepbot.runtime.file import is_file, is_folder, resolved
-from stepbot.sidecar.document import Defaults, Document, LinkSection
+from stepbot.sidecar import VERSION
+from stepbot.sidecar.check import check_sidecar
+from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.modules import ModuleSection
+from stepbot.sidecar.motion import LimitsSection, limits_from
 from stepbot.sidecar.own_part import own_part
 from stepbot.sidecar.starter import robot_name
-from stepbot.sidecar.tree import Mapping
+from stepbot.sidecar.tree import Mapping, way
+from stepbot.sidecar.variants import merged
 from stepbot.verification.joint_rows import joint_rows
 
 from .building import build, places
@@ -77,7 +84,7 @@ class _Files:
 
     def __init__(self, options: Options) -> None:
         self._options = options
-        self._robots: dict[Path, Robot | None] = {}
+        self._robots: dict[tuple[Path, str, str], Robot | None] = {}
         self._modules = 0
         self.read: dict[Path, str | None] = {}
         """Hash of each file before it was read."""
@@ -94,7 +101,7 @@ class _Files:
             self._modules += 1
             self._check_count(sidecar, name, chain, found)
             if section.file is not None:
-                robot = self._module(sidecar, name, section.file, chain, found)
+                robot = self._module(sidecar, name, section, chain, found)
                 if robot is not None:
                     robots[name] = robot
             elif section.mirror_of is None:
@@ -164,8 +171,9 @@ class _Files:
         return built.robot
 
     def _module(
-        self, sidecar: Sidecar, name: str, file: str, chain: tuple[Path, ...], found: Diagnostics
+        self, sidecar: Sidecar, name: str, section: ModuleSection, chain: tuple[Path, ...], found: Diagnostics
     ) -> Robot | None:
+        file = section.file or ""
         path = sidecar.path.parent / file
         span = sidecar.span("modules", name, "file")
         if not is_file(path):
@@ -173,18 +181,18 @@ class _Files:
             help = (*did_you_mean(path.name, beside), "`file` is relative to this sidecar")
             found.add("SB150", f"module '{name}': file '{file}' not found", span, help=help)
             return None
-        key = resolved(path)
-        if key in [resolved(one) for one in chain]:
+        if resolved(path) in [resolved(one) for one in chain]:
             ring = " -> ".join(one.name for one in (*chain, path))
             message = f"module '{name}': '{file}' contains itself: {ring}"
             found.add("SB151", message, span, help=["remove one of the modules"])
             return None
+        key = (resolved(path), section.variant or "", repr(section.set))
         if key not in self._robots:
             local, document = Diagnostics(), sidecar.document
-            is_placed = bool(document.modules[name].at) or "base" in document.model_fields_set
+            is_placed = bool(section.at) or "base" in document.model_fields_set
             is_placed |= any(joint.child.partition("/")[0] == name for joint in document.joints.values())
             try:
-                self._robots[key] = self._robot(path, chain, local)
+                self._robots[key] = self._robot(path, _Changes(sidecar, name), chain, local)
             except StepbotError as error:
                 if error.diagnostics is not local:
                     local.extend(error.diagnostics)
@@ -196,30 +204,95 @@ class _Files:
             found.add_ignored(local.ignored)
         return self._robots[key]
 
-    def _robot(self, path: Path, chain: tuple[Path, ...], found: Diagnostics) -> Robot:
+    def _robot(self, path: Path, changes: "_Changes", chain: tuple[Path, ...], found: Diagnostics) -> Robot:
         self._note(path)
         if is_step_name(path.name):
-            return self._from_step(_of_one_link(path), path, found)
+            return self._from_step(changes.of_step(path, found), path, found)
         if is_description(path):
             from .translating import robot_of_file
 
             robot, files = robot_of_file(path, self._options, found)
             self._note(*files)
-            return robot
-        self._note(lock_path(path))
-        sidecar = load(path, self._options._replace(ignore=()), found)
+            return changes.of_description(robot, path, found)
+        self._note(lock_path(path, changes.variant))
+        options = self._options._replace(ignore=(), step=None, variant=changes.variant)
+        sidecar = load(path, options, found, changes=changes.tree)
         if sidecar.document.modules:
             return self.composed(sidecar, (*chain, path), found)
         return self._from_step(sidecar, named_step(sidecar, found), found)
 
 
-def _of_one_link(step: Path) -> Sidecar:
-    """The sidecar of a STEP file without one: all of its parts are one link."""
-    document = Document(
-        version=1,
-        robot=robot_name(step_stem(step.name)),
-        step=step.name,
-        defaults=Defaults(density="todo"),
-        links={"body": LinkSection(rest=True)},
-    )
-    return Sidecar(document, step, "", Mapping(Span(step.as_posix()), {}, 1, 1))
+class _Changes:
+    """What a composing file changes in the file of a module, by `variant` and `set`.
+
+    Args:
+        sidecar: The composing file.
+        module: The module.
+    """
+
+    def __init__(self, sidecar: Sidecar, module: str) -> None:
+        self._sidecar, self._module = sidecar, module
+        self.variant = sidecar.document.modules[module].variant or ""
+        values = way(sidecar.root, ("modules", module, "set"))
+        self.tree = values[3] if sidecar.document.modules[module].set and len(values) == 4 else None
+        """The values to change, with their places."""
+
+    def of_step(self, step: Path, found: Diagnostics) -> Sidecar:
+        """The sidecar of a STEP file without one: all of its parts are one link."""
+        self._reject_variant(step, found)
+        text = json.dumps(
+            {
+                "version": VERSION,
+                "robot": robot_name(step_stem(step.name)),
+                "step": step.name,
+                "defaults": {"density": "todo"},
+                "links": {"body": {"rest": True}},
+            }
+        )
+        made = parse_sidecar(text, step, found, changes=self.tree)
+        if made is not None:
+            check_sidecar(made, found)
+        found.raise_if_errors()
+        assert made is not None
+        nothing = Mapping(Span(step.as_posix()), {}, 1, 1)
+        return replace(made, root=nothing if self.tree is None else merged(nothing, self.tree))
+
+    def of_description(self, robot: Robot, path: Path, found: Diagnostics) -> Robot:
+        """The robot of a URDF, SDFormat or MJCF with other limits; SB160 for any other change."""
+        self._reject_variant(path, found)
+        limits: dict[str, dict[str, float]] = {}
+        for section, joints in self._sidecar.document.modules[self._module].set.items():
+            for name, settings in joints.items() if section == "joints" and isinstance(joints, dict) else ():
+                if name not in robot.joint_by_name:
+                    self._unknown(("joints", name), f"no joint '{name}'", robot.joint_by_name, found)
+                elif isinstance(settings, dict) and set(settings) == {"limits"}:
+                    limits[name] = self._limits(name, settings["limits"], found)
+                else:
+                    self._unknown(("joints", name), "of a description, `set` can change `limits` alone", (), found)
+            if section != "joints" or not isinstance(joints, dict):
+                self._unknown((section,), "of a description, `set` can change `joints` alone", (), found)
+        found.raise_if_errors()
+        joints_ = tuple(replace(j, limit=replace(j.limit, **limits.get(j.name, {}))) for j in robot.joints)
+        return replace(robot, joints=joints_)
+
+    def _limits(self, joint: str, given: object, found: Diagnostics) -> dict[str, float]:
+        try:
+            section = limits_from(given)
+        except ValueError as error:
+            keys = ("joints", joint, "limits", str(error).partition(":")[0])
+            self._unknown(keys, f"joint '{joint}': limits.{error}", (), found)
+            return {}
+        values = {name: getattr(section, name) for name in LimitsSection.model_fields}
+        return {name: value.value for name, value in values.items() if value is not None}
+
+    def _reject_variant(self, path: Path, found: Diagnostics) -> None:
+        if self.variant:
+            message = f"module '{self._module}': variant: '{path.name}' is no sidecar and has no variants"
+            found.add("SB160", message, self._sidecar.span("modules", self._module, "variant"))
+            found.raise_if_errors()
+
+    def _unknown(self, keys: tuple[str | int, ...], what: str, known: Iterable[str], found: Diagnostics) -> None:
+        names = list(known)
+        help = did_you_mean(str(keys[-1]), names) or ((f"known: {', '.join(names[:6])}",) if names else ())
+        place = self._sidecar.key_span("modules", self._module, "set", *keys)
+        found.add("SB160", f"module '{self._module}': set: {what}", place, help=help)

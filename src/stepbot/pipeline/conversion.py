@@ -30,6 +30,8 @@ class Options(NamedTuple):
     formats: tuple[str, ...] = default_formats()
     step: Path | None = None
     """STEP file to read instead of the one named in the sidecar."""
+    variant: str = ""
+    """Variant of the sidecar; empty for the sidecar as it is."""
     encoding: str = ""
     """Code page of the names in the STEP, overriding the sidecar's; empty to use the sidecar's."""
     verify: bool = True

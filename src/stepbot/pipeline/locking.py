@@ -49,7 +49,7 @@ def compared_with_lock(
     Returns:
         The comparison; None where there is no lock, or it was made of the same STEP.
     """
-    lock = read_lock(lock_path(sidecar.path), sidecar.document.robot, found)
+    lock = read_lock(lock_path(sidecar.path, sidecar.variant), sidecar.document.robot, found)
     if lock is None:
         return None
     report_outdated(lock, sidecar, found)
@@ -114,7 +114,7 @@ def fix_renamed_paths(sidecar: Path, options: Options, found: Diagnostics) -> Fi
         found: Receives SB017 if there is no lock, and SB018 if the text cannot be rewritten.
     """
     elsewhere = Diagnostics()
-    path = lock_path(sidecar)
+    path = lock_path(sidecar, options.variant)
     try:
         content = read_regular(sidecar) if is_file(sidecar) else b""
         loaded = own_part(load(sidecar, options, elsewhere))

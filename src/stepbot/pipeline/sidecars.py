@@ -10,6 +10,7 @@ from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.ignored import ignores
 from stepbot.sidecar.load import load_sidecar, parse_sidecar
 from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.tree import Tree
 from stepbot.step.assembly import ReadOptions
 
 from .conversion import Options
@@ -17,20 +18,26 @@ from .conversion import Options
 SIDECAR_SUFFIXES = (".yaml", ".yml")
 
 
-def load(path: Path, options: Options, found: Diagnostics, text: str | None = None) -> Sidecar:
+def load(
+    path: Path, options: Options, found: Diagnostics, text: str | None = None, changes: Tree | None = None
+) -> Sidecar:
     """Load and check a sidecar, and suppress the diagnostics that it and the options ignore.
 
     Args:
         path: The sidecar.
-        options: Codes to ignore.
+        options: Codes to ignore, and the variant.
         found: Receives the diagnostics.
         text: Text to take in place of the file's, before it is written; with line feeds at line ends.
+        changes: Values that another file merges into it.
 
     Raises:
         StepbotError: There are errors.
     """
     found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
-    sidecar = load_sidecar(path, found) if text is None else parse_sidecar(text, path, found)
+    if text is None:
+        sidecar = load_sidecar(path, found, options.variant, changes)
+    else:
+        sidecar = parse_sidecar(text, path, found, options.variant, changes)
     if sidecar is not None:
         check_sidecar(sidecar, found)
         found.ignore(ignores(sidecar.root))

@@ -141,7 +141,7 @@ def _produce(
         progress("verify")
         report = proven(written, proof, found)
     report_unused(found, _JUDGED_BY_BUILD + judged_by_files(options))
-    report = replace(report, inputs=inputs, collision_shapes=shapes, masses=_masses(robot))
+    report = replace(report, variant=options.variant, inputs=inputs, collision_shapes=shapes, masses=_masses(robot))
     motors = {one.name: one.motor for one in robot.actuators if one.motor is not None}
     report = replace(report, motors=motors)
     if built is not None:

@@ -99,6 +99,7 @@ def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
         "checks": [_check(check) for check in report.checks],
         "notes": {key: list(notes) for key, notes in report.notes.items()},
         "files": [{"path": file.path, "format": file.format, "content": file.content.value} for file in report.files],
+        **({"variant": report.variant} if report.variant else {}),
         "inputs": dict(report.inputs),
         "names": dict(report.names),
         "bodies": [_body(body) for body in report.bodies],

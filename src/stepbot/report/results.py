@@ -139,6 +139,8 @@ class Results:
     """Changes and additions that an engine needed to check a file, by file and engine."""
     files: tuple[WrittenFile, ...] = ()
     """The files that were written, in the order of their formats."""
+    variant: str = ""
+    """Variant of the sidecar; empty for none."""
     inputs: Mapping[str, str] = field(default_factory=dict)
     """SHA-256 of each STEP file that was read, by its path relative to the folder of the first one."""
     names: Mapping[str, str] = field(default_factory=dict)

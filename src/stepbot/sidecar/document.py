@@ -326,6 +326,9 @@ class Document(Section):
     """Codes of warnings and notes to suppress everywhere."""
     modules: dict[Name, ModuleSection] = Field(default_factory=dict)
     """Robots that this one is composed of, by instance name."""
+    variants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
+    """Changes of this sidecar by name, for `--variant`: any keys of it, `like` (a variant to start from) and `without`
+    (elements to leave out)."""
 
     @field_validator("actuators", mode="after")
     @classmethod

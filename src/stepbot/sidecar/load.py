@@ -5,7 +5,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from stepbot.diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 
 from . import VERSION
 from .bounds import BoundedDiagnostics, TooManyFaultsError
@@ -17,31 +17,39 @@ from .salvage import check_what_is_left
 from .schema_faults import report_schema_faults
 from .syntax_faults import compose_around_faults
 from .text import file_name, is_text, read_text
-from .tree import Keys, Mapping, Scalar, plain_data
+from .tree import Keys, Mapping, Scalar, Tree, key_span, plain_data
 
 
-def load_sidecar(path: Path, found: Diagnostics) -> Sidecar | None:
+def load_sidecar(path: Path, found: Diagnostics, variant: str = "", changes: Tree | None = None) -> Sidecar | None:
     """Read a sidecar; None if it has errors, which are all added to ``found``.
 
     Reports SB001 and SB1xx; where possible also the errors of
     :func:`stepbot.sidecar.check.check_sidecar`.
+
+    Args:
+        path: The sidecar.
+        found: Receives the diagnostics.
+        variant: One of its variants; empty for the sidecar as it is.
+        changes: Values that another file merges into it.
     """
     text = read_text(path, found)
-    return parse_sidecar(text, path, found) if text is not None else None
+    return parse_sidecar(text, path, found, variant, changes) if text is not None else None
 
 
-def parse_sidecar(text: str, path: Path, found: Diagnostics) -> Sidecar | None:
+def parse_sidecar(
+    text: str, path: Path, found: Diagnostics, variant: str = "", changes: Tree | None = None
+) -> Sidecar | None:
     """Like :func:`load_sidecar`, from the text of a file."""
     local, sidecar, complete = BoundedDiagnostics(), None, True
     try:
-        sidecar = _parsed(text, path, local)
+        sidecar = _parsed(text, path, local, variant, changes)
     except TooManyFaultsError:
         complete = False
     local.hand_over(found, file_name(path), complete=complete)
     return None if local.has_errors else sidecar
 
 
-def _parsed(text: str, path: Path, found: Diagnostics) -> Sidecar | None:
+def _parsed(text: str, path: Path, found: Diagnostics, variant: str, changes: Tree | None) -> Sidecar | None:
     file = file_name(path)
     if not is_text(text, file, found):
         return None
@@ -54,6 +62,11 @@ def _parsed(text: str, path: Path, found: Diagnostics) -> Sidecar | None:
         elif composed.whole and not found.has_errors:
             found.add("SB103", "sidecar: empty file (comments only)", Span(file))
         return None
+    if variant or changes is not None:
+        changed = _changed(root, variant, changes, found)
+        if changed is None:
+            return None
+        root = changed
     data: dict[str, Any] = plain_data(root)
     if not _has_known_version(root, data, found):
         return None
@@ -63,12 +76,29 @@ def _parsed(text: str, path: Path, found: Diagnostics) -> Sidecar | None:
     except ValidationError as failure:
         faults = report_schema_faults(failure, root, composed.whole, found)
     else:
-        sidecar = with_motors(Sidecar(document, path, text, root), found)
+        sidecar = with_motors(
+            Sidecar(document, path, text, root, variant=variant, is_changed=changes is not None), found
+        )
         if not found.has_errors:
             return sidecar
     if composed.whole:
         check_what_is_left(root, faults, path, text, found)
     return None
+
+
+def _changed(root: Mapping, variant: str, changes: Tree | None, found: Diagnostics) -> Mapping | None:
+    """The sidecar as its variant and with the changes of another file; None after SB160 or SB162."""
+    from .variants import merged, unknown_elements, with_variant
+
+    varied = with_variant(root, variant, found) if variant else root
+    if varied is None or changes is None:
+        return varied
+    for (section, name), known in unknown_elements(varied, changes):
+        message = f"set: no {section.removesuffix('s')} '{name}' in '{Path(root.span.file).name}'"
+        help = did_you_mean(name, known) or ((f"known: {', '.join(known[:6])}",) if known else ())
+        found.add("SB160", message, key_span(changes, (section, name)), help=help)
+    whole = merged(varied, changes)
+    return whole if isinstance(whole, Mapping) and not found.has_errors else None
 
 
 def _has_known_version(root: Mapping, data: dict[str, Any], found: Diagnostics) -> bool:

@@ -25,6 +25,10 @@ class Sidecar:
     """The values with their places."""
     motors: Mapping[str, Motor] = field(default_factory=dict)
     """What the motor of each actuator gives it."""
+    variant: str = ""
+    """The variant of the file that it is."""
+    is_changed: bool = False
+    """Whether another file has changed values in it."""
 
     @property
     def step_path(self) -> Path:
@@ -50,7 +54,7 @@ class Sidecar:
         Without quotes ``[XL,XC-330 v1]`` is a list of two, and ``ID #71`` ends before its ``#``, a comment.
         """
         value = self._scalar(keys)
-        if value is None or not value.plain or not value.span.end_column:
+        if value is None or not value.plain or not value.span.end_column or value.span.file != self.root.span.file:
             return ()
         line = self.text.split("\n")[value.span.line - 1]
         before, after = line[: value.span.column - 1], line[value.span.end_column - 1 :]

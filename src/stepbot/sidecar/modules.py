@@ -1,6 +1,6 @@
 """Modules: other robots that a robot is composed of."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -35,3 +35,7 @@ class ModuleSection(Section):
     """Initial positions [rad or m] of its joints, by their names in its own file; others keep theirs."""
     without: tuple[Name, ...] = ()
     """Links of its own file to leave out with everything below them, and joints, frames, actuators, sensors."""
+    variant: Name | None = None
+    """One of the variants of its own file."""
+    set: dict[str, Any] = Field(default_factory=dict)
+    """Values to change in its own file, under the keys that they have there."""

@@ -17,6 +17,7 @@ from stepbot.sidecar.fields import section_classes
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.tree import plain_data
 from stepbot.sidecar.units import known_units
+from stepbot.sidecar.variants import variant_names
 
 PAGE = (Path(__file__).parents[3] / "docs" / "sidecar.md").read_text(encoding="utf-8")
 COMPOSE = (Path(__file__).parents[3] / "docs" / "compose.md").read_text(encoding="utf-8")
@@ -38,10 +39,10 @@ REST_OF_A_ROBOT: dict[str, Any] = {
 GRIPPER = {"links": {"hand": {}, "left_finger": {}, "right_finger": {}}, "joints": {}}
 
 
-def faults(text: str) -> list[str]:
+def faults(text: str, variant: str = "") -> list[str]:
     """The diagnostics of a sidecar."""
     found = Diagnostics()
-    sidecar = parse_sidecar(text, Path("arm.robot.yaml"), found)
+    sidecar = parse_sidecar(text, Path("arm.robot.yaml"), found, variant)
     if sidecar is not None:
         check_sidecar(sidecar, found)
     return list(map(str, found))
@@ -49,8 +50,8 @@ def faults(text: str) -> list[str]:
 
 @pytest.mark.parametrize("text", WHOLE, ids=lambda text: text.split("\n")[1])
 def test_whole_examples_are_sound(text: str) -> None:
-    """A whole sidecar has no findings."""
-    assert faults(text) == []
+    """A whole sidecar has no findings, and none of its variants has."""
+    assert [faults(text, variant) for variant in ("", *variant_names(text)) if faults(text, variant)] == []
 
 
 @pytest.mark.parametrize("text", FRAGMENTS, ids=lambda text: text.split("\n")[1].strip())

@@ -87,7 +87,7 @@ CODES = (
         "SB160",
         "error",
         "unknown element of a module",
-        "`home`, `without` or `flip` names an element that the file of the module does not have.",
+        "`home`, `without`, `flip` or `set` names an element that the file of the module does not have.",
         "An override that matches nothing is a misspelling.",
         "Choose one of the listed names; they are those of the module's own file, without prefix.",
     ),
@@ -98,6 +98,14 @@ CODES = (
         "`without` removes a joint that another joint mimics.",
         "The other joint would follow nothing.",
         "Leave out both joints.",
+    ),
+    Code(
+        "SB162",
+        "error",
+        "variant cannot be applied",
+        "A variant is unknown, is like itself, or leaves out an element that the sidecar does not have.",
+        "The robot would not be the one that is meant.",
+        "Choose one of the listed names.",
     ),
     Code(
         "SB163",

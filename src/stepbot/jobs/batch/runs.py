@@ -71,7 +71,7 @@ def run_batch(
                 task = next(waiting, None)
                 if task is None:
                     left = False
-                elif state.is_done(task, options):
+                elif state.is_done(task, options._replace(variant=task.variant)):
                     stamp(task.output)
                     yield Outcome(task, Status.UNCHANGED, Diagnostics())
                 else:
@@ -88,7 +88,7 @@ def run_batch(
 
 
 def _submitted(executor: Executor, task: Task, options: Options, as_bytes: bool) -> Future[Work]:
-    own = options._replace(output=task.output)
+    own = options._replace(output=task.output, variant=task.variant)
     parcel = _parcel(task, own) if as_bytes else None
     if isinstance(parcel, Work):
         ready: Future[Work] = Future()

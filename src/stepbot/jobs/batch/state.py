@@ -15,12 +15,12 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.pipeline.conversion import Options
-from stepbot.runtime.cache import file_digest
+from stepbot.runtime.cache import files_digest
 from stepbot.runtime.file import read_regular, resolved
 from stepbot.step.exchange.input_files import input_digest
 
-from ..discovery import output_folder, robot_name
-from ..incremental import conversion_key
+from ..discovery import output_folder, robot_name, variants_of
+from ..incremental import conversion_key, sidecar_digest
 from .work import Work
 
 
@@ -32,10 +32,12 @@ class Task:
     """Unique in the batch."""
     sidecar: Path
     output: Path
+    variant: str = ""
+    """Variant of the sidecar; empty for the sidecar as it is."""
 
 
 def plan(sidecars: Sequence[Path], output: Path, found: Diagnostics) -> list[Task]:
-    """A task for each sidecar; robots of the same name are prefixed with their sidecar's folder.
+    """A task for each sidecar and each of its variants; robots of one name are prefixed with their sidecar's folder.
 
     Args:
         sidecars: Without duplicates.
@@ -45,24 +47,29 @@ def plan(sidecars: Sequence[Path], output: Path, found: Diagnostics) -> list[Tas
     Raises:
         ValueError: The template has another placeholder than ``{name}`` and ``{folder}``.
     """
-    names = [robot_name(sidecar) for sidecar in sidecars]
+    planned = [(sidecar, variant) for sidecar in sidecars for variant in ("", *variants_of(sidecar))]
+    names = [robot_name(*one) for one in planned]
     shared = {name for name, count in Counter(names).items() if count > 1}
     names = [
         f"{resolved(sidecar).parent.name}-{name}" if name in shared else name
-        for sidecar, name in zip(sidecars, names, strict=True)
+        for (sidecar, _), name in zip(planned, names, strict=True)
     ]
     template = str(output) if _is_template(output) else f"{output}/{{name}}"
-    outputs = [output_folder(template, name, sidecar) for sidecar, name in zip(sidecars, names, strict=True)]
-    first: dict[str, Path] = {}
-    for sidecar, name, folder in zip(sidecars, names, outputs, strict=True):
+    outputs = [output_folder(template, name, sidecar) for (sidecar, _), name in zip(planned, names, strict=True)]
+    first: dict[str, tuple[Path, str]] = {}
+    for (sidecar, variant), name, folder in zip(planned, names, outputs, strict=True):
         for key in (name.casefold(), f"{folder}/".casefold()):
-            other = first.setdefault(key, sidecar)
-            if other != sidecar:
-                message = f"'{other.as_posix()}' has the same name '{name}' and output folder"
+            other, of = first.setdefault(key, (sidecar, variant))
+            if (other, of) != (sidecar, variant):
+                whose = f"variant '{of}' of '{other.as_posix()}'" if of else f"'{other.as_posix()}'"
+                message = f"{whose} has the same name '{name}' and output folder"
                 help = ["rename one of the sidecars or its folder"]
                 found.add("SB008", message, Span(sidecar.as_posix()), help=help)
                 break
-    return [Task(*one) for one in zip(names, sidecars, outputs, strict=True)]
+    return [
+        Task(name, sidecar, folder, variant)
+        for name, (sidecar, variant), folder in zip(names, planned, outputs, strict=True)
+    ]
 
 
 def common_folder(output: Path) -> Path:
@@ -84,6 +91,7 @@ class _Done:
     input: str
     step: str
     files: Mapping[str, str]
+    read: tuple[str, ...]
 
 
 class State:
@@ -98,8 +106,9 @@ class State:
         if done is None:
             return False
         step = Path(done.step)
-        sidecar, geometry = file_digest(task.sidecar), input_digest(step)
-        if sidecar is None or geometry is None:
+        geometry = files_digest(map(Path, done.read)) if done.read else input_digest(step)
+        sidecar = sidecar_digest(task.sidecar, options.variant)
+        if not sidecar or geometry is None:
             return False
         if conversion_key(task.sidecar, sidecar, step, geometry, options) != done.input:
             return False
@@ -114,7 +123,7 @@ class State:
         if not work.input:
             return
         files = {name: hashlib.sha256(content).hexdigest() for name, content in sorted(work.files.items())}
-        document = {"version": _VERSION, "input": work.input, "step": work.step, "files": files}
+        document = {"version": _VERSION, "input": work.input, "step": work.step, "files": files, "read": work.read}
         self._folder.mkdir(parents=True, exist_ok=True)
         path = self._path(task)
         draft = path.with_suffix(f".{os.getpid()}")
@@ -131,7 +140,8 @@ class State:
             if document["version"] != _VERSION:
                 return None
             files = {str(name): str(digest) for name, digest in document["files"].items()}
-            return _Done(str(document["input"]), str(document["step"]), files)
+            read = tuple(map(str, document.get("read", ())))
+            return _Done(str(document["input"]), str(document["step"]), files, read)
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             return None
 

@@ -8,11 +8,11 @@ from tempfile import TemporaryDirectory
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.pipeline.conversion import Conversion, Options
-from stepbot.runtime.cache import Cache, default_folder, file_digest
+from stepbot.runtime.cache import Cache, default_folder
 from stepbot.runtime.temporary import run_folder
 from stepbot.version import __version__
 
-from ..incremental import conversion_key, produce
+from ..incremental import conversion_key, produce, sidecar_digest
 
 _KEPT = ExitStack()
 """Never closed: the processes that it keeps end with this one."""
@@ -28,6 +28,8 @@ class Work:
     """The STEP that was read, relative to the sidecar's folder; empty if there was none."""
     input: str = ""
     """Key of everything that the files depend on; empty if the result must not be reused."""
+    read: tuple[str, ...] = ()
+    """The files that a composed robot depends on."""
 
 
 @dataclass(frozen=True)
@@ -57,15 +59,18 @@ def prepare() -> None:
 
 def carry_out(sidecar: Path, options: Options) -> Work:
     """Convert a robot whose files are on this machine."""
-    before = file_digest(sidecar)
+    before = sidecar_digest(sidecar, options.variant)
     conversion = produce(sidecar, options)
-    if before is None or before != file_digest(sidecar):
+    if not before or before != sidecar_digest(sidecar, options.variant):
         return Work(conversion.files, tuple(conversion.diagnostics))
     step = options.step or (sidecar.parent / conversion.named if conversion.named else None)
+    if conversion.read:
+        step = step or sidecar
     if step is None or not conversion.geometry or conversion.diagnostics.has_errors:
         return Work(conversion.files, tuple(conversion.diagnostics))
     key = conversion_key(sidecar, before, step, conversion.geometry, options)
-    return Work(conversion.files, tuple(conversion.diagnostics), str(step), key)
+    read = tuple(path.as_posix() for path in conversion.read)
+    return Work(conversion.files, tuple(conversion.diagnostics), str(step), key, read)
 
 
 def carry_out_parcel(parcel: Parcel) -> Work:

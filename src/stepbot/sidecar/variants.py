@@ -1,0 +1,202 @@
+"""Variants of a sidecar and overrides of a module: one tree of values merged into another, before validation.
+
+Every value keeps the place where it is written, so that an error in a merged sidecar points into the right file.
+"""
+
+from collections.abc import Iterator
+
+from stepbot.diagnostics import Diagnostics, did_you_mean
+
+from .compose import compose
+from .tree import Entry, Keys, Listing, Mapping, Scalar, Tree, child, span
+
+_NAMED = ("links", "joints", "closures", "frames", "actuators", "sensors", "modules")
+"""Sections of elements with names."""
+_OWN_KEYS = ("like", "without")
+
+
+def variant_names(text: str) -> tuple[str, ...]:
+    """The names of the variants in a sidecar's text; empty if it has none or is no valid YAML."""
+    root = compose(text, "", Diagnostics())
+    variants = child(root, "variants") if root is not None else None
+    return tuple(variants.entries) if isinstance(variants, Mapping) else ()
+
+
+def merged(base: Tree, patch: Tree) -> Tree:
+    """The base with the values of the patch: mappings are merged key by key, everything else is replaced."""
+    if not (isinstance(base, Mapping) and isinstance(patch, Mapping)):
+        return patch
+    entries = dict(base.entries)
+    for key, new in patch.entries.items():
+        old = entries.get(key)
+        entries[key] = new if old is None else Entry(old.key_span, merged(old.value, new.value))
+    return _mapping(base, entries)
+
+
+def with_variant(root: Mapping, name: str, found: Diagnostics) -> Mapping | None:
+    """The sidecar as its variant; None after SB162.
+
+    Args:
+        root: The sidecar.
+        name: The variant. The robot of ``arm`` is named ``arm_<name>`` if the variant does not name it.
+        found: Receives SB162: an unknown variant, a circular ``like``, an unknown name in ``without``.
+    """
+    patches = _patches(root, name, found)
+    if patches is None:
+        return None
+    whole = root
+    for patch in patches:
+        entries = {key: entry for key, entry in patch.entries.items() if key not in _OWN_KEYS}
+        with_values = merged(whole, _mapping(patch, entries))
+        assert isinstance(with_values, Mapping)
+        whole = _without(with_values, child(patch, "without"), f"variant '{name}'", found)
+    robot = root.entries.get("robot")
+    if robot is not None and isinstance(robot.value, Scalar) and child(whole, "robot") is robot.value:
+        named = f"{robot.value.text}_{name}"
+        value = Scalar(robot.value.span, named, named, robot.value.plain, robot.value.faulty)
+        whole = _mapping(whole, {**whole.entries, "robot": Entry(robot.key_span, value)})
+    return whole
+
+
+def unknown_elements(root: Tree, patch: Tree) -> Iterator[tuple[tuple[str, str], tuple[str, ...]]]:
+    """The elements of a patch that the sidecar does not have, each with the names that it has in this section."""
+    for section in _NAMED:
+        there, wanted = child(root, section), child(patch, section)
+        known = tuple(there.entries) if isinstance(there, Mapping) else ()
+        for name in wanted.entries if isinstance(wanted, Mapping) else ():
+            if name not in known:
+                yield (section, name), known
+
+
+def _patches(root: Mapping, name: str, found: Diagnostics) -> list[Mapping] | None:
+    """The patches of a variant in the order in which they are merged: first that of the one that it is like."""
+    variants = child(root, "variants")
+    known = tuple(variants.entries) if isinstance(variants, Mapping) else ()
+    patches: list[Mapping] = []
+    chain: list[str] = []
+    keys: Keys = ("variants",)
+    while name:
+        if name in chain:
+            ring = " -> ".join([*chain[chain.index(name) :], name])
+            _report(found, root, keys, f"variant '{chain[-1]}': like: circular: {ring}", ("remove one `like`",))
+            return None
+        if name not in known:
+            listed = ", ".join(known)
+            help = (*did_you_mean(name, known), f"variants: {listed}" if known else "add it under `variants`")
+            message = f"variant '{chain[-1]}': like: " if chain else "sidecar: "
+            _report(found, root, keys, f"{message}no variant '{name}'", help)
+            return None
+        chain.append(name)
+        patch = child(variants, name) if variants is not None else None
+        if not isinstance(patch, Mapping):
+            _report(found, root, ("variants", name), f"variant '{name}': not a mapping", ("`NAME: {KEY: VALUE}`",))
+            return None
+        patches.insert(0, patch)
+        keys = ("variants", name, "like")
+        like = child(patch, "like")
+        if like is not None and not isinstance(like, Scalar):
+            _report(found, root, keys, f"variant '{name}': like: not the name of a variant", ())
+            return None
+        name = "" if like is None else str(like.value)
+    return patches
+
+
+def _report(found: Diagnostics, root: Tree, keys: Keys, message: str, help: tuple[str, ...]) -> None:
+    found.add("SB162", message, span(root, keys), help=help)
+
+
+def _without(root: Mapping, named: Tree | None, who: str, found: Diagnostics) -> Mapping:
+    """The sidecar without some elements, everything attached to them, and the devices on what is left out."""
+    if named is None:
+        return root
+    if not isinstance(named, Listing) or not all(isinstance(one, Scalar) for one in named.values):
+        found.add("SB162", f"{who}: without: not a list of names", named.span, help=("`without: [NAME, ...]`",))
+        return root
+    known = {name for section in _NAMED for name in _names(root, section)}
+    gone = set()
+    for one in named.values:
+        name = str(one.value) if isinstance(one, Scalar) else ""
+        gone.add(name)
+        if name not in known:
+            message = f"{who}: without: no element '{name}'"
+            found.add("SB162", message, one.span, help=did_you_mean(name, sorted(known)))
+    left = _Left(root, gone)
+    entries = {
+        key: Entry(entry.key_span, _kept(entry.value, left.out[key])) if key in left.out else entry
+        for key, entry in root.entries.items()
+    }
+    pairs = entries.get("excluded_contacts")
+    if pairs is not None and isinstance(pairs.value, Listing):
+        stay = [one for one in pairs.value.values if not any(left.is_out(text) for text in _texts(one))]
+        value = Listing(pairs.value.span, stay, pairs.value.size, pairs.value.depth, pairs.value.flow)
+        entries["excluded_contacts"] = Entry(pairs.key_span, value)
+    return _mapping(root, entries)
+
+
+class _Left:
+    """What is left out with some elements: what hangs on them, and what refers to them."""
+
+    def __init__(self, root: Mapping, names: set[str]) -> None:
+        self.out = {section: {name for name in _names(root, section) if name in names} for section in _NAMED}
+        before = -1
+        while before != (before := sum(map(len, self.out.values()))):
+            self._spread(root)
+
+    def is_out(self, reference: str) -> bool:
+        """Whether a link, frame or module, or what is in it, is left out."""
+        name = reference.partition("/")[0]
+        return any(name in self.out[section] for section in ("links", "frames", "modules"))
+
+    def _spread(self, root: Mapping) -> None:
+        for name, joint in _members(root, "joints"):
+            if name in self.out["joints"] or self.is_out(_text(joint, "parent")) or self.is_out(_text(joint, "child")):
+                self.out["joints"].add(name)
+                moved = _text(joint, "child").partition("/")[0]
+                for section in ("links", "modules"):
+                    self.out[section] |= {moved} & _names(root, section)
+        for section, keys in (
+            ("frames", ("link",)),
+            ("closures", ("link_a", "link_b")),
+            ("modules", ("at", "mirror_of")),
+            ("sensors", ("link",)),
+        ):
+            for name, member in _members(root, section):
+                if any(self.is_out(_text(member, key)) for key in keys):
+                    self.out[section].add(name)
+        for section in ("actuators", "sensors"):
+            for name, member in _members(root, section):
+                driven = _text(member, "joint")
+                if driven in self.out["joints"] or ("/" in driven and self.is_out(driven)):
+                    self.out[section].add(name)
+
+
+def _names(root: Mapping, section: str) -> set[str]:
+    members = child(root, section)
+    return set(members.entries) if isinstance(members, Mapping) else set()
+
+
+def _members(root: Mapping, section: str) -> Iterator[tuple[str, Tree]]:
+    members = child(root, section)
+    if isinstance(members, Mapping):
+        yield from ((name, entry.value) for name, entry in members.entries.items())
+
+
+def _text(tree: Tree, key: str) -> str:
+    value = child(tree, key)
+    return value.text if isinstance(value, Scalar) else ""
+
+
+def _texts(tree: Tree) -> list[str]:
+    return [one.text for one in tree.values if isinstance(one, Scalar)] if isinstance(tree, Listing) else []
+
+
+def _kept(section: Tree, out: set[str]) -> Tree:
+    if not isinstance(section, Mapping) or not out:
+        return section
+    return _mapping(section, {name: entry for name, entry in section.entries.items() if name not in out})
+
+
+def _mapping(like: Mapping, entries: dict[str, Entry]) -> Mapping:
+    size = 1 + sum(entry.value.size for entry in entries.values())
+    depth = 1 + max((entry.value.depth for entry in entries.values()), default=0)
+    return Mapping(like.span, entries, size, depth)

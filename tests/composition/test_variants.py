@@ -1,0 +1,186 @@
+"""Variants of a sidecar, and values that a composing file changes in a module."""
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from textwrap import dedent
+
+import pytest
+
+from stepbot.diagnostics import Diagnostics, StepbotError
+from stepbot.pipeline.composing import compose
+from stepbot.pipeline.conversion import Options
+from stepbot.pipeline.sidecars import load
+from stepbot.robot.model import Robot
+from tests.command_line import stepbot
+
+ARM = """
+    <robot name="arm">
+      <link name="base"><inertial><mass value="2"/>
+        <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+      <link name="upper"><inertial><mass value="1"/>
+        <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+      <joint name="lift" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 1 0"/>
+        <limit lower="-1" upper="1" effort="10" velocity="2"/></joint>
+    </robot>
+    """
+HAND = """
+    version: 1
+    robot: hand
+    modules: {palm: {file: palm.urdf, prefix: ""}}
+    links: {finger: &finger {inertial: {mass: 0.1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}}}}
+    frames: {tip: {link: palm, origin: {xyz: [0, 0, 0.1], relative_to: palm}}}
+    joints: {grip: {type: revolute, parent: tip, child: finger, limits: {lower: 0, upper: 1, effort: 5, velocity: 1}}}
+    variants: {strong: {joints: {grip: {limits: {effort: 50}}}}}
+    """
+PALM = """
+    <robot name="palm"><link name="palm"><inertial><mass value="0.5"/>
+    <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>
+    """
+WHOLE = """
+    version: 1
+    robot: whole
+    modules:
+      arm: {file: arm.urdf, prefix: "", set: {joints: {lift: {limits: {upper: 30 deg, effort: 20}}}}}
+      hand: {file: hand.robot.yaml, at: arm/upper}
+    frames:
+      tcp: {link: hand/finger, origin: {xyz: [0, 0, 0], relative_to: hand/finger}}
+      eye: {link: arm/upper, origin: {xyz: [0, 0, 0], relative_to: arm/upper}}
+    actuators: {lift_motor: {joint: arm/lift, kind: motor}, grip_motor: {joint: hand/grip, kind: motor}}
+    sensors: {imu: {type: imu, link: hand/palm}}
+    excluded_contacts: [[arm/base, hand/palm], [arm/base, arm/upper]]
+    variants:
+      bare: {without: [hand]}
+      strong: {modules: {hand: {variant: strong}}}
+      strong_named: {like: strong, robot: hercules}
+      bare_named: {like: strong_named, without: [hand], base: floating}
+    """
+FILES = {"whole.robot.yaml": WHOLE, "arm.urdf": ARM, "hand.robot.yaml": HAND, "palm.urdf": PALM}
+
+
+@pytest.fixture
+def variant(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> Callable[..., Robot]:
+    """Composes a variant of the first of some files."""
+
+    def robot(name: str, found: Diagnostics, files: Mapping[str, str] = FILES) -> Robot:
+        write(files)
+        options = Options(tmp_path / "out", variant=name)
+        return compose(load(tmp_path / next(iter(files)), options, found), options, found).robot
+
+    return robot
+
+
+def effort(robot: Robot, joint: str) -> float:
+    """The limit of a joint's effort [N m]."""
+    return robot.joint_by_name[joint].limit.effort
+
+
+def test_values_of_a_module_are_changed(variant: Callable[..., Robot]) -> None:
+    """``set`` changes what it names in a description, ``variant`` what the module's own variant names."""
+    robot = variant("", Diagnostics())
+    limit = robot.joint_by_name["lift"].limit
+    assert (limit.lower, limit.upper, limit.effort, limit.velocity) == pytest.approx((-1.0, 0.5235987756, 20.0, 2.0))
+    assert effort(robot, "hand_grip") == 5.0
+    assert effort(variant("strong", Diagnostics()), "hand_grip") == 50.0
+
+
+def test_what_is_attached_to_a_part_that_is_left_out_goes_too(variant: Callable[..., Robot]) -> None:
+    """Without the hand there are neither its devices, nor frames on it, nor pairs with it."""
+    robot = variant("bare", Diagnostics())
+    assert robot.name == "whole_bare"
+    assert [link.name for link in robot.links] == ["base", "upper"]
+    assert [frame.name for frame in robot.frames] == ["eye"]
+    assert [one.name for one in robot.actuators] == ["lift_motor"]
+    assert robot.sensors == ()
+    assert robot.excluded_contacts == (("base", "upper"),)
+
+
+def test_a_variant_like_another_is_both_patches(variant: Callable[..., Robot]) -> None:
+    """``like`` of ``like`` is the patches one after the other, with the last name."""
+    named, bare = variant("strong_named", Diagnostics()), variant("bare_named", Diagnostics())
+    assert (named.name, bare.name) == ("hercules", "hercules")
+    assert effort(named, "hand_grip") == 50.0
+    assert (len(bare.links), bare.base.value) == (2, "floating")
+
+
+FAULTS = {
+    ("strong: {modules: {hand: {variant: strong}}}", "strong: {like: bare_named}"): (
+        "SB162 15:18 variant 'strong': like: circular: bare_named -> strong_named -> strong -> bare_named"
+    ),
+    ("like: strong,", "like: strung,"): "SB162 16:24 variant 'strong_named': like: no variant 'strung'",
+    ("without: [hand], base", "without: [tcp, hnd], base"): (
+        "SB162 17:51 variant 'bare_named': without: no element 'hnd'"
+    ),
+    ("without: [hand], base", "without: hand, base"): (
+        "SB162 17:45 variant 'bare_named': without: not a list of names"
+    ),
+    ("hand: {variant: strong}", "hand: {variant: string}"): "SB162 8:11 sidecar: no variant 'string'",
+    ("set: {joints: {lift:", "set: {joints: {lft:"): "SB160 5:52 module 'arm': set: no joint 'lft'",
+    ("set: {joints: {lift: {limits: ", "set: {links: {lift: {limits: "): (
+        "SB160 5:43 module 'arm': set: of a description, `set` can change `joints` alone"
+    ),
+    ("upper: 30 deg", "upper: 30 furlongs"): "SB160 5:68 module 'arm': set: joint 'lift': limits.upper: ",
+    ("hand.robot.yaml, at", "hand.robot.yaml, set: {joints: {grap: {type: ball}}}, at"): (
+        "SB160 6:48 set: no joint 'grap' in 'hand.robot.yaml'"
+    ),
+    ("hand.robot.yaml, at", "hand.robot.yaml, set: {joints: {grip: {limits: {effort: 5 kg}}}}, at"): "SB124 6:",
+    ("arm.urdf, prefix", "arm.urdf, variant: long, prefix"): (
+        "SB160 5:34 module 'arm': variant: 'arm.urdf' is no sidecar and has no variants"
+    ),
+}
+
+
+@pytest.mark.parametrize(("change", "expected"), FAULTS.items(), ids=range(len(FAULTS)))
+def test_faults_have_their_place(change: tuple[str, str], expected: str, variant: Callable[..., Robot]) -> None:
+    """Each mistake is one diagnostic at the line where it is written, in the file where it is written."""
+    assert change[0] in WHOLE
+    found = Diagnostics()
+    with pytest.raises(StepbotError):
+        variant(
+            "bare_named" if "_named" in expected else "strong",
+            found,
+            {**FILES, "whole.robot.yaml": WHOLE.replace(*change)},
+        )
+    (error,) = [one for one in found if one.severity == "error"]
+    assert error.span.file.endswith("hand.robot.yaml" if "string" in expected else "whole.robot.yaml")
+    assert f"{error.code} {error.span.line}:{error.span.column} {error.message}".startswith(expected)
+
+
+def test_each_variant_is_a_robot_of_a_batch(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> None:
+    """`batch` writes a folder for each, once; `uptodate` compares each; `check` names the variant of a fault."""
+    write(FILES)
+    sidecar, out = str(tmp_path / "whole.robot.yaml"), str(tmp_path / "out")
+    for expected in ("converted", "unchanged"):
+        options = ("--no-verify", "-f", "urdf", "--no-cache", "--json", "-j", "1")
+        result = stepbot("batch", sidecar, "-o", out, *options, cwd=tmp_path)
+        robots = json.loads(result.out)["robots"]
+        assert {one["name"]: one["status"] for one in robots} == dict.fromkeys(
+            ("whole", "whole_bare", "whole_strong", "whole_strong_named", "whole_bare_named"), expected
+        )
+    assert (tmp_path / "out/whole_strong_named/hercules.urdf").is_file()
+    template = f"{out}/{{name}}"
+    compared = ("uptodate", sidecar, "-o", template, "-f", "urdf", "--no-cache")
+    assert stepbot(*compared, cwd=tmp_path).code == 0
+    urdf = tmp_path / "out/whole_bare/whole_bare.urdf"
+    urdf.write_bytes(urdf.read_bytes() + b"<!-- -->")
+    late = stepbot(*compared, cwd=tmp_path)
+    assert late.code == 1
+    assert "--variant bare" in late.out
+    text = dedent(WHOLE).replace("base: floating", "base: flying")
+    (tmp_path / "whole.robot.yaml").write_text(text, encoding="utf-8")
+    checked = json.loads(stepbot("check", sidecar, "--json", "--no-cache", cwd=tmp_path).out)
+    (error,) = [one for one in checked["diagnostics"] if one["severity"] == "error"]
+    assert "variant 'bare_named'" in error["notes"]
+
+
+def test_a_variant_has_its_own_results_in_the_cache(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> None:
+    """The second run of a variant gives its own bytes, not those of the sidecar as it is."""
+    write(FILES)
+    sidecar, cache = str(tmp_path / "whole.robot.yaml"), str(tmp_path / "cache")
+    seen = []
+    for name, variant in (("a", []), ("b", ["--variant", "bare"]), ("c", []), ("d", ["--variant", "bare"])):
+        result = stepbot("convert", sidecar, *variant, "-o", name, "--no-verify", "--cache", cache, cwd=tmp_path)
+        assert result.code == 0, result.err
+        seen.append({path.name: path.read_bytes() for path in (tmp_path / name).glob("whole*")})
+    assert seen[0] == seen[2] != seen[1] == seen[3]
+    assert "whole_bare.urdf" in seen[1]
