@@ -15,7 +15,7 @@ from stepbot.runtime.output import stamp
 from stepbot.runtime.worker import RemoteError, WorkerDied
 from stepbot.step.exchange.input_files import combined_digest, input_files
 
-from ..incremental import conversion_key
+from ..incremental import conversion_key, sidecar_digest
 from .state import State, Task
 from .work import Parcel, Work, carry_out, carry_out_parcel
 
@@ -115,7 +115,7 @@ def _parcel(task: Task, options: Options) -> Parcel | Work:
         return Work({}, tuple(found))
     geometry = combined_digest({name: bytes_digest(content) for name, content in files.items()})
     assert geometry is not None  # the first file was read
-    key = conversion_key(task.sidecar, bytes_digest(text), step, geometry, options)
+    key = conversion_key(task.sidecar, sidecar_digest(task.sidecar, options.variant), step, geometry, options)
     return Parcel(task.sidecar.as_posix(), text, str(step), files, options._replace(output=Path()), key)
 
 
