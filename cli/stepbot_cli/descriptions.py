@@ -18,6 +18,13 @@ _base_option = click.option(
     type=click.Choice(["fixed", "floating"]),
     help="Whether the base of a converted URDF is fixed to the world: the format does not say.",
 )
+xacro_option = click.option(
+    "--xacro",
+    multiple=True,
+    metavar="NAME:=VALUE",
+    callback=lambda _context, _parameter, given: tuple(map(_argument, given)),
+    help="Value of an argument of a xacro; may be repeated.",
+)
 _inertia_option = click.option(
     "--assume-inertia",
     metavar="DENSITY",
@@ -36,13 +43,15 @@ folders_option = click.option(
 
 
 def package_path_option(command: Callable[..., int]) -> Callable[..., int]:
-    """Add ``--package-path`` to the ``options`` that :func:`.reading.reading_options` makes."""
+    """Add ``--package-path`` and ``--xacro`` to the ``options`` that :func:`.reading.reading_options` makes."""
 
     @wraps(command)
-    def with_packages(*, options: "Options", package_path: tuple[Path, ...], **others: Any) -> int:
-        return command(options=options._replace(package_path=package_path), **others)
+    def with_packages(
+        *, options: "Options", package_path: tuple[Path, ...], xacro: tuple[tuple[str, str], ...], **others: Any
+    ) -> int:
+        return command(options=options._replace(package_path=package_path, xacro=xacro), **others)
 
-    return folders_option(with_packages)
+    return folders_option(xacro_option(with_packages))
 
 
 def description_options(command: Callable[..., int]) -> Callable[..., int]:
@@ -53,6 +62,14 @@ def description_options(command: Callable[..., int]) -> Callable[..., int]:
         return command(options=options._replace(base=base or "", assume_inertia=assume_inertia), **others)
 
     return package_path_option(_base_option(_inertia_option(with_settings)))
+
+
+def _argument(text: str) -> tuple[str, str]:
+    """Name and value of an argument, as ROS writes it, or with a plain equals sign."""
+    name, sign, value = text.partition(":=") if ":=" in text else text.partition("=")
+    if not (sign and name.strip()):
+        raise click.BadParameter(f"'{text}' is not NAME:=VALUE: `--xacro ur_type:=ur5e`")
+    return name.strip(), value
 
 
 def _density(text: str | None) -> float:

@@ -1,6 +1,6 @@
 """``convert`` and ``check``."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics
@@ -36,6 +36,7 @@ def convert(
     gazebo: bool = False,
     base: str = "",
     package_path: AnyPath | Iterable[AnyPath] = (),
+    xacro: Mapping[str, str] | None = None,
     assume_inertia: float = 0.0,
 ) -> Conversion:
     """Convert the robot that a sidecar describes, verify the files, and write them: ``stepbot convert``.
@@ -61,6 +62,7 @@ def convert(
         gazebo: Make ``output`` a Gazebo model, found by the name of the folder.
         base: ``fixed`` or ``floating``, for a URDF, which does not say; empty for fixed, with a warning.
         package_path: Folder, or several, of the packages that a URDF, SDFormat or MJCF names in ``package://`` and ``model://``.
+        xacro: Values of the arguments of a xacro, by name.
         assume_inertia: Density [kg/m^3] from which links of a URDF, SDFormat or MJCF without possible mass properties
             get some from their geometry, each reported; 0 to reject such files.
 
@@ -101,6 +103,7 @@ def convert(
         gazebo=model_name(folder, written) if gazebo else "",
         base=base,
         package_path=tuple(map(Path, several(package_path))),
+        xacro=tuple((xacro or {}).items()),
         assume_inertia=assume_inertia,
     )
     return convert_unless_unchanged(path, options)

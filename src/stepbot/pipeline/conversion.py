@@ -55,6 +55,8 @@ class Options(NamedTuple):
     """Folders of the packages that a source names in ``package://`` and ``model://``."""
     base: str = ""
     """``fixed`` or ``floating``, for a source that does not say which: a URDF; empty for fixed."""
+    xacro: tuple[tuple[str, str], ...] = ()
+    """Names and values of the arguments of a source with macros."""
     assume_inertia: float = 0.0
     """Density [kg/m^3] from which links of a description without possible mass properties get some; 0 for none."""
     ros2: bool = False

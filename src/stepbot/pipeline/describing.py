@@ -1,14 +1,20 @@
 """Reads an existing robot description, foreign data, in a worker process."""
 
+import re
+from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from stepbot.described.finding import NOT_SHOWN
 from stepbot.described.robot import robot_of_description
-from stepbot.diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.engines.description import Description
 from stepbot.engines.file_references import openable
+from stepbot.engines.macros.place import Expanded
 from stepbot.robot.model import Robot
-from stepbot.runtime.file import exists
+from stepbot.runtime.file import exists, open_regular, resolved
+from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 from stepbot.verification.admission import admitted
 from stepbot.verification.files import format_of
@@ -18,6 +24,10 @@ from .conversion import Options
 from .targets import report_missing
 
 _DESCRIBE = "stepbot.engines.describe:describe"
+_EXPAND = "stepbot.engines.macros.expansion:expand"
+_MOST_CALLS = 8
+_HEAD = 1 << 24
+"""Number of bytes in which macros are searched for."""
 
 
 def read_description(path: Path, options: Options, found: Diagnostics) -> Description | None:
@@ -36,6 +46,15 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
         return None
     if not admitted({path: written_in}, found, timeout=options.timeout, memory_limit=options.memory_limit):
         return None
+    if has_macros(path):
+        return _expanded(path, options, found)
+    return _described(path, written_in, options, found)
+
+
+def _described(
+    path: Path, written_in: str, options: Options, found: Diagnostics, macros: Expanded | None = None
+) -> Description | None:
+    """The content of a file that engines may read; with ``macros``, messages name the files that it is from."""
     span = Span(path.as_posix())
     with Worker(_DESCRIBE, memory_limit=options.memory_limit) as worker:
         try:
@@ -46,6 +65,8 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
             if error.kind not in ("EngineRefused", "EngineCannotRead"):
                 raise
             first, *more = error.text.splitlines() or [""]
+            if macros is not None:
+                first, span = _where(first, macros)
             found.add("SB823", first, span, notes=more)
             return None
         except WorkerDied as death:
@@ -53,9 +74,69 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
             found.add("SB902", message, span, notes=death.last_lines)
             return None
     if not description.observation.links:
-        found.add("SB823", "the file has no links", span)
+        found.add("SB823", "the file has no links", span if macros is None else Span(macros.places[0].file))
         return None
-    return description
+    if macros is None:
+        return description
+    files = (*macros.files, *description.files)
+    return replace(description, files=files, expanded=macros.text, places=macros.places)
+
+
+def has_macros(path: Path) -> bool:
+    """Whether a file has macros of ROS."""
+    with open_regular(path) as file:
+        return path.suffix.lower() == ".xacro" or b"<xacro:" in file.read(_HEAD)
+
+
+def _expanded(path: Path, options: Options, found: Diagnostics) -> Description | None:
+    """The content of a file with macros; None after SB877 or what :func:`read_description` reports."""
+    span = Span(path.as_posix())
+    if find_spec("xacro") is None:
+        found.add(
+            "SB877", "the file has macros, and xacro is not installed", span, help=["pip install 'stepbot[xacro]'"]
+        )
+        return None
+    given = dict(options.xacro)
+    with Worker(_EXPAND, memory_limit=options.memory_limit) as worker:
+        try:
+            asked = worker.submit(str(openable(path)), given, tuple(map(resolved, options.package_path)))
+            macros: Expanded = asked.result(options.timeout)
+        except WorkerDied as death:
+            found.add("SB902", f"the process that expands macros died: {death.reason}", span, notes=death.last_lines)
+            return None
+    shown = {str(resolved(path)): path.as_posix()}
+    macros = macros._replace(places=tuple(one._replace(file=shown.get(one.file, one.file)) for one in macros.places))
+    if macros.error:
+        calls = list(dict.fromkeys(f"in the macro called in {Path(one.file).name}:{one.line}" for one in macros.calls))
+        place = Span(shown.get(macros.at.file, macros.at.file), macros.at.line)
+        found.add("SB877", macros.error, place, help=_remedies(macros.error), notes=calls[:_MOST_CALLS])
+        return None
+    for name in given:
+        if name not in macros.arguments:
+            known = ", ".join(macros.arguments) or "none"
+            help = did_you_mean(name, macros.arguments) or (f"arguments: {known}",)
+            found.add("SB877", f"the file has no argument '{name}'", span, help=help)
+            return None
+    with TemporaryDirectory(dir=run_folder()) as folder:
+        copy = Path(folder) / f"{path.name.partition('.')[0]}.urdf"
+        copy.write_bytes(macros.text)
+        return _described(copy, "urdf", options, found, macros)
+
+
+def _remedies(error: str) -> list[str]:
+    """What to do about an error of a macro; nothing beyond what it says for most."""
+    if error.startswith("package "):
+        return ["name the folder of the package, or of packages: `--package-path DIR`"]
+    if error.startswith("Undefined substitution argument"):
+        return [f"state it: `--xacro {error.rpartition(' ')[2]}:=VALUE`"]
+    return []
+
+
+def _where(message: str, macros: Expanded) -> tuple[str, Span]:
+    """A message about a line of the expanded URDF, without the line, and the place that this is from."""
+    line, text = re.match(r"(?:line (\d+): )?(.*)", message, re.DOTALL).groups()  # type: ignore[union-attr]
+    number = int(line or 0)
+    return text, Span(*(macros.places[number] if number < len(macros.places) else macros.places[0]))
 
 
 def described_robot(path: Path, options: Options, found: Diagnostics, *, drawn: bool = True) -> Robot | None:

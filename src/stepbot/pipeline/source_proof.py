@@ -73,13 +73,16 @@ def compared_with_source(
             for name, one in written.lowered.items()
         }
         source, chains = path, _chains(description, described)
+        if description.expanded:
+            source = Path(folder) / "expanded.urdf"
+            source.write_bytes(description.expanded)
         one_sided = any(len(limit.missing) == 1 for limit in description.open_limits)
         if (
             chains or one_sided or (options.package_path and description.observation.format != MJCF.name)
         ):  # which has no packages
-            source = Path(folder) / f"source{path.suffix}"
+            read, source = source, Path(folder) / f"source{source.suffix}"
             with Worker(_COPIED, memory_limit=options.memory_limit) as worker:
-                asked = worker.submit(str(openable(path)), str(source), options.package_path, chains)
+                asked = worker.submit(str(openable(read)), str(source), options.package_path, chains)
                 asked.result(options.timeout)
         if chains:
             kinds = {joint.name: joint.kind for joint in description.observation.joints}

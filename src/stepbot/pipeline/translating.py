@@ -133,7 +133,7 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
     base = Base(options.base) if options.base else None
     described = robot_of_description(description, path.stem, path.name, base)
     for lost in description.lost:
-        place = Span((path.parent / lost.file).as_posix() if lost.file else span.file, lost.line)
+        place = Span(*description.place((path.parent / lost.file).as_posix() if lost.file else span.file, lost.line))
         times = f" ({lost.count} times)" if lost.count > 1 else ""
         found.add("SB860", f"{lost.what}: not converted{times}", place, notes=[lost.effect] if lost.effect else ())
     if description.plain_meshes:
@@ -152,11 +152,11 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
         missing = " and ".join(f"'{bound}'" for bound in limit.missing)
         lacks = f"no {missing} in <limit>" if limit.has_element else "no <limit>"
         taken = "read as unlimited" if len(limit.missing) == 2 else "0 taken"
-        found.add("SB874", f"joint '{limit.joint}': {lacks}: {taken}", span._replace(line=limit.line))
+        found.add("SB874", f"joint '{limit.joint}': {lacks}: {taken}", Span(*description.place(span.file, limit.line)))
     for newer in description.newer:
         text = f"{newer.what} is of URDF {newer.needs:g}, which the file does not state: read as such"
         remedy = f'state it: `<robot version="{newer.needs:g}">`'
-        found.add("SB876", text, span._replace(line=newer.line), help=[remedy])
+        found.add("SB876", text, Span(*description.place(span.file, newer.line)), help=[remedy])
     if not (described.is_base_known or base or found.has_errors):
         _report_base(described.robot, span, found)
     check_robot(described.robot, found, span, massless_between=True)

@@ -140,6 +140,17 @@ CODES: tuple[Code, ...] = (
         "Measure or compute the mass properties, and state them in the source.",
     ),
     Code(
+        "SB877",
+        "error",
+        "macros cannot be expanded",
+        "The file has macros of ROS (xacro), and one of them cannot be expanded: an expression or an argument is wrong, a package or a "
+        "file is not found, or xacro is not installed. Expressions reach numbers, texts and lists alone; files are read in the "
+        "package of the file, and in packages that it names.",
+        "Nothing is written.",
+        "Correct the place, state arguments with `--xacro NAME:=VALUE`, and name folders of packages with `--package-path DIR`. "
+        "A file that needs more is expanded by ROS first: `xacro robot.urdf.xacro -o robot.urdf`.",
+    ),
+    Code(
         "SB876",
         "warning",
         "newer than the version that the file states",

@@ -97,8 +97,16 @@ class Description:
     """Links whose mass properties the file does not give: the format defines them otherwise."""
     open_limits: tuple[OpenLimit, ...] = ()
     """Position limits that are missing, although the format requires them."""
+    expanded: bytes = b""
+    """The URDF that the macros of the file expand to; empty for a file without macros."""
+    places: tuple[tuple[str, int], ...] = ()
+    """For each line of the expanded URDF, file and line of what it states."""
     newer: tuple[Newer, ...] = ()
     """What readers of the version that the file states ignore."""
+
+    def place(self, file: str, line: int) -> tuple[str, int]:
+        """File and line of what the description states in a line of ``file``, or in the URDF that it expands to."""
+        return self.places[line] if 0 < line < len(self.places) else (file, line)
 
     @property
     def seen(self) -> tuple[DescribedShape, ...]:
