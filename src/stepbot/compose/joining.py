@@ -24,6 +24,7 @@ from stepbot.robot.model import (
     Frame,
     Geometry,
     Joint,
+    Link,
     LoopClosure,
     MeshAsset,
     MeshRef,
@@ -64,7 +65,7 @@ def composed(sidecar: Sidecar, own: Robot | None, robots: Mapping[str, Robot], f
     root = places.find()
     if root is None:
         return None
-    robot = _Joining(sidecar, own, parts, ports, found).robot(root, places.mounts)
+    robot = _Joining(sidecar, own, parts, ports, found).robot(root, places)
     return tune_actuators(robot, sidecar, found)
 
 
@@ -76,14 +77,16 @@ class _Joining:
         self._document = sidecar.document
         self._robots = ([own] if own is not None else []) + [part.robot for part in parts.values()]
 
-    def robot(self, root: str, mounts: Mapping[str, Mount]) -> Robot:
+    def robot(self, root: str, places: Places) -> Robot:
+        mounts = places.mounts
         joints = [joint for robot in self._robots for joint in robot.joints if not joint.name.startswith(TIE)]
         own = 0 if self._own is None else sum(1 for joint in joints if joint.name in self._own.joint_by_name)
         joints[own:own] = [mount.joint for mount in mounts.values()]
         links = {link.name: link for robot in self._robots for link in robot.links}
         ordered = _in_tree_order(root, joints)
+        if places.world:
+            links[root] = Link(root)
         owner = next((part.robot for part in self._parts.values() if part.robot.root.name == root), self._own)
-        assert owner is not None  # the root is a link of a part
         whole = Robot(
             self._document.robot,
             tuple(links[name] for name in (root, *(joint.child for joint in ordered))),
@@ -92,7 +95,7 @@ class _Joining:
             tuple(frame for robot in self._robots for frame in robot.frames),
             tuple(actuator for robot in self._robots for actuator in robot.actuators),
             (),
-            self._base(owner),
+            Base.FIXED if places.world or owner is None else self._base(owner),
             self._source(),
             tuple(sensor for robot in self._robots for sensor in robot.sensors),
             excluded_contacts=self._excluded(),

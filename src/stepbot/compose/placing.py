@@ -7,8 +7,11 @@ from fnmatch import fnmatchcase
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.geometry.spatial import IDENTITY, Array, Pose, tidy
-from stepbot.robot.model import Joint, JointKind, Mimic, Robot
+from stepbot.geometry.spatial import IDENTITY, ZERO3, Array, Pose, tidy
+from stepbot.robot.kinematics import initial_configuration
+from stepbot.robot.mesh_names import free_name
+from stepbot.robot.model import Base, Joint, JointKind, Mimic, Robot
+from stepbot.robot.standing import standing_height
 from stepbot.sidecar.document import AutoOrigin, JointSection
 from stepbot.sidecar.joint_settings import joint_dynamics, joint_limits
 from stepbot.sidecar.located import Sidecar
@@ -18,6 +21,9 @@ from stepbot.sidecar.own_part import TIE
 from .mirroring import NORMALS, conjugated, flipped, mirrored
 from .parts import Part, image_name
 from .ports import Port, Ports, moved_by
+
+WORLD = "world"
+"""What `at` names for a part that stands by itself."""
 
 
 @dataclass(frozen=True)
@@ -52,9 +58,15 @@ class Places:
         self._of_root = {part.robot.root.name: name for name, part in parts.items()}
         self.mounts: dict[str, Mount] = {}
         """The joint above each root link that has one, by the link, in the order of the sidecar."""
+        self.world = ""
+        """The link that this adds as the root, in which several parts stand; empty for none."""
 
     def find(self) -> str | None:
-        """Fill :attr:`mounts`, and return the root link of the whole; None after errors."""
+        """Fill :attr:`mounts`, and return the root link of the whole; None after errors.
+
+        If modules stand in the world, the root is the part that stands there without `at`, if it is fixed; else
+        :attr:`world`, a link without mass.
+        """
         for name, section in self._document.joints.items():
             if not (self._own is not None and name in self._own.joint_by_name):
                 self._joint(name, section)
@@ -75,6 +87,9 @@ class Places:
     def _module(self, name: str, section: ModuleSection) -> None:
         above, keys = self._joints_above(name), ("modules", name, "at")
         if section.at is not None:
+            if section.at == WORLD and not above:
+                self._stand(name, section)
+                return
             if above:
                 message = f"module '{name}': placed by `at` and by joint '{above[0]}'"
                 self._found.add("SB156", message, self._sidecar.span(*keys), help=["remove one of them"])
@@ -84,6 +99,17 @@ class Places:
                 self._weld(name, section, port, moved_by(section.offset))
         elif section.mirror_of and not above:
             self._mirror(name, section)
+
+    def _stand(self, name: str, section: ModuleSection) -> None:
+        """Place a module in the world: fixed, or free and on the floor if its base floats."""
+        robot, offset = self._parts[name].robot, moved_by(section.offset)
+        if robot.base is Base.FIXED:
+            self._weld(name, section, Port(WORLD), offset)
+            return
+        X_RB = self._of_part(name, section.by, ("modules", name, "by")) if section.by else IDENTITY
+        if X_RB is not None:
+            X_PC = tidy(offset @ self._standing(robot.root.name) @ X_RB.inverse())
+            self._attach(robot.root.name, Mount(_free(name, robot.root.name, X_PC)), name)
 
     def _weld(self, name: str, section: ModuleSection, port: Port, offset: Pose) -> None:
         root = self._parts[name].robot.root.name
@@ -202,6 +228,8 @@ class Places:
 
     def _root(self) -> str | None:
         roots = [root for root in (*self._own_roots, *self._of_root) if root not in self.mounts]
+        if len(roots) < 2 and any(mount.joint.parent == WORLD for mount in self.mounts.values()):
+            return self._in_world(roots)
         if len(roots) == 1:
             return self._reaching(roots[0])
         if not roots:
@@ -214,6 +242,33 @@ class Places:
             help = ["`at: LINK_OR_FRAME` fixes it to a port; a joint with it as its child moves it"]
             self._found.add("SB154", message, place or self._sidecar.key_span("links", root), help=help)
         return None
+
+    def _in_world(self, roots: list[str]) -> str | None:
+        """The root of parts that stand in the world."""
+        taken = {link for part in self._parts.values() for link in part.robot.link_by_name}
+        taken |= set(self._own.link_by_name) if self._own is not None else set()
+        root = roots[0] if roots and not self._floats(roots[0]) else ""
+        if not root:
+            root = self.world = free_name(self._document.robot, "_cell", taken)
+            for one in roots:
+                name = self._of_root.get(one, one)
+                self.mounts[one] = Mount(_free(name, one, self._standing(one)))
+        for child, mount in self.mounts.items():
+            if mount.joint.parent == WORLD:
+                self.mounts[child] = replace(mount, joint=replace(mount.joint, parent=root))
+        return self._reaching(root)
+
+    def _floats(self, root: str) -> bool:
+        """Whether the part with this root has a floating base."""
+        if root in self._of_root and "base" not in self._document.model_fields_set:
+            return self._parts[self._of_root[root]].robot.base is Base.FLOATING
+        return self._document.base is Base.FLOATING
+
+    def _standing(self, root: str) -> Pose:
+        robot = self._parts[self._of_root[root]].robot if root in self._of_root else self._own
+        assert robot is not None  # the root is a link of a part
+        alone = replace(robot, base=Base.FLOATING)
+        return Pose.from_xyz_rpy((0.0, 0.0, standing_height(alone, initial_configuration(alone))), ZERO3)
 
     def _reaching(self, root: str) -> str | None:
         """The root, if every part is below it; parts in a ring are not."""
@@ -245,6 +300,11 @@ class Places:
 
     def _label(self, root: str) -> str:
         return f"module '{self._of_root[root]}'" if root in self._of_root else f"link '{root}'"
+
+
+def _free(name: str, root: str, X_PC: Pose) -> Joint:
+    """The joint of a part that nothing holds in the world."""
+    return Joint(f"{name}_free", JointKind.FLOATING, WORLD, root, X_PC)
 
 
 def _mirrored_joint(joint: Joint, section: ModuleSection) -> Joint:

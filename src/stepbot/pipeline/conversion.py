@@ -130,7 +130,8 @@ class Conversion(NamedTuple):
             return None
         from .verdict import summary_of
 
-        return summary_of(self.robot, self.results, "the CAD" if self.named else "its source")
+        source = "its modules" if self.robot.modules else "its source"
+        return summary_of(self.robot, self.results, "the CAD" if self.named else source)
 
 
 def write(conversion: Conversion, output: Path, sidecar: Path) -> Conversion:

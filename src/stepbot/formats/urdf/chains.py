@@ -41,6 +41,20 @@ def chains(robot: Robot) -> tuple[Chain, ...]:
     return tuple(found)
 
 
+def module_of_joint(robot: Robot) -> dict[str, str]:
+    """The module that each joint is in, by the joint's name, as part of a name: ``arm``, ``arm_hand`` for ``arm/hand``.
+
+    Of modules in modules, the innermost; joints between modules, and those of a robot without modules, are left out.
+    """
+    inside: dict[str, str] = {}
+    for module in robot.modules:  # modules of modules come after them
+        links = set(module.links)
+        for joint in robot.joints:
+            if joint.parent in links and joint.child in links:
+                inside[joint.name] = module.name.replace("/", "_")
+    return inside
+
+
 def moving_joints(robot: Robot) -> dict[str, list[Joint]]:
     """For each body, by its first link, the joints between it and those that move on it."""
     body, moving = rigid_bodies(robot.root.name, robot.joints), dict[str, list[Joint]]()

@@ -5,6 +5,7 @@ that moves there follows one joint; or each finger is a single prismatic joint o
 its own hand, moves as any last joint of an arm does: its name tells, if its range is that of a jaw.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -16,7 +17,7 @@ from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, JointKind, Robot
 from stepbot.robot.standing import is_jaw
 
-from .chains import Chain, chains, moving_joints
+from .chains import Chain, chains, module_of_joint, moving_joints
 
 _OPPOSITE = -0.99
 """Cosine below which two directions are opposite."""
@@ -43,7 +44,10 @@ class Gripper:
         return tuple(joint for joint in self.joints if joint.mimic is None)
 
 
-def groups(robot: Robot) -> tuple[tuple[Chain, ...], tuple[Gripper, ...]]:
+Groups = tuple[tuple[Chain, ...], tuple[Gripper, ...]]
+
+
+def groups(robot: Robot) -> Groups:
     """The chains of a robot without those of its grippers, and the grippers."""
     found = chains(robot)
     grippers = _grippers(robot, found)
@@ -51,7 +55,21 @@ def groups(robot: Robot) -> tuple[tuple[Chain, ...], tuple[Gripper, ...]]:
     arms = [one for one in found if one.joints[0].name not in fingers]
     carriers = {gripper.arm for gripper in grippers}
     split = [(one, None) if one.name in carriers else _without_jaw(robot, one) for one in arms]
-    return tuple(arm for arm, _ in split), (*grippers, *(jaw for _, jaw in split if jaw is not None))
+    return _named(robot, [arm for arm, _ in split], [*grippers, *(jaw for _, jaw in split if jaw is not None)])
+
+
+def _named(robot: Robot, arms: Sequence[Chain], grippers: Sequence[Gripper]) -> Groups:
+    """The groups with the names of the modules that they are: a chain or gripper that is the only one of a module."""
+    inside = module_of_joint(robot)
+    every: list[Chain | Gripper] = [*arms, *grippers]
+    modules = {one.name: {inside.get(joint.name, "") for joint in one.joints} for one in every}
+    counts = Counter(module for of_one in modules.values() for module in of_one)
+    new = {name: next(iter(of_one)) for name, of_one in modules.items() if len(of_one) == 1}
+    new = {name: module if counts[module] == 1 and module else name for name, module in new.items()}
+    return (
+        tuple(replace(arm, name=new.get(arm.name, arm.name)) for arm in arms),
+        tuple(replace(g, name=new.get(g.name, g.name), arm=new.get(g.arm, g.arm)) for g in grippers),
+    )
 
 
 def _without_jaw(robot: Robot, chain: Chain) -> tuple[Chain, Gripper | None]:

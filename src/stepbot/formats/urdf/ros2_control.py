@@ -5,12 +5,15 @@ mirrors every command. Inputs and limits are given at the joint. Gears are trans
 of ROS 1.
 """
 
+from collections.abc import Sequence
+
 from stepbot.robot.gains import actuator_limit, joint_range
 from stepbot.robot.model import Actuator, ActuatorKind, Robot
-from stepbot.robot.sensors import SensorKind
+from stepbot.robot.sensors import Sensor, SensorKind
 
 from ..lowering import UNLIMITED
 from ..xml import Element, element
+from .chains import module_of_joint
 
 HARDWARE = "mock_components/GenericSystem"
 """Placeholder for the hardware plugin, to be replaced in the user's configuration."""
@@ -40,17 +43,30 @@ def transmissions(top: Element, robot: Robot) -> None:
         element(motor, "mechanicalReduction", actuator.gear)
 
 
+def systems(robot: Robot) -> dict[str, str]:
+    """The ``<ros2_control>`` blocks of a robot: the name of each, by its module; empty for what is in none."""
+    inside = module_of_joint(robot)
+    modules = [inside.get(actuator.joint, "") for actuator in robot.actuators]
+    if any(sensor.kind in _READINGS for sensor in robot.sensors):
+        modules.append("")
+    return {module: f"{robot.name}_{module}" if module else robot.name for module in sorted(set(modules))}
+
+
 def ros2_control(top: Element, robot: Robot) -> None:
-    """Add the system with all actuators, and the sensors that ros2_control reads."""
-    sensors = [sensor for sensor in robot.sensors if sensor.kind in _READINGS]
-    if not (robot.actuators or sensors):
-        return
-    system = element(top, "ros2_control", name=robot.name, type="system")
-    element(element(system, "hardware"), "plugin", HARDWARE)
-    driven = dict.fromkeys(actuator.joint for actuator in robot.actuators)
-    for name in driven:
+    """Add a system for each module with actuators, one for all others, and the sensors that ros2_control reads."""
+    inside = module_of_joint(robot)
+    for module, name in systems(robot).items():
+        system = element(top, "ros2_control", name=name, type="system")
+        element(element(system, "hardware"), "plugin", HARDWARE)
+        actuators = [one for one in robot.actuators if inside.get(one.joint, "") == module]
+        sensors = [one for one in robot.sensors if one.kind in _READINGS and not module]
+        _system(system, robot, actuators, sensors)
+
+
+def _system(system: Element, robot: Robot, actuators: Sequence[Actuator], sensors: Sequence[Sensor]) -> None:
+    for name in dict.fromkeys(actuator.joint for actuator in actuators):
         joint = element(system, "joint", name=name)
-        for actuator in robot.actuators:
+        for actuator in actuators:
             if actuator.joint == name:
                 _command(joint, actuator, robot)
         for state in _STATES:
@@ -61,7 +77,7 @@ def ros2_control(top: Element, robot: Robot) -> None:
             element(xml, "state_interface", name=reading)
         if sensor.kind is not SensorKind.IMU:
             element(xml, "param", sensor.joint, name="joint")
-    for actuator in robot.actuators:
+    for actuator in actuators:
         xml = element(system, "transmission", name=actuator.name)
         element(xml, "plugin", _SIMPLE)
         element(xml, "actuator", name=actuator.name, role="actuator1")

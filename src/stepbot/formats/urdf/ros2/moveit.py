@@ -9,7 +9,7 @@ from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import ActuatorKind, Limit, Robot
 
 from ...lowering import UNLIMITED
-from ..chains import Chain
+from ..chains import Chain, module_of_joint
 
 UPDATE_RATE = 100
 """[Hz]"""
@@ -22,22 +22,30 @@ CONTROLLERS = {
 _BROADCASTER = "joint_state_broadcaster"
 
 
-def driven(robot: Robot, kind: ActuatorKind) -> list[str]:
-    """The joints with an actuator of a kind."""
-    return list(dict.fromkeys(actuator.joint for actuator in robot.actuators if actuator.kind is kind))
+def driven(robot: Robot, kind: ActuatorKind) -> dict[str, list[str]]:
+    """The joints with an actuator of a kind, by their controller: one for each module and one for all others."""
+    inside, (name, _) = module_of_joint(robot), CONTROLLERS[kind]
+    joints: dict[str, list[str]] = {}
+    for actuator in robot.actuators:
+        if actuator.kind is kind:
+            module = inside.get(actuator.joint, "")
+            of_one = joints.setdefault(f"{module}_{name}" if module else name, [])
+            if actuator.joint not in of_one:
+                of_one.append(actuator.joint)
+    return joints
 
 
 def controller_names(robot: Robot) -> list[str]:
     """The controllers of a robot with actuators, the broadcaster first."""
-    return [_BROADCASTER, *(name for kind, (name, _) in CONTROLLERS.items() if driven(robot, kind))]
+    return [_BROADCASTER, *(name for kind in CONTROLLERS for name in driven(robot, kind))]
 
 
 def controllers(robot: Robot) -> str:
-    """``controllers.yaml``: a broadcaster of joint states, and a controller for each kind of actuator."""
+    """``controllers.yaml``: a broadcaster of joint states, and a controller for each kind of actuator of a module."""
     types: dict[str, Any] = {_BROADCASTER: {"type": f"{_BROADCASTER}/JointStateBroadcaster"}}
     settings: dict[str, Mapping[str, Any]] = {}
-    for kind, (name, type_) in CONTROLLERS.items():
-        if joints := driven(robot, kind):
+    for kind, (_, type_) in CONTROLLERS.items():
+        for name, joints in driven(robot, kind).items():
             types[name] = {"type": type_}
             interfaces = {
                 "command_interfaces": ["position"],
@@ -113,11 +121,10 @@ def _further(limit: Limit) -> dict[str, float | bool]:
 
 
 def moveit_controllers(robot: Robot) -> str:
-    """``moveit_controllers.yaml``: the trajectory controller of the joints with position actuators."""
-    name, _ = CONTROLLERS[ActuatorKind.POSITION]
-    joints = driven(robot, ActuatorKind.POSITION)
+    """``moveit_controllers.yaml``: the trajectory controllers of the joints with position actuators."""
+    found = driven(robot, ActuatorKind.POSITION)
     action = {"action_ns": "follow_joint_trajectory", "type": "FollowJointTrajectory", "default": True}
-    manager = {"controller_names": [name] if joints else [], **({name: {**action, "joints": joints}} if joints else {})}
+    manager = {"controller_names": list(found), **{name: {**action, "joints": one} for name, one in found.items()}}
     return yaml_text(
         {
             "moveit_controller_manager": "moveit_simple_controller_manager/MoveItSimpleControllerManager",

@@ -8,7 +8,7 @@ from stepbot.robot.renaming import renamed
 
 from ...xml import Element, document, element, root
 from ..package import with_package
-from ..ros2_control import HARDWARE
+from ..ros2_control import HARDWARE, systems
 
 _XACRO = "http://www.ros.org/wiki/xacro"
 _PREFIX = "${prefix}"
@@ -40,7 +40,7 @@ def macro_xacro(robot: Robot, package: str) -> bytes:
     element(joint, "child", link=_prefixed(robot.root.name))
     content(macro, with_prefix(robot))
     if robot.actuators:
-        _control(macro)
+        _control(macro, robot)
     return with_package(document(top), package)
 
 
@@ -62,13 +62,20 @@ def instance_xacro(robot: Robot) -> bytes:
 
 def _parameters(robot: Robot) -> dict[str, str]:
     """The parameters of the macro, with their defaults; those of ros2_control for a robot with actuators only."""
-    return {"prefix": "''", **_PLACE, **(_CONTROL if robot.actuators else {})}
+    if not robot.actuators:
+        return {"prefix": "''", **_PLACE}
+    return {"prefix": "''", **_PLACE, **_CONTROL, **dict.fromkeys(filter(None, _hardware(robot)), "''")}
 
 
-def _control(macro: Element) -> None:
+def _hardware(robot: Robot) -> list[str]:
+    """For each ``<ros2_control>`` block the parameter with its hardware, empty for ``hardware`` itself."""
+    return [module and re.sub(r"\W", "_", f"{module}_hardware", flags=re.ASCII) for module in systems(robot)]
+
+
+def _control(macro: Element, robot: Robot) -> None:
     """Let the caller choose the hardware, and Gazebo run the controllers: https://control.ros.org/rolling/doc/gz_ros2_control."""
-    for plugin in macro.iterfind("ros2_control/hardware/plugin"):
-        plugin.text = "${hardware}"
+    for plugin, own in zip(macro.iterfind("ros2_control/hardware/plugin"), _hardware(robot), strict=True):
+        plugin.text = f"${{{own} or hardware}}" if own else "${hardware}"
     gazebo = element(element(macro, _tag("if"), value="${controllers != ''}"), "gazebo")
     plugin = element(gazebo, "plugin", filename=GAZEBO_LIBRARY, name=GAZEBO_PLUGIN)
     element(plugin, "parameters", "${controllers}")

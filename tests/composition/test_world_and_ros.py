@@ -1,0 +1,114 @@
+"""Several robots in one world, and what ROS gets of each module."""
+
+import json
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import mujoco
+import numpy as np
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.robot.model import Base, JointKind, Robot
+from tests.command_line import stepbot
+
+Compose = Callable[[Mapping[str, str], Diagnostics], Robot]
+ARM = """
+    <mujoco model="arm"><worldbody><body name="base">
+      <geom type="box" size="0.1 0.1 0.1" mass="2"/>
+      <body name="upper" pos="0 0 0.2"><joint name="lift" axis="0 1 0" range="-1 1" limited="true"/>
+        <geom type="capsule" size="0.02 0.1" pos="0 0 0.15" mass="1"/></body>
+    </body></worldbody><actuator><position name="lift" joint="lift" kp="10" kv="1"/></actuator></mujoco>
+    """
+BALL = """
+    <mujoco model="ball"><worldbody><body name="ball" pos="0 0 3"><freejoint/>
+      <geom type="box" size="0.1 0.2 0.3" mass="4"/></body></worldbody></mujoco>
+    """
+CELL = """
+    version: 1
+    robot: cell
+    modules:
+      left: {file: arm.xml, at: world}
+      right: {file: arm.xml, at: world, offset: {xyz: [0, 1, 0], rpy: [0, 0, 90 deg]}}
+      box: {file: box.xml, at: world, offset: {xyz: [2, 0, 0.5]}}
+    """
+FILES = {"cell.robot.yaml": CELL, "arm.xml": ARM, "box.xml": BALL}
+
+
+def test_parts_stand_in_the_world(composed: Compose) -> None:
+    """Fixed robots are welded to one root without mass; a floating one is free, its lowest point where `offset` is."""
+    robot = composed(FILES, Diagnostics())
+    assert (robot.root.name, robot.root.mass_properties.mass, robot.base) == ("cell", 0.0, Base.FIXED)
+    mounts = {joint.child: joint for joint in robot.joints if joint.parent == "cell"}
+    assert {child: joint.kind for child, joint in mounts.items()} == {
+        "left_base": JointKind.FIXED,
+        "right_base": JointKind.FIXED,
+        "box_ball": JointKind.FLOATING,
+    }
+    assert mounts["box_ball"].X_PC.position == pytest.approx((2.0, 0.0, 0.8))
+
+
+@pytest.mark.parametrize("other", ["", "base: fixed"])
+def test_a_fixed_root_is_in_the_world_itself(composed: Compose, other: str) -> None:
+    """Beside an arm without `at`, no further root is made; a floating one without `at` is free in the world."""
+    text = CELL.replace("left: {file: arm.xml, at: world}", "left: {file: arm.xml}").replace(
+        "robot: cell", f"robot: cell\n    {other}"
+    )
+    assert composed({**FILES, "cell.robot.yaml": text}, Diagnostics()).root.name == "left_base"
+    text = CELL.replace("box.xml, at: world, offset: {xyz: [2, 0, 0.5]}", "box.xml")
+    robot = composed({**FILES, "cell.robot.yaml": text}, Diagnostics())
+    assert robot.root.name == "cell"
+    assert robot.joint_by_name["box_free"].X_PC.position == pytest.approx((0.0, 0.0, 0.3))
+
+
+def test_one_falls_and_the_others_stay(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> None:
+    """MuJoCo: qpos is that of all robots, the mass matrix has no entries between them, and free fall is free."""
+    write(FILES)
+    made = stepbot("convert", "cell.robot.yaml", "-o", "out", "-f", "mjcf,urdf", "--no-cache", cwd=tmp_path)
+    assert made.code == 0, made.out + made.err
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out/cell.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_forward(model, data)
+    assert (model.nq, model.nv) == (2 + 7, 2 + 6)
+    matrix = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, matrix)
+    owner = [model.body(model.dof_bodyid[i]).name.partition("_")[0] for i in range(model.nv)]
+    assert all(matrix[i, j] == 0.0 for i in range(model.nv) for j in range(model.nv) if owner[i] != owner[j])
+    before = data.xpos.copy()
+    while data.time < 0.1:
+        mujoco.mj_step(model, data)
+    fallen = model.body("box_ball").id
+    assert data.xpos[fallen][2] - before[fallen][2] == pytest.approx(-0.5 * 9.81 * data.time**2, rel=0.1)
+    bases = [model.body(f"{side}_base").id for side in ("left", "right")]
+    assert (data.xpos[bases] == before[bases]).all()
+    assert before[bases[1]] == pytest.approx((0.0, 1.0, 0.0))
+
+
+def test_ros_gets_a_system_and_a_controller_for_each_module(
+    tmp_path: Path, write: Callable[[Mapping[str, str]], None]
+) -> None:
+    """`<ros2_control>` blocks have names of their own and list each joint once; the hardware of one can be chosen."""
+    write(FILES)
+    options = ("--ros2", "cell_description", "--no-verify", "--no-cache", "-f", "urdf")
+    assert stepbot("convert", "cell.robot.yaml", "-o", "out", *options, cwd=tmp_path).code == 0
+    file = tmp_path / "out/urdf/cell.urdf.xacro"
+    program = "import xml.parsers.expat, xacro; xacro.main()"
+    arguments = [sys.executable, "-c", program, str(file), "prefix:=a_", "right_hardware:=my/Driver"]
+    urdf = ET.fromstring(subprocess.run(arguments, check=True, capture_output=True).stdout)
+    systems = {system.get("name"): system for system in urdf.iterfind("ros2_control")}
+    assert {name: system.findtext("hardware/plugin") for name, system in systems.items()} == {
+        "a_cell_left": "mock_components/GenericSystem",
+        "a_cell_right": "my/Driver",
+    }
+    joints = [joint.get("name") for joint in urdf.iterfind("ros2_control/joint")]
+    assert sorted(joints) == ["a_left_lift", "a_right_lift"]
+    settings = (tmp_path / "out/config/controllers.yaml").read_text(encoding="utf-8")
+    assert "left_position_controller:" in settings
+    groups = ET.parse(tmp_path / "out/cell.srdf").getroot().findall("group")
+    assert {"left", "right"} <= {group.get("name") for group in groups}
+    report = json.loads((tmp_path / "out/report.json").read_text(encoding="utf-8"))
+    assert [one["name"] for one in report["robot"]["modules"]] == ["left", "right", "box"]
