@@ -165,7 +165,7 @@ links:
   base: {parts: [base]}
   arm: {parts: [beam, motor]}
 joints:
-  hinge: {type: revolute, parent: base, child: arm, limits: {lower: -1, upper: 1, effort: 1, velocity: 1}}
+  hinge: {type: revolute, parent: base, child: arm, limits: {lower: -0.2, upper: 0.2, effort: 1, velocity: 1}}
 """
 """A sidecar for :func:`write_lever`."""
 

@@ -180,11 +180,15 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
             joints = len(whole.joints) + len(whole.closures)
             checked = Checked("", len(whole.links), joints, composed.joint_table, robot_words(whole))
         elif open_step:
+            from .passed_stops import report_passed_stops
+
             source = options.step or named_step(loaded, found)
             with closing(Loading(source, what_to_read(loaded, options), options, found)) as loading:
-                built = build(loaded, loading.assembly(found), loading, options, found)
+                assembly = loading.assembly(found)
+                built = build(loaded, assembly, loading, options, found)
                 if built is not None:
                     checked = checked._replace(joint_table=built.joint_table, robot=robot_words(built.robot))
+                    report_passed_stops(loaded, built, assembly, found)
                     built.double_counting.report(options.timeout)
         if not found.has_errors:
             report_unused(found, _JUDGED_BY_BUILD if open_step else _JUDGED_BY_TEXT)

@@ -135,4 +135,14 @@ CODES = (
         "Correct the effort limit, the masses or the drawn pose. If a spring or a counterweight carries the joint, set "
         "`kp` and `kv`.",
     ),
+    Code(
+        "SB465",
+        "warning",
+        "limit beyond a stop",
+        "Between the drawn pose and a limit of a joint, parts of its two links meet. `check --step` follows their meshes "
+        "along the motion. Pairs of parts with very many faces are not compared.",
+        "A planner that uses the limit drives the joint into the stop.",
+        "Set the limit at the stop or before it. If the parts overlap in the drawing only, such as a screw in a solid "
+        "block, correct the drawing, or ignore the finding.",
+    ),
 )

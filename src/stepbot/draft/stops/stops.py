@@ -211,7 +211,7 @@ def with_stops(draft: Draft, assembly: Assembly) -> Draft:
     """The draft with the stops of its joints that have no limits, where parts of their two links meet."""
     members = {link.name: link.components for link in draft.links}
     asked = [joint for joint in draft.joints if _is_open(joint)]
-    shapes = _Shapes(assembly)
+    shapes = Shapes(assembly)
     found = find_stops([_question(joint, members[joint.parent], members[joint.child], shapes) for joint in asked])
     stopped = {
         joint.name: replace(joint, stops=_named(stops.found, joint, assembly), stops_skipped=stops.skipped)
@@ -225,12 +225,12 @@ def _is_open(joint: DraftJoint) -> bool:
     return is_drafted and joint.limits is None and joint.type.bounded
 
 
-def _question(joint: DraftJoint, still: Sequence[int], moving: Sequence[int], shapes: "_Shapes") -> Question:
+def _question(joint: DraftJoint, still: Sequence[int], moving: Sequence[int], shapes: "Shapes") -> Question:
     is_slide, point, direction = joint.type is JointKind.PRISMATIC, np.array(joint.point), np.array(joint.direction)
     return Question(is_slide, point, direction, shapes.of(still), shapes.of(moving))
 
 
-class _Shapes:
+class Shapes:
     """Solid parts in the assembly; a link with several joints is placed once."""
 
     def __init__(self, assembly: Assembly) -> None:
