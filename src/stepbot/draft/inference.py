@@ -7,6 +7,7 @@ from stepbot.draft.answers import NO_FACTS, Facts, fact_evidence
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.draft import CHOSEN
 from stepbot.draft.evidence.bearings import bearing_evidence
+from stepbot.draft.evidence.captured import captured_evidence
 from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvidence, Verdict, Weld
 from stepbot.draft.evidence.fingers import finger_evidence
 from stepbot.draft.evidence.guides import cross_evidence, guide_evidence
@@ -14,8 +15,10 @@ from stepbot.draft.evidence.linkages import linkage_evidence
 from stepbot.draft.evidence.motor_outputs import motor_evidence
 from stepbot.draft.evidence.motors import Motor, find_motors
 from stepbot.draft.evidence.pairs import PairEvidence, several_axes
+from stepbot.draft.evidence.repetition import repeated_joints
 from stepbot.draft.evidence.rollers import roller_evidence
 from stepbot.draft.evidence.subassemblies import Structure, body_welds
+from stepbot.draft.evidence.twins import twin_evidence
 from stepbot.draft.mechanism import locked
 from stepbot.draft.mechanism.decide import Decision, adopt, decide
 from stepbot.draft.mechanism.gaps import tie_by_seams
@@ -64,14 +67,15 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
     """
     found = _infer(survey, facts, {})
     needed = dict(found.pivots)
-    if needed:
-        found = _infer(survey, facts, needed)
+    repeats = _repeats(found)
+    if needed or repeats:
+        found = _infer(survey, facts, needed, repeats)
     # Each try infers everything again: the work is bounded by the number of parts.
     left = max(_FEWEST_TRIES, _TRIED_PARTS // max(1, len(survey.parts)))
     while stuck := locked_arcs(found.arcs):
         for key in missing_joints(found.arcs, found.offered, found.links, stuck)[:left]:
             left -= 1
-            tried = _infer(survey, facts, {**needed, key: locked.REVIEW})
+            tried = _infer(survey, facts, {**needed, key: locked.REVIEW}, repeats)
             if len(locked_arcs(tried.arcs)) < len(stuck):
                 needed[key] = locked.REVIEW
                 found = tried
@@ -81,12 +85,21 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
     return found
 
 
-def _infer(survey: Survey, facts: Facts, needed: Mapping[JointKey, str]) -> Inferred:
+def _repeats(found: Inferred) -> list[JointEvidence]:
+    """Joints that equal parts elsewhere show."""
+    joints = [arc.evidence for arc in found.arcs if arc.evidence.score >= CHOSEN]
+    return repeated_joints(found.survey, joints, found.links)
+
+
+def _infer(
+    survey: Survey, facts: Facts, needed: Mapping[JointKey, str], repeats: Sequence[JointEvidence] = ()
+) -> Inferred:
     motors = find_motors(survey)
     evidence = Evidence()
     fact_evidence(survey, facts, evidence)
     body_welds(survey, [motor.parts for motor in motors], evidence)
     motor_evidence(survey, motors, evidence)
+    twin_evidence(survey, evidence)
     linkage_evidence(survey, motors, evidence)
     structure = Structure(survey, evidence.mechanisms)
     structure.welds(evidence)
@@ -94,9 +107,12 @@ def _infer(survey: Survey, facts: Facts, needed: Mapping[JointKey, str]) -> Infe
     cross_evidence(survey, structure, evidence)
     bearing_evidence(survey, evidence)
     guide_evidence(survey, evidence)
+    captured_evidence(survey, motors, structure, evidence)
     finger_evidence(survey, evidence)
     roller_evidence(survey, evidence)
     several_axes(structure, evidence)
+    for hinge in repeats:
+        evidence.joint(replace(hinge))
     promote(evidence, needed)
     made = decide(survey, motors, evidence)
     pivots = lone_pivots(made, structure)

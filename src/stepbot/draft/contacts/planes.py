@@ -32,7 +32,7 @@ Indices = NDArray[np.intp]
 
 def find_patches(scene: Scene, found: Contacts) -> None:
     """Add all shared areas to the contacts."""
-    planes = _Planes(scene)
+    planes = Planes(scene)
     seen: set[tuple[int, int]] = set()
     for p, q in planes.candidates():
         one, two = (p, q) if planes.parts[p] < planes.parts[q] else (q, p)
@@ -43,25 +43,28 @@ def find_patches(scene: Scene, found: Contacts) -> None:
                 found.patches[patch.a, patch.b].append(patch)
 
 
-class _Planes:
+class Planes:
     """All planes of an assembly as arrays."""
 
     def __init__(self, scene: Scene) -> None:
         self._scene = scene
         columns = [scene.columns(part, FaceKind.PLANE) for part in scene.parts]
         nothing = np.zeros((0, 3))
-        points, self._normals, self._low, self._high = (
+        self.points, self.normals, self._low, self._high = (
             np.concatenate([nothing, *(getattr(one, name) for one in columns)])
             for name in ("points", "directions", "low", "high")
         )
         self._faces = [face for one in columns for face in one.faces]
         self.parts = np.repeat(np.array(scene.parts, dtype=np.int64), [len(one.faces) for one in columns])
-        self._signed = signed(self._normals)
-        self._heights = np.einsum("ij,ij->i", points, self._signed)
-        self._points = points
-        self._up = np.einsum("ij,ij->i", self._normals, self._signed) > 0.0
+        self._signed = signed(self.normals)
+        self._heights = np.einsum("ij,ij->i", self.points, self._signed)
+        self._up = np.einsum("ij,ij->i", self.normals, self._signed) > 0.0
         self._outlined = np.flatnonzero([bool(face.rings) for face in self._faces])
         self._regions: dict[tuple[int, bytes], Region] = {}
+
+    def of(self, part: int) -> Indices:
+        """The numbers of the planes of a part that have an outline."""
+        return np.asarray(self._outlined[self.parts[self._outlined] == part])
 
     def candidates(self) -> Iterator[tuple[int, int]]:
         """Pairs of planes of different parts that face each other at one height and have overlapping boxes."""
@@ -114,12 +117,12 @@ class _Planes:
 
     def patch(self, p: int, q: int) -> Patch | None:
         """The shared area of two planes; None if it is too small."""
-        normal = self._normals[p]
+        normal = self.normals[p]
         frame = perpendicular_frame(signed(normal[None, :])[0])[:, :2]
         shared = self._region(p, frame).shared(self._region(q, frame), _SMALLEST)
         if shared is None:
             return None
-        height = normal * float(self._points[p] @ normal)
+        height = normal * float(self.points[p] @ normal)
         rings = tuple(np.concatenate([ring, ring[:1]]) @ frame.T + height for ring in shared.rings)
         return Patch(
             *(int(self.parts[p]), int(self.parts[q]), frame @ shared.centroid + height, normal, shared.area),

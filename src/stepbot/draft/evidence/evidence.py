@@ -55,6 +55,17 @@ class Weld:
 
 
 @dataclass(eq=False)
+class Apart:
+    """Evidence that two parts move relative to each other, without a joint between them."""
+
+    score: float
+    a: int
+    b: int
+    priority: Priority = Priority.FOUND
+    verdict: Verdict = Verdict.OPEN
+
+
+@dataclass(eq=False)
 class JointEvidence:
     """Evidence for a joint of some type between two parts."""
 
@@ -90,6 +101,7 @@ class Evidence:
 
     welds: list[Weld] = field(default_factory=list)
     joints: list[JointEvidence] = field(default_factory=list)
+    apart: list[Apart] = field(default_factory=list)
     wheels: dict[int, Axis] = field(default_factory=dict)
     """Axes of the hubs of omnidirectional wheels, by part."""
 
@@ -101,10 +113,10 @@ class Evidence:
         """Add evidence for a joint between two parts."""
         self.joints.append(joint)
 
-    def ranked(self) -> list[Weld | JointEvidence]:
+    def ranked(self) -> list[Weld | JointEvidence | Apart]:
         """Everything, by rank, the strongest first; at equal scores welds first."""
-        both: list[Weld | JointEvidence] = [*self.welds, *self.joints]
-        return sorted(both, key=lambda e: (-e.priority, -round(e.score, 6), isinstance(e, JointEvidence), e.a, e.b))
+        every: list[Weld | JointEvidence | Apart] = [*self.welds, *self.joints, *self.apart]
+        return sorted(every, key=lambda e: (-e.priority, -round(e.score, 6), not isinstance(e, Weld), e.a, e.b))
 
     def weaker_joints(self, least: float) -> list[JointEvidence]:
         """Joints that are too weak to be drafted, the strongest first."""

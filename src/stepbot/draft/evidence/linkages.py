@@ -7,7 +7,7 @@ those that cannot are no joints.
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
 
@@ -17,7 +17,7 @@ from stepbot.draft.contacts.contacts import CoaxialLine, FitKind, Pair
 from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import Relation, merged
 from stepbot.draft.contacts.survey import Survey
-from stepbot.draft.evidence.evidence import Evidence, JointEvidence
+from stepbot.draft.evidence.evidence import Apart, Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
@@ -34,10 +34,14 @@ _IN_LOOP, _IN_CHAIN, _ALONE, _HIDDEN = 0.79, 0.72, 0.62, 0.35
 """Scores of a joint in a loop that moves, of one of several, of a single one, and of one within a subassembly."""
 _LOCKED = 0.745
 """Score of a weld where the loops of a linkage lock a line."""
+_APART = 0.785
+"""Score from which bodies that move in a loop are kept apart."""
 _CHAIN = 3
 """Number of joints from which connected ones are a linkage."""
 _AXLE = 0.05
 """Share of the assembly's volume up to which a turned part on a line is its pin, spacer or bearing."""
+_AXLE_HELD = 0.78
+"""Score of the weld that keeps a pin on one side of its joint."""
 _TRIFLE, _TAG = 1e-4, 2e-3
 """Shares of the assembly's volume below which a body is no link: in a linkage, and held on one line alone."""
 _STACK = 2
@@ -56,6 +60,8 @@ class _Pivot:
 
     axis: Axis
     hosts: tuple[int, ...]
+    axles: tuple[int, ...] = ()
+    """Pins, spacers and bearings on the line."""
     turns: bool = True
     """Whether they are fitted on the line; a seal between two faces only holds them."""
 
@@ -69,6 +75,8 @@ class _Hinge:
     b: int
     is_extra: bool = False
     """Whether other pairs on the same line already connect its sides; it keeps them from being one."""
+    slides: bool = False
+    """Whether faces guide its sides along the line instead."""
 
 
 def linkage_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
@@ -98,7 +106,8 @@ def _pivots(survey: Survey, line: CoaxialLine, fitted: Sequence[Pair]) -> Iterat
             middle = {i: min(f.low for f in line.faces[i]) + max(f.high for f in line.faces[i]) for i in hosts}
             ordered = sorted(hosts, key=lambda i: (round(middle[i], 6), i))
             at = 0.25 * (middle[ordered[0]] + middle[ordered[-1]])
-            yield _Pivot(Axis(line.axis.point + line.axis.d * at, line.axis.d), tuple(ordered))
+            axles = tuple(i for i in members if i not in hosts)
+            yield _Pivot(Axis(line.axis.point + line.axis.d * at, line.axis.d), tuple(ordered), axles)
 
 
 def _held_by_faces(survey: Survey) -> Iterator[_Pivot]:
@@ -136,10 +145,13 @@ class _Linkages:
         """Add the joints, by linkage."""
         hinges = self._pruned(list(self._hinges()))
         hinges = [h for h in hinges if not {h.a, h.b} & self._in_motor]
+        hinges += self._slides(hinges)
         for group in self._connected(hinges):
             tree = [h for h in group if not h.is_extra]
             turning, looped = self._turning(tree)
             for n, h in enumerate(tree):
+                if h.slides and n not in turning & looped:
+                    continue
                 if n in turning:
                     self._joint(h, len(turning), is_looped=n in looped)
                 else:
@@ -147,6 +159,17 @@ class _Linkages:
             for h in group:
                 if h.is_extra and any(tree[n].axis.same(h.axis) for n in turning):
                     self._joint(h, len(turning), is_looped=False)
+            self._keep_axles([tree[n].axis for n in turning if not tree[n].slides])
+
+    def _keep_axles(self, axes: Sequence[Axis]) -> None:
+        """Weld each pin of a joint to the part that it fits most tightly: it is no link that turns in both."""
+        survey = self._survey
+        for pivot in self._pivots:
+            for i in pivot.axles if any(axis.same(pivot.axis) for axis in axes) else ():
+                held = [r for r in survey.near.get(i, ()) if r.shafts and r.other(i) in pivot.hosts]
+                if i not in survey.small and Role.BEARING not in survey.parts[i].roles and held:
+                    tightest = min(held, key=lambda r: (round(r.shafts[0].clearance, 7), -r.length, r.a, r.b))
+                    self._found.weld(_AXLE_HELD, i, tightest.other(i), "a pin of a joint")
 
     def _joint(self, h: _Hinge, count: int, *, is_looped: bool) -> None:
         survey = self._survey
@@ -156,11 +179,10 @@ class _Linkages:
         together = survey.sources.tree and home == survey.scene.component(b).parent and home not in survey.tops
         if together and not is_looped and count < _CHAIN:
             score = _HIDDEN
-        why = "the only line that holds both" + (", in a loop that moves" if is_looped else "")
-        relation = survey.relation(a, b)
-        self._found.joint(
-            JointEvidence(score, a, b, JointKind.REVOLUTE, h.axis, why, relation, review=REVIEW, of_linkage=True)
-        )
+        why = "faces that guide it" if h.slides else "the only line that holds both"
+        why += ", in a loop that moves" if is_looped else ""
+        kind, relation = JointKind.PRISMATIC if h.slides else JointKind.REVOLUTE, survey.relation(a, b)
+        self._found.joint(JointEvidence(score, a, b, kind, h.axis, why, relation, review=REVIEW, of_linkage=True))
 
     def _unite_rigid(self) -> None:
         for weld in self._found.welds:
@@ -218,6 +240,18 @@ class _Linkages:
                     tied.join(a, b)
                     yield _Hinge(pivot.axis, min(a, b), max(a, b), is_extra)
 
+    def _slides(self, hinges: Sequence[_Hinge]) -> list[_Hinge]:
+        """Pairs of bodies of linkages whose contacts leave nothing but one translation."""
+        on = {self._bodies.find(i) for h in hinges for i in (h.a, h.b)}
+        found = []
+        for pair, relations in self._between().items():
+            r = merged(relations, pair, ()) if on.issuperset(pair) else None
+            if r is not None and r.freedom.kind == FreedomKind.PRISMATIC and r.freedom.direction is not None:
+                largest = max(relations, key=lambda one: (one.area, -one.a, -one.b))
+                axis = Axis(r.patches[0].point if r.patches else r.fits[0].axis.point, r.freedom.direction)
+                found.append(_Hinge(axis, largest.a, largest.b, slides=True))
+        return found
+
     def _pruned(self, hinges: list[_Hinge]) -> list[_Hinge]:
         """Without bodies that are held on one line alone and are turned about it, or are tags."""
         while True:
@@ -273,26 +307,36 @@ class _Linkages:
             groups[tied.find(self._bodies.find(h.a))].append(h)
         return list(groups.values())
 
-    def _turning(self, hinges: Sequence[_Hinge]) -> tuple[Collection[int], Collection[int]]:
+    def _turning(self, hinges: Sequence[_Hinge]) -> tuple[set[int], set[int]]:
         """Those that can turn, and those of them that are in loops."""
         bodies = sorted({self._bodies.find(i) for h in hinges for i in (h.a, h.b)})
         looped = self._in_loops(hinges, bodies)
         if not looped or len(bodies) > _MOST:
-            return range(len(hinges)), ()
+            return set(range(len(hinges))), set()
         number = {body: n for n, body in enumerate(bodies)}
         rows, turns = [], []
         for h in hinges:
             a, b = number[self._bodies.find(h.a)], number[self._bodies.find(h.b)]
-            rows.append(_held(h.axis, a, b, len(bodies)))
-            turn = np.zeros(6 * len(bodies))
-            turn[6 * a : 6 * a + 3], turn[6 * b : 6 * b + 3] = h.axis.d, -h.axis.d
+            rows.append(_held(h, a, b, len(bodies)))
+            turn, at = np.zeros(6 * len(bodies)), 3 * h.slides
+            turn[6 * a + at : 6 * a + at + 3], turn[6 * b + at : 6 * b + at + 3] = h.axis.d, -h.axis.d
             turns.append(turn)
         still = np.eye(6, 6 * len(bodies))
         _, values, basis = np.linalg.svd(np.concatenate([still, *rows]), full_matrices=True)
         free = basis[int((values > _NULL).sum()) :]
         moves = np.abs(np.array(turns) @ free.T).max(axis=1, initial=0.0) > _NULL
         turning = set(np.flatnonzero(moves).tolist())
+        if looped & turning:
+            self._keep_apart(bodies, free)
         return turning, looped & turning
+
+    def _keep_apart(self, bodies: Sequence[int], free: Array) -> None:
+        """What moves relative to each other in a loop is not one, whatever touches what."""
+        twists = free.reshape(-1, len(bodies), 6)
+        for n, m in combinations(range(len(bodies)), 2):
+            if float(np.abs(twists[:, n] - twists[:, m]).max(initial=0.0)) > _NULL:
+                a, b = sorted((bodies[n], bodies[m]))
+                self._found.apart.append(Apart(_APART, a, b))
 
     def _in_loops(self, hinges: Sequence[_Hinge], bodies: Sequence[int]) -> set[int]:
         """Hinges whose bodies stay connected without them."""
@@ -318,12 +362,16 @@ def _can_turn(relations: Sequence[Relation], pair: tuple[int, int], axis: Axis) 
     return True
 
 
-def _held(axis: Axis, a: int, b: int, count: int) -> Array:
-    """Rows (5, 6 n) that a hinge keeps from moving: twists (w, v) of bodies, v of what is at the origin [dm/s]."""
+def _held(h: _Hinge, a: int, b: int, count: int) -> Array:
+    """Rows (5, 6 n) that a joint keeps from moving: twists (w, v) of bodies, v of what is at the origin [dm/s]."""
     rows = np.zeros((5, 6 * count))
-    across = perpendicular_frame(axis.d)[:, :2].T
-    at = -cross_matrix(axis.point * _METRES)
+    across = perpendicular_frame(h.axis.d)[:, :2].T
+    at = -cross_matrix(h.axis.point * _METRES)
     for body, sign in ((a, 1.0), (b, -1.0)):
+        if h.slides:
+            rows[:3, 6 * body : 6 * body + 3] = sign * np.eye(3)
+            rows[3:, 6 * body + 3 : 6 * body + 6] = sign * across
+            continue
         rows[:2, 6 * body : 6 * body + 3] = sign * across
         rows[2:, 6 * body : 6 * body + 3] = sign * at
         rows[2:, 6 * body + 3 : 6 * body + 6] = sign * np.eye(3)

@@ -207,7 +207,7 @@ def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
     votes: list[_Vote] = []
     held = 0
     for i in members:
-        X = survey.scene.component(i).X_WC.inverse()
+        X, volume = survey.scene.component(i).X_WC.inverse(), survey.parts[i].volume
         others = [
             (other, r) for other, r in survey.around(i) if survey.parts[other].definition != survey.parts[i].definition
         ]
@@ -215,6 +215,8 @@ def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
         least = _JOURNAL * survey.parts[i].size
         if any(fit.shaft != i and fit.radius > least for r in on for fit in r.journals):
             return False  # a shaft runs in it: a bearing block
+        if any(fit.shaft == other and survey.parts[other].volume > volume for other, r in others for fit in r.shafts):
+            return False  # what is in it is heavier: a clamp around a motor
         off = any(r.turns is None and (r.is_rigid or r.patches) for _, r in others)
         held += off and bool(on)
         for r in on:

@@ -12,6 +12,10 @@ from stepbot.robot.model import JointKind
 
 _BEARING = 0.79
 """Maximum score of a pin at a part named a bearing, which is between two links and none itself."""
+_RINGS, _TREAD, _AS_WIDE = 0.92, 3.0, 0.25
+"""Score of a weld between the rings of one wheel; how far a tread may be from symmetric; share of a width up to which
+others are equal.
+"""
 _EXACT = 1e-6
 """Difference of radii [m] up to which a shaft fills its bore."""
 
@@ -71,6 +75,9 @@ class PairEvidence:
             self._weld(r, 0.62, "parallel shafts in bores")
 
     def _pin(self, r: Relation) -> None:
+        if self._are_rings(r):
+            self._weld(r, _RINGS, "rings of one wheel")
+            return
         across = self._across(r)
         score = 0.82 if across else 0.3 if self._structure.are_together(r.a, r.b) else 0.7
         roles = self._roles(r)
@@ -97,6 +104,19 @@ class PairEvidence:
             self._weld(r, 0.74, "shaft as thick as its bore, where others have play")
         shoulder = " with a shoulder" if r.freedom.kind == FreedomKind.REVOLUTE else ""
         self._joint(r, score, JointKind.REVOLUTE, f"{_engaged(r)}{shoulder}")
+
+    def _are_rings(self, r: Relation) -> bool:
+        """Whether two parts are hub, rim or tyre of one wheel: turned about one axis and fitted, by name or as wide."""
+        one, two = self._survey.parts[r.a], self._survey.parts[r.b]
+        if r.axis is None or not (one.is_balanced(r.axis, _TREAD) and two.is_balanced(r.axis, _TREAD)):
+            return False
+        if Role.WHEEL in one.roles and Role.WHEEL in two.roles:
+            return True
+        if self._roles(r) & {Role.BEARING, Role.MOTOR, Role.SEAL}:
+            return False
+        widths = [self._survey.scene.span(i, r.axis.d) for i in (r.a, r.b)]
+        is_exact = max(fit.clearance for fit in r.shafts) < _EXACT
+        return is_exact and all(abs((high - low) - r.length) < _AS_WIDE * r.length for low, high in widths)
 
     def _face(self, r: Relation) -> None:
         across = self._across(r)

@@ -12,7 +12,7 @@ import numpy as np
 from stepbot.draft.contacts.relations import Relation
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.draft import CHOSEN
-from stepbot.draft.evidence.evidence import BY_SHAPE, Evidence, JointEvidence, Priority, Verdict, Weld
+from stepbot.draft.evidence.evidence import BY_SHAPE, Apart, Evidence, JointEvidence, Priority, Verdict, Weld
 from stepbot.draft.evidence.fingers import centroid, direction_between
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure
@@ -71,13 +71,15 @@ def decide(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> Decis
     return made
 
 
-def accept(made: Decision, one: Weld | JointEvidence) -> None:
+def accept(made: Decision, one: Weld | JointEvidence | Apart) -> None:
     """Accept or reject one piece of evidence."""
     clusters = made.clusters
     if one.a not in clusters or one.b not in clusters:
         one.verdict = Verdict.REFUSED
     elif isinstance(one, Weld):
         one.verdict = Verdict.TAKEN if clusters.join(one.a, one.b) else Verdict.REFUSED
+    elif isinstance(one, Apart):
+        one.verdict = Verdict.TAKEN if clusters.forbid(one.a, one.b) else Verdict.REFUSED
     elif one.score < CHOSEN:
         one.verdict = Verdict.OFFERED
     else:

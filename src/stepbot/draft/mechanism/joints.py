@@ -7,6 +7,7 @@ drafted as a universal joint. A shaft in a bore with one swivel on each side is 
 from collections import defaultdict, deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import hypot
 
 import numpy as np
 
@@ -35,8 +36,10 @@ _EQUAL = 0.01
 """Relative difference of volume up to which two bodies are equal."""
 _SCREW = 2e-3
 """Share of the assembly's volume up to which a subassembly that spins is a screw drawn as several bodies."""
-_ALIGNED, _ROD = 0.9999, 2.0
-"""Cosine up to which a body is aligned with the assembly; length in diagonals of its section from which it is a rod."""
+_ROD = 2.0
+"""Length in diagonals of its section from which a body is a rod."""
+_CRUMB = 5e-5
+"""Share of the assembly's volume below which a body that spins is a wire, a plug or a pin."""
 _WHEEL = 0.08
 """Share of the assembly's size from which a spinning body in its own subassembly is a wheel."""
 
@@ -220,11 +223,15 @@ class Mechanism:
 
     def _is_pin(self, members: Sequence[int], joint: Joint) -> bool:
         """Whether a body that only spins is a rod, or a ring beside other joints, and no wheel."""
-        box, d = self._survey.box_of(members), np.abs(joint.axis.d)
-        along, size = float((box[1] - box[0]) @ d), float(np.linalg.norm(box[1] - box[0]))
+        if self._survey.total_volume(members) < _CRUMB * self._survey.volume:
+            return True
+        frame = perpendicular_frame(joint.axis.d).T
+        drawn = [i for i in members if self._survey.parts[i].size]
+        spans = np.array([[self._survey.scene.span(i, d) for i in drawn] for d in frame])
+        *across, along = (spans[:, :, 1].max(axis=1) - spans[:, :, 0].min(axis=1)).tolist()
         r = joint.evidence.relation
         is_inner = r is not None and any(fit.shaft in members for fit in r.shafts)
-        if is_inner and d.max() > _ALIGNED and along > _ROD * (size**2 - along**2) ** 0.5:
+        if is_inner and along > _ROD * hypot(*across):
             return True
         return len(self.joints) > 1 and not self._is_wheel(members, joint)
 

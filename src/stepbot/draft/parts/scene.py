@@ -111,6 +111,13 @@ class Scene:
         """Bounding boxes (n, 2, 3) [m] of the faces of a part in the assembly."""
         return np.stack(self._corners(part), axis=1)
 
+    def span(self, part: int, direction: Array) -> tuple[float, float]:
+        """Where a part begins and ends along a direction [m], by the boxes of its faces in its own frame."""
+        drawn, X = self._drawn_faces(part), self.component(part).X_WC
+        along = X.R.T @ direction
+        middles, halves = drawn.middles @ along + float(X.p @ direction), drawn.halves @ np.abs(along)
+        return float((middles - halves).min()), float((middles + halves).max())
+
     def outline(self, part: int, plane: Face) -> list[Array]:
         """The outlines of a plane of a part in the assembly."""
         X = self.component(part).X_WC

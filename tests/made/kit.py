@@ -1,0 +1,130 @@
+"""Draws the parts of one assembly and notes their links: bodies, screws and pins in a random style."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from random import Random
+from typing import Any
+
+import numpy as np
+
+from robot_library.moments import Array, pose, turn
+from stepbot.geometry.spatial import Pose
+from stepbot.step.assembly import Assembly
+from tests.assembled import Node, assembled
+from tests.solids import Solid, cylinder
+
+_WORDS: dict[str, tuple[str, str, str, str]] = {
+    "base": ("base", "Grundplatte", "底座", "bancada"),
+    "arm": ("arm", "Ausleger", "大臂", "brazo"),
+    "link": ("link", "Glied", "连杆", "eslabon"),
+    "servo": ("servo MG996R", "Servomotor", "舵机", "servomotor"),
+    "motor": ("DC motor", "Getriebemotor", "电机", "motor"),
+    "horn": ("servo horn", "Servohorn", "舵盘", "horn"),
+    "screw": ("M3x10 screw", "Schraube M3", "螺钉", "tornillo M3"),
+    "nut": ("M3 nut", "Mutter M3", "螺母", "tuerca M3"),
+    "pin": ("pin", "Stift", "销", "pasador"),
+    "bracket": ("bracket", "Halter", "支架", "soporte"),
+    "wheel": ("wheel", "Rad", "轮子", "rueda"),
+    "rim": ("rim", "Felge", "轮毂", "llanta"),
+    "tyre": ("tyre", "Reifen", "轮胎", "neumatico"),
+    "gear": ("gear", "Zahnrad", "齿轮", "engranaje"),
+    "finger": ("finger", "Finger", "手指", "dedo"),
+    "plate": ("plate", "Blech", "板", "placa"),
+    "rail": ("rail", "Schiene", "导轨", "riel"),
+    "carriage": ("carriage", "Schlitten", "滑块", "carro"),
+    "shaft": ("shaft", "Welle", "轴", "eje"),
+    "bearing": ("bearing 608", "Kugellager", "轴承", "rodamiento"),
+    "tube": ("tube", "Rohr", "管", "tubo"),
+    "cover": ("cover", "Deckel", "盖", "tapa"),
+    "pulley": ("pulley", "Riemenscheibe", "带轮", "polea"),
+    "leg": ("leg", "Bein", "腿", "pata"),
+    "crank": ("crank", "Kurbel", "曲柄", "manivela"),
+}
+SCREWS = "_screws"
+"""The link of what may be anywhere."""
+
+
+@dataclass(frozen=True)
+class Truth:
+    """A joint that was drawn: its type, both links, and its line [m]."""
+
+    kind: str
+    a: str
+    b: str
+    point: Array
+    direction: Array
+
+
+@dataclass
+class Kit:
+    """One assembly while it is drawn [mm]."""
+
+    rng: Random
+    joints: list[Truth] = field(default_factory=list)
+    root: str = "base"
+
+    def __post_init__(self) -> None:
+        self.language = self.rng.choice((0, 0, 1, 2, 3, -1))
+        self.nested = self.rng.random() < 0.4
+        self.clearance = self.rng.choice((0.0, 0.0, 0.05, 0.1, 0.2, -0.02))
+        """Difference of radii of what turns."""
+        self.fasteners = self.rng.random() < 0.6
+        self.whole = pose((self.rng.uniform(-300, 300), self.rng.uniform(-300, 300), 0.0))
+        if self.rng.random() < 0.5:
+            self.whole = self.whole @ pose(rotation=turn("z", self.rng.uniform(-3, 3)))
+        self._nodes: dict[str, list[Node]] = {}
+        self._links: dict[str, list[str]] = {}
+        self._count: dict[str, int] = {}
+
+    def name(self, word: str) -> str:
+        """A name of a part in the assembly's language; a machine's name in an assembly without names."""
+        if self.language < 0:
+            number = self._count[""] = self._count.get("", 0) + 1
+            return f"Part {number}"
+        text = _WORDS[word][self.language]
+        number = self._count[text] = self._count.get(text, 0) + 1
+        return text if number == 1 else f"{text} {number}"
+
+    def add(self, link: str, word: str, solid: Solid, X: Array | None = None) -> None:
+        """Add a part of a link at a pose (4, 4)."""
+        placed = self.whole @ (np.eye(4) if X is None else X)
+        placed[:3, 3] *= 1e-3
+        name = self.name(word)
+        self._nodes.setdefault(link, []).append(Node(name, solid.shape, X=Pose.from_matrix(placed)))
+        self._links.setdefault(link, []).append(name)
+
+    def joint(self, kind: str, a: str, b: str, point: Any, direction: Any) -> None:
+        """Note a joint with a line [mm] in the frame of the drawing."""
+        at = self.whole @ np.append(np.asarray(point, float), 1.0)
+        self.joints.append(Truth(kind, a, b, at[:3] * 1e-3, self.whole[:3, :3] @ np.asarray(direction, float)))
+
+    def screw(self, X: Array, radius: float, length: float) -> None:
+        """A screw along z of a pose, its shank from 0 to ``length`` and its head above; only if the style has any."""
+        if not self.fasteners:
+            return
+        self.add(SCREWS, "screw", cylinder(radius, length) + _head(radius).at(0, 0, length), X)
+
+    def assembly(self) -> tuple[Assembly, dict[str, str]]:
+        """The assembly, and the link of each path."""
+        nodes: list[Node] = []
+        link_of: dict[str, str] = {}
+        for link, parts in self._nodes.items():
+            if self.nested and link != SCREWS and len(parts) > 1:
+                group = f"Asm {len(nodes)}" if self.language < 0 else f"{link} assembly"
+                nodes.append(Node(group, children=tuple(parts)))
+                link_of.update({f"{group}/{part.name}": link for part in parts})
+            else:
+                nodes += parts
+                link_of.update({part.name: link for part in parts})
+        return assembled(*nodes), link_of
+
+
+def _head(radius: float) -> Solid:
+    return cylinder(1.8 * radius, 1.6 * radius) - cylinder(0.8 * radius, radius).at(0, 0, 0.6 * radius)
+
+
+def drilled(solid: Solid, *holes: Sequence[float], depth: float = 400.0) -> Solid:
+    """A solid with bores along z: x, y and radius of each."""
+    for x, y, radius in holes:
+        solid -= cylinder(radius, depth).at(x, y, -depth / 2)
+    return solid

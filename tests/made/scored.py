@@ -1,0 +1,124 @@
+"""What ``init`` finds of a drawn mechanism, counted as ``python -m benchmarks drafts`` counts it."""
+
+from collections import defaultdict
+from dataclasses import dataclass, field
+from random import Random
+
+import numpy as np
+
+from stepbot.draft.draft import SURE
+from stepbot.draft.inference import Inferred, infer_mechanism
+from stepbot.draft.parts.axis import Axis
+from stepbot.robot.model import JointKind
+
+from .kinds import KINDS
+from .kit import SCREWS, Kit, Truth
+
+_DISTANCE, _ANGLE = 4e-4, 0.02
+"""Accuracy [m], [rad] of axes: parts may be placed 0.36 mm off."""
+
+
+@dataclass
+class Result:
+    """Counts of joints of some drawn mechanisms."""
+
+    drawn: int = 0
+    true: int = 0
+    found: int = 0
+    merged: int = 0
+    """Right axis and sides, where a link holds another one, too."""
+    unmarked: int = 0
+    """Wrong ones without a mark."""
+    reviewed: int = 0
+    """Wrong ones with one."""
+    volume: float = 0.0
+    """Sum of the shares of the volume in the right link."""
+    roots: int = 0
+    notes: list[str] = field(default_factory=list)
+
+    def add(self, other: "Result") -> None:
+        """Add the counts of another one."""
+        for name, value in vars(other).items():
+            setattr(self, name, getattr(self, name) + value)
+
+    def row(self) -> str:
+        """Cells of a Markdown row."""
+        share = self.volume / max(1, self.drawn)
+        cells = f"{self.found} of {self.true}", self.merged, self.unmarked, self.reviewed, f"{share:.0%}"
+        return " | ".join(map(str, (*cells, f"{self.roots} of {self.drawn}")))
+
+
+def drawn(kind: str, seed: int) -> Kit:
+    """A mechanism of a kind."""
+    kit = Kit(Random(f"{kind} {seed}"))
+    KINDS[kind](kit)
+    return kit
+
+
+def scored(kit: Kit) -> Result:
+    """Infer a drawn mechanism and compare it with its truth."""
+    assembly, by_path = kit.assembly()
+    found = infer_mechanism(assembly)
+    link_of = {i: by_path[part.path] for i, part in found.survey.parts.items() if by_path[part.path] != SCREWS}
+    one = list(range(len(found.links)))
+    for arc in found.arcs:
+        if arc.evidence.type == JointKind.FIXED:
+            one = [one[arc.parent] if n == one[arc.child] else n for n in one]
+    drafted = {i: one[n] for n, members in enumerate(found.links) for i in members}
+    shared: dict[tuple[int, str], float] = defaultdict(float)
+    for i, link in link_of.items():
+        shared[drafted[i], link] += found.survey.parts[i].volume
+    means: dict[int, str] = {}
+    home: dict[str, int] = {}
+    for n, link in sorted(shared, key=lambda key: (-shared[key], key)):
+        if n not in means and link not in means.values():
+            means[n] = link
+        home.setdefault(link, n)
+    total = sum(shared.values())
+    right = sum(volume for (n, link), volume in shared.items() if means.get(n) == link)
+    result = Result(1, len(kit.joints), volume=right / total, roots=means.get(one[found.root]) == kit.root)
+    _match(kit, found, one, means, home, result)
+    return result
+
+
+def _match(
+    kit: Kit, found: Inferred, one: list[int], means: dict[int, str], home: dict[str, int], result: Result
+) -> None:
+    moving = [arc for arc in found.arcs if arc.evidence.type != JointKind.FIXED]
+    right: set[int] = set()
+    for joint in kit.joints:
+        wanted = {joint.a, joint.b}
+        on_pin = wanted.union(*({k.a, k.b} for k in kit.joints if _on(Axis(k.point, k.direction), k.kind, joint)))
+        best = 0
+        for n, arc in enumerate(moving):
+            ends = {one[arc.parent], one[arc.child]}
+            if n in right or not _on(arc.evidence.axis, arc.evidence.type, joint):
+                continue
+            sides = {means.get(end, "") for end in ends}
+            same = str(arc.evidence.type).replace("continuous", "revolute") == joint.kind
+            if same and (sides == wanted or (len(on_pin) > 2 and len(ends) == 2 and sides <= on_pin)):
+                best, at = 2, n
+                break
+            if same and ends == {home.get(joint.a), home.get(joint.b)} and len(ends) == 2:
+                best, at = 1, n
+        if best:
+            right.add(at)
+        else:
+            result.notes.append(f"missed {joint.kind} {joint.a} - {joint.b}")
+        result.found += best == 2
+        result.merged += best == 1
+    for n, arc in enumerate(moving):
+        if n not in right:
+            h = arc.evidence
+            is_marked = bool(h.review) or h.score < SURE
+            result.reviewed += is_marked
+            result.unmarked += not is_marked
+            ends = " - ".join(str(means.get(one[end])) for end in (arc.parent, arc.child))
+            result.notes.append(f"wrong {h.type} {ends} [{h.score:.2f} {h.why}{'' if is_marked else ', UNMARKED'}]")
+
+
+def _on(axis: Axis, kind: str, joint: Truth) -> bool:
+    if axis.direction is None or not Axis(joint.point, joint.direction).is_along(axis.d, _ANGLE):
+        return False
+    slides = kind == joint.kind == "prismatic"
+    return slides or float(np.linalg.norm(np.cross(axis.point - joint.point, joint.direction))) < _DISTANCE
