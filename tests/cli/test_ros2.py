@@ -33,6 +33,7 @@ from stepbot.jobs.library import library_robot
 from stepbot.robot.metadata import Metadata
 from stepbot.robot.model import Joint, JointKind, Limit, Link, Mimic, Robot
 from stepbot.robot.standing import standing_height
+from stepbot.runtime.programs import sdf_programs
 from stepbot_cli import main
 from tests.devices import equipped
 from tests.robots import floating_biped, gripper_with_mimic, odd_names, pendulum, tree, two_link_arm
@@ -534,3 +535,43 @@ def test_engines_prove_the_urdf_of_the_package(stepbot: Stepbot, arm: Path) -> N
     assert stepbot("convert", "arm2.robot.yaml", "--ros2", "arm2", "--package", "arm2_x").code == 2
     assert stepbot("convert", "arm2.robot.yaml", "--ros2", "arm2", "-f", "mjcf").code == 2
     assert main_file(pendulum(), URDF) == "pendulum.urdf"
+
+
+def with_balls() -> Robot:
+    """An arm with a ball joint, which URDF has as three joints with links without mass between them."""
+    arm = two_link_arm()
+    ball = replace(arm.joints[-1], kind=JointKind.BALL, limit=Limit())
+    bare = tuple(replace(link, visuals=(), collisions=()) for link in arm.links)
+    return replace(arm, links=bare, joints=(*arm.joints[:-1], ball), meshes=(), actuators=(), sensors=())
+
+
+def test_massless_links_get_a_mass_for_gazebo_alone(tmp_path: Path) -> None:
+    """The launch file for Gazebo gives a mass to moving links that have none; the URDF and other callers do not."""
+    robot, urdf = written(with_balls(), tmp_path)
+    light = {link.get("name") for link in urdf.findall("link") if link.find("inertial/mass[@value='0']") is not None}
+    file = tmp_path / "urdf" / f"{robot.name}.urdf.xacro"
+    assert plain(xacro(file)) == plain(urdf)
+    heavy = xacro(file, least_mass="1e-5")
+    masses = {link.get("name"): float(link.find("inertial/mass").get("value")) for link in heavy.findall("link")}  # type: ignore[union-attr, arg-type]
+    given = {name for name, mass in masses.items() if mass == 1e-5}
+    assert len(given) == 2
+    assert given < light  # frames are fixed
+    assert "least_mass:=1e-05" in (tmp_path / "launch" / "gazebo.launch.py").read_text(encoding="utf-8")
+
+
+@pytest.mark.skipif(not any(sdf_programs()), reason="libsdformat is not installed")
+def test_gazebo_converts_all_links(tmp_path: Path) -> None:
+    """libsdformat's own conversion of what the launch file spawns has every moving joint, and the whole mass."""
+    robot, urdf = written(with_balls(), tmp_path)
+    moving = {joint.get("name") for joint in urdf.findall("joint") if joint.get("type") != "fixed"}
+    spawned = tmp_path / "spawned.urdf"
+    for least, complete in (("0", False), ("1e-5", True)):
+        made = xacro(tmp_path / "urdf" / f"{robot.name}.urdf.xacro", parent="world", least_mass=least)
+        spawned.write_bytes(ET.tostring(made))
+        command = [next(sdf_programs()), "sdf", "-p", str(spawned)]
+        text = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout
+        model = ET.fromstring(text[text.index("<sdf") :])
+        kept = {joint.get("name") for joint in model.iter("joint") if joint.get("type") != "fixed"}
+        assert (kept == moving) == complete
+        total = sum(float(mass.text or 0.0) for mass in model.iter("mass"))
+        assert (abs(total - sum(link.mass_properties.mass for link in robot.links)) < 1e-4) == complete

@@ -87,6 +87,7 @@ def test_every_notion_is_declared(format_: str) -> None:
 
 
 SAID_BY_WHO_LOADS = {
+    Feature.MASSLESS_BODY,
     Feature.FIXED_BASE,
     Feature.FLOATING_BASE,
     Feature.INITIAL_POSE,

@@ -276,6 +276,16 @@ CODES: tuple[Code, ...] = (
         "`visual` and `collision` set it for one of both.",
     ),
     Code(
+        "SB734",
+        "note",
+        "moving links without mass in a URDF",
+        "A moving link has no mass, such as those between the joints that stand for a ball joint. URDF allows it, and stepbot writes "
+        "a mass of 0; libsdformat, which converts a URDF for Gazebo, drops such links with all links below them.",
+        "The file is right for other readers.",
+        "For Gazebo, convert to SDFormat (`-f sdf`, `--gazebo`), or start the ROS 2 package with its `launch/gazebo.launch.py`, which "
+        "gives these links 10 mg.",
+    ),
+    Code(
         "SB740",
         "note",
         "excluded contacts in a separate file",

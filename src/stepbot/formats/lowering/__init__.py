@@ -241,7 +241,7 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.FLAT_COLLISION: _Handling(flat_collisions, drop_flat_collisions),
     Feature.CONCAVE_COLLISION: _Handling(concave_collisions),
     Feature.MASSLESS: _Handling(massless_links, with_stand_in_masses),
-    Feature.MASSLESS_BODY: _Handling(massless_moving_links, with_least_masses),
+    Feature.MASSLESS_BODY: _Handling(massless_moving_links, with_least_masses, leave_out=lambda robot: robot),
     Feature.FIXED_BASE: _Handling(_root_if(Base.FIXED)),
     Feature.FLOATING_BASE: _Handling(_root_if(Base.FLOATING)),
 }

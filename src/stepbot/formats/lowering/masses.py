@@ -27,19 +27,20 @@ def with_stand_in_masses(robot: Robot) -> Robot:
 
 def massless_moving_links(robot: Robot) -> list[str]:
     """The topmost link of each moving body without mass."""
-    return [f"'{name}'" for name in _massless_bodies(robot)]
+    return [f"'{name}'" for name in massless_bodies(robot)]
 
 
 def with_least_masses(robot: Robot) -> Robot:
     """The robot with a tiny mass and inertia in place of those of moving bodies that have none."""
-    bodies = set(_massless_bodies(robot))
+    bodies = set(massless_bodies(robot))
     return replace(
         robot,
         links=tuple(_with(link, LEAST_MASS, LEAST_MOMENT) if link.name in bodies else link for link in robot.links),
     )
 
 
-def _massless_bodies(robot: Robot) -> list[str]:
+def massless_bodies(robot: Robot) -> list[str]:
+    """Names of the topmost link of each moving body without mass."""
     rigid = rigid_bodies(robot.root.name, robot.joints)
     heavy = {rigid[link.name] for link in robot.links if link.mass_properties.mass > 0.0}
     held = {robot.root.name} if robot.base is Base.FIXED else set()

@@ -41,7 +41,9 @@ EXPRESSES = {
     Feature.FLOATING_BASE: reported("SB707", "the loading program decides whether the base is fixed"),
     Feature.INERTIA: exact("`<inertial>` at the centre of mass with rpy = 0, on every link"),
     Feature.MASSLESS: exact("`<mass>` of 0"),
-    Feature.MASSLESS_BODY: exact("`<mass>` of 0"),
+    Feature.MASSLESS_BODY: reported(
+        "SB734", "Gazebo drops moving links without mass, and all below them, when it converts a URDF"
+    ),
     Feature.MESH: exact("OBJ in metres, path relative to the file, or `package://`"),
     Feature.STL_VISUAL: exact("as OBJ, in single precision"),
     Feature.DAE_VISUAL: exact("as OBJ, with `up_axis` Z and the colour; not read by MuJoCo"),

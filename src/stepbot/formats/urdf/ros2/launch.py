@@ -4,9 +4,10 @@ from stepbot.robot.model import Base, Robot
 from stepbot.robot.sensors import SensorKind
 from stepbot.robot.standing import standing_height
 
+from ...lowering.masses import massless_bodies
 from ...sdformat.sensors import topic_of
 from .moveit import controller_names
-from .xacro import GAZEBO_HARDWARE
+from .xacro import GAZEBO_HARDWARE, LEAST_MASS
 
 _MESSAGES = {
     SensorKind.IMU: ("sensor_msgs/msg/Imu", "gz.msgs.IMU"),
@@ -104,6 +105,8 @@ def gazebo_launch(robot: Robot, package: str) -> str:
     A robot with a fixed base is mounted on the link ``world``; a floating one stands on a floor at z = 0.
     """
     arguments = " parent:=world" if robot.base is Base.FIXED else ""
+    if massless_bodies(robot):
+        arguments += f" least_mass:={LEAST_MASS:g}"
     controllers: list[str] = []
     if robot.actuators:
         arguments += f" hardware:={GAZEBO_HARDWARE}"

@@ -6,6 +6,7 @@ from dataclasses import replace
 from stepbot.robot.model import Robot
 from stepbot.robot.renaming import renamed
 
+from ...lowering.masses import massless_bodies
 from ...xml import Element, document, element, root
 from ..package import with_package
 from ..ros2_control import HARDWARE, systems
@@ -17,6 +18,12 @@ GAZEBO_PLUGIN = "gz_ros2_control::GazeboSimROS2ControlPlugin"
 GAZEBO_HARDWARE = "gz_ros2_control/GazeboSimSystem"
 _CONTROL = {"hardware": f"'{HARDWARE}'", "controllers": "''"}
 """The plugin of ros2_control, and the settings of its controllers if Gazebo is to run them."""
+LEAST_MASS = 1e-5
+"""Mass [kg] at which libsdformat keeps a moving link that has none: it takes up to 1e-6 kg for no mass."""
+_GYRATION = 1e-3
+"""Square of the radius of gyration [m^2] of such a mass: 3 cm."""
+_LEAST = {"least_mass": "0"}
+"""Mass of moving links that have none: Gazebo's conversion drops them, with all below."""
 _PLACE = {"parent": "''", "xyz": "'0 0 0'", "rpy": "'0 0 0'"}
 
 
@@ -39,6 +46,7 @@ def macro_xacro(robot: Robot, package: str) -> bytes:
     element(joint, "parent", link="${parent}")
     element(joint, "child", link=_prefixed(robot.root.name))
     content(macro, with_prefix(robot))
+    _weigh(macro, robot)
     if robot.actuators:
         _control(macro, robot)
     return with_package(document(top), package)
@@ -62,9 +70,22 @@ def instance_xacro(robot: Robot) -> bytes:
 
 def _parameters(robot: Robot) -> dict[str, str]:
     """The parameters of the macro, with their defaults; those of ros2_control for a robot with actuators only."""
+    place = _PLACE | (_LEAST if massless_bodies(robot) else {})
     if not robot.actuators:
-        return {"prefix": "''", **_PLACE}
-    return {"prefix": "''", **_PLACE, **_CONTROL, **dict.fromkeys(filter(None, _hardware(robot)), "''")}
+        return {"prefix": "''", **place}
+    return {"prefix": "''", **place, **_CONTROL, **dict.fromkeys(filter(None, _hardware(robot)), "''")}
+
+
+def _weigh(macro: Element, robot: Robot) -> None:
+    """Let the caller give a mass to moving links that have none."""
+    light = {_prefixed(name) for name in massless_bodies(robot)}
+    for link in macro.iterfind("link"):
+        if link.get("name") in light:
+            for mass in link.iterfind("inertial/mass"):
+                mass.set("value", "${least_mass}")
+            for inertia in link.iterfind("inertial/inertia"):
+                for axis in ("ixx", "iyy", "izz"):
+                    inertia.set(axis, f"${{least_mass*{_GYRATION:g}}}")
 
 
 def _hardware(robot: Robot) -> list[str]:
