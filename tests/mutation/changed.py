@@ -13,7 +13,7 @@ from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.stages import convert
 from stepbot.robot.model import Robot
 
-from .page import CHANGED, PAGE
+from .page import CHANGED, write_section
 from .reasons import reason_for_change
 from .siblings import FORMATS, Noticed, trials
 
@@ -86,8 +86,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         found = list(trials(library_builds(given.robots), Path(folder), given.of_each))
     command = f"python -m tests.mutation.changed --of-each {given.of_each} --robots {' '.join(given.robots)}"
-    before = PAGE.read_text(encoding="utf-8").partition(CHANGED)[0]
-    PAGE.write_text(before + CHANGED + section(found, command), encoding="utf-8", newline="\n")
+    write_section(CHANGED, section(found, command))
     missed = [by for by in ("by_verify", "by_conversion") if share(found, by) < WANTED]
     sys.stderr.write("".join(f"missed: {one}\n" for one in missed))
     return 1 if missed else 0

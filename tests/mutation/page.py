@@ -17,7 +17,11 @@ from .trial import Verdict, verdicts
 
 PAGE = Path(__file__).parents[2] / "docs" / "mutation.md"
 CHANGED = "\n## Changed numbers\n"
-"""Heading of the section that :mod:`tests.mutation.changed` writes, at the end of the page."""
+"""Heading of the section that :mod:`tests.mutation.changed` writes."""
+SOURCE = "\n## Changed source\n"
+"""Heading of the section that :mod:`tests.mutation.source` writes."""
+_HEADINGS = (CHANGED, SOURCE)
+"""In the order of the page, below what this module writes."""
 
 CORE = {"urdf": ("yourdfpy", "mujoco", "pybullet"), "mjcf": ("mujoco",), "sdf": ("pybullet",)}
 """Engines of the core install, the fastest first, without stepbot's own readers."""
@@ -82,6 +86,18 @@ _SURVIVORS = """
 """
 
 
+def write_section(heading: str, text: str) -> None:
+    """Replace a section of the page, below its heading; without a heading what is above all of them."""
+    sections, before = {}, PAGE.read_text(encoding="utf-8")
+    for one in reversed(_HEADINGS):
+        before, found, below = before.partition(one)
+        if found:
+            sections[one] = below
+    sections |= {"": before} | {heading: text}
+    whole = "".join(one + sections[one] for one in ("", *_HEADINGS) if one in sections)
+    PAGE.write_text(whole, encoding="utf-8", newline="\n")
+
+
 def unread_by_core(found: Sequence[Verdict]) -> list[str]:
     """Robots whose SDFormat PyBullet cannot read."""
     return sorted({one.robot for one in found if one.format == "sdf" and "pybullet" not in one.readers})
@@ -129,8 +145,7 @@ def main() -> int:
     of_each = parser.parse_args().of_each
     with tempfile.TemporaryDirectory() as folder:
         found = list(verdicts(ROBOTS, ALL, Path(folder), of_each))
-    _, heading, changed = PAGE.read_text(encoding="utf-8").partition(CHANGED)
-    PAGE.write_text(page(found, of_each) + heading + changed, encoding="utf-8", newline="\n")
+    write_section("", page(found, of_each))
     missed = [f"{row.title} by {row.engines}" for row in ROWS if share(row, found) < row.wanted]
     sys.stderr.write("".join(f"missed: {one}\n" for one in missed))
     return 1 if missed else 0

@@ -85,7 +85,8 @@ def compared_words(results: Results, files: Sequence[str]) -> tuple[str, ...]:
         where = _joined(dict.fromkeys(check.file for check in failed if check.file)) or "the robot"
         return (f"different: {where}: {what} ({len(failed)} of {_counted(len(compared), 'check')})",)
     same = "is the same robot" if len(files) == 1 else "are the same robot"
-    confirmed = f"{_engines(_by_engines(compared, results.own_parsers)) or 'stepbot alone'}"
+    names = _by_engines(compared, results.own_parsers)
+    confirmed = _engines(names) if names else "stepbot's own parser alone"
     return (f"equal: {_joined(files)} {same} in {confirmed} ({_counted(len(compared), 'check')})",)
 
 

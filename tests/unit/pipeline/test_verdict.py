@@ -68,3 +68,11 @@ def test_robot_in_one_line() -> None:
     assert robot_words(four_bar).startswith("four_bar: 4 links, 4 joints (1 closes a loop), 1 degree of freedom, ")
     tree = replace(four_bar, closures=())
     assert robot_words(tree).startswith("four_bar: 4 links, 3 joints, 3 degrees of freedom, ")
+
+
+def test_files_that_own_parsers_alone_read() -> None:
+    """A file with features that no engine of the core install reads is compared by stepbot's own parser."""
+    report = Report(checks=(INERTIA,), own_parsers=("reader",))
+    assert compared_words(report, ["a.sdf"]) == (
+        "equal: a.sdf is the same robot in stepbot's own parser alone (1 check)",
+    )
