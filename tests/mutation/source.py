@@ -16,6 +16,7 @@ import tempfile
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -110,26 +111,33 @@ def _test_texts(root: Path) -> list[tuple[str, str]]:
 def tried(wanted: Sequence[Change], copy: Path, minutes: float) -> Iterator[Outcome]:
     """Try changes in a copy of the project, until the time is up."""
     end = time.monotonic() + 60.0 * minutes
-    sound = dict[tuple[str, ...], bool]()
+    unsound = dict[str, bool]()
+    """For each test that has failed, whether it fails without a change, too, and says nothing."""
     for change in wanted:
         if time.monotonic() > end:
             return
-        tests = tuple(selected(change.path))
-        if tests not in sound:
-            by, _ = _failing(tests, copy)
-            sound[tests] = not by
-            if by:
-                _say(f"not used, since it fails without a change: {by}, in {' '.join(tests)}")
-        if not sound[tests]:
-            continue
-        path = copy / change.path
-        before = path.read_bytes()
-        path.write_bytes(change.apply(before))
-        try:
-            by, seconds = _failing(tests, copy)
-        finally:
-            path.write_bytes(before)
+        tests = selected(change.path)
+        while True:
+            with _changed(copy / change.path, change):
+                by, seconds = _failing([*tests, *(f"--deselect={one}" for one, bad in unsound.items() if bad)], copy)
+            if "::" not in by:
+                break
+            if by not in unsound:
+                unsound[by] = bool(_failing([by], copy)[0])
+            if not unsound[by]:
+                break
+            _say(f"not used, since it fails without a change: {by}")
         yield Outcome(change, bool(by), by, seconds)
+
+
+@contextmanager
+def _changed(path: Path, change: Change) -> Iterator[None]:
+    before = path.read_bytes()
+    path.write_bytes(change.apply(before))
+    try:
+        yield
+    finally:
+        path.write_bytes(before)
 
 
 def _failing(tests: Sequence[str], copy: Path) -> tuple[str, float]:
@@ -160,7 +168,7 @@ def _failing(tests: Sequence[str], copy: Path) -> tuple[str, float]:
         os.killpg(process.pid, signal.SIGKILL)
         process.communicate()
         return f"no end after {_TIME:g} s", _TIME
-    failed = re.search(r"^(?:FAILED|ERROR) (\S+)", out, re.MULTILINE)
+    failed = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - |$)", out, re.MULTILINE)
     by = failed[1] if failed else "" if process.returncode == 0 else f"pytest ends with {process.returncode}"
     return by, time.monotonic() - began
 

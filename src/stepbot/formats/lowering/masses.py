@@ -11,7 +11,7 @@ from stepbot.robot.model import Base, Collision, Link, MeshFormat, MeshRef, Robo
 STAND_IN_MASS, STAND_IN_MOMENT = 1e-6, 1e-9
 """Mass [kg] and principal moments [kg m^2] for a link that has none: a milligram, with a radius of gyration of 3 cm."""
 
-LEAST_MASS, LEAST_MOMENT = 1e-12, 1e-14
+LEAST_MASS, LEAST_MOMENT = 2e-15, 1e-14
 """The same for a moving link without mass: above the least that MuJoCo accepts, and without effect on the motion."""
 
 

@@ -47,7 +47,7 @@ EXPRESSES = {
     Feature.FLOATING_BASE: exact("`<freejoint>`, standing on z = 0"),
     Feature.INERTIA: exact("`<inertial>` with `fullinertia`"),
     Feature.MASSLESS: exact("`<inertial>` with a mass of 0"),
-    Feature.MASSLESS_BODY: lowered("SB732", "moving bodies without mass get 1e-12 kg, as MuJoCo requires some"),
+    Feature.MASSLESS_BODY: lowered("SB732", "moving bodies without mass get 2e-15 kg, as MuJoCo requires some"),
     Feature.MESH: exact("OBJ in metres, path relative to the file"),
     Feature.STL_VISUAL: exact("as OBJ"),
     Feature.DAE_VISUAL: lowered("SB733", "MuJoCo does not read COLLADA; visual meshes are OBJ"),
