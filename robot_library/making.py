@@ -121,7 +121,7 @@ def _own_mass(folder: Path) -> dict[str, "MassProperties"]:
 
 def fresh_gallery() -> str:
     """The library's README with pictures and table of all robots, from their pages."""
-    from stepbot.jobs.library import LibraryRobot
+    from stepbot.runtime.robot_library import LibraryRobot
 
     robots = [LibraryRobot(sidecar.parent, sidecar) for sidecar in sorted(LIBRARY.glob("*/*.robot.yaml"))]
     return pages.with_part((LIBRARY / _PAGE).read_text(encoding="utf-8"), pages.gallery(robots))

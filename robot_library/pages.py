@@ -10,10 +10,10 @@ from . import fingerprints
 
 if TYPE_CHECKING:
     from stepbot.diagnostics import Diagnostics
-    from stepbot.jobs.library import LibraryRobot
     from stepbot.pipeline.stages import Conversion
     from stepbot.report.robot import Report
     from stepbot.robot.model import Joint, MassProperties, Robot
+    from stepbot.runtime.robot_library import LibraryRobot
 
 START, END = "<!-- generated: do not edit below -->", "<!-- end of the generated part -->"
 _PART = re.compile(f"{re.escape(START)}.*{re.escape(END)}\n?", re.DOTALL)

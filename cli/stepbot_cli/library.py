@@ -20,8 +20,8 @@ from .reading import working_options
 from .terminal import Display, screen_width, show_diagnostics, text_width, write_json, write_result
 
 if TYPE_CHECKING:
-    from stepbot.jobs.library import LibraryRobot
     from stepbot.pipeline.conversion import Options
+    from stepbot.runtime.robot_library import LibraryRobot
 
 
 @click.group(
@@ -39,7 +39,7 @@ def command() -> None:
 @json_option
 def list_(as_json: bool) -> int:
     """List all robots with a short description."""
-    from stepbot.jobs.library import library_robots
+    from stepbot.runtime.robot_library import library_robots
 
     robots = library_robots()
     if as_json:
@@ -151,7 +151,7 @@ def _export_source(robot: "LibraryRobot", folder: Path, *, as_json: bool, displa
 
 
 def _found(name: str) -> "LibraryRobot":
-    from stepbot.jobs.library import library_robot, library_robots
+    from stepbot.runtime.robot_library import library_robot, library_robots
 
     try:
         return library_robot(name)

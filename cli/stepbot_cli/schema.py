@@ -20,7 +20,7 @@ FILES = ("*.robot.yaml", "*.robot.yml", "robot.yaml", "robot.yml")
 def command(vscode: bool, motors: bool) -> int:
     """Print the JSON Schema of the sidecar, for editors and scripts."""
     if vscode:
-        from stepbot.jobs.library import schema_file
+        from stepbot.runtime.robot_library import schema_file
 
         settings = {"yaml.schemas": {schema_file().as_uri(): list(FILES)}}
         write_result(json.dumps(settings, indent=2, ensure_ascii=False))

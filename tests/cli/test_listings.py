@@ -7,7 +7,7 @@ import jsonschema
 import pytest
 
 from stepbot.formats import FORMATS
-from stepbot.jobs.library import library_robots
+from stepbot.runtime.robot_library import library_robots
 from stepbot_cli.columns import cells
 
 from .conftest import Stepbot

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.jobs.library import library_robot
+from stepbot.runtime.robot_library import library_robot
 from stepbot_cli import main
 from tests.corpus.test_first_hour import comparable
 

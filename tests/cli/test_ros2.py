@@ -29,11 +29,11 @@ from stepbot.formats.urdf.ros2.package import ros2_package
 from stepbot.formats.urdf.ros2.xacro import GAZEBO_HARDWARE
 from stepbot.formats.urdf.writer import render
 from stepbot.geometry.spatial import Pose
-from stepbot.jobs.library import library_robot
 from stepbot.robot.metadata import Metadata
 from stepbot.robot.model import Joint, JointKind, Limit, Link, Mimic, Robot
 from stepbot.robot.standing import standing_height
 from stepbot.runtime.programs import sdf_programs
+from stepbot.runtime.robot_library import library_robot
 from stepbot_cli import main
 from tests.devices import equipped
 from tests.robots import floating_biped, gripper_with_mimic, odd_names, pendulum, tree, two_link_arm

@@ -7,8 +7,8 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from stepbot.jobs.library import library_robot
 from stepbot.report.robot import Status
+from stepbot.runtime.robot_library import library_robot
 
 from .conftest import Stepbot
 from .test_ros2 import xacro

@@ -14,7 +14,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 
-from stepbot.jobs.library import library_robot
+from stepbot.runtime.robot_library import library_robot
 from stepbot_cli import main
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -103,6 +103,19 @@ def test_a_variant_like_another_is_both_patches(variant: Callable[..., Robot]) -
     assert (len(bare.links), bare.base.value) == (2, "floating")
 
 
+def test_a_module_is_a_robot_of_the_library(composed: Callable[..., Robot]) -> None:
+    """``library:NAME`` is its sidecar, with either name; an unknown one lists near names; no path is in a message."""
+    text = "{version: 1, robot: r, modules: {arm: {file: 'library:arm2'}}}"
+    found = Diagnostics()
+    short = composed({"r.robot.yaml": text}, found)
+    long = composed({"r.robot.yaml": text.replace("arm2", "stepbot_arm2")}, Diagnostics())
+    assert len(short.links) == 5
+    assert (short.links, short.joints) == (long.links, long.joints)
+    assert not any("robot_library" in one.span.file for one in found)
+    with pytest.raises(StepbotError, match=r"no robot 'arm3' in the library(.|\n)*did you mean 'arm2'"):
+        composed({"r.robot.yaml": text.replace("arm2", "arm3")}, Diagnostics())
+
+
 FAULTS = {
     ("strong: {modules: {hand: {variant: strong}}}", "strong: {like: bare_named}"): (
         "SB162 15:18 variant 'strong': like: circular: bare_named -> strong_named -> strong -> bare_named"

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from robot_library import fingerprints, making, pages, preview
-from stepbot.jobs.library import LibraryRobot
 from stepbot.pictures.picture import draw
+from stepbot.runtime.robot_library import LibraryRobot
 from tests.library.conftest import LIBRARY, Converted, every_converted_robot, every_robot, sidecar_of
 
 

@@ -8,10 +8,10 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-from stepbot.jobs.library import library_robot
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.stages import convert
 from stepbot.robot.model import Robot
+from stepbot.runtime.robot_library import library_robot
 
 from .page import CHANGED, write_section
 from .reasons import reason_for_change

@@ -22,12 +22,12 @@ from stepbot.formats import format_named
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import main_file
 from stepbot.geometry.spatial import Pose
-from stepbot.jobs.library import library_robot
 from stepbot.pipeline.conversion import Options, write
 from stepbot.pipeline.stages import produce
 from stepbot.robot.kinematics import MOVING, link_poses
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache, default_folder
+from stepbot.runtime.robot_library import library_robot
 
 pytestmark = [pytest.mark.long, pytest.mark.xdist_group("other simulators")]
 

@@ -20,11 +20,11 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.formats.lowering import lower
 from stepbot.formats.urdf import FORMAT as URDF
 from stepbot.geometry.spatial import Pose
-from stepbot.jobs.library import library_robot
 from stepbot.pipeline.conversion import Options, write
 from stepbot.pipeline.stages import produce
 from stepbot.robot.kinematics import MOVING, link_poses
 from stepbot.runtime.cache import Cache, default_folder
+from stepbot.runtime.robot_library import library_robot
 
 pytestmark = pytest.mark.long
 

@@ -17,6 +17,7 @@ from stepbot.robot.step_names import is_step_name, step_stem
 from stepbot.robot.validity import check_robot
 from stepbot.runtime.cache import file_digest, files_digest
 from stepbot.runtime.file import is_file, is_folder, resolved
+from stepbot.runtime.robot_library import library_robot, library_robots
 from stepbot.sidecar import VERSION
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import parse_sidecar
@@ -39,6 +40,8 @@ DEEPEST = 8
 """Most modules within modules."""
 MOST = 256
 """Most modules of one robot, those of modules included."""
+LIBRARY = "library:"
+"""Beginning of a file that is a robot of the library."""
 _OPEN_BASE = "SB868"
 """A description does not say whether its base is fixed; what it is attached to decides."""
 
@@ -174,7 +177,17 @@ class _Files:
         self, sidecar: Sidecar, name: str, section: ModuleSection, chain: tuple[Path, ...], found: Diagnostics
     ) -> Robot | None:
         file = section.file or ""
-        path = sidecar.path.parent / file
+        path = _of_library(file) if file.startswith(LIBRARY) else sidecar.path.parent / file
+        if path is None:
+            names = [name for robot in library_robots() for name in (robot.short_name, robot.name)]
+            near = did_you_mean(file.removeprefix(LIBRARY), names)
+            found.add(
+                "SB150",
+                f"module '{name}': no robot '{file.removeprefix(LIBRARY)}' in the library",
+                sidecar.span("modules", name, "file"),
+                help=(*near, "`stepbot library list` names them"),
+            )
+            return None
         span = sidecar.span("modules", name, "file")
         if not is_file(path):
             beside = sorted(one.name for one in path.parent.iterdir()) if is_folder(path.parent) else []
@@ -198,9 +211,13 @@ class _Files:
                     local.extend(error.diagnostics)
                 self._robots[key] = None
             note = f"module '{name}' of {span}"
+            folder = path.parent.as_posix() if file.startswith(LIBRARY) else ""
             for one in local:
                 if one.code != _OPEN_BASE or not is_placed:
-                    found.add(one.code, one.message, one.span, help=one.help, notes=(*one.notes, note))
+                    place = one.span
+                    if folder and place.file.startswith(folder):  # the same text on every machine
+                        place = place._replace(file=LIBRARY + place.file.removeprefix(folder).removeprefix("/"))
+                    found.add(one.code, one.message, place, help=one.help, notes=(*one.notes, note))
             found.add_ignored(local.ignored)
         return self._robots[key]
 
@@ -220,6 +237,14 @@ class _Files:
         if sidecar.document.modules:
             return self.composed(sidecar, (*chain, path), found)
         return self._from_step(sidecar, named_step(sidecar, found), found)
+
+
+def _of_library(name: str) -> Path | None:
+    """The sidecar of ``library:ur5e``; None if there is no such robot."""
+    try:
+        return library_robot(name.removeprefix(LIBRARY)).sidecar
+    except KeyError:
+        return None
 
 
 class _Changes:

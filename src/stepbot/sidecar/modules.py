@@ -16,7 +16,8 @@ class ModuleSection(Section):
     """A robot that is a part of this one."""
 
     file: Annotated[str, Field(min_length=1, max_length=4000)] | None = None
-    """A sidecar, URDF, SDFormat, MJCF or STEP file, relative to this file; of a STEP, all parts are one link."""
+    """A sidecar, URDF, SDFormat, MJCF or STEP file, relative to this file, or `library:NAME`; of a STEP, all parts are
+    one link."""
     at: Reference | None = None
     """The link or frame that it is fixed to, here or in another module; by default it is the root or has a joint."""
     by: Reference | None = None

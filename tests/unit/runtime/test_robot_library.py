@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.jobs import library
-from stepbot.jobs.library import LibraryRobot, library_robot, library_robots
+from stepbot.runtime import robot_library as library
+from stepbot.runtime.robot_library import LibraryRobot, library_robot, library_robots
 
 PAGE = """\
 # crank
