@@ -108,6 +108,17 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
             for one in draft.questions
         ],
         "answers": dict(draft.answers),
+        "offered": [
+            {
+                "parts": [one.a, one.b],
+                "type": one.type.value,
+                "point": None if one.point is None else list(one.point),
+                "direction": None if one.direction is None else list(one.direction),
+                **_confidence(one),
+            }
+            for one in draft.offered
+            if one not in draft.fused
+        ],
         "review": _reviews(text),
         "limits_to_fill_in": _todo(draft),
         "notes": list(draft.notes),

@@ -126,6 +126,8 @@ _OFFERED = 0.3
 _KNOWN_LINK, _GUESSED_LINK = 0.9, 0.6
 _OF_WHEEL, _ROUGHLY = 0.2, 3.0
 """Share of a link's volume from which a part named a wheel makes it one, and how far a tread may be from symmetric."""
+_SCREW = 2e-3
+"""Share of the volume below which a part that turns about its own axis of symmetry is taken for a fastener."""
 _NAMED = 3
 """Number of guessed parts of a link that are listed for each reason."""
 
@@ -212,6 +214,8 @@ class _Drafting:
         moving = min((h.a, h.b), key=lambda i: (parts[i].volume, -i))
         if Role.MOTOR in parts[moving].roles and not h.drives:
             return found  # it shares a hole for a screw with what carries it
+        if parts[moving].volume < _SCREW * self._found.survey.volume and parts[moving].is_balanced(h.axis, _ROUGHLY):
+            return found  # a screw without a name
         welds = [weld for weld in self._found.welds if (weld.a, weld.b) == (min(h.a, h.b), max(h.a, h.b))]
         held = max(welds, key=lambda weld: weld.score).why if welds else "other parts of the link hold both"
         freed = LinkClaims.name(self._claims, [parts[moving]])[0]

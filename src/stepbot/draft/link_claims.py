@@ -110,8 +110,12 @@ class LinkClaims:
                 break
             node = above
         component = components[node]
-        spoken = [n for n in (component.product, component.occurrence, biggest.name) if is_spoken(n)]
+        # A body of the whole has only the name of the whole, which is no link's: its place among the bodies is its own.
+        own_name = component.segment if component.parent == 0 and not component.product else biggest.name
+        spoken = [n for n in (component.product, component.occurrence, own_name) if is_spoken(n)]
         name = portable(spoken[0]) if spoken else ""
         if is_root and (not name or _GENERIC.fullmatch(name)):
             name = "base"
+        if name[:1].isdigit():  # no name of a topic, a macro or a variable
+            name = f"link_{name}"
         return name or "link", spoken[0] if spoken else ""

@@ -219,8 +219,10 @@ class Dialogue:
         """The name of a part in questions, the same for all equal ones: of a body of several, with that of its part."""
         component = self._assembly.components[self._index[path]]
         name = base_name(component.product, component.occurrence)
-        if name != BODY or component.parent <= 0:
+        if name != BODY:
             return name
+        if component.parent <= 0:
+            return component.segment
         above = self._assembly.components[component.parent]
         return f"{base_name(above.product, above.occurrence)}/{component.segment}"
 

@@ -1,5 +1,6 @@
 """Paths of the links of a draft, in assemblies with siblings of one name."""
 
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.link_claims import LinkClaims
 from stepbot.step.structure.paths import ComponentPaths, nearest_claim
 from tests.unit.assemble.workshop import Workshop, at
@@ -61,3 +62,15 @@ def test_a_number_within_a_divided_subassembly_stays() -> None:
     rest = ["plate#1/sheet", "plate#2/sheet", *SCREWS]
     paths = _screwed([rest, ["plate#1/M4#1", "plate#2/M4#1"], ["plate#1/M4#2", "plate#2/M4#2"]])
     assert paths == ((), ("plate/M4#1",), ("plate/M4#2",))
+
+
+def test_bodies_of_the_whole_are_named_by_their_place() -> None:
+    """Bodies of one product have no names but the product's: the root is the base, the others are numbered by it."""
+    shop = Workshop()
+    for name in ("", "", "103"):
+        shop.box(name)
+    assembly = shop.assembly
+    claims = LinkClaims(assembly, [[1], [2], [3]], 0)
+    survey = Survey(assembly, ALL_SOURCES)
+    names = [claims.name([survey.parts[i]], is_root=i == 1)[0] for i in (1, 2, 3)]
+    assert names == ["base", "body_2", "link_103"]

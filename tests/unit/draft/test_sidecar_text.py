@@ -15,8 +15,10 @@ from stepbot.draft.draft import (
     DraftJoint,
     DraftLimits,
     DraftLink,
+    Option,
     OriginForm,
     OriginSnippet,
+    Question,
 )
 from stepbot.draft.text.sidecar_text import sidecar_text
 from stepbot.robot.model import JointKind, Robot
@@ -106,6 +108,11 @@ def test_text_is_the_smallest_that_says_all() -> None:
         "# yaml-language-server: $schema=robot-1.schema.json\n"
         "# Drafted by `stepbot init` from the STEP: shapes, contacts, names. A score from 0 to 1 ranks the evidence.\n"
         "# Check each REVIEW, fill in each `todo`, then run `stepbot check --step` and `stepbot convert`.\n"
+        "#\n"
+        "# Found: 1 joint\n"
+        "#   base  (root)\n"
+        "#     arm: revolute, 0.90\n"
+        "#\n"
         "version: 1\n"
         "robot: test\n"
         "step: cad/robot.step\n"
@@ -311,3 +318,46 @@ def test_a_fused_part_is_freed_by_its_two_lines() -> None:
     result = build_robot(made.assembly, sidecar, lambda: made.measures, found)
     assert result is not None, list(found)
     assert [(joint.name, joint.parent, joint.child) for joint in result.robot.joints] == [("arm_joint", "base", "arm")]
+
+
+def test_the_top_shows_the_tree_and_asks(tmp_path: Path) -> None:
+    """Links are below what moves them, and questions are lines to uncomment; answers are kept."""
+    links = [DraftLink("base", (), Confidence(1.0), rest=True)]
+    links += [DraftLink(name, (name,), Confidence(1.0)) for name in ("arm", "leg", "hand")]
+    joints = [
+        replace(HINGE, name=f"to_{child}", parent=parent, child=child, origin=OriginSnippet(OriginForm.XYZ))
+        for parent, child in (("base", "arm"), ("base", "leg"), ("arm", "hand"))
+    ]
+    options = (Option("revolute", "revolute", is_drafted=True), Option("fixed", "fixed", is_drafted=False))
+    question = Question("arm + base", "Does 'arm' turn on 'base', or is it fixed?", options, 1)
+    draft = Draft("test", "base", tuple(links), tuple(joints), questions=(question,), answers={"stands": "base"})
+    text = sidecar_text(draft, "robot.step")
+    assert (
+        "# Found: 3 joints\n"
+        "#   base  (root)\n"
+        "#     arm: revolute, 0.90\n"
+        "#       hand: revolute, 0.90\n"
+        "#     leg: revolute, 0.90\n"
+    ) in text
+    line = "  # arm + base: revolute  # as drafted; or fixed\n"
+    assert line in text
+    asked, _ = read(text, tmp_path)
+    assert asked.document.answers == {"stands": "base"}
+    answered, _ = read(text.replace(line, line.replace("  # ", "  ", 1)), tmp_path)
+    assert answered.document.answers == {"stands": "base", "arm + base": "revolute"}
+
+
+def test_lists_that_are_cut_say_so() -> None:
+    """What is not listed in the sidecar is counted there."""
+    fused = [
+        Alternative(
+            *(JointKind.REVOLUTE, "base", f"arm{n}", Confidence(0.6), (0.0, 0.0, 0.01), (0.0, 0.0, 1.0)),
+            link="base",
+            moving=f"arm{n}",
+            held="",
+            freed="arm",
+        )
+        for n in range(20)
+    ]
+    text = sidecar_text(replace(DRAFT, offered=tuple(fused)), "robot.step")
+    assert text.count("  # 8 more: `stepbot init --json` lists all\n") == 1

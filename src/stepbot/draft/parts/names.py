@@ -76,7 +76,7 @@ def plain(name: str) -> str:
 
 
 def portable(name: str) -> str:
-    """A name in ASCII letters, digits and ``_ . -``: without accents, by its role in another script; may be empty."""
+    """A name in ASCII letters, digits and ``_``: without accents, by its role in another script; may be empty."""
     text = plain(name).strip()
     if _MOJIBAKE.search(text):
         text = re.sub(r"[^ -~]|\?", "_", text)
@@ -86,7 +86,7 @@ def portable(name: str) -> str:
         role = next((role.value for role in roles(name) if role not in SMALL_PARTS), "")
         if role or len(re.findall(r"[A-Za-z]", kept)) < _SPOKEN:
             return role
-    return re.sub(r"_{2,}", "_", re.sub(r"[^A-Za-z0-9.-]+", "_", kept)).strip("_.-")
+    return re.sub(r"[^A-Za-z0-9]+", "_", kept).strip("_")
 
 
 @cache

@@ -21,6 +21,7 @@ from stepbot.draft.text.values import (
 from stepbot.geometry.inertia import MassProperties
 from stepbot.robot.model import JointKind
 from stepbot.sidecar.starter import scalar
+from stepbot.step.structure.paths import quoted
 
 Entries = list[tuple[str, str]]
 
@@ -43,7 +44,7 @@ def joint_lines(joint: DraftJoint, name: str, names: DraftNames, joints: Mapping
     else:
         written = [("type", "fixed"), *ends, _origin(joint)]
         beneath = [_commented(name, guess, joint)] if guess != written else []
-    lines = [*_evidence(joint), f"  {name}:", *(f"    {key}: {value}" for key, value in written), *beneath]
+    lines = [*_evidence(joint, names), f"  {name}:", *(f"    {key}: {value}" for key, value in written), *beneath]
     return [*lines, *(_alternative(name, ends, other, joint) for other in joint.alternatives)]
 
 
@@ -56,7 +57,11 @@ def closure_lines(closure: DraftClosure, name: str, names: DraftNames) -> list[s
         lines = [f"  {name}:", *(f"    {key}: {value}" for key, value in entries)]
     else:
         lines = [_commented(name, entries, closure)]
-    return [*_evidence(closure), *lines, *(_alternative(name, ends, one, closure) for one in closure.alternatives)]
+    return [
+        *_evidence(closure, names),
+        *lines,
+        *(_alternative(name, ends, one, closure) for one in closure.alternatives),
+    ]
 
 
 def fused_lines(one: Alternative, name: str, names: DraftNames) -> list[str]:
@@ -136,7 +141,7 @@ def inertial_lines(given: MassProperties) -> list[str]:
     return [f"    inertial: {flow(entries)}"]
 
 
-def _evidence(one: DraftConnection) -> list[str]:
+def _evidence(one: DraftConnection, names: DraftNames) -> list[str]:
     """The evidence for it, and what to review."""
     facts = "; ".join(one.confidence.evidence)
     lines = comment(f"score {one.confidence.score:.2f}{': ' if facts else ''}{facts}", 2)
@@ -153,6 +158,9 @@ def _evidence(one: DraftConnection) -> list[str]:
         reasons.append("unknown pitch: cylindrical until replaced by `type: screw` with a `pitch`")
     if not reasons and one.is_reviewed:
         reasons.append("the evidence is weak; compare with the drawing")
+    if isinstance(one, DraftJoint) and not one.confidence.score:
+        ends = " ".join(quoted(names.links.get(end, end)) for end in (one.parent, one.child))
+        lines += comment(f"axes that both links may share: `stepbot inspect --between {ends} SIDECAR`", 2)
     return [*lines, *(line for reason in reasons for line in comment(f"REVIEW: {reason}", 2))]
 
 

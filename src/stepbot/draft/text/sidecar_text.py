@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from stepbot.diagnostics import one_line
-from stepbot.draft.draft import Alternative, Draft, DraftLink, Models
+from stepbot.draft.draft import Alternative, Draft, DraftJoint, DraftLink, Models
 from stepbot.draft.text.connection_text import closure_lines, fused_lines, inertial_lines, joint_lines
 from stepbot.draft.text.densities import typical_density
 from stepbot.draft.text.draft_names import DraftNames, names_of
@@ -27,6 +27,8 @@ _COLLISION = "collision: auto"
 """Sidecars without this key keep their meaning, a hull for each component; new ones get fitted shapes."""
 _OFFERED = 12
 """Maximum number of axes that were found but not drafted."""
+_OVERVIEW = 40
+"""Maximum number of links in the overview."""
 
 
 def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = SCHEMA_FILE) -> str:
@@ -44,7 +46,7 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
     names = names_of(draft)
     names_of_joints = dict(zip((joint.name for joint in draft.joints), names.joints, strict=True))
     lines = [f"# yaml-language-server: $schema={schema}"] if schema else []
-    lines += _introduction(draft)
+    lines += _introduction(draft, names)
     lines += ["version: 1", f"robot: {scalar(robot_name(draft.robot))}", f"step: {scalar(step)}"]
     lines += [*([f"step_encoding: {scalar(encoding)}"] if encoding else [])]
     lines += [*_stand(draft, names), "", *_answers(draft)]
@@ -58,6 +60,7 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
             "  # Fused parts that look movable. To free one, uncomment its line here and the one under `joints`."
         )
         lines += [f"  # {scalar(name)}: {flow([('parts', listed([one.moving]))])}" for one, name in fused]
+        lines += _more(len(draft.fused) - len(fused))
     if draft.joints or fused:
         lines += ["", "joints:" if draft.joints else "# joints:"]
         for joint, name in zip(draft.joints, names.joints, strict=True):
@@ -78,7 +81,7 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
     return "\n".join(lines) + "\n"
 
 
-def _introduction(draft: Draft) -> list[str]:
+def _introduction(draft: Draft, names: DraftNames) -> list[str]:
     basis = f"--from {one_line(draft.source)}`" if draft.source else "` from the STEP: shapes, contacts, names"
     lines = [
         f"# Drafted by `stepbot init{' ' * bool(draft.source)}{basis}. A score from 0 to 1 ranks the evidence.",
@@ -86,7 +89,37 @@ def _introduction(draft: Draft) -> list[str]:
     ]
     for note in draft.notes:
         lines += comment(f"Note: {note}")
-    return lines
+    return [*lines, *_overview(draft, names)]
+
+
+def _overview(draft: Draft, names: DraftNames) -> list[str]:
+    """The robot as a tree: links below what moves them, each with its joint; and how many parts were fused."""
+    if not draft.joints:
+        return []
+    below: dict[str, list[DraftJoint]] = {}
+    for joint in draft.joints:
+        below.setdefault(joint.parent, []).append(joint)
+    tree, waiting = [f"{names.links[draft.root]}  (root)"], [(1, joint) for joint in below.get(draft.root, [])]
+    while waiting:
+        depth, joint = waiting.pop(0)
+        kind = joint.type.value if joint.confidence.is_chosen else "fixed, for want of evidence"
+        mark = "  REVIEW" if joint.is_reviewed else ""
+        tree.append(f"{'  ' * depth}{names.links[joint.child]}: {kind}, {joint.confidence.score:.2f}{mark}")
+        waiting[:0] = [(depth + 1, one) for one in below.get(joint.child, [])]
+    counts = {
+        "joint": len(draft.joints),
+        "closed loop": len(draft.closures),
+        "fused part that may move": len(draft.fused),
+    }
+    words = [f"{count} {_plural(what) if count > 1 else what}" for what, count in counts.items() if count]
+    more = [f"and {len(tree) - _OVERVIEW} more"] if len(tree) > _OVERVIEW else []
+    lines = [f"Found: {', '.join(words)}", *(f"  {line}" for line in (*tree[:_OVERVIEW], *more))]
+    return ["#", *(f"# {one_line(line)}" for line in lines), "#"]
+
+
+def _plural(what: str) -> str:
+    noun, _, rest = what.partition(" that ")
+    return f"{noun}s that {rest}" if rest else f"{noun}s"
 
 
 def _stand(draft: Draft, names: DraftNames) -> list[str]:
@@ -207,8 +240,13 @@ def _parts(paths: Sequence[str]) -> list[str]:
     return [line] if len(line) <= 100 else ["    parts:", *(f"      - {quoted(path)}" for path in paths)]
 
 
+def _more(count: int) -> list[str]:
+    return [f"  # {count} more: `stepbot init --json` lists all"] if count > 0 else []
+
+
 def _offered(offered: Iterable[Alternative]) -> list[str]:
-    shown = list(offered)[:_OFFERED]
+    found = list(offered)
+    shown = found[:_OFFERED]
     if not shown:
         return []
     lines = [
@@ -220,7 +258,7 @@ def _offered(offered: Iterable[Alternative]) -> list[str]:
         lines += comment(f"  {one.type}, score {one.confidence.score:.2f}, of {between}: {facts}")
         if one.type is not JointKind.FIXED and one.point is not None:
             lines += [f"#     origin: {alternative_origin(one.point, one.direction)}"]
-    return lines
+    return [*lines, *_more(len(found) - len(shown))]
 
 
 def relative_step(step: Path, sidecar: Path) -> str:
