@@ -37,7 +37,7 @@ from tests.warm import warm_processes
 from . import sandbox
 from .mutant_files import DESCRIPTIONS, FileMutant
 
-LIMIT = 40
+LIMIT = 25
 """Time limit [s] of kernel and engines that the commands get."""
 HANGS_AFTER = 6.0 * LIMIT
 """Seconds after which a command counts as hung: several engines may need their limit in turn."""
@@ -307,7 +307,8 @@ def main(bases: Path, folder: Path) -> None:
             sys.stdout.write(json.dumps(asdict(verdict)) + "\n")
             sys.stdout.flush()
             if any("no end after" in fault for fault in verdict.faults):
-                return  # its workers still run: they end with their servers
+                # Its workers still run; they end with their servers, and those with this process's threads.
+                os.execv(sys.executable, [sys.executable, "-m", "tests.hostile.mutant_runner", *sys.argv[1:]])
 
 
 def _import_rooms() -> None:

@@ -9,6 +9,7 @@ from types import FrameType
 import pytest
 
 from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.jobs.incremental import named_files
 from stepbot.step.exchange import encodings, part21
 from stepbot.step.exchange.long_tokens import _long_tokens
 from stepbot.step.exchange.references import external_references
@@ -111,6 +112,11 @@ def glob(data: bytes) -> None:
     assert not paths._parse_segment("*a" * 20 + "*b").accepts(data.decode())
 
 
+def file_names(data: bytes) -> None:
+    """Find names of files in a sidecar or a description."""
+    named_files(data)
+
+
 def spelling(data: bytes) -> None:
     """Find a candidate for a misspelt name."""
     text = data.decode()
@@ -168,6 +174,8 @@ MORE: list[tuple[Callable[[bytes], None], bytes]] = [
         (string, b"\\X2\\"),
         (glob, b"a"),
         (spelling, b"ab"),
+        (file_names, b"<a>1</a>"),
+        (file_names, b"a.yaml.b "),
         *(pytest.param(*each, marks=pytest.mark.long) for each in MORE),
     ],
 )

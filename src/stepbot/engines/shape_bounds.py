@@ -52,9 +52,14 @@ def _of_other(path: Path, content: bytes) -> Array | None:  # noqa: ARG001 - a p
 
 
 @lru_cache(maxsize=1024)
-def _of_obj(obj: bytes) -> Array:
+def _of_obj(obj: bytes) -> Array | None:
     """Vertices (n, 3) of a Wavefront OBJ; parsed once, since visuals and collisions share meshes."""
     words = [line.split()[1:4] for line in obj.splitlines() if line.startswith(b"v ")]
-    vertices = np.array(words, dtype="S").astype(np.float64).reshape(-1, 3)
+    try:
+        vertices = np.array(words, dtype="S").astype(np.float64).reshape(-1, 3)
+    except ValueError:
+        return None
+    if not len(vertices) or not bool(np.isfinite(vertices).all()):
+        return None
     vertices.setflags(write=False)
     return vertices

@@ -35,8 +35,9 @@ from stepbot.step.exchange.input_files import input_digest
 if TYPE_CHECKING:
     from stepbot.robot.joint_table import JointRow
 
-_NAMED_FILE = re.compile(rb"""[^\s"'{}\[\],#:][^"'{}\[\],#:\n]*\.(?:ya?ml|json)\b""")
-"""Name of a file in a sidecar's text, such as one of motors: what it may contain is input, too."""
+_WORDS = re.compile(rb"""[^"'{}\[\],#:\n]+""")
+_NAMED_FILE = re.compile(rb".*\.(?:ya?ml|json)\b", re.DOTALL)
+"""Name of a file in words of a sidecar's text, such as one of motors: what it may contain is input, too."""
 _NO_MATTER = ("output", "timeout", "memory_limit", "cache", "step")
 """Options that do not affect results; the STEP is in the key by its content."""
 _NEVER_KEPT = "SB817"
@@ -224,9 +225,15 @@ def sidecar_digest(sidecar: Path, variant: str) -> str:
     content = file_digest(sidecar) or ""
     if not content:
         return ""
-    named = _NAMED_FILE.findall(read_regular(sidecar).replace(b"\\", b"/"))
-    others = sorted({(os.fsdecode(name), file_digest(sidecar.parent / os.fsdecode(name)) or "") for name in named})
+    named = named_files(read_regular(sidecar).replace(b"\\", b"/"))
+    others = sorted((name, file_digest(sidecar.parent / name) or "") for name in named)
     return Digest("content").add(content, variant, repr(others)).key if others or variant else content
+
+
+def named_files(text: bytes) -> set[str]:
+    """What may be names of YAML and JSON files in a text, in linear time."""
+    found = map(_NAMED_FILE.match, _WORDS.findall(text))
+    return {os.fsdecode(one[0].strip()).replace("\0", "") for one in found if one is not None}
 
 
 def _named_step(sidecar: Path, content: str, cache: Cache | None) -> Path | None:

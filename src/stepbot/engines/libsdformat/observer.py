@@ -4,8 +4,10 @@ It reports whether the file is valid, and warnings. Its exit code is not suffici
 format is ``Valid.``, after an error message. https://gazebosim.org/libs/sdformat
 """
 
+import os
 import re
 import subprocess
+import tempfile
 from functools import cache
 from pathlib import Path
 
@@ -40,6 +42,7 @@ def _run(program: str, *arguments: str) -> str:
         encoding="utf-8",
         errors="replace",
         timeout=_SECONDS,
+        env={**os.environ, "HOME": tempfile.gettempdir()},  # libsdformat writes a log into the user's home
     )
     return "" if run.returncode and arguments == ("--versions",) else run.stdout
 
