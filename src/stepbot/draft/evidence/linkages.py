@@ -42,6 +42,8 @@ _AXLE = 0.05
 """Share of the assembly's volume up to which a turned part on a line is its pin, spacer or bearing."""
 _AXLE_HELD = 0.78
 """Score of the weld that keeps a pin on one side of its joint."""
+_TAG_OF_HOST = 0.05
+"""Share of the smallest body that holds it, up to which such a body is a tag: small hands have small fingers."""
 _TRIFLE, _TAG = 1e-4, 2e-3
 """Shares of the assembly's volume below which a body is no link: in a linkage, and held on one line alone."""
 _STACK = 2
@@ -260,7 +262,7 @@ class _Linkages:
                 id(mine[0])
                 for body, mine in of.items()
                 if all(h.axis.same(mine[0].axis) for h in mine)
-                and self._is_idle(self._bodies.members(body), mine[0].axis)
+                and self._is_idle(body, mine)
             }
             tiny = {id(h) for body, mine in of.items() for h in mine if self._share(body) < _TRIFLE}
             gone |= tiny
@@ -283,10 +285,15 @@ class _Linkages:
         lines = [axis for axis, stack in stacks if len(stack) > _STACK]
         return {id(h) for mine in of.values() for h in mine if any(axis.same(h.axis) for axis in lines)}
 
-    def _is_idle(self, members: Sequence[int], axis: Axis) -> bool:
-        parts = [self._survey.parts[i] for i in members if self._survey.parts[i].volume]
-        body: Part | None = whole(parts)
-        return body is None or body.volume < _TAG * self._survey.volume or body.is_balanced(axis)
+    def _is_idle(self, body: int, mine: Sequence[_Hinge]) -> bool:
+        """Whether a body that is held on one line alone is turned about it, or a tag on what holds it."""
+        parts = [self._survey.parts[i] for i in self._bodies.members(body) if self._survey.parts[i].volume]
+        one: Part | None = whole(parts)
+        if one is None or one.is_balanced(mine[0].axis):
+            return True
+        hosts = ({self._bodies.find(h.a), self._bodies.find(h.b)} - {body} for h in mine)
+        least = min(self._survey.total_volume(self._bodies.members(host)) for pair in hosts for host in pair)
+        return one.volume < min(_TAG * self._survey.volume, _TAG_OF_HOST * least)
 
     def _share(self, body: int) -> float:
         return self._survey.total_volume(self._bodies.members(body)) / self._survey.volume
