@@ -10,6 +10,7 @@ from stepbot.draft.evidence.bearings import bearing_evidence
 from stepbot.draft.evidence.captured import captured_evidence
 from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvidence, Verdict, Weld
 from stepbot.draft.evidence.fingers import finger_evidence
+from stepbot.draft.evidence.gears import gear_evidence, mark_geared
 from stepbot.draft.evidence.guides import cross_evidence, guide_evidence
 from stepbot.draft.evidence.linkages import linkage_evidence
 from stepbot.draft.evidence.motor_outputs import motor_evidence
@@ -109,6 +110,7 @@ def _infer(
     guide_evidence(survey, evidence)
     captured_evidence(survey, motors, structure, evidence)
     finger_evidence(survey, evidence)
+    gear_evidence(survey, evidence)
     roller_evidence(survey, evidence)
     several_axes(structure, evidence)
     for hinge in repeats:
@@ -127,6 +129,9 @@ def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: 
         root = made.clusters.find(facts.root)
     else:
         root = find_root(made, structure, mechanism.joints, motors)
+    mark_geared(
+        made.survey, [(j.evidence, made.clusters.members(j.a), made.clusters.members(j.b)) for j in mechanism.joints]
+    )
     slide_in_struts(mechanism.joints)
     stop_spinning_rods(mechanism.joints, root)
     LooseEnds(made, mechanism, structure).tie(root)

@@ -87,6 +87,8 @@ class JointEvidence:
     """Whether one side is a roller of an omnidirectional wheel."""
     of_linkage: bool = False
     """Whether a linkage needs it: its sides share no other line."""
+    is_geared: bool = False
+    """Whether it is that of a gear that meshes: what another joint leads is no closure."""
     through: int = -1
     """A part that has the axis by itself, such as a bearing; -1 for none."""
     review: str = ""

@@ -261,8 +261,7 @@ class _Linkages:
             gone = self._stacked(of) | {
                 id(mine[0])
                 for body, mine in of.items()
-                if all(h.axis.same(mine[0].axis) for h in mine)
-                and self._is_idle(body, mine)
+                if all(h.axis.same(mine[0].axis) for h in mine) and self._is_idle(body, mine)
             }
             tiny = {id(h) for body, mine in of.items() for h in mine if self._share(body) < _TRIFLE}
             gone |= tiny

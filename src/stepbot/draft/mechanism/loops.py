@@ -39,8 +39,8 @@ class TreeJoint:
 def spanning_tree(joints: Sequence[Joint], number: dict[int, int], root: int) -> list[TreeJoint]:
     """A tree of the strongest joints, each directed away from the root, then the closures.
 
-    Driven ones come first, since closures have no actuators, then prismatic and universal ones, since few formats
-    support them as closures; balls come last.
+    Driven ones come first, since closures have no actuators, then those of gears, which no closure can follow, then
+    prismatic and universal ones, since few formats support them as closures; balls come last.
     """
     tied = Clusters(number.values())
     tree: list[Joint] = []
@@ -71,11 +71,12 @@ def spanning_tree(joints: Sequence[Joint], number: dict[int, int], root: int) ->
     ]
 
 
-def _priority(j: Joint) -> tuple[bool, bool, bool, bool, float, int, int]:
+def _priority(j: Joint) -> tuple[bool, bool, bool, bool, bool, float, int, int]:
     h = j.evidence
     first = h.type in (JointKind.PRISMATIC, JointKind.UNIVERSAL)
     is_last = h.type == JointKind.BALL and not h.drives
-    return h.type == JointKind.FIXED, is_last, not h.drives, not first, -round(h.score, 6), h.a, h.b
+    is_led = h.drives or h.is_geared
+    return h.type == JointKind.FIXED, is_last, not h.drives, not is_led, not first, -round(h.score, 6), h.a, h.b
 
 
 @dataclass(frozen=True)

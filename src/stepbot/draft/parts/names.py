@@ -103,6 +103,12 @@ def roles(name: str) -> tuple[Role, ...]:
     return tuple(dict.fromkeys(found))
 
 
+def is_belt(name: str) -> bool:
+    """Whether a name is that of a belt, and not of a pulley for one."""
+    text, patterns = plain(name), _patterns()
+    return bool(patterns.belt.search(text)) and not patterns.pulley.search(text)
+
+
 class _Patterns:
     """The vocabulary, compiled."""
 
@@ -118,6 +124,7 @@ class _Patterns:
         self.standards += [(Role.FASTENER, _METRIC), (Role.FASTENER, _CATALOGUE)]
         self.words = [(role, _whole_words(table[role]["words"])) for role in Role]
         self.mount = _whole_words(table[Role.MOTOR]["mount"])
+        self.belt, self.pulley = (_whole_words(table[Role.GEAR][key]) for key in ("belt", "pulley"))
         self.carried = _whole_words(table[Role.BASE]["carried"])
 
 

@@ -1,0 +1,140 @@
+"""Gears and pulleys by name: which ones mesh, on what those without a drawn shaft turn, and their ratio."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.names import Role, is_belt
+from stepbot.draft.parts.parts import box_gap
+from stepbot.robot.model import JointKind
+
+_REVIEW = "a gear that meshes with another one; no shaft is drawn"
+_SCORE = 0.7
+_BEYOND = 6e-3
+"""Gap [m] along its axis from a gear to a round face, up to which an undrawn shaft may be in both."""
+_MESHED = 0.8
+"""Ratio of the distance of two axes and the sum of the outer radii, from which teeth mesh up to where they touch."""
+_TEETH = 1.15
+"""The same ratio up to which they do, where the round faces are those at the roots of the teeth."""
+_ROUND = 3e-4
+"""Distance [m] up to which the axis of a gear is that of a joint."""
+
+
+@dataclass(frozen=True, eq=False)
+class Gear:
+    """A part named a gear or a pulley, and its outer circle."""
+
+    part: int
+    axis: Axis
+    radius: float
+    """[m]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Two gears that mesh, or two pulleys with one belt."""
+
+    one: Gear
+    two: Gear
+    belt: str = ""
+    """Path of the belt; empty for teeth."""
+
+    def pitch_radii(self) -> tuple[float, float]:
+        """Radii [m] of both pitch circles, which touch: teeth are as high on both gears."""
+        if self.belt:
+            return self.one.radius, self.two.radius
+        excess = 0.5 * (self.one.radius + self.two.radius - self.one.axis.distance(self.two.axis.point))
+        return self.one.radius - excess, self.two.radius - excess
+
+
+def meshes(survey: Survey) -> list[Mesh]:
+    """All pairs of gears that mesh, and of pulleys with one belt."""
+    gears = list(_gears(survey))
+    belts = [part for part in survey.parts.values() if is_belt(part.name) and survey.sources.names]
+    found = []
+    for one, two in combinations(gears, 2):
+        if not one.axis.is_along(two.axis.d):
+            continue
+        away, reach = one.axis.distance(two.axis.point), one.radius + two.radius
+        spans = [survey.scene.span(gear.part, one.axis.d) for gear in (one, two)]
+        if min(high for _, high in spans) <= max(low for low, _ in spans):
+            continue
+        if _MESHED * reach < away < _TEETH * reach:
+            found.append(Mesh(one, two))
+        elif away >= _TEETH * reach:
+            boxes = [survey.parts[gear.part].box for gear in (one, two)]
+            around = (b for b in belts if all(box_gap(b.box, box) == 0.0 for box in boxes))
+            belt = next(around, None)
+            if belt is not None:
+                found.append(Mesh(one, two, belt.path))
+    return found
+
+
+def _gears(survey: Survey) -> Iterator[Gear]:
+    for i, part in survey.parts.items():
+        if Role.GEAR not in part.roles or i in survey.small or is_belt(part.name):
+            continue
+        best: Gear | None = None
+        for line in survey.contacts.lines:
+            outer = [f.radius for f in line.faces.get(i, ()) if not f.bore]
+            if outer and (best is None or max(outer) > best.radius):
+                best = Gear(i, line.axis, max(outer))
+        if best is not None:
+            yield best
+
+
+def gear_evidence(survey: Survey, found: Evidence) -> None:
+    """Add a joint for each gear that meshes and has no shaft: on the part with a round face on its line nearby."""
+    held = {i for h in found.joints for i in (h.a, h.b) if h.drives}
+    for gear in {mesh.part: mesh for pair in meshes(survey) for mesh in (pair.one, pair.two)}.values():
+        on_axis = any(r.turns is not None and r.turns.same(gear.axis) for r in survey.near.get(gear.part, ()))
+        host = None if on_axis or gear.part in held else _host(survey, gear)
+        if host is not None:
+            a, b = sorted((gear.part, host))
+            why = f"the gear '{survey.parts[gear.part].path}' turns about its own axis"
+            found.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, gear.axis, why, review=_REVIEW))
+
+
+def _host(survey: Survey, gear: Gear) -> int | None:
+    """The part whose round face on the line of a gear is nearest to it."""
+    low, high = survey.scene.span(gear.part, gear.axis.d)
+    ranked = []
+    for line in survey.contacts.lines:
+        if not line.axis.same(gear.axis):
+            continue
+        for part, faces in line.faces.items():
+            if part == gear.part or part in survey.small or Role.GEAR in survey.parts[part].roles:
+                continue
+            spans = [sorted(_heights(line.axis, gear.axis, (f.low, f.high))) for f in faces]
+            gap = min(max(0.0, bottom - high, low - top) for bottom, top in spans)
+            if gap < _BEYOND:
+                ranked.append((round(gap, 6), -survey.parts[part].volume, part))
+    return min(ranked)[-1] if ranked else None
+
+
+def _heights(line: Axis, axis: Axis, positions: Sequence[float]) -> list[float]:
+    """Positions [m] along a line as heights along the direction of an axis."""
+    return [float((line.point + line.d * at) @ axis.d) for at in positions]
+
+
+def mesh_between(found: Sequence[Mesh], one: Sequence[int], two: Sequence[int], axes: tuple[Axis, Axis]) -> Mesh | None:
+    """The mesh of gears of two bodies, each on the axis that its body turns about; the first body's gear is first."""
+    for mesh in found:
+        for first, second in ((mesh.one, mesh.two), (mesh.two, mesh.one)):
+            on_axes = axes[0].same(first.axis, _ROUND) and axes[1].same(second.axis, _ROUND)
+            if on_axes and first.part in one and second.part in two:
+                return Mesh(first, second, mesh.belt)
+    return None
+
+
+def mark_geared(survey: Survey, joints: Sequence[tuple[JointEvidence, Sequence[int], Sequence[int]]]) -> None:
+    """Mark the joints about the axes of gears that mesh; each is given with the parts of both of its links."""
+    gears = [gear for mesh in meshes(survey) for gear in (mesh.one, mesh.two)]
+    for h, *sides in joints:
+        turns = h.type == JointKind.REVOLUTE
+        h.is_geared = turns and any(
+            gear.part in side and gear.axis.same(h.axis, _ROUND) for gear in gears for side in sides
+        )
