@@ -12,7 +12,7 @@ export PYTHONDONTWRITEBYTECODE :=
 DEMO := robot_library/stepbot_four_bar/four_bar.robot.yaml
 STAMP := $(VENV)/.stepbot-installed
 
-.PHONY: help install demo test test-long format lint types contracts generate fresh check wheels faults hostile mutation library \
+.PHONY: help install demo test test-long format lint types contracts generate fresh check wheels faults hostile mutation mutants library \
 	benchmarks docs gate build all lock clean
 .DEFAULT_GOAL := help
 
@@ -82,6 +82,9 @@ mutation: install  ## remove and change parts of written files one by one, and u
 	$(BIN)/python -m tests.mutation.page
 	$(BIN)/python -m tests.mutation.changed
 
+mutants: install  ## change 400 places of the source one by one, and list what no test notices (hours); MINUTES=60 stops earlier
+	$(BIN)/python -m tests.mutation.source --page $(if $(MINUTES),--minutes $(MINUTES))
+
 docs: install  ## build the documentation as a site in build/site; with REPORTS=1 also the reports of the library
 	$(BIN)/python -m pip install --quiet -e '.[docs]'
 	@test -z "$(REPORTS)" || $(BIN)/stepbot batch robot_library -o build/reports --html
@@ -102,7 +105,7 @@ gate: install  ## fail if stepbot needs 5 % more processor time than at the last
 build: docs  ## build wheel and sdist, with the documentation
 	rm -rf dist && $(BIN)/python -m hatchling build
 
-all: check wheels test test-long faults library benchmarks gate build  ## everything except hostile and mutation
+all: check wheels test test-long faults library benchmarks gate build  ## everything except hostile, mutation and mutants
 
 lock: install  ## pin the installed versions again, on Python 3.11, Linux x86-64
 	mkdir -p build && $(BIN)/python .ci/lock.py > build/requirements-ci.txt && mv build/requirements-ci.txt requirements-ci.txt

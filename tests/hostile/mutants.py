@@ -32,6 +32,7 @@ EXPERIMENT = Experiment(
         "MJCF with hundreds of nested bodies was refused by our parser, and MuJoCo's full stack was SB901 (SB801)",
         "a description or a sidecar with a line of 50 kB took minutes, since a search for names of files was quadratic",
         "an OBJ without vertices, or with broken ones, raised an exception in our parsers, which know no size of it",
+        "SDFormat with sizes and scales of other than three numbers raised an exception, and poses took NaN (SB823)",
         "`verify` of a file that stepbot's own parser alone reads ended in an exception",
         "libsdformat's command wrote a log into the user's home",
         "`diff` of a file that no engine reads ended with code 2 and without a word (SB815)",

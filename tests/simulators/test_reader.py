@@ -178,10 +178,20 @@ def test_joints_without_kinematics_are_read_and_poses_not_run(tmp_path: Path) ->
     assert seen.not_run[Quantity.POSES] == "stepbot has no kinematics for gearbox joints"
 
 
+SHAPE = '<link name="a"><visual name="v"><geometry>{}</geometry></visual></link>'
+
+
 @pytest.mark.parametrize(
     ("model", "message"),
     [
         ('<link name="a"><pose>0 0</pose></link>', "a pose with 2 numbers, 6 expected"),
+        ('<link name="a"><pose>0 0 nan 0 0 0</pose></link>', "finite numbers expected"),
+        (SHAPE.format("<box><size>1 2</size></box>"), "<size> is '1 2', three numbers expected"),
+        (SHAPE.format("<box><size>1 2 inf</size></box>"), "<size> is '1 2 inf', three numbers expected"),
+        (SHAPE.format("<sphere><radius>1 2</radius></sphere>"), "<radius> is '1 2', not a number"),
+        (SHAPE.format("<sphere><radius/></sphere>"), "<radius> is '', not a number"),
+        (SHAPE.format("<mesh><uri>a.stl</uri><scale>1</scale></mesh>"), "<scale> is '1', three numbers expected"),
+        ('<link name="a"><inertial><mass>nan</mass></inertial></link>', "<mass> is 'nan', not a number"),
         ('<link name="a"><inertial><mass>heavy</mass></inertial></link>', "<mass> is 'heavy', not a number"),
         (
             '<link name="a"/><link name="b"><pose relative_to="nowhere"/></link>' + joint("j", "a", "b"),

@@ -5,6 +5,7 @@ import numpy as np
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict
 from stepbot.draft.mechanism.decide import decide, nearest
+from stepbot.draft.mechanism.joints import _same_joint
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
 from tests.assembled import BARE, Node, assembled, group, inferred, links, part
@@ -102,3 +103,21 @@ def test_unnamed_motor_with_its_plug_is_held_by_the_nearest_part() -> None:
     found = inferred(*motors_of_bodies(), sources=BARE)
     assert {"base", "block -100.0", "plug -100.0", "block 100.0", "plug 100.0"} in links(found)
     assert len(links(found)) == 3
+
+
+def test_joints_of_the_same_motion() -> None:
+    """Slides are the same if they are parallel, hinges on one axis, balls and universal joints at one centre."""
+
+    def joint(kind: JointKind, point: tuple[float, float, float], along: tuple[float, float, float]) -> JointEvidence:
+        return JointEvidence(1.0, 0, 1, kind, Axis(np.array(point), np.array(along)), "")
+
+    x, z, here, aside = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.03, 0.0, 0.0)
+    slide, hinge, ball, cardan = JointKind.PRISMATIC, JointKind.REVOLUTE, JointKind.BALL, JointKind.UNIVERSAL
+    assert _same_joint(joint(slide, here, z), joint(slide, aside, z))
+    assert not _same_joint(joint(slide, here, z), joint(slide, here, x))
+    assert _same_joint(joint(hinge, here, z), joint(hinge, (0.0, 0.0, 0.5), z))
+    assert not _same_joint(joint(hinge, here, z), joint(hinge, aside, z))
+    assert not _same_joint(joint(slide, here, z), joint(hinge, aside, z))
+    assert _same_joint(joint(ball, here, z), joint(ball, here, x))
+    assert not _same_joint(joint(ball, here, z), joint(ball, aside, z))
+    assert _same_joint(joint(ball, here, z), joint(cardan, aside, x))

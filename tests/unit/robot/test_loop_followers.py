@@ -54,6 +54,21 @@ def angles(crank: float, coupler: float) -> tuple[float, float]:
     return tilt, math.atan2(tip[1], tip[0] - GROUND)
 
 
+def test_a_follower_passes_through_the_drawn_pose() -> None:
+    """Where zero is elsewhere than the drawn pose, the line has an offset: here crank - 0.1 = rocker - 0.3."""
+    robot, drawn = parallelogram(), {"turn": 0.1, "swing": 0.3}
+    joints = tuple(
+        replace(joint, X_PC=joint.X_PC @ at(rpy=(0, 0, -drawn[joint.name])), drawn_position=drawn[joint.name])
+        if joint.name in drawn
+        else joint
+        for joint in robot.joints
+    )
+    found = {follower.joint: follower for follower in loop_followers(replace(robot, joints=joints))}
+    assert found["swing"].mimic.multiplier == pytest.approx(1.0, abs=1e-6)
+    assert found["swing"].mimic.offset == pytest.approx(0.2, abs=1e-6)
+    assert found["knuckle"].mimic.offset == pytest.approx(0.1, abs=1e-6)
+
+
 def test_the_joints_of_a_parallelogram_follow_exactly() -> None:
     """The coupler turns back by the crank's angle, the other crank turns with it."""
     found = {follower.joint: follower for follower in loop_followers(parallelogram())}

@@ -11,7 +11,7 @@ from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 
 from .. import engine_of
 from ..observation import EngineCannotRead, Observation, Quantity, Request
-from ..sdformat_reader.frames import Frames, number_at, numbers, read_pose
+from ..sdformat_reader.frames import Frames, number_at, numbers, read_pose, three_at
 from ..sdformat_reader.tree import read_model, the_model
 from ..urdf_chains import xml_root
 from .description import DescribedShape, Description, Primitive
@@ -100,7 +100,7 @@ def _parts(
         return ()
     mesh = geometry.find("mesh")
     if mesh is not None and not whole:
-        return files.parts((mesh.findtext("uri") or "").strip(), tuple(numbers(mesh.findtext("scale") or "1 1 1")))
+        return files.parts((mesh.findtext("uri") or "").strip(), three_at(mesh, "scale", "1 1 1"))
     found = _geometry(geometry, files)
     return () if found is None else ((found, rgba),)
 
@@ -114,11 +114,9 @@ def _color(shape: Element) -> Rgba | None:
 def _geometry(geometry: Element, files: MeshFiles) -> TriMesh | Primitive | None:
     for shape in geometry:
         if shape.tag == "mesh":
-            scale = tuple(numbers(shape.findtext("scale") or "1 1 1"))
-            return files.mesh((shape.findtext("uri") or "").strip(), scale)
+            return files.mesh((shape.findtext("uri") or "").strip(), three_at(shape, "scale", "1 1 1"))
         if shape.tag == "box":
-            x, y, z = numbers(shape.findtext("size") or "0 0 0")
-            return Box((x, y, z))
+            return Box(three_at(shape, "size", "0 0 0"))
         radius, length = number_at(shape, "radius", 0.0), number_at(shape, "length", 0.0)
         if shape.tag == "cylinder":
             return Cylinder(radius, length)

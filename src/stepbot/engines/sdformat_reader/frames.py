@@ -35,6 +35,19 @@ def numbers(text: str | None) -> list[float]:
         raise EngineRefused(f"'{text}' is not a list of numbers") from error
 
 
+def three_at(element: Element, path: str, default: str = "") -> tuple[float, float, float]:
+    """The three numbers in a child element: a size, a scale.
+
+    Raises:
+        EngineRefused: They are not three finite numbers.
+    """
+    text = element.findtext(path) or default
+    values = numbers(text)
+    if len(values) != 3 or not all(map(math.isfinite, values)):
+        raise EngineRefused(f"<{path.rpartition('/')[2]}> is '{text.strip()}', three numbers expected")
+    return values[0], values[1], values[2]
+
+
 def number_at(element: Element | None, path: str, default: float) -> float:
     """The number in a child element, or the default if it is missing.
 
@@ -44,11 +57,14 @@ def number_at(element: Element | None, path: str, default: float) -> float:
     found: Any = None if element is None else element.find(path)  # the stubs lack `sourceline`
     if found is None:
         return default
+    text = (found.text or "").strip()
     try:
-        return float(found.text or "")
-    except ValueError as error:
-        text = (found.text or "").strip()
-        raise EngineRefused(f"line {found.sourceline}: <{found.tag}> is '{text}', not a number") from error
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if math.isnan(value):
+        raise EngineRefused(f"line {found.sourceline}: <{found.tag}> is '{text}', not a number")
+    return value
 
 
 def bool_at(element: Element | None, path: str, default: bool) -> bool:
@@ -75,12 +91,14 @@ def read_pose(element: Element | None) -> Pose:
     """The ``<pose>`` of an element, in the frame that it is relative to; the identity if it is missing.
 
     Raises:
-        EngineRefused: The number of values does not match its format.
+        EngineRefused: The number of values does not match its format, or one is not finite.
     """
     pose = None if element is None else element.find("pose")
     if pose is None or not (pose.text or "").strip():
         return Pose()
     values = numbers(pose.text)
+    if not all(map(math.isfinite, values)):
+        raise EngineRefused(f"a pose of {(pose.text or '').strip()}, finite numbers expected")
     if pose.get("rotation_format") == "quat_xyzw":
         if len(values) != 7:
             raise EngineRefused(f"a pose with {len(values)} numbers, 7 expected")

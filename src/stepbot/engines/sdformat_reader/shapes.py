@@ -10,7 +10,7 @@ from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 
 from ..observation import OBLIQUE, ObservedShape
 from ..shape_bounds import mesh_file_bounds
-from .frames import numbers, read_pose
+from .frames import number_at, numbers, read_pose, three_at
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -48,17 +48,16 @@ def _bounds(geometry: Element | None, X_LG: Pose, file: Path) -> tuple[Bounds | 
         return None, []
     if mesh is None:
         return _primitive_bounds(geometry, X_LG), []
-    uri, scale = (mesh.findtext("uri") or "").strip(), numbers(mesh.findtext("scale") or "1 1 1")
+    uri, scale = (mesh.findtext("uri") or "").strip(), three_at(mesh, "scale", "1 1 1")
     return mesh_file_bounds(uri, file, X_LG, scale)
 
 
 def _primitive_bounds(geometry: Element, X_LG: Pose) -> Bounds | None:
     def number(path: str) -> float:
-        return numbers(geometry.findtext(path))[0]
+        return number_at(geometry, path, 0.0)
 
     if geometry.find("box") is not None:
-        x, y, z = numbers(geometry.findtext("box/size"))
-        return primitive_bounds(Box((x, y, z)), X_LG)
+        return primitive_bounds(Box(three_at(geometry, "box/size", "0 0 0")), X_LG)
     if geometry.find("sphere") is not None:
         return primitive_bounds(Sphere(number("sphere/radius")), X_LG)
     if geometry.find("cylinder") is not None:
