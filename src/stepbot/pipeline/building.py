@@ -13,6 +13,7 @@ from stepbot.robot.validity import check_robot
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.subjects import subject
 from stepbot.step.assembly import Assembly
+from stepbot.step.structure.paths import Binding, ComponentPaths
 
 from .conversion import Options
 from .loading import Loading
@@ -42,7 +43,17 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
         return None
     built = replace(built, robot=share_meshes(built.robot))
     check_robot(built.robot, found, sidecar.span(), assembly.unit, places=cache(partial(places, sidecar)))
+    if sidecar.document.expect is not None and not found.has_errors:
+        from .expectations import check_expected
+
+        paths = ComponentPaths(assembly.components)
+        check_expected(sidecar, built.robot, lambda path: paths_of(assembly, paths.find(path)), found)
     return built
+
+
+def paths_of(assembly: Assembly, binding: Binding) -> list[str]:
+    """Paths of the components that match, without those below another one."""
+    return [assembly.components[index].path for index in binding.topmost]
 
 
 def places(sidecar: Sidecar) -> dict[str, Span]:

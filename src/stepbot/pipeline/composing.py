@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import dataclass, replace
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 from stepbot.compose.joining import composed
@@ -32,6 +33,7 @@ from stepbot.verification.joint_rows import joint_rows
 
 from .building import build, places
 from .conversion import Options
+from .expectations import check_expected
 from .loading import Loading
 from .sidecars import load, named_step, what_to_read
 from .source_names import is_description
@@ -77,9 +79,16 @@ def compose(sidecar: Sidecar, options: Options, found: Diagnostics) -> Composed:
     """
     files = _Files(options)
     robot = files.composed(sidecar, (sidecar.path,), found)
+    if not found.has_errors:
+        check_expected(sidecar, robot, lambda path: _components(robot, path), found)
     read = tuple(path for path, digest in files.read.items() if digest is not None)
     is_unchanged = all(file_digest(path) == digest for path, digest in files.read.items())
     return Composed(robot, read, tuple(files.read), files_digest(files.read) if is_unchanged else "")
+
+
+def _components(robot: Robot, path: str) -> list[str]:
+    """Paths of the components that match a glob, in any module."""
+    return [one.component for link in robot.links for one in link.masses if fnmatchcase(one.component, path)]
 
 
 class _Files:

@@ -14,6 +14,7 @@ from stepbot.geometry.principal_axes import Direction
 from stepbot.robot.model import Base, JointKind, MeshFormat
 
 from .devices import ActuatorSection, FrameSection, SensorSection
+from .expected import ExpectSection
 from .ignored import IgnoredFinding, IgnoredFindings
 from .metadata import Line, MetadataSection, UrdfSection
 from .modules import ModuleSection
@@ -171,8 +172,7 @@ class LinkSection(Section):
     inertial: InertialSection | None = None
     """Mass properties that override the computed ones."""
     collision: Collision | None = None
-    """Collision geometry: a type, `{shape, max_hulls, max_vertices}`, `{merge: ...}` for a single shape, or a list of
-    shapes."""
+    """Collision geometry: a type, `{shape, max_hulls, max_vertices}`, `{merge: ...}` for one shape, or a list."""
     visual: StrictBool | None = None
     """Whether the link has visual geometry."""
     mesh: MeshSection | None = None
@@ -288,8 +288,7 @@ class Document(Section):
     step_density: StepDensity = StepDensity.USE
     """Whether to use densities in the STEP. A CAD program's default density on every part is not a measurement."""
     mass: MassMode = MassMode.AUTO
-    """Source of volume, centre of mass and inertia: the mesh if it agrees with the exact solid (auto), or always
-    one."""
+    """Source of volume, com and inertia: the mesh if it agrees with the exact solid (auto), or always one."""
     mesh: RobotMeshSection = RobotMeshSection()
     """Tolerance, triangle budget and format of the written meshes."""
     urdf: UrdfSection = UrdfSection()
@@ -324,6 +323,8 @@ class Document(Section):
     """Answers to questions of `stepbot init`, which uses them when it drafts this sidecar again."""
     ignore_findings: IgnoredFindings = ()
     """Codes of warnings and notes to suppress everywhere."""
+    expect: ExpectSection | None = None
+    """What the robot is expected to be: mass, centre of mass, reach, symmetry, each with a tolerance."""
     modules: dict[Name, ModuleSection] = Field(default_factory=dict)
     """Robots that this one is composed of, by instance name."""
     variants: dict[Name, dict[str, Any]] = Field(default_factory=dict)
@@ -395,6 +396,5 @@ __all__ = [
     "SimulationSection",
     "SphereShape",
     "StepDensity",
-    "UrdfSection",
     "document_class",
 ]

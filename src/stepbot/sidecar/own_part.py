@@ -47,6 +47,7 @@ def own_part(sidecar: Sidecar) -> Sidecar:
     }
     update: dict[str, Any] = {
         "modules": {},
+        "expect": None,
         "frames": frames,
         "joints": joints | _ties(document, {joint.child for joint in joints.values()}),
         "joint_defaults": {

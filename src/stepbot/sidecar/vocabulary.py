@@ -52,12 +52,17 @@ ALSO_CALLED = {
     "kind": "type",
     "name": "robot",
     "robot_name": "robot",
+    "expected": "expect",
+    "expectations": "expect",
+    "assert": "expect",
+    "tolerance": "within",
     "cad": "step",
     "file": "step",
 }
 """Names in other programs, and the corresponding names in the sidecar."""
 
 NOT_SAID_SO = {
+    "symmetry": "what the robot is expected to be is under `expect`: `expect: {symmetry: y}`",
     "units": "write the unit with each value: `12 mm`, `45 deg`; numbers without a unit are SI",
     "unit": "write the unit with each value: `12 mm`, `45 deg`; numbers without a unit are SI",
     "merge": "one shape for a whole link: `collision: {merge: hull}` in `links`",

@@ -229,4 +229,23 @@ CODES = (
         "It is another motor, or another part.",
         "Correct `motor` or `part`; `stepbot motors NAME` shows size and mass with their sources.",
     ),
+    Code(
+        "SB525",
+        "error",
+        "not as expected",
+        "The sidecar states under `expect` what the robot must be, and a mass, a centre of mass or a reach that is computed from the CAD "
+        "differs by more than its tolerance.",
+        "The CAD, a density or a mass has changed, or the expected value is of another revision.",
+        "Correct the CAD or the masses, or state the new value under `expect`.",
+    ),
+    Code(
+        "SB526",
+        "warning",
+        "not symmetric",
+        "`expect: {symmetry: y}` says that the drawn robot is its own mirror image, and parts have no twin on the other side, twins differ "
+        "by more than 20 % in mass, or the centre of mass is off the plane by more than 0.5 % of the robot's size.",
+        "A part is missing or displaced, or one twin has another material.",
+        "Compare the parts that are named; a rule of `parts` with a glob gives both the same material. Ignore the finding, with a "
+        "reason, for a robot that is meant to be so.",
+    ),
 )

@@ -1,0 +1,140 @@
+"""Compares a robot with what its sidecar expects: masses, centres of mass, reach, symmetry."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.robot.model import Robot
+from stepbot.robot.reach import reach
+from stepbot.robot.symmetry import AXES, Part, Symmetry, mirrored, whole
+from stepbot.sidecar.expected import ExpectedCom, ExpectedMass, ExpectedReach
+from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.quantities import ToleranceValue
+
+UNMET, ASYMMETRIC = "SB525", "SB526"
+_DIFFERENT = 0.2
+"""Share by which masses of twins may differ: beyond, one has another material or another rule."""
+_OFF = 0.005
+"""Share of the robot's size by which the centre of mass may be off the plane of symmetry."""
+_MOST = 8
+_MATCHES = Callable[[str], Sequence[str]]
+"""The paths of the components that match a path or glob, each with everything below it."""
+
+
+def check_expected(sidecar: Sidecar, robot: Robot, matches: _MATCHES, found: Diagnostics) -> None:
+    """Report what a robot is not as expected (SB525), and asymmetry (SB526).
+
+    Args:
+        sidecar: The sidecar.
+        robot: Its robot.
+        matches: Finds components.
+        found: Receives the diagnostics.
+    """
+    if sidecar.document.expect is not None:
+        _Comparison(sidecar, robot, matches, found).run()
+
+
+class _Comparison:
+    """One robot against the section ``expect`` of its sidecar."""
+
+    def __init__(self, sidecar: Sidecar, robot: Robot, matches: _MATCHES, found: Diagnostics) -> None:
+        self._sidecar, self._robot, self._matches, self._found = sidecar, robot, matches, found
+
+    def run(self) -> None:
+        wanted = self._sidecar.document.expect
+        assert wanted is not None
+        total, com = whole(self._robot)
+        self._mass(("expect", "mass"), "the robot", wanted.mass, total)
+        self._com(("expect", "com"), "the robot", wanted.com, com)
+        for name, link in wanted.links.items():
+            one = self._robot.link_by_name.get(name)
+            keys = ("expect", "links", name)
+            if one is None:
+                self._unknown(keys, f"no link '{name}'", name, self._robot.link_by_name)
+                continue
+            self._mass((*keys, "mass"), f"link '{name}'", link.mass, one.mass_properties.mass)
+            self._com((*keys, "com"), f"link '{name}'", link.com, np.array(one.mass_properties.com))
+        for path, part in wanted.parts.items():
+            self._part(path, part.mass)
+        if wanted.reach is not None:
+            self._reach(wanted.reach)
+        if wanted.symmetry is not None:
+            self._symmetry(wanted.symmetry, mirrored(self._robot, wanted.symmetry))
+
+    def _part(self, path: str, wanted: ExpectedMass) -> None:
+        keys = ("expect", "parts", path)
+        weights = {one.component: one.mass or 0.0 for link in self._robot.links for one in link.masses}
+        names = self._matches(path)
+        if not names:
+            self._unknown(keys, f"no component '{path}'", path, weights)
+        for name in names:
+            below = [mass for part, mass in weights.items() if part == name or part.startswith(f"{name}/")]
+            self._mass((*keys, "mass"), f"'{name}'", wanted, float(np.sum(below)))
+
+    def _mass(self, keys: tuple[str, ...], what: str, wanted: ExpectedMass | None, mass: float) -> None:
+        if wanted is not None:
+            self._compare(keys, f"mass of {what}", mass, wanted.value, wanted.within, "kg")
+
+    def _com(self, keys: tuple[str, ...], what: str, wanted: ExpectedCom | None, com: np.ndarray) -> None:
+        if wanted is None:
+            return
+        apart = float(np.linalg.norm(com - np.array(wanted.value)))
+        allowed = wanted.within.absolute or wanted.within.relative * float(np.linalg.norm(wanted.value))
+        if apart > allowed:
+            has, needs = (", ".join(f"{1e3 * x + 0.0:.4g}" for x in point) for point in (com, wanted.value))
+            text = f"com of {what} is ({has}) mm, ({needs}) mm expected: {1e3 * apart:.3g} mm apart"
+            self._report(keys, f"{text}, {1e3 * allowed:.3g} mm allowed")
+
+    def _reach(self, wanted: ExpectedReach) -> None:
+        keys, start = ("expect", "reach"), wanted.start or self._robot.root.name
+        known = {*self._robot.link_by_name, *(frame.name for frame in self._robot.frames)}
+        for key, name in (("to", wanted.to), ("start", start)):
+            if name not in known:
+                self._unknown((*keys, key), f"no link or frame '{name}'", name, known)
+                return
+        far = reach(self._robot, wanted.to, start)
+        self._compare(keys, f"reach of '{wanted.to}' from '{start}'", far, wanted.value, wanted.within, "m")
+
+    def _compare(
+        self, keys: tuple[str, ...], what: str, has: float, wanted: float, within: ToleranceValue, unit: str
+    ) -> None:
+        allowed = within.absolute or within.relative * wanted
+        if abs(has - wanted) > allowed:
+            share = (has - wanted) / wanted
+            text = f"{what} is {has:.4g} {unit}, {wanted:.4g} {unit} expected: {share:+.1%}"
+            self._report(keys, f"{text}, {allowed / wanted:.1%} allowed")
+
+    def _symmetry(self, axis: str, found: Symmetry) -> None:
+        keys, k = ("expect", "symmetry"), AXES.index(axis)
+        uneven = sorted((one for one in found.twins if one.difference > _DIFFERENT), key=lambda one: -one.difference)
+        for twins in uneven:
+            a, b = twins.a, twins.b
+            weights = f"{_named(a)} weighs {a.mass:.4g} kg, its twin {_named(b)} {b.mass:.4g} kg"
+            self._report(keys, f"{weights}: {twins.difference:.0%} off", ASYMMETRIC)
+        if found.alone:
+            notes = [
+                f"{_named(one)}: {one.mass:.3g} kg at {axis} = {1e3 * float(one.center[k]):+.4g} mm"
+                for one in found.alone[:_MOST]
+            ]
+            if len(found.alone) > _MOST:
+                notes.append(f"and {len(found.alone) - _MOST} more")
+            count = len(found.alone)
+            text = f"{count} part{'s' if count > 1 else ''} without a twin beyond the plane {axis} = 0"
+            self._report(keys, text, ASYMMETRIC, notes)
+        if found.size and abs(found.offset) > _OFF * found.size:
+            share = abs(found.offset) / found.size
+            text = f"com is {1e3 * found.offset:+.3g} mm off the plane {axis} = 0, {share:.1%} of the size"
+            self._report(keys, text, ASYMMETRIC)
+
+    def _unknown(self, keys: tuple[str, ...], text: str, name: str, known: object) -> None:
+        names = [str(one) for one in known]  # type: ignore[attr-defined]
+        help = did_you_mean(name, names)
+        self._found.add(UNMET, f"expect: {text}", self._sidecar.key_span(*keys), help=help)
+
+    def _report(self, keys: tuple[str, ...], text: str, code: str = UNMET, notes: Sequence[str] = ()) -> None:
+        self._found.add(code, f"expect: {text}", self._sidecar.key_span(*keys), notes=list(notes))
+
+
+def _named(part: Part) -> str:
+    return f"'{part.name}'"
