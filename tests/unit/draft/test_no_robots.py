@@ -1,0 +1,75 @@
+"""Assemblies that do not move: no joint is drafted, with names and without, and the draft says why."""
+
+from collections.abc import Callable
+from math import pi
+
+import pytest
+
+from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
+from stepbot.draft.draft_robot import infer
+from stepbot.step.assembly import Assembly
+from tests.assembled import BARE, Node, assembled, group, part
+from tests.solids import Solid, box, cylinder
+
+SOURCES = pytest.mark.parametrize("sources", [ALL_SOURCES, BARE], ids=["as it is", "bare"])
+
+
+def _bolt(length: float, radius: float) -> Solid:
+    """A bolt whose shank points up from its head's lower side, z = 0."""
+    return cylinder(radius, length) + cylinder(2.0 * radius, radius).at(0, 0, -radius)
+
+
+def _frame() -> Assembly:
+    """Two rails on two cross members, each corner with a plate that two bolts hold."""
+    places = [(x, y) for x in (0.0, 200.0) for y in (0.0, 120.0)]
+    holes = [(x + dx, y) for x, y in places for dx in (-8.0, 8.0)]
+    nodes: list[Node] = []
+    for n, y in enumerate((0.0, 120.0)):
+        rail = box(260, 20, 20).at(100, 0, 0)
+        for x, at in holes:
+            rail = rail - cylinder(2.5, 20).at(x, 0, 0) if at == y else rail
+        nodes.append(part(f"rail {n}", rail, y=y, z=-10))
+    for n, x in enumerate((0.0, 200.0)):
+        nodes.append(part(f"cross member {n}", box(20, 100, 20), x=x, y=60, z=-10))
+    plate = box(40, 30, 4)
+    for dx in (-8.0, 8.0):
+        plate = plate - cylinder(2.6, 4).at(dx, 0, -2)
+    for n, (x, y) in enumerate(places):
+        nodes.append(part(f"plate {n}", plate, x=x, y=y, z=2))
+    bolt = _bolt(20, 2.5)
+    nodes += [part("M5x20", bolt, x=x, y=y, z=4, rpy=(pi, 0, 0)) for x, y in holes]
+    return assembled(*nodes)
+
+
+def _board() -> Assembly:
+    """A circuit board with a header, four round capacitors on one leg each side, and spacers in its corners."""
+    board = box(100, 80, 1.6).at(0, 0, -0.8)
+    pins = [(-20 + 2.54 * n, 30) for n in range(10)]
+    cans = [(-30 + 20 * n, -10) for n in range(4)]
+    corners = [(x, y) for x in (-46, 46) for y in (-36, 36)]
+    holes = [(x, y, 0.5) for x, y in pins] + [(x + dx, y, 0.4) for x, y in cans for dx in (-1.25, 1.25)]
+    for x, y, radius in [*holes, *((x, y, 1.6) for x, y in corners)]:
+        board = board - cylinder(radius, 2).at(x, y, -1.8)
+    header = box(26, 2.5, 8.5).at(-20 + 11.43, 30, 4.25)
+    for x, y in pins:
+        header = header + cylinder(0.4, 3).at(x, y, -3)
+    can = cylinder(4, 11)
+    for dx in (-1.25, 1.25):
+        can = can + cylinder(0.35, 3).at(dx, 0, -3)
+    spacer = cylinder(3, 10) - cylinder(1.6, 10)
+    chips = [part(f"U{n}", box(10, 8, 1.5), x=25 * n - 25, y=10, z=0.75) for n in range(3)]
+    return assembled(
+        group("PCB", part("board", board), part("header", header), *chips),
+        *(part(f"C{n}", can, x=x, y=y) for n, (x, y) in enumerate(cans)),
+        *(part("spacer", spacer, x=x, y=y, z=-11.6) for x, y in corners),
+    )
+
+
+@SOURCES
+@pytest.mark.parametrize("draw", [_frame, _board])
+def test_what_is_screwed_or_soldered_does_not_move(draw: Callable[[], Assembly], sources: Sources) -> None:
+    """Bolts, spacers, pins and round parts that stand on legs are no mechanism."""
+    draft = infer(draw(), "still", sources)
+    joints = [joint for joint in (*draft.joints, *draft.closures) if joint.confidence.is_chosen]
+    assert not [joint.confidence.evidence for joint in joints]
+    assert any(note.startswith("no moving parts found: ") for note in draft.notes)
