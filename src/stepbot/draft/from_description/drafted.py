@@ -1,11 +1,12 @@
 """A draft with the joints, frames, limits and masses of a description, and the components found for each link."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from math import isfinite
 
 import numpy as np
 
 from stepbot.draft.draft import (
+    SURE,
     Confidence,
     Draft,
     DraftClosure,
@@ -15,6 +16,7 @@ from stepbot.draft.draft import (
     OriginForm,
     OriginSnippet,
 )
+from stepbot.draft.evidence.evidence import JointEvidence
 from stepbot.draft.from_description.assignment import Assignment, assign
 from stepbot.draft.from_description.lines import Lines, distinct
 from stepbot.draft.from_description.placement import Placement, find_placement
@@ -23,15 +25,17 @@ from stepbot.draft.from_description.surfaces import Surfaces
 from stepbot.draft.inference import infer_mechanism
 from stepbot.draft.link_claims import LinkClaims
 from stepbot.draft.parts.axis import Axis
-from stepbot.draft.text.values import position
+from stepbot.draft.text.values import number, position
 from stepbot.engines.description import Description
 from stepbot.geometry.inertia import MassProperties
-from stepbot.geometry.spatial import Pose, Vector3, perpendicular_frame, unit, vector3
+from stepbot.geometry.spatial import Array, Pose, Vector3, perpendicular_frame, unit, vector3
 from stepbot.robot.model import Joint, JointKind
 from stepbot.step.assembly import Assembly
 
 _KNOWN, _PLACED, _GUESSED = 0.95, 0.85, 0.6
 _SAME_PLACE = 1e-9
+_WITHIN, _SLACK = 0.95, 5e-4
+"""Share of a link's vertices in the box of a body from which it is drawn there, and the slack [m] of the box."""
 _AXES = {(1.0, 0.0, 0.0): "x", (0.0, 1.0, 0.0): "y", (0.0, 0.0, 1.0): "z"}
 
 
@@ -55,7 +59,8 @@ def draft_of_description(description: Description, assembly: Assembly, robot: st
     if placement is None:
         return None
     assigned = assign(described, placement, assembly, found, surfaces)
-    return _Drafting(described, placement, assembly, lines, assigned).draft(robot, source)
+    moving = [arc.evidence for arc in found.arcs if arc.evidence.type is not JointKind.FIXED]
+    return _Drafting(described, placement, assembly, lines, assigned).draft(robot, source, moving)
 
 
 class _Drafting:
@@ -67,12 +72,14 @@ class _Drafting:
         self._members = {name: assigned.members(name) for name in described.links}
         self._claims = LinkClaims(assembly, list(self._members.values()), 0)
 
-    def draft(self, robot: str, source: str) -> Draft:
+    def draft(self, robot: str, source: str, moving: Sequence[JointEvidence]) -> Draft:
+        """The draft; ``moving`` are the joints that the STEP itself indicates."""
         root = self._described.root
         X_WR = self._placement.poses[root]
         recognized, all_of_them = len(self._assigned.recognized), len(self._assigned.link_of)
         found = f"{recognized} of {all_of_them} components recognized by their faces"
         notes = [f"placed by this: {self._placement.how}; {found}", *self._described.notes]
+        notes += [*self._fused(), *self._split(moving)]
         return Draft(
             robot,
             root,
@@ -85,6 +92,36 @@ class _Drafting:
             base=self._described.base,
             frames=self._described.frames,
         )
+
+    def _fused(self) -> Iterator[str]:
+        """Links of the description that have no component of their own, since one body of the STEP is several links."""
+        for name, link in self._described.links.items():
+            if self._members[name] or not len(link.points):
+                continue
+            cloud = self._placement.poses[name].apply(link.points)
+            shares = {i: self._share_within(i, cloud) for i in self._assigned.link_of}
+            most = max(shares, key=lambda i: (shares[i], -i), default=-1)
+            if most >= 0 and shares[most] >= _WITHIN:
+                body, other = self._assembly.components[most].path, self._assigned.link_of[most]
+                yield f"link '{name}' has no component: '{body}', one body of link '{other}', is where its shapes are"
+
+    def _share_within(self, i: int, cloud: Array) -> float:
+        """The share of points that is in the bounding box of a component."""
+        box = self._assembly.bounds(i)
+        if box is None:
+            return 0.0
+        low, high = (np.array(corner) for corner in box)
+        return float(((cloud >= low - _SLACK) & (cloud <= high + _SLACK)).all(axis=1).mean())
+
+    def _split(self, moving: Sequence[JointEvidence]) -> Iterator[str]:
+        """Links of the description whose components move on each other in the STEP."""
+        group_of, link_of = self._described.rigid_groups(), self._assigned.link_of
+        for h in moving:
+            known = {h.a, h.b} <= self._assigned.recognized
+            if known and h.score >= SURE and group_of[link_of[h.a]] == group_of[link_of[h.b]]:
+                a, b = (self._assembly.components[i].path for i in (h.a, h.b))
+                where = " and ".join(f"'{name}'" for name in dict.fromkeys((link_of[h.a], link_of[h.b])))
+                yield f"'{a}' and '{b}' of {where} do not move here, but may in the STEP ({h.type}: {h.why})"
 
     def _link(self, n: int, name: str) -> DraftLink:
         members = self._members[name]
@@ -118,6 +155,12 @@ class _Drafting:
         if limits is not None and not limits.lower <= q <= limits.upper:
             q_drawn, *ends = (position(value, slides=slides) for value in (q, limits.lower, limits.upper))
             review = f"drawn at {q_drawn}, outside of the described limits {' to '.join(ends)}"
+            limits = None
+        if joint.kind.bounded and joint.limit.lower == joint.limit.upper:
+            given = [f"{key} {number(value)}" for key, value in _rates(joint) if isfinite(value)]
+            only = position(joint.limit.lower, slides=slides)
+            review = f"no range: the description limits it to {only}, as exporters do that know no limits"
+            review += f"; it has {' and '.join(given)} as well" if given else ""
             limits = None
         is_universal = joint.kind is JointKind.UNIVERSAL
         has_axis = joint.kind.has_axis
@@ -212,6 +255,10 @@ def _limits(joint: Joint) -> DraftLimits | None:
     if joint.kind is JointKind.FIXED or not any(map(isfinite, values)):
         return None
     return DraftLimits(given.lower, given.upper, "", velocity=given.velocity, effort=given.effort)
+
+
+def _rates(joint: Joint) -> tuple[tuple[str, float], ...]:
+    return ("effort", joint.limit.effort), ("velocity", joint.limit.velocity)
 
 
 def _rounded(inertial: MassProperties) -> MassProperties:
