@@ -172,6 +172,7 @@ def test_no_program_of_the_current_folder_is_run(path: str, tmp_path: Path, robo
     report = json.loads((trap.folder / "out" / "report.json").read_text(encoding="utf-8"))
     checks = [check for check in report["checks"] if check["engine"] == "libsdformat"]
     gazebo = any(find_program(name) for name in ("gz", "ign"))
-    assert {check["status"] for check in checks} == ({"passed"} if gazebo else {"not run"})
+    is_old = any("the file has version" in check["why"] for check in checks)  # it runs, and does not read this one
+    assert {check["status"] for check in checks} == ({"passed"} if gazebo and not is_old else {"not run"})
     trap.run(INSTALLED, "verify", "out/arm2.sdf", PATH=path)
     assert not trap.marker.exists()

@@ -5,18 +5,22 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-from .file import exists, resolved
+from .file import is_file, resolved
 
 
 def find_program(name: str) -> str | None:
     """Absolute path of a program in ``PATH``, ignoring the current folder and relative entries."""
     for folder in os.environ.get("PATH", "").split(os.pathsep):
         program = Path(folder, name)
-        if not program.is_absolute() or (os.name == "posix" and not exists(program)):
+        if not program.is_absolute():
             continue
-        import shutil  # only now: most machines have none of the programs, and this import takes longer than the search
+        if os.name == "posix":  # `shutil` takes longer to import than all of this
+            if is_file(program) and os.access(program, os.X_OK):
+                return str(program)
+            continue
+        import shutil
 
-        if found := shutil.which(str(program)):
+        if found := shutil.which(str(program)):  # with the suffixes of programs
             return found
     return None
 
