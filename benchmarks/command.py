@@ -43,7 +43,7 @@ from .assemblies import ASSEMBLIES, Assembly, generate
 from .collision import compare_pieces, shapes_of
 from .comparison import compare
 from .contenders import ROOT, Case, Contender
-from .drafts import score_drafts
+from .drafts import page_with_scores, score_drafts
 from .environments import environment_speeds
 from .inference import corpus_folder, measure, page_with_table, read_for_inference
 from .inference_time import drafting_time
@@ -131,6 +131,7 @@ def _parser() -> argparse.ArgumentParser:
     scored.add_argument(
         "--held-out", action="store_true", help="those held out, which no rule may be tuned on, instead"
     )
+    scored.add_argument("--write", action="store_true", help="update the tables in docs/authoring.md")
     scored.set_defaults(run=_drafts)
     rows = commands.add_parser("drafting", help="time to draft copies of an assembly in a row")
     rows.add_argument("step", type=Path)
@@ -262,7 +263,10 @@ def _inference(options: argparse.Namespace, _: Path) -> None:
 def _drafts(options: argparse.Namespace, _: Path) -> None:
     if (corpus := corpus_folder()) is None:
         raise SystemExit("the assemblies are in the corpus: see STEPBOT_CORPUS")
-    score_drafts(corpus, options.only, held_out=options.held_out)
+    scores = score_drafts(corpus, options.only, held_out=options.held_out)
+    if options.write and not options.only:
+        page = ROOT / "docs" / "authoring.md"
+        page.write_text(page_with_scores(page.read_text(encoding="utf-8"), scores), encoding="utf-8", newline="\n")
 
 
 def _drafting(options: argparse.Namespace, _: Path) -> None:

@@ -6,9 +6,11 @@ right; it is merged if one of its links also holds another true link; the other 
 """
 
 import json
+import re
 import subprocess
+import tomllib
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -26,6 +28,7 @@ TRUTH = Path(__file__).with_name("truth")
 HELD_OUT = ("b6", "elmo", "rzlli_quadruped", "spot")
 """Drawn by lot before any of the 13 was drafted; see the README beside the labels."""
 _IGNORED = "_ignore"
+_HEADS = ("found", "merged", "wrong, unmarked", "wrong, REVIEW", "volume", "root")
 
 
 @dataclass
@@ -55,7 +58,13 @@ class Outcome:
         """Cells of a Markdown row."""
         drafted = max(1, self.assemblies - len(self.failed))
         cells = (f"{self.found} of {self.joints}", self.merged, self.unmarked, self.reviewed)
-        return " | ".join(map(str, (*cells, f"{self.volume / drafted:.0%}", f"{self.roots} of {self.assemblies}")))
+        return " | ".join(
+            map(str, (*cells, f"{self.volume / drafted:.0%}".replace("%", " %"), f"{self.roots} of {self.assemblies}"))
+        )
+
+
+Scores = dict[str, dict[str, Outcome]]
+"""By group and name of the assembly."""
 
 
 def labelled(corpus: Path) -> Iterator[tuple[str, Path, Path]]:
@@ -67,21 +76,54 @@ def labelled(corpus: Path) -> Iterator[tuple[str, Path, Path]]:
         yield group, label, corpus / "assemblies" / f"{label.stem}.step"
 
 
-def score_drafts(corpus: Path, only: str = "", *, held_out: bool = False, timeout: float = 600.0) -> dict[str, Outcome]:
-    """Print a row per assembly, then the sums of each group; returns these."""
-    sums: dict[str, Outcome] = defaultdict(Outcome)
-    print("| assembly | found | merged | wrong, unmarked | wrong, REVIEW | volume | root |\n| --- |" + " --- |" * 6)
+def score_drafts(corpus: Path, only: str = "", *, held_out: bool = False, timeout: float = 600.0) -> Scores:
+    """Print a row per assembly, then the sums of each group; returns the outcomes by group and name."""
+    scores: Scores = defaultdict(dict)
+    print(f"| assembly | {' | '.join(_HEADS)} |\n| --- |{' --- |' * len(_HEADS)}")
     for group, label, step in labelled(corpus):
         if only not in label.stem or (group == "held out") != held_out:
             continue
-        truth = YAML(typ="safe").load(label.read_text(encoding="utf-8"))
-        outcome = _outcome(truth, step, timeout)
-        outcome.failed = [label.stem] * len(outcome.failed)
+        outcome = score_draft(label, step, timeout)
         print(f"| {label.stem} | {outcome.row()} |{' no draft' if outcome.failed else ''}", flush=True)
-        sums[group].add(outcome)
-    for group, outcome in sums.items():
-        print(f"| **{group}** ({outcome.assemblies}, {len(outcome.failed)} without a draft) | {outcome.row()} |")
-    return sums
+        scores[group][label.stem] = outcome
+    for group, outcomes in scores.items():
+        total = _total(outcomes.values())
+        print(f"| **{group}** ({total.assemblies}, {len(total.failed)} without a draft) | {total.row()} |")
+    return scores
+
+
+def score_draft(label: Path, step: Path, timeout: float = 600.0) -> Outcome:
+    """The outcome of one assembly by its label."""
+    outcome = _outcome(YAML(typ="safe").load(label.read_text(encoding="utf-8")), step, timeout)
+    outcome.failed = [label.stem] * len(outcome.failed)
+    return outcome
+
+
+def page_with_scores(text: str, scores: Scores) -> str:
+    """The page with a table for each group that was scored, between its markers."""
+    known = tomllib.loads((TRUTH / "assemblies.toml").read_text(encoding="utf-8"))
+    for group, outcomes in scores.items():
+        rows = [
+            table_row(f"[{name}](https://github.com/{known[name]['source']}): {known[name]['what']}", outcome)
+            for name, outcome in sorted(outcomes.items())
+        ]
+        head = f"| {group} | {' | '.join(_HEADS)} |\n| --- |{' --- |' * len(_HEADS)}\n"
+        table = head + "".join(rows) + table_row(f"**all {len(outcomes)}**", _total(outcomes.values()))
+        block = re.compile(rf"(<!-- drafts: {group} -->\n).*?(<!-- end -->)", re.DOTALL)
+        text = block.sub(lambda match, table=table: match[1] + table + match[2], text)
+    return text
+
+
+def table_row(first: str, outcome: Outcome) -> str:
+    """A Markdown row."""
+    return f"| {first} | {outcome.row()} |\n"
+
+
+def _total(outcomes: Iterable[Outcome]) -> Outcome:
+    total = Outcome()
+    for outcome in outcomes:
+        total.add(outcome)
+    return total
 
 
 def _outcome(truth: Mapping[str, Any], step: Path, timeout: float) -> Outcome:
