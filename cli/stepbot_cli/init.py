@@ -88,13 +88,13 @@ def command(
         return _show_result(None, "", sidecar, step, found, as_json=as_json, display=display)
     answers = _answers(answers_file or sidecar)
     with ExitStack() as bar:
-        bar.enter_context(progress_bar(("read",)))("read")
+        progress = bar.enter_context(progress_bar(("read", "joints", "stops")))
 
         def ask(draft: "Draft", dialogue: "Dialogue | None") -> "Draft":
             bar.close()
             return asked(draft, dialogue)
 
-        drafting = draft_step(step, options, description, ask if interactive else None, answers)
+        drafting = draft_step(step, options, description, ask if interactive else None, answers, progress)
     found.extend(drafting.diagnostics)
     draft, text = drafting.draft, ""
     if draft is not None:

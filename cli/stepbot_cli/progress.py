@@ -15,6 +15,8 @@ BAR_WIDTH = 20
 """Width of a progress bar."""
 STAGES = {
     "read": "reading the STEP file",
+    "joints": "inferring links and joints",
+    "stops": "searching for stops of joints",
     "build": "building the robot",
     "self-collision": "searching self-collisions",
     "write": "writing the formats",

@@ -58,6 +58,7 @@ def draft_step(
     description: Path | None = None,
     ask: Ask | None = None,
     answers: Mapping[str, str] | None = None,
+    progress: Callable[[str], None] = lambda stage: None,
 ) -> Drafting:
     """Read a STEP file and draft links and joints; writes nothing.
 
@@ -67,8 +68,10 @@ def draft_step(
         description: URDF, SDFormat or MJCF of the same robot, whose joints and masses are taken; None for none.
         ask: Asks the user about the draft.
         answers: Answers to questions about earlier drafts, for joints that are inferred.
+        progress: Called at the start of each of the stages ``read``, ``joints`` and ``stops``.
     """
     found = Diagnostics()
+    progress("read")
     try:
         described = None if description is None else read_description(description, options, found)
         found.raise_if_errors()
@@ -81,6 +84,7 @@ def draft_step(
     except StepbotError as error:
         found.extend(error.diagnostics)
         return Drafting(found)
+    progress("joints")
     if description is not None and described is not None:
         draft = draft_of_description(described, assembly, step_stem(step.name), description.name)
         if draft is None:
@@ -94,7 +98,9 @@ def draft_step(
     else:
         dialogue = Dialogue(Inference(assembly, step_stem(step.name)), assembly)
         dialogue.answer_all(answers or {})
-        draft = with_stops(dialogue.draft if ask is None else ask(dialogue.draft, dialogue), assembly)
+        draft = dialogue.draft if ask is None else ask(dialogue.draft, dialogue)
+        progress("stops")
+        draft = with_stops(draft, assembly)
     if mechanism is not None and stated is None:
         note = "the STEP file has kinematic pairs between unknown components; they were ignored"
         draft = replace(draft, notes=(*draft.notes, note))
