@@ -39,6 +39,7 @@ from stepbot.sidecar.document import AutoOrigin, ClosureSection
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.own_part import TIE
 
+from .interfaces import report_shared_parts
 from .parts import Part, Parts, module_record
 from .placing import Mount, Places
 from .ports import Port, Ports, moved_by
@@ -66,6 +67,7 @@ def composed(sidecar: Sidecar, own: Robot | None, robots: Mapping[str, Robot], f
     if root is None:
         return None
     robot = _Joining(sidecar, own, parts, ports, found).robot(root, places)
+    report_shared_parts(sidecar, robot, parts, places.mounts, found)
     return tune_actuators(robot, sidecar, found)
 
 

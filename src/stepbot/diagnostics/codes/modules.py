@@ -124,6 +124,14 @@ CODES = (
         "State one in the composing file: `simulation: {integrator: implicitfast}`.",
     ),
     Code(
+        "SB166",
+        "warning",
+        "part in two modules",
+        "A module and what it is fixed to have equal parts at the same place.",
+        "An adapter or tool changer that is drawn in both files is there twice, with its mass.",
+        "Leave the part out of one of the files, or ignore the warning if there are two.",
+    ),
+    Code(
         "SB167",
         "warning",
         "name of a mirrored module contains a side",
