@@ -15,6 +15,7 @@ from .counts import counted
 from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import printable
 from .joint_table import show_joint_rows, show_joint_table
+from .machine_output import output_format_option
 from .progress import progress_bar
 from .reading import reading_options, variant_option
 from .table import write_filled
@@ -63,6 +64,7 @@ class CheckCommand(Command):
 @description_options
 @json_option
 @display_options
+@output_format_option
 def command(
     options: "Options",
     sidecars: tuple[Path, ...],

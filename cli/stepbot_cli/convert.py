@@ -19,6 +19,7 @@ from .descriptions import description_options, reject_descriptions
 from .engines import require_option
 from .joint_table import show_joint_rows, show_joint_table
 from .junit import junit_option, write_junit
+from .machine_output import output_format_option
 from .metadata_options import metadata_options
 from .progress import CONVERSION, progress_bar
 from .reading import reading_options, variant_option
@@ -123,6 +124,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 @junit_option
 @json_option
 @display_options
+@output_format_option
 def command(
     options: "Options",
     sidecar: Path,

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.runtime.file import exists, is_folder
 
 from .caching import say_trouble
@@ -17,6 +17,7 @@ from .command import Command, display_options, json_option
 from .counts import counted
 from .descriptions import package_path_option
 from .diagnostic_text import paint, printable
+from .machine_output import output_format_option
 from .progress import progress_bar
 from .reading import reading_options
 from .terminal import Display, screen_width, show_diagnostics, wants_color, write_json, write_result
@@ -24,11 +25,23 @@ from .terminal import Display, screen_width, show_diagnostics, wants_color, writ
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
     from stepbot.pipeline.differences import Differences
+    from stepbot.revisions.differences import Difference
 
 SAME, DIFFERENT, COULD_NOT_RUN = 0, 1, 2
 """Exit codes."""
+_OF_STEPS = {
+    "renamed": "SB314",
+    "probably renamed": "SB311",
+    "removed": "SB316",
+    "added": "SB317",
+    "moved": "SB318",
+    "reshaped": "SB319",
+    "material": "SB319",
+}
+"""Codes of differences of STEP files in the output for other programs; those of robots are the codes of `verify`."""
 _STEP = (".step", ".stp", ".p21", ".stpz")
 _SIDECAR = (".yaml", ".yml")
+_ANY = "SB803"
 _SINGLE_SHAPE = "box of "
 """Beginning of the names of differences in one visual or collision."""
 _HEADINGS = ("difference", "what", "how")
@@ -40,11 +53,13 @@ _HEADINGS = ("difference", "what", "how")
 )
 @click.argument("old", type=click.Path(path_type=Path))
 @click.argument("new", type=click.Path(path_type=Path))
+@click.option("--markdown", is_flag=True, help="Print a table in Markdown, for a comment on a pull request.")
 @reading_options
 @package_path_option
 @json_option
 @display_options
-def command(options: "Options", old: Path, new: Path, as_json: bool, display: Display) -> int:
+@output_format_option
+def command(options: "Options", old: Path, new: Path, markdown: bool, as_json: bool, display: Display) -> int:
     """Compare two STEP files, two sidecars, or two robots (output folders, or URDF, SDFormat or MJCF files).
 
     Components of STEP files are matched by shape and pose, not by name or order. Sidecars are compared by the robots
@@ -62,10 +77,39 @@ def command(options: "Options", old: Path, new: Path, as_json: bool, display: Di
         document = {"kind": kind, "old": old.as_posix(), "new": new.as_posix(), "differences": rows}
         write_json({**document, "diagnostics": found, "exit_code": exit_code})
         return exit_code
+    if display.machine:
+        found.extend(_annotation(row, new) for row in (differences.rows if differences is not None else ()))
+        show_diagnostics(found, display)
+        return exit_code
     show_diagnostics(found, display)
-    if differences is not None and not display.quiet:
+    if differences is not None and markdown:
+        write_result(_markdown(differences))
+    elif differences is not None and not display.quiet:
         write_result("\n".join(_lines(differences, display)))
     return exit_code
+
+
+def _annotation(row: "Difference", new: Path) -> Diagnostic:
+    """A difference as a finding about the new file."""
+    from stepbot.verification.checks import CODE_OF
+
+    by_quantity = {quantity.value: code for quantity, code in CODE_OF.items()}
+    code = _OF_STEPS.get(row.kind) or by_quantity.get(row.kind, _ANY)
+    return Diagnostic(code, "warning", ": ".join(filter(None, _cells(row))), Span(new.as_posix()))
+
+
+def _markdown(differences: "Differences") -> str:
+    """A heading and a table of differences, with the old and the new value of those that have one."""
+    rows, names = differences.rows, f"`{printable(differences.old)}` and `{printable(differences.new)}`"
+    if not rows:
+        return f"**No differences** between {names}."
+    lines = [f"**{counted(len(rows), 'difference')}** between {names}", "", "| difference | what | old | new | how |"]
+    lines.append("| --- | --- | ---: | ---: | --- |")
+    for row in rows:
+        kind, name, how = (printable(cell).replace("|", "\\|") for cell in _cells(row))
+        old, new = (f"{value:.6g} {row.unit}".strip() if value is not None else "" for value in (row.old, row.new))
+        lines.append(f"| {kind} | {name} | {old} | {new} | {how} |")
+    return "\n".join(lines)
 
 
 def _exit_code(differences: "Differences | None", found: Diagnostics) -> int:

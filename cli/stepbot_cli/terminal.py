@@ -72,6 +72,8 @@ class Display(NamedTuple):
     """Full output instead of a summary."""
     quiet: bool = False
     """Errors and warnings only."""
+    machine: str = ""
+    """The format for another program, of :mod:`.machine_output`; empty for people."""
 
 
 _DEFAULT = Display()
@@ -86,6 +88,11 @@ def show_diagnostics(found: Iterable[Diagnostic], display: Display = _DEFAULT, *
         as_result: Whether they are the command's result, and go to standard output.
     """
     diagnostics = [one for one in found if not (display.quiet and one.severity == "note")]
+    if display.machine:
+        from .machine_output import FORMATS
+
+        _write(sys.stdout, FORMATS[display.machine](diagnostics))
+        return
     ignored = len(found.ignored) if isinstance(found, Diagnostics) and not (display.quiet or display.concise) else 0
     if not diagnostics and not ignored:
         return

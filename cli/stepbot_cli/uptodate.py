@@ -20,6 +20,7 @@ from .convert import (
     ros2_option,
 )
 from .descriptions import description_options
+from .machine_output import output_format_option
 from .metadata_options import metadata_options
 from .progress import progress_bar
 from .reading import reading_options
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
 @metadata_options
 @json_option
 @display_options
+@output_format_option
 def command(
     options: "Options",
     sidecars: tuple[Path, ...],

@@ -11,6 +11,7 @@ from .descriptions import folders_option
 from .engines import limit_options, require_option
 from .joint_table import show_joint_rows
 from .junit import junit_option, write_junit
+from .machine_output import output_format_option
 from .progress import progress_bar
 from .table import show_table, write_filled
 from .terminal import Display, show_diagnostics, write_json, write_result
@@ -29,6 +30,7 @@ from .terminal import Display, show_diagnostics, write_json, write_result
 @junit_option
 @json_option
 @display_options
+@output_format_option
 def command(
     files: tuple[Path, ...],
     strict: bool,

@@ -11,7 +11,7 @@ from stepbot.report.robot import Check, Status
 
 from .compare import Compared
 
-CODES: Mapping[Quantity, str] = {
+CODE_OF: Mapping[Quantity, str] = {
     Quantity.LINKS: "SB803",
     Quantity.JOINTS: "SB803",
     Quantity.AXES: "SB804",
@@ -97,7 +97,7 @@ def report_failure(subject: Subject, compared: Compared, warning_code: str, foun
     failures = compared.deviations.failures
     if not failures or compared.not_run:
         return
-    code = warning_code if compared.quantity is Quantity.WARNINGS else CODES[compared.quantity]
+    code = warning_code if compared.quantity is Quantity.WARNINGS else CODE_OF[compared.quantity]
     notes = [str(deviation) for deviation in failures[1 : 1 + MOST_NOTES]]
     if len(failures) > 1 + MOST_NOTES:
         notes.append(f"and {len(failures) - 1 - MOST_NOTES} more")

@@ -16,7 +16,7 @@ from stepbot.report.robot import Status
 from stepbot.robot.closures import loop_ways
 from stepbot.robot.kinematics import configurations, initial_configuration
 from stepbot.robot.model import ActuatorKind, JointDynamics, Limit, Mimic, Robot
-from stepbot.verification.checks import CODES, Subject, check_of, checks_without_observation, report_failure
+from stepbot.verification.checks import CODE_OF, Subject, check_of, checks_without_observation, report_failure
 from stepbot.verification.compare import compare
 from stepbot.verification.deviation import Deviations
 from stepbot.verification.normalized import normalized
@@ -383,7 +383,7 @@ def test_every_quantity_has_a_tolerance_and_a_code() -> None:
     """Every quantity has a tolerance and a code."""
     assert set(TOLERANCES) == set(Quantity)
     without_code = {Quantity.LOAD, Quantity.SELF_COLLISION, Quantity.WARNINGS}
-    assert set(CODES) == set(Quantity) - without_code
+    assert set(CODE_OF) == set(Quantity) - without_code
 
 
 def test_a_failure_is_one_diagnostic_with_the_worst_first(found: ReadDiagnostics) -> None:

@@ -1,0 +1,147 @@
+"""Diagnostics in the formats of programs that show them beside the code: GitHub, GitLab, and SARIF for both."""
+
+import hashlib
+import json
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from functools import wraps
+from pathlib import Path
+from typing import Any
+
+import click
+
+from stepbot.diagnostics import Diagnostic
+from stepbot.diagnostics.codes import CODES
+from stepbot.version import __version__
+
+from .terminal import Display
+
+_GITHUB = {"error": "error", "warning": "warning", "note": "notice"}
+_GITLAB = {"error": "major", "warning": "minor", "note": "info"}
+_IN_MESSAGE = {"%": "%25", "\r": "%0D", "\n": "%0A"}
+_IN_PROPERTY = {**_IN_MESSAGE, ":": "%3A", ",": "%2C"}
+_SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
+
+
+def github(found: Iterable[Diagnostic]) -> str:
+    """Commands of a workflow, one a line, which GitHub shows at the lines of a pull request.
+
+    https://docs.github.com/en/actions/reference/workflow-commands-for-github-actions
+    """
+    return "\n".join(map(_command, found))
+
+
+def gitlab(found: Iterable[Diagnostic]) -> str:
+    """A report of code quality: https://docs.gitlab.com/ci/testing/code_quality/#code-quality-report-format."""
+    issues = [
+        {
+            "description": _text(one),
+            "check_name": one.code,
+            "fingerprint": fingerprint,
+            "severity": _GITLAB[one.severity],
+            "location": {"path": _path(one), "lines": {"begin": max(one.span.line, 1)}},
+        }
+        for one, fingerprint in _fingerprints(found)
+    ]
+    return json.dumps(issues, indent=2, ensure_ascii=False)
+
+
+def sarif(found: Iterable[Diagnostic]) -> str:
+    """A log of static analysis, version 2.1.0: https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html."""
+    listed = list(found)
+    rules = [
+        {
+            "id": code,
+            "shortDescription": {"text": CODES[code].title},
+            "fullDescription": {"text": CODES[code].what},
+            "help": {"text": CODES[code].fix},
+            "defaultConfiguration": {"level": CODES[code].severity},
+        }
+        for code in sorted({one.code for one in listed})
+    ]
+    results = [
+        {
+            "ruleId": one.code,
+            "level": one.severity,
+            "message": {"text": _text(one)},
+            "locations": [{"physicalLocation": _location(one)}],
+            "partialFingerprints": {"stepbot/v1": fingerprint},
+        }
+        for one, fingerprint in _fingerprints(listed)
+    ]
+    driver = {"name": "stepbot", "version": __version__, "rules": rules}
+    log = {"$schema": _SCHEMA, "version": "2.1.0", "runs": [{"tool": {"driver": driver}, "results": results}]}
+    return json.dumps(log, indent=2, ensure_ascii=False)
+
+
+FORMATS: dict[str, Callable[[Iterable[Diagnostic]], str]] = {"github": github, "gitlab": gitlab, "sarif": sarif}
+
+
+def output_format_option(command: Callable[..., int]) -> Callable[..., int]:
+    """Add ``--output-format`` to a command that has ``display`` and ``as_json``."""
+
+    @wraps(command)
+    def with_format(*, output_format: str, as_json: bool, display: Display, **others: Any) -> int:
+        if output_format != "text" and as_json and output_format != "json":
+            raise click.UsageError(f"--json and --output-format {output_format} cannot be combined")
+        if output_format in FORMATS:
+            display = display._replace(concise=True, machine=output_format)
+        return command(as_json=as_json or output_format == "json", display=display, **others)
+
+    return click.option(
+        "--output-format",
+        type=click.Choice(["text", "json", *FORMATS]),
+        default="text",
+        help="How findings are printed: for people, as --json, as annotations of GitHub, as a report of GitLab's code "
+        "quality, or as SARIF.  [default: text]",
+    )(with_format)
+
+
+def _command(one: Diagnostic) -> str:
+    place = {"file": _path(one), "title": f"{one.code} {CODES[one.code].title}"}
+    if one.span.line:
+        place["line"] = str(one.span.line)
+        if one.span.column:
+            place["col"] = str(one.span.column)
+        if one.span.end_column:
+            place["endColumn"] = str(one.span.end_column)
+    properties = ",".join(f"{name}={_escaped(value, _IN_PROPERTY)}" for name, value in place.items())
+    return f"::{_GITHUB[one.severity]} {properties}::{_escaped(_text(one), _IN_MESSAGE)}"
+
+
+def _escaped(text: str, characters: dict[str, str]) -> str:
+    return "".join(characters.get(character, character) for character in text)
+
+
+def _text(one: Diagnostic) -> str:
+    """The message with its notes and remedies, which these programs have no place for."""
+    lines = [one.message, *(f"note: {note}" for note in one.notes), *(f"help: {help}" for help in one.remedies)]
+    return "\n".join(lines)
+
+
+def _path(one: Diagnostic) -> str:
+    """The file relative to the current folder, where it is in it: these programs know the repository alone."""
+    path, here = Path(one.span.file), Path.cwd()
+    return path.relative_to(here).as_posix() if path.is_absolute() and path.is_relative_to(here) else path.as_posix()
+
+
+def _location(one: Diagnostic) -> dict[str, Any]:
+    region: dict[str, int] = {}
+    if one.span.line:
+        region = {"startLine": one.span.line}
+        if one.span.column:
+            region["startColumn"] = one.span.column
+        if one.span.column and one.span.end_column:
+            region["endColumn"] = one.span.end_column
+    where = Path(_path(one))
+    artifact = {"uri": where.as_uri() if where.is_absolute() else where.as_posix().replace(" ", "%20")}
+    return {"artifactLocation": artifact, **({"region": region} if region else {})}
+
+
+def _fingerprints(found: Iterable[Diagnostic]) -> Iterator[tuple[Diagnostic, str]]:
+    """Each diagnostic with a hash that stays the same when its line moves, and is its own in the report."""
+    seen: Counter[tuple[str, str, str]] = Counter()
+    for one in found:
+        what = (_path(one), one.code, one.message)
+        seen[what] += 1
+        yield one, hashlib.sha256("\n".join((*what, str(seen[what]))).encode()).hexdigest()

@@ -1,0 +1,116 @@
+"""Findings for GitHub, GitLab and SARIF, and what is prepared for their pipelines."""
+
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+from ruamel.yaml import YAML
+
+from stepbot.diagnostics import Diagnostic, Span
+from stepbot_cli.machine_output import github, gitlab, sarif
+from tests.command_line import stepbot
+
+ROOT = Path(__file__).resolve().parents[2]
+WRONG = "version: 1\nrobot: a\nstep: a.step\nlinks: {base: {}}\njoins: {}\n"
+FOUND = (
+    Diagnostic("SB525", "error", "expect: 100 % off", Span("a b/arm.robot.yaml", 7, 3, 9), ("state, or: it",), ("so",)),
+    Diagnostic("SB526", "warning", "expect: not", Span("arm.robot.yaml")),
+    Diagnostic("SB526", "warning", "expect: not", Span("arm.robot.yaml", 2)),
+)
+
+
+def test_github_commands_are_escaped() -> None:
+    """Each finding is one line, with place and title, and line breaks and commas as GitHub reads them."""
+    first, second, third = github(FOUND).split("\n")
+    assert first == (
+        "::error file=a b/arm.robot.yaml,title=SB525 not as expected,line=7,col=3,endColumn=9::"
+        "expect: 100 %25 off%0Anote: so%0Ahelp: state, or: it"
+    )
+    assert second.startswith("::warning file=arm.robot.yaml,title=SB526 not symmetric::")
+    assert ",line=2::" in third
+    assert github([]) == ""
+
+
+def test_gitlab_report_has_what_its_schema_requires() -> None:
+    """Path, line, severity and a fingerprint of its own for each finding; none is an empty list."""
+    issues = json.loads(gitlab(FOUND))
+    assert [(one["check_name"], one["severity"], one["location"]["lines"]["begin"]) for one in issues] == [
+        ("SB525", "major", 7),
+        ("SB526", "minor", 1),
+        ("SB526", "minor", 2),
+    ]
+    assert len({one["fingerprint"] for one in issues}) == 3
+    assert json.loads(gitlab([])) == []
+
+
+def test_sarif_log_has_rules_and_places() -> None:
+    """Each result names a rule of the tool; URIs have no spaces; a whole file has no region."""
+    run = json.loads(sarif(FOUND))["runs"][0]
+    rules = [rule["id"] for rule in run["tool"]["driver"]["rules"]]
+    assert rules == ["SB525", "SB526"]
+    places = [result["locations"][0]["physicalLocation"] for result in run["results"]]
+    assert places[0] == {
+        "artifactLocation": {"uri": "a%20b/arm.robot.yaml"},
+        "region": {"startLine": 7, "startColumn": 3, "endColumn": 9},
+    }
+    assert "region" not in places[1]
+    assert json.loads(sarif([]))["runs"][0]["results"] == []
+
+
+@pytest.mark.parametrize(("format_", "begin"), [("github", "::error "), ("gitlab", "["), ("sarif", "{"), ("json", "{")])
+def test_commands_print_nothing_else(tmp_path: Path, format_: str, begin: str) -> None:
+    """Standard output is the document alone; the exit code is that of the findings."""
+    (tmp_path / "a.robot.yaml").write_text(WRONG, encoding="utf-8")
+    run = stepbot("check", "a.robot.yaml", "--output-format", format_, cwd=tmp_path)
+    assert run.code == 1
+    assert run.out.startswith(begin)
+    assert "a.robot.yaml" in run.out
+    assert run.err == ""
+    if format_ != "github":
+        json.loads(run.out)
+    again = stepbot("convert", "a.robot.yaml", "--output-format", format_, cwd=tmp_path)
+    assert again.code == 1
+    assert again.out.startswith(begin)
+
+
+def test_json_and_another_format_contradict(tmp_path: Path) -> None:
+    """Two documents cannot be one output."""
+    (tmp_path / "a.robot.yaml").write_text(WRONG, encoding="utf-8")
+    assert stepbot("check", "a.robot.yaml", "--json", "--output-format", "sarif", cwd=tmp_path).code == 2
+
+
+URDF = '<robot name="a"><link name="base"><inertial><mass value="{}"/>{}</inertial></link></robot>'
+INERTIA = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+
+
+def test_differences_as_markdown_and_annotations(tmp_path: Path) -> None:
+    """The table has the old and the new mass; annotations are about the new file."""
+    for name, mass in (("old", 1), ("new", 2)):
+        (tmp_path / f"{name}.urdf").write_text(URDF.format(mass, INERTIA), encoding="utf-8")
+    run = stepbot("diff", "old.urdf", "new.urdf", "--markdown", cwd=tmp_path)
+    assert run.code == 1
+    heading, _, columns, *rows = run.out.strip().split("\n")
+    assert re.fullmatch(r"\*\*\d+ differences?\*\* between `old.urdf` and `new.urdf`", heading)
+    assert columns == "| difference | what | old | new | how |"
+    assert any("| 1 kg | 2 kg |" in row for row in rows)
+    assert all(row.count("|") == 6 for row in rows)
+    annotated = stepbot("diff", "old.urdf", "new.urdf", "--output-format", "github", cwd=tmp_path)
+    assert annotated.code == 1
+    assert all(line.startswith("::warning file=new.urdf,title=SB8") for line in annotated.out.strip().split("\n"))
+    assert stepbot("diff", "old.urdf", "old.urdf", "--markdown", cwd=tmp_path).out.startswith("**No differences**")
+
+
+@pytest.mark.parametrize("file", ["action.yml", ".ci/templates/gitlab.yml"])
+def test_pipelines_use_commands_and_options_that_exist(file: str) -> None:
+    """Both files are YAML, and each command of stepbot in them has the options that they use."""
+    text = (ROOT / file).read_text(encoding="utf-8")
+    document: Any = YAML(typ="safe").load(text)
+    assert document
+    commands = re.findall(r"^(?:.*\s)?stepbot (check|batch|diff) (.*?)(?: [>|]| \|\||$)", text, re.MULTILINE)
+    assert {name for name, _ in commands} == {"check", "batch", "diff"}
+    for name, arguments in commands:
+        helped = stepbot(name, "--help", cwd=ROOT).out
+        for option in re.findall(r"(?:^|\s)(--?[a-z][a-z-]*)", arguments):
+            assert option in helped, (name, option)
