@@ -16,6 +16,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.engines.describe import describe
 from stepbot.engines.observation import EngineRefused
 from stepbot.formats.rendering import render
+from stepbot.formats.urdf.ros2.moveit import _further
 from stepbot.geometry.spatial import Pose, quaternion_from_rotation, rotation_from_rpy
 from stepbot.jobs.incremental import convert
 from stepbot.pipeline.conversion import Options
@@ -169,3 +170,9 @@ def test_urdfdom_reads_what_is_written(tmp_path: Path) -> None:
     np.testing.assert_allclose(placement.homogeneous, robot.joints[-1].X_PC.matrix, atol=1e-12)
     shapes = pinocchio.buildGeomFromUrdf(model, str(file), pinocchio.GeometryType.COLLISION)
     assert type(shapes.geometryObjects[-1].geometry).__name__ == "Capsule"
+
+
+def test_moveit_has_the_limits_that_a_file_states() -> None:
+    """Each limit beyond velocity and acceleration comes with the flag that makes MoveIt use it."""
+    assert _further(Limit(jerk=100.0)) == {"has_jerk_limits": True, "max_jerk": 100.0}
+    assert _further(Limit()) == {}

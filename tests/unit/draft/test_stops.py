@@ -8,7 +8,7 @@ import trimesh
 
 from stepbot.draft.stops import stops
 from stepbot.draft.stops.stops import Question, Shape, Stops, find_stops
-from stepbot.draft.stops.sweeps import Triangles, across, reach, slide, turn
+from stepbot.draft.stops.sweeps import Triangles, across, radii_and_heights, reach, slide, turn
 
 WIDTH, RADIUS = 0.004, 0.03
 
@@ -105,3 +105,8 @@ def test_a_way_beyond_the_longest_that_matters_is_infinite() -> None:
     beside = Triangles(corners, *reach(corners))
     assert turn(np.array([[0.03, 0.0, 0.0]]), beside, 1.0, np.inf) == pytest.approx(0.5 * pi)
     assert turn(np.array([[0.03, 0.0, 0.0]]), beside, 1.0, 1.5) == np.inf
+
+
+def test_a_turn_leaves_radius_and_height() -> None:
+    """Distances from the axis, and positions along it."""
+    np.testing.assert_allclose(radii_and_heights(np.array([[3.0, -4.0, 7.0], [0.0, 0.0, -2.0]])), [[5, 7], [0, -2]])
