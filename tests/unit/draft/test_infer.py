@@ -164,6 +164,16 @@ def test_two_wheels_make_a_floating_base() -> None:
         assert draft.base is base
 
 
+@pytest.mark.parametrize(("thickness", "moving"), [(6.0, 2), (6.04, 2), (7.0, 1)])
+def test_equal_small_bodies_on_one_axle_turn_alone(thickness: float, moving: int) -> None:
+    """Discs whose volumes differ by less than a hundredth are two; others are a horn and the idler behind it."""
+    plate = box(200, 200, 4) + cylinder(4, 40).at(0, 0, -20)
+    left, right = (cylinder(10, height) - cylinder(4.05, height) for height in (6.0, thickness))
+    nodes = [group("a", part("disc left", left, z=3)), group("b", part("disc right", right, z=-3 - thickness))]
+    draft = infer(assembled(group("base", part("plate", plate)), *nodes), "cart")
+    assert len(draft.joints) == moving
+
+
 def test_a_draft_without_joints_says_why() -> None:
     """A single block has no axis that two parts share."""
     draft = infer(assembled(part("block", box(10, 10, 10)), part("lid", box(10, 10, 2), z=6)), "still")
