@@ -258,7 +258,12 @@ def test_actuators_drive_their_joints_within_limits(write: Write) -> None:
     model = compiled(file)
     shoulder, elbow = model.actuator("shoulder_motor"), model.actuator("elbow_motor")
     assert model.joint(int(shoulder.trnid[0])).name == "shoulder"
-    assert (shoulder.gainprm[0], shoulder.biasprm[1], shoulder.biasprm[2]) == (100.0, -100.0, -5.0)
+    assert (shoulder.gainprm[0], shoulder.biasprm[1]) == (100.0, -100.0)
+    # kv, of which the slope from effort to velocity limit is damping that the force range does not cut off.
+    beside = float(model.actuator_damping[shoulder.id])
+    assert beside - shoulder.biasprm[2] == pytest.approx(5.0)
+    velocity = float(model.numeric("shoulder::velocity").data[0])
+    assert beside + float(model.joint("shoulder").damping[0]) == pytest.approx(12.5 / velocity)
     np.testing.assert_allclose(shoulder.ctrlrange, (-np.pi / 3, 2 * np.pi / 3), rtol=1e-15)
     np.testing.assert_allclose(shoulder.forcerange, (-12.5, 12.5))
     assert elbow.gear[0] == 20.0

@@ -45,6 +45,9 @@ def drive(assignment: Assignment) -> tuple[Result | str, ...]:
         EngineRefused: The engine does not load the file.
     """
     results: list[Result | str] = []
+    if assignment.engine != "mujoco":  # URDF has no gains: its motors are the engine's own
+        motors = tuple(replace(motor, computed=False, braked=False) for motor in assignment.mechanism.motors)
+        assignment = replace(assignment, mechanism=replace(assignment.mechanism, motors=motors))
     with printed():
         for test in assignment.tests:
             stage = Stage(

@@ -10,17 +10,24 @@ from typing import Any
 
 UNITS: Mapping[str, str] = {
     "angle error": "rad",
+    "angle error with other gains": "rad",
     "travel error": "mm",
     "angle drift": "rad",
     "travel drift": "mm",
     "poses": "",
     "speed error": "%",
     "overshoot": "%",
+    "overshoot with other gains": "%",
+    "lag": "%",
+    "lag with other gains": "%",
+    "lag with limited effort": "%",
     "loop opening": "mm",
     "covered range": "%",
     "angle beyond limit": "rad",
     "travel beyond limit": "mm",
     "speed of limit": "%",
+    "speed of limit with other gains": "%",
+    "pushed speed of limit": "%",
     "energy gain": "%",
     "penetration": "mm",
     "height drift": "mm",
@@ -50,6 +57,7 @@ class Bound:
 
 _ERROR = Bound(0.05, "3 degrees, a tenth of the 0.5 rad step: beyond it a position motor does not do its work")
 _TRAVEL = Bound(2.0, "2 mm: a twentieth of the stroke of a gripper")
+_SPEED = Bound(105.0, "a motor does not drive its joint faster than it can turn itself")
 _OPEN = Bound(0.5, "the clearance of a worn pin: beyond it, the mechanism is another one")
 _REST = Bound(1.0, "a solid deeper than 1 mm in another is seen, and sensors measure it")
 _ANY = {"loop opening": _OPEN}
@@ -57,18 +65,22 @@ _ANY = {"loop opening": _OPEN}
 LIMITS: Mapping[str, Mapping[str, Bound]] = {
     "hold": {
         **_ANY,
-        "angle error": _ERROR,
+        "angle error": Bound(0.01, "half a degree: 1 cm at the end of an arm of 1 m"),
+        "angle error with other gains": _ERROR,
         "travel error": _TRAVEL,
         "angle drift": Bound(1e-3, "at rest: less than the backlash of a gear in a quarter of a second"),
         "travel drift": Bound(0.1, "at rest: less than the play of a guide in a quarter of a second"),
     },
     "step": {
         **_ANY,
-        "overshoot": Bound(10.0, "a second-order system with damping ratio 0.6 overshoots by 9.5 %"),
+        "overshoot": Bound(5.0, "a second-order system with damping ratio 0.7 overshoots by 4.6 %"),
+        "overshoot with other gains": Bound(10.0, "a second-order system with damping ratio 0.6 overshoots by 9.5 %"),
+        "speed of limit": _SPEED,
         "angle error": _ERROR,
         "travel error": _TRAVEL,
         "speed error": Bound(5.0, "a speed controller without integrator against damping and gravity"),
     },
+    "track": {**_ANY, "lag": Bound(5.0, "a sine of 0.5 Hz is followed 16 ms behind at most")},
     "sweep": {**_ANY, "angle error": _ERROR, "travel error": _TRAVEL},
     "torque": {**_ANY},
     "drop": {

@@ -79,6 +79,8 @@ def mechanism_of(robot: Robot, constraints: tuple[Mapping[str, Any], ...]) -> Me
             actuator.gear,
             actuator_limit(actuator, robot.joint_by_name[actuator.joint]),
             robot.joint_by_name[actuator.joint].kind is not JointKind.PRISMATIC,
+            actuator.tuning is not None,
+            actuator.tuning is not None and actuator.tuning.braked,
         )
         for actuator in robot.actuators
         if actuator.joint in robot.joint_by_name

@@ -34,6 +34,7 @@ def reasons(
         "step": ""
         if survey.steps or spins
         else "no position actuator with room for a step, and no velocity actuator but wheels",
+        "track": "" if survey.steps else "no position actuator with room for a step",
         "sweep": servo,
         "torque": "" if limited else "no actuator on a joint with an effort limit",
         "drop": moving,
@@ -75,6 +76,7 @@ def _no_grasp(mechanism: Mechanism, survey: Survey) -> str:
 TESTS: Mapping[str, str] = {
     "hold": "random poses are held",
     "step": "each motor steps to a new target",
+    "track": "each motor follows a slow sine",
     "sweep": "each motor visits both ends of its range",
     "torque": "random efforts up to the limits",
     "drop": "falls on the floor, or limp if the base is fixed",

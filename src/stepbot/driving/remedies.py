@@ -10,6 +10,8 @@ from .results import Grip, Loss
 
 _REMEDIES = {
     "overshoot": "raise kv, lower kp, or let stepbot compute both: `gains: auto`",
+    "lag": "raise kp, lower the damping of the joint, or let stepbot compute the gains: `gains: auto`",
+    "speed of limit": "raise kv, or let stepbot compute the gains: `gains: auto`",
     "angle error": "raise kp, or the joint's effort limit if the motor is at it",
     "travel error": "raise kp, or the joint's effort limit if the motor is at it",
     "angle drift": "raise kv, or lower kp: the joint does not come to rest",
@@ -60,7 +62,7 @@ def facts_of(document: Mapping[str, Any], robot: Robot) -> Facts:
 
 def remedy(quantity: str) -> str:
     """What usually helps if a quantity is beyond its limit."""
-    return _REMEDIES.get(quantity, _REMEDY)
+    return _REMEDIES.get(quantity.partition(" with ")[0], _REMEDY)
 
 
 def fate(grip: Grip) -> str:

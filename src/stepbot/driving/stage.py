@@ -108,6 +108,32 @@ def tilt(X_WR: Pose) -> float:
     return degrees(atan2(hypot(X_WR.R[2, 0], X_WR.R[2, 1]), X_WR.R[2, 2]))
 
 
+class Speeds:
+    """The largest speed of each joint, relative to its limit [%]: driven by its motor, and pushed against it."""
+
+    def __init__(self) -> None:
+        """Nothing is measured yet."""
+        self._driven: dict[Motor, float] = {}
+        self._pushed: dict[str, float] = {}
+
+    def measure(self, simulation: Simulation, motor: Motor) -> float:
+        """Measure the joint of a motor; returns its speed."""
+        v = simulation.speeds()[motor.joint]
+        if isfinite(motor.limit.velocity):
+            share = 100.0 * abs(v) / motor.limit.velocity
+            # Beyond its limit, a joint whose motor brakes is driven on by gravity, other joints or its loop.
+            brakes = share > 100.0 and simulation.effort(motor.joint) * v <= 0.0
+            if brakes:
+                self._pushed[motor.joint] = max(self._pushed.get(motor.joint, 0.0), share)
+            else:
+                self._driven[motor] = max(self._driven.get(motor, 0.0), share)
+        return v
+
+    def measures(self) -> tuple[Measure, ...]:
+        """The largest of both; none without limits of speed."""
+        return (*by_gains(self._driven, "speed of limit"), *largest("pushed speed of limit", self._pushed))
+
+
 class Gaps:
     """The widest gap of each closure so far."""
 
@@ -142,6 +168,13 @@ def _gap(closure: LoopClosure, simulation: Simulation) -> float:
     if closure.kind is JointKind.PRISMATIC:
         apart = np.cross(X_WF.turn(closure.axis), apart)
     return float(np.linalg.norm(apart))
+
+
+def by_gains(values: Mapping[Motor, float], quantity: str) -> tuple[Measure, ...]:
+    """The largest value of motors with computed gains, which have stated limits, and of those with given ones."""
+    computed = {motor.joint: value for motor, value in values.items() if motor.computed}
+    given = {motor.joint: value for motor, value in values.items() if not motor.computed}
+    return (*largest(quantity, computed), *largest(f"{quantity} with other gains", given))
 
 
 def by_kind(errors: Mapping[Motor, float], angular: str, linear: str) -> tuple[Measure, ...]:

@@ -36,6 +36,10 @@ class Motor:
     """Narrower of the limits of joint and actuator."""
     angular: bool
     """Whether the joint turns."""
+    computed: bool = False
+    """Whether its gains are computed."""
+    braked: bool = False
+    """Whether its effort limit needs more damping than its gains would have."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,6 +20,7 @@ from stepbot.robot.model import (
     Mimic,
     Robot,
 )
+from stepbot.robot.tuning import Tuning
 
 Json = Mapping[str, Any]
 
@@ -103,4 +104,11 @@ def _actuator(content: Json) -> Actuator:
         kv=float(content["kv"]),
         gear=float(content["gear"]),
         limit=_limit(content["limits"]),
+        tuning=_tuning(content.get("computed")),
     )
+
+
+def _tuning(content: Json | None) -> Tuning | None:
+    if content is None:
+        return None
+    return Tuning(float(content["bandwidth"]), float(content["damping_ratio"]), braked=bool(content["braked"]))

@@ -1,38 +1,42 @@
-"""Gains of actuators from the inertia that they move in the drawn pose.
+"""Gains of actuators from the inertia that they move.
 
 A position actuator and the inertia I of its joint are an oscillator with kp = I w^2 and kv = 2 z I w, where w = 2 pi *
 bandwidth and z is the damping ratio; passive damping of the joints is subtracted from kv. A velocity actuator is a
 first-order system with kv = I w.
 
-An actuator at its effort limit T accelerates and brakes no faster than T allows, so that a large step overshoots in
-spite of its damping. With velocity v and error e, it brakes from v = (kp / kv) e on, which takes the deceleration
-(kp / kv)^2 e. With the joint's weight g against it, T suffices after a step s from rest if
+A target that moves at a speed is followed at the distance c / kp times that speed, where c is the whole damping: with
+c / kp <= 2 z / w, the error of a sine of frequency f is at most 2 z f / bandwidth of its amplitude.
 
-    (kp / kv)^2 <= (T - g) (3 T + g) / (2 (T + g) I s)
+A position actuator whose joint has limits T of effort and v of velocity has no force left at that speed: the line from
+T at rest to nothing at v, a damping of T / v, which is a part of its kv that the effort limit does not cut off
+(:func:`line_damping`). An actuator at its effort limit accelerates and brakes no faster than T allows, so that a large
+step overshoots in spite of its damping: kv is raised until a simulated step overshoots by :data:`OVERSHOOT` at most.
 
-and kv is raised until it does.
-
-Where the bandwidth is only a lower bound, kp is larger than I w^2 in two cases. The weight g of the joint, the largest
-over its own range, must not let it sag by more than :data:`SAG`: kp >= g / SAG. And passive damping d beyond 2 I w
-makes the joint slower than w: kp = d w - I w^2 puts the slower of its two poles at w again. Then kv = 2 z sqrt(kp I).
+``gains: auto`` takes the largest I and weight g over postures in the range of the robot, and w as a lower bound: kp is
+larger where g would let the joint sag by more than :data:`SAG`, where dry friction would hold it back by more than
+:data:`STUCK`, and where the damping alone would make it slower than w. A wheel moves the base that it carries:
+:func:`_load_on_wheel`.
 
 In a mechanism, I is the entry of the driven joint in the mass matrix of the driven joints, mimics and loops followed:
-the other motors hold. The base is held, too.
+the other motors hold. The base is held, too. With loops the postures are the drawn pose alone.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import floor, isfinite, log10, pi, sqrt
 
 import numpy as np
 
 from stepbot.geometry.spatial import Array
+from stepbot.geometry.sums import exact_sum
 
 from .closures import Loops, driven_joints, following
 from .dynamics import equations_of_motion
-from .kinematics import initial_configuration, leader_range
-from .model import Actuator, ActuatorKind, Joint, JointKind, Limit, Robot
+from .kinematics import initial_configuration, link_poses
+from .model import Actuator, ActuatorKind, Base, Joint, JointKind, Limit, Robot
 from .multi_dof import unfolded
+from .sampling import sampled
+from .standing import standing_height
 
 Bounds = tuple[float, float]
 
@@ -69,28 +73,52 @@ def force_range(actuator: Actuator, joint: Joint) -> Bounds:
 
 
 STEP, TRAVEL = 0.5, 0.1
-"""Step [rad] and [m] that an actuator at its effort limit brakes without overshoot, or half of the joint's range."""
-SAG, SINKING = 0.04, 1.6e-3
+"""Step [rad] and [m] that an actuator at its effort limit brakes in time, or half of the joint's range."""
+OVERSHOOT = 0.04
+"""Overshoot of that step, as a share of it."""
+SAG, SINKING = 0.008, 3.2e-4
 """Error [rad] and [m] that the weight of a joint may cause: four fifths of what drive tests allow."""
-_POSITIONS = 5
-"""Number of positions over a joint's range in which its weight is computed; in a full turn, one each 90 degrees."""
+STUCK, STICKING = 0.002, 8e-5
+"""Error [rad] and [m] that its dry friction may cause."""
+CREEP = 0.005
+"""Share of the speed of a velocity actuator that the passive damping of its joint may cost."""
+_POSTURES = 24
+"""Number of postures in which the inertia and the weight of the joints are computed."""
 _RESIDUE = 9
 """Decimals [N m] or [N] of weights: smaller ones are rounding of axes that point up."""
 _DIGITS = 4
 """Significant digits of gains, which do not depend on the last bits of the linear algebra below."""
+_STEPS = 2000
+"""Number of time steps of a simulated step response."""
+_HALVINGS = 12
+"""Number of halvings of the interval in which the damping that brakes in time is sought."""
+
+
+def line_damping(actuator: Actuator, joint: Joint) -> float:
+    """Damping [N m s/rad] or [N s/m] at the joint that uses up a position actuator's effort at its velocity limit.
+
+    That of the joint is subtracted; 0 without both limits, and for other actuators: a velocity actuator does not drive
+    beyond its range.
+    """
+    limit = actuator_limit(actuator, joint)
+    if actuator.kind is not ActuatorKind.POSITION or not (isfinite(limit.effort) and isfinite(limit.velocity)):
+        return 0.0
+    return max(0.0, limit.effort / limit.velocity - joint.dynamics.damping)
 
 
 @dataclass(frozen=True, eq=False)
 class _Driven:
-    """The driven joints in the drawn pose, all others following them."""
+    """The driven joints, all others following them."""
 
     names: tuple[str, ...]
     inertia: Array
-    """Diagonal of the mass matrix (n,), armatures included."""
+    """Diagonal of the mass matrix (n,) in the drawn pose, armatures included."""
     weight: Array
-    """Gravity forces (n,)."""
+    """Gravity forces (n,) in the drawn pose."""
+    largest: Array
+    """Largest entry of that diagonal over all postures (n,)."""
     heaviest: Array
-    """Largest magnitude of each gravity force over its joint's range, others as drawn; with loops in that pose (n,)."""
+    """Largest magnitude of each gravity force over all postures (n,)."""
     damping: Array
     """Diagonal of the passive damping (n,)."""
 
@@ -126,16 +154,18 @@ def _driven(robot: Robot) -> _Driven:
     armature, damping = (
         np.array([getattr(joints[name].dynamics, field) for name in tree.joints]) for field in ("armature", "damping")
     )
-    equations = equations_of_motion(robot, home)
-    inertia = S.T @ (equations.mass_matrix + np.diag(armature)) @ S
-    weight = S.T @ equations.gravity
-    heaviest = np.abs(weight)
-    wanted = {one.joint for one in robot.actuators if one.tuning is not None and one.tuning.at_least}
-    for i, name in enumerate(names):
-        for position in np.linspace(*leader_range(robot, name), _POSITIONS) if name in wanted and not follow else ():
-            moved = equations_of_motion(robot, {**home, name: float(position)}, tree=tree).gravity
-            heaviest[i] = max(heaviest[i], abs(float(S[:, i] @ moved)))
-    return _Driven(names, np.diag(inertia), weight, heaviest, np.diag(S.T @ np.diag(damping) @ S))
+
+    def seen(q: Mapping[str, float]) -> tuple[Array, Array]:
+        equations = equations_of_motion(robot, q, tree=tree)
+        return np.diag(S.T @ (equations.mass_matrix + np.diag(armature)) @ S), S.T @ equations.gravity
+
+    inertia, weight = seen(home)
+    largest, heaviest = inertia, np.abs(weight)
+    if not robot.closures and any(one.tuning is not None and one.tuning.at_least for one in robot.actuators):
+        for row in sampled(robot, _POSTURES)[1:]:
+            moved, heavy = seen(dict(zip(tree.joints, row.tolist(), strict=True)))
+            largest, heaviest = np.maximum(largest, moved), np.maximum(heaviest, np.abs(heavy))
+    return _Driven(names, inertia, weight, largest, heaviest, np.diag(S.T @ np.diag(damping) @ S))
 
 
 def _tuned(
@@ -143,41 +173,103 @@ def _tuned(
 ) -> Actuator:
     if actuator.tuning is None or actuator.joint not in driven.names:
         return actuator
-    index = driven.names.index(actuator.joint)
-    inertia, passive = float(driven.inertia[index]), float(driven.damping[index])
+    index, tuning = driven.names.index(actuator.joint), actuator.tuning
+    inertia = float((driven.largest if tuning.at_least else driven.inertia)[index])
+    passive = float(driven.damping[index])
     weight = round(abs(float(driven.weight[index])), _RESIDUE)
     joint = robot.joint_by_name[actuator.joint]
-    w = 2.0 * pi * actuator.tuning.bandwidth
-    kp, kv, stiffened, braked = 0.0, inertia * w, False, False
+    w = 2.0 * pi * tuning.bandwidth
+    stiffened = braked = False
     if actuator.kind is ActuatorKind.POSITION:
-        heaviest = round(float(driven.heaviest[index]), _RESIDUE)
-        kp = _stiffness(inertia, passive, heaviest, w, joint) if actuator.tuning.at_least else inertia * w**2
-        stiffened, kv = kp > inertia * w**2, 2.0 * actuator.tuning.damping_ratio * sqrt(kp * inertia)
+        line = line_damping(actuator, joint)
+        kp = inertia * w**2
+        if tuning.at_least:
+            heaviest = round(float(driven.heaviest[index]), _RESIDUE)
+            slow = (passive + line) * w / (2.0 * tuning.damping_ratio)
+            kp = max(kp, slow, _holding_stiffness(joint, heaviest))
+        stiffened = kp > inertia * w**2
+        damping = max(2.0 * tuning.damping_ratio * sqrt(kp * inertia), passive + line)
         effort = actuator_limit(actuator, joint).effort
         if effort <= weight:
             too_weak(actuator, effort, weight)
-        elif isfinite(effort):
-            braking = kp * sqrt(inertia * _step(joint) / _fastest_braking(effort, weight))
-            braked, kv = braking > kv, max(kv, braking)
+        elif isfinite(effort) and inertia > 0.0:
+            drawn = float(driven.inertia[index])
+            braking = _braking(_Step(drawn, effort, weight, kp, passive + line, _step(joint)), damping)
+            braked, damping = braking > damping, braking
+    else:
+        kp = 0.0
+        if tuning.at_least:
+            inertia = max(inertia, _load_on_wheel(robot, joint))
+        damping = max(inertia * w, passive / CREEP + passive if tuning.at_least else 0.0)
     square = actuator.gear**2
-    found = replace(
-        actuator.tuning, inertia=_rounded(inertia), weight=_rounded(weight), stiffened=stiffened, braked=braked
-    )
-    kp, kv = kp / square, max(kv - passive, 0.0) / square
+    found = replace(tuning, inertia=_rounded(inertia), weight=_rounded(weight), stiffened=stiffened, braked=braked)
+    kp, kv = kp / square, max(damping - passive, 0.0) / square
     return replace(actuator, kp=_rounded(kp), kv=_rounded(kv), tuning=found)
 
 
-def _stiffness(inertia: float, passive: float, heaviest: float, w: float, joint: Joint) -> float:
-    """The kp that holds the joint's weight, and is no slower than ``w`` [rad/s] in spite of passive damping."""
-    sag = SINKING if joint.kind is JointKind.PRISMATIC else SAG
-    overcome = passive * w - inertia * w**2 if passive > 2.0 * inertia * w else 0.0
-    return max(inertia * w**2, overcome, heaviest / sag)
+def _holding_stiffness(joint: Joint, heaviest: float) -> float:
+    """The kp that holds a joint against its weight and its dry friction."""
+    sag, stuck = (SINKING, STICKING) if joint.kind is JointKind.PRISMATIC else (SAG, STUCK)
+    return max(heaviest / sag, joint.dynamics.friction / stuck)
 
 
-def _fastest_braking(effort: float, weight: float) -> float:
-    """Square of the largest kp / kv that brakes without overshoot, times inertia and step."""
-    # The quotient first: the product of two small efforts would underflow to 0.
-    return (effort - weight) / (effort + weight) * (3.0 * effort + weight) / 2.0
+@dataclass(frozen=True)
+class _Step:
+    """A step of a joint whose effort is limited, from rest in the drawn pose, with its weight in that direction."""
+
+    inertia: float
+    effort: float
+    weight: float
+    kp: float
+    passive: float
+    """Damping that the effort limit does not cut off."""
+    size: float
+
+    def overshoot(self, damping: float) -> float:
+        """The largest position beyond the target, as a share of the step.
+
+        Args:
+            damping: The whole damping, ``passive`` included.
+        """
+        if not self.size:
+            return 0.0
+        # Long enough to cover the way at the effort limit and back.
+        seconds = 4.0 * sqrt(2.0 * self.size * self.inertia / (self.effort - self.weight)) + 4.0 * damping / self.kp
+        h, x, v, most = seconds / _STEPS, 0.0, 0.0, self.size
+        for _ in range(_STEPS):
+            wanted = self.kp * (self.size - x) - (damping - self.passive) * v
+            force = min(max(wanted, -self.effort), self.effort) + self.weight
+            v = (v + h * force / self.inertia) / (1.0 + h * self.passive / self.inertia)
+            x += h * v
+            most = max(most, x)
+        return (most - self.size - self.weight / self.kp) / self.size
+
+
+def _braking(step: _Step, damping: float) -> float:
+    """The damping, at least the given one, with which a step overshoots by no more than :data:`OVERSHOOT`."""
+    if step.overshoot(damping) <= OVERSHOOT:
+        return damping
+    # With this one it does not overshoot at all: the deceleration from the fastest approach is within the limit.
+    margin = (step.effort - step.weight) / (step.effort + step.weight) * (3.0 * step.effort + step.weight) / 2.0
+    low, high = damping, max(damping, step.kp * sqrt(step.inertia * step.size / margin))
+    for _ in range(_HALVINGS):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if step.overshoot(middle) <= OVERSHOOT else (middle, high)
+    return high
+
+
+def _load_on_wheel(robot: Robot, joint: Joint) -> float:
+    """Inertia [kg m^2] at the axle of a driven wheel of a floating base: its share of the robot's mass, times radius^2.
+
+    The radius is the height of the axle above the floor on which the robot stands. 0 for what is no wheel.
+    """
+    wheels = {one.joint for one in robot.actuators if one.kind is ActuatorKind.VELOCITY}
+    if robot.base is not Base.FLOATING or joint.kind is not JointKind.CONTINUOUS or joint.name not in wheels:
+        return 0.0
+    home = initial_configuration(robot)
+    radius = link_poses(robot, home)[joint.child].position[2] + standing_height(robot, home)
+    mass = exact_sum(link.mass_properties.mass for link in robot.links)
+    return mass * max(radius, 0.0) ** 2 / len(wheels)
 
 
 def _step(joint: Joint) -> float:

@@ -53,7 +53,7 @@ def test_overshoot_of_a_second_order_system(ratio: float, tmp_path: Path) -> Non
     stiffness = 150.0
     stage = stage_of(one_joint(VERTICAL, stiffness, 2.0 * ratio * sqrt(stiffness * INERTIA)), "mujoco", tmp_path)
     expected = 100.0 * exp(-pi * ratio / sqrt(1.0 - ratio**2)) if ratio < 1.0 else 0.0
-    assert value(run("step", stage), "overshoot") == pytest.approx(expected, abs=1.5)
+    assert value(run("step", stage), "overshoot with other gains") == pytest.approx(expected, abs=1.5)
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -76,7 +76,7 @@ def test_sag_under_gravity(tmp_path: Path) -> None:
     """A held arm sags by gravity's torque over the stiffness of its motor, at most m g r / kp."""
     stage = stage_of(one_joint(HORIZONTAL, 100.0, 15.0), "mujoco", tmp_path)
     expected = max(GRAVITY * 0.5 * abs(cos(q["turn"])) / 100.0 for q in stage.survey.poses)
-    assert value(run("hold", stage), "angle error") == pytest.approx(expected, rel=0.03)
+    assert value(run("hold", stage), "angle error with other gains") == pytest.approx(expected, rel=0.03)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -3,7 +3,7 @@
 from stepbot.robot.model import ActuatorKind
 
 from ..results import Measure, Plot, Result, thinned
-from ..stage import Gaps, Stage, by_kind, run
+from ..stage import Gaps, Stage, by_gains, by_kind, run
 
 _SECONDS = 1.5
 _LAST = 0.25
@@ -33,6 +33,8 @@ def experiment(stage: Stage) -> Result:
                 errors[motor] = max(errors[motor], abs(seen[-1] - q[motor.joint]))
                 drifts[motor] = max(drifts[motor], max(seen) - min(seen))
             curves[f"pose {number}"] = thinned(times, worst)
-    measures = (*by_kind(errors, "angle error", "travel error"), *by_kind(drifts, "angle drift", "travel drift"))
+    turning = by_gains({motor: error for motor, error in errors.items() if motor.angular}, "angle error")
+    travel = by_kind({motor: error for motor, error in errors.items() if not motor.angular}, "", "travel error")
+    measures = (*turning, *travel, *by_kind(drifts, "angle drift", "travel drift"))
     measures = (*measures, Measure("poses", float(len(stage.survey.poses))), *gaps.measures())
     return Result("hold", measures, Plot("time [s]", "largest error [rad, m]", curves))

@@ -5,7 +5,7 @@ from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import ActuatorKind
 
 from ..results import Measure, Plot, Result, Series, largest, thinned
-from ..stage import Gaps, Stage, by_kind, run
+from ..stage import Gaps, Speeds, Stage, by_gains, by_kind, run
 from ..survey import Move
 
 _SETTLE = 0.5
@@ -22,20 +22,23 @@ _SPEED = 1.0
 def experiment(stage: Stage) -> Result:
     """Step every position motor, and every velocity motor that does not drive a wheel."""
     gaps, curves = Gaps(stage), {}
-    overshoots: dict[str, float] = {}
+    overshoots: dict[Motor, float] = {}
     errors: dict[Motor, float] = {}
     drive = _Drive(stage, gaps)
     with stage.scene(held=True) as simulation:
         for move in stage.survey.steps:
             motor = stage.motor(move.motor)
             overshoot, error, curve = drive.step(simulation, motor, move)
-            overshoots[motor.joint], errors[motor], curves[motor.joint] = overshoot, error, curve
+            overshoots[motor], errors[motor], curves[motor.joint] = overshoot, error, curve
         speed_errors = {}
         for motor in _spinning(stage):
             overshoot, error, curve = drive.spin(simulation, motor)
-            overshoots[motor.joint], speed_errors[motor.joint], curves[motor.joint] = overshoot, error, curve
-    measures: tuple[Measure, ...] = (*largest("overshoot", overshoots), *by_kind(errors, "angle error", "travel error"))
-    measures = (*measures, *largest("speed error", speed_errors), *gaps.measures())
+            overshoots[motor], speed_errors[motor.joint], curves[motor.joint] = overshoot, error, curve
+    measures: tuple[Measure, ...] = (
+        *by_gains(overshoots, "overshoot"),
+        *by_kind(errors, "angle error", "travel error"),
+    )
+    measures = (*measures, *largest("speed error", speed_errors), *drive.speeds.measures(), *gaps.measures())
     return Result("step", measures, Plot("time [s]", "response, 1 = commanded", curves))
 
 
@@ -46,7 +49,7 @@ def _spinning(stage: Stage) -> list[Motor]:
 
 class _Drive:
     def __init__(self, stage: Stage, gaps: Gaps) -> None:
-        self._stage, self._gaps = stage, gaps
+        self._stage, self._gaps, self.speeds = stage, gaps, Speeds()
 
     def step(self, simulation: Simulation, motor: Motor, move: Move) -> tuple[float, float, Series]:
         """Overshoot [%], final error [rad] or [m], and the response."""
@@ -61,6 +64,7 @@ class _Drive:
         times, q = [], []
         for time in run(simulation, _SECONDS):
             self._gaps.measure(simulation)
+            self.speeds.measure(simulation, motor)
             times.append(time)
             q.append(simulation.positions()[motor.joint])
         size = end - self._stage.mechanism.home[motor.joint]
@@ -79,7 +83,7 @@ class _Drive:
         for time in run(simulation, _SECONDS):
             self._gaps.measure(simulation)
             times.append(time)
-            speeds.append(simulation.speeds()[motor.joint])
+            speeds.append(self.speeds.measure(simulation, motor))
         last = [speed for time, speed in zip(times, speeds, strict=True) if time > 0.5 * _SECONDS]
         final = exact_sum(last) / len(last)
         beyond = max(speed - final for speed in speeds) / abs(goal)

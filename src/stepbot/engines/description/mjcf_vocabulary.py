@@ -23,7 +23,7 @@ _ACTUATOR = (
     "tendon site body jointinparent cranksite slidersite refsite"  # reported one by one
 )
 _ACTUATORS = {
-    "position": f"{_ACTUATOR} kp kv dampratio timeconst",
+    "position": f"{_ACTUATOR} kp kv damping dampratio timeconst",
     "velocity": f"{_ACTUATOR} kv",
     "motor": _ACTUATOR,
     "general": f"{_ACTUATOR} dyntype gaintype biastype dynprm gainprm biasprm",

@@ -76,7 +76,7 @@ def _actuator(compiled: "Compiled", a: int) -> ObservedActuator:
     if strange:
         return replace(seen, kind=strange)
     if bias[1]:
-        return replace(seen, kind=ActuatorKind.POSITION.value, kp=gain, kv=-bias[2])
+        return replace(seen, kind=ActuatorKind.POSITION.value, kp=gain, kv=float(model.actuator_damping[a]) - bias[2])
     if bias[2]:
         return replace(seen, kind=ActuatorKind.VELOCITY.value, kv=gain)
     return replace(seen, gear=gear * gain)

@@ -113,7 +113,12 @@ class MujocoSimulation:
         return dict(zip(self._joints, self.data.qvel[self._dofs].tolist(), strict=True))
 
     def effort(self, joint: str) -> float:  # noqa: D102
-        return float(self.data.qfrc_actuator[self.model.jnt_dofadr[self._joints[joint]]])
+        # With the part of its damping that its range of force does not cut off.
+        index = self._joints[joint]
+        dof, actuator = int(self.model.jnt_dofadr[index]), int(self.model.jnt_actuatorid[index])
+        damping = self.model.actuator_damping[actuator] * self.model.actuator_gear[actuator][0] ** 2
+        damping = float(damping) if actuator >= 0 else 0.0
+        return float(self.data.qfrc_actuator[dof]) - damping * float(self.data.qvel[dof])
 
     def pose(self, link: str) -> Pose:  # noqa: D102
         return self._body_pose(self._id("BODY", link))

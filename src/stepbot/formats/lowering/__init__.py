@@ -192,7 +192,7 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.OPEN_POSITION: _Handling(joints_where(is_open), each_joint(bound)),
     Feature.OPEN_EFFORT: _Handling(joints_where(lacks_effort), each_joint(bound_effort)),
     Feature.VELOCITY: _Handling(
-        joints_where(lambda joint: joint.kind is not JointKind.FIXED and isfinite(joint.limit.velocity))
+        joints_where(lambda joint: joint.kind is not JointKind.FIXED and isfinite(joint.limit.velocity)),
     ),
     Feature.SPRING: _Handling(
         joints_where(lambda joint: joint.dynamics.stiffness != 0.0), leave_out=each_joint(without_spring)

@@ -7,7 +7,7 @@ can be. MuJoCo's cameras look along -z with y up, its rangefinders along z.
 from math import atan, degrees, isfinite, tan
 
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.gains import control_range, force_range
+from stepbot.robot.gains import control_range, force_range, line_damping
 from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Link, Robot
 from stepbot.robot.multi_dof import steps_by_child
@@ -49,8 +49,12 @@ def _actuator(parent: Element, actuator: Actuator, joint: Joint) -> None:
     optional: dict[str, Value] = {"gear": actuator.gear} if actuator.gear != 1.0 else {}
     if actuator.kind is ActuatorKind.POSITION:
         optional["kp"] = actuator.kp
-    if actuator.kind is ActuatorKind.VELOCITY or actuator.kv:
-        optional["kv"] = actuator.kv
+    # The part of kv that the effort limit does not cut off: at the velocity limit it uses up the effort.
+    line = min(line_damping(actuator, joint) / actuator.gear**2, actuator.kv)
+    if line:
+        optional["damping"] = line
+    if actuator.kind is ActuatorKind.VELOCITY or actuator.kv > line:
+        optional["kv"] = actuator.kv - line
     control, force = control_range(actuator, joint), force_range(actuator, joint)
     if all(map(isfinite, control)):
         optional["ctrlrange"] = control

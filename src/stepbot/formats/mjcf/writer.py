@@ -79,7 +79,9 @@ EXPRESSES = {
     Feature.OPEN_EFFORT: exact("no attribute"),
     Feature.EFFORT: exact("`actuatorfrcrange`, `forcerange`"),
     Feature.VELOCITY: lowered(
-        "SB705", "velocity limits are written as `<numeric>` data, which MuJoCo does not enforce"
+        "SB705",
+        "velocity limits are `<numeric>` data, which MuJoCo does not enforce; up to effort / velocity limit, kv of a "
+        "position actuator is its `damping`, beside its force range",
     ),
     Feature.ACCELERATION: reported("SB718", "limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`damping`, `frictionloss`"),
