@@ -31,6 +31,7 @@ COMMANDS = {
     "verify": "Compare robot files across engines.",
     "drive": "Move a robot in the engines.",
     "diff": "Show what differs between two revisions.",
+    "doctor": "Show what works on this machine.",
     "explain": "Explain a diagnostic code.",
     "docs": "Open the documentation.",
     "schema": "Print the JSON Schema of the sidecar.",

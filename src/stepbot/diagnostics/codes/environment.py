@@ -18,7 +18,7 @@ CODES = (
         "system library missing",
         "The geometry kernel failed to load because a shared system library is missing.",
         "The kernel's wheel links to libGL, libX11 and libexpat, although stepbot never opens a window.",
-        "On Debian or Ubuntu, run `apt-get install libgl1 libx11-6 libexpat1`.",
+        "On Debian or Ubuntu, run `apt-get install libgl1 libx11-6 libexpat1`. `stepbot doctor` shows what is missing.",
         could_not_run=True,
     ),
     Code(
@@ -27,7 +27,7 @@ CODES = (
         "Python package missing",
         "The command needs a Python package that is not installed.",
         "The command cannot do its work without the package.",
-        "Install the extra named in the message.",
+        "Install the extra named in the message; `stepbot doctor` shows what is installed, and the command for the rest.",
         could_not_run=True,
     ),
     Code(
@@ -46,7 +46,7 @@ CODES = (
         "`--require`, or `--engine` of `stepbot drive`, names an engine that is not installed or fails to start; or no engine is "
         "installed that drives the files.",
         "A check that did not run does not count as passed.",
-        "Install the engine, or remove the requirement.",
+        "Install the engine, or remove the requirement; `stepbot doctor` shows which work here, and the command for the rest.",
         could_not_run=True,
     ),
     Code(
