@@ -16,6 +16,8 @@ _RINGS, _TREAD, _AS_WIDE = 0.92, 3.0, 0.25
 """Score of a weld between the rings of one wheel; how far a tread may be from symmetric; share of a width up to which
 others are equal.
 """
+_DOME, _SEATED = 1.0, 0.55
+"""Ratio of the radius of a sphere and the size of a part, from which it is no ball; score of a weld there."""
 _EXACT = 1e-6
 """Difference of radii [m] up to which a shaft fills its bore."""
 
@@ -63,6 +65,9 @@ class PairEvidence:
             self._weld(r, 0.42, "coaxial")
 
     def _ball(self, r: Relation) -> None:
+        if r.radius > _DOME * min(self._survey.parts[i].size for i in (r.a, r.b)):
+            self._weld(r, _SEATED, "a dome in a hollow that is wider than they are")
+            return
         score = 0.8 if self._structure.are_together(r.a, r.b) else 0.9
         self._joint(r, score, JointKind.BALL, f"ball of r {_mm(r.radius)} in a socket")
 
