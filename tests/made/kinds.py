@@ -298,7 +298,7 @@ def rods(kit: Kit) -> None:
     for side in (-1, 1):
         kit.add("base", "bracket", block, at(side * length / 2, 0, 20))
         kit.add("base", "rail", cylinder(r, length + 15), at(-length / 2 - 7.5, side * gap / 2, 20) @ rot("y", pi / 2))
-    carriage = box(60, 90, 24)
+    carriage = box(60, gap + 6 * r, 5 * r + 4)
     bush = kit.rng.random() < 0.5
     bore = 2 * r if bush else r + max(0.0, kit.clearance)
     for side in (-1, 1):

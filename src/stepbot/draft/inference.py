@@ -12,6 +12,7 @@ from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvid
 from stepbot.draft.evidence.fingers import finger_evidence
 from stepbot.draft.evidence.gears import gear_evidence, mark_geared
 from stepbot.draft.evidence.guides import cross_evidence, guide_evidence
+from stepbot.draft.evidence.knuckles import knuckle_evidence
 from stepbot.draft.evidence.linkages import linkage_evidence
 from stepbot.draft.evidence.motor_outputs import motor_evidence
 from stepbot.draft.evidence.motors import Motor, find_motors
@@ -100,6 +101,7 @@ def _infer(
     fact_evidence(survey, facts, evidence)
     body_welds(survey, [motor.parts for motor in motors], evidence)
     motor_evidence(survey, motors, evidence)
+    knuckle_evidence(survey, evidence)
     twin_evidence(survey, evidence)
     linkage_evidence(survey, motors, evidence)
     structure = Structure(survey, evidence.mechanisms)

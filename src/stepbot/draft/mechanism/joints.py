@@ -18,7 +18,7 @@ from stepbot.draft.mechanism.decide import Decision
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
-from stepbot.draft.parts.parts import box_gap, whole
+from stepbot.draft.parts.parts import box_gap
 from stepbot.geometry.spatial import perpendicular_frame, unit
 from stepbot.robot.model import JointKind
 
@@ -38,8 +38,6 @@ _SCREW = 2e-3
 """Share of the assembly's volume up to which a subassembly that spins is a screw drawn as several bodies."""
 _ROD = 2.0
 """Length in diagonals of its section from which a body is a rod."""
-_TREAD = 3.0
-"""How far the tread of a wheel may be from symmetric."""
 _CRUMB = 5e-5
 """Share of the assembly's volume below which a body that spins is a wire, a plug or a pin."""
 _WHEEL = 0.08
@@ -75,8 +73,6 @@ class Mechanism:
         self._gather()
         self._drop_repeated()
         while self._drop_spinner():
-            pass
-        while self._unite_behind_wheel():
             pass
         while self._unite_two_sides():
             pass
@@ -160,34 +156,6 @@ class Mechanism:
             j.a, j.b = self._clusters.find(j.a), self._clusters.find(j.b)
         self.joints = [j for j in self.joints if j.a != j.b]
         return True
-
-    def _unite_behind_wheel(self) -> bool:
-        """Unite a body between a wheel and its support, all on one line, with the support: a motor turns the wheel."""
-        of = self._of()
-        for root, joints in sorted(of.items()):
-            if len(joints) != 2 or not all(self._is_plain(j) and j.axis.same(joints[0].axis) for j in joints):
-                continue
-            ends = [(j, j.other(root)) for j in joints]
-            wheels = [end for _, end in ends if len(of[end]) == 1 and self._is_turned(end, joints[0].axis)]
-            for j, end in ends if len(wheels) == 1 else ():
-                if end != wheels[0] and self._unite(j, root, end):
-                    self._made.guess(self._clusters.members(root), "between a wheel and its support")
-                    return True
-        return False
-
-    def _is_plain(self, j: Joint) -> bool:
-        h = j.evidence
-        return h.type == JointKind.REVOLUTE and not (h.drives or h.priority or h.of_linkage or h.through >= 0)
-
-    def _is_turned(self, root: int, axis: Axis) -> bool:
-        """Whether the mass of a body is symmetric about an axis, and wider than it is long."""
-        members = [i for i in self._clusters.members(root) if self._survey.parts[i].volume]
-        body = whole([self._survey.parts[i] for i in members])
-        if body is None or not body.is_balanced(axis, _TREAD):
-            return False
-        spans = np.array([[self._survey.scene.span(i, d) for i in members] for d in perpendicular_frame(axis.d).T])
-        across, _, along = (spans[:, :, 1].max(axis=1) - spans[:, :, 0].min(axis=1)).tolist()
-        return bool(along < across)
 
     def _unite_two_sides(self) -> bool:
         """Unite two bodies that turn on a third about one axis, if one of them is connected to nothing else."""
