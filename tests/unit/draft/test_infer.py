@@ -164,7 +164,7 @@ def test_two_wheels_make_a_floating_base() -> None:
         assert draft.base is base
 
 
-@pytest.mark.parametrize(("thickness", "moving"), [(6.0, 2), (6.04, 2), (7.0, 1)])
+@pytest.mark.parametrize(("thickness", "moving"), [(6.0, 2), (6.04, 2), (6.09, 1), (7.0, 1)])
 def test_equal_small_bodies_on_one_axle_turn_alone(thickness: float, moving: int) -> None:
     """Discs whose volumes differ by less than a hundredth are two; others are a horn and the idler behind it."""
     plate = box(200, 200, 4) + cylinder(4, 40).at(0, 0, -20)
