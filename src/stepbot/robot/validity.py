@@ -136,6 +136,11 @@ def _check_numbers(robot: Robot, report: Report) -> bool:
             message = f"link '{link.name}': centre of mass is not finite, or farther than {FARTHEST:g} m"
             report("SB414", message, help=_CHECK)
             sound = False
+    for mesh in robot.meshes:
+        vertices = mesh.mesh.vertices
+        if not bool((np.abs(vertices) <= FARTHEST).all()):
+            report("SB414", f"mesh '{mesh.name}': a vertex is not finite, or farther than {FARTHEST:g} m", help=_CHECK)
+            sound = False
     axes = [(f"joint '{joint.name}'", joint.axis) for joint in robot.joints if joint.kind is not JointKind.FIXED]
     axes += [(f"joint '{j.name}', axis2", j.axis2) for j in robot.joints if j.kind is JointKind.UNIVERSAL]
     axes += [(f"closure '{closure.name}'", closure.axis) for closure in robot.closures]

@@ -96,6 +96,10 @@ BROKEN: dict[str, tuple[str, Robot]] = {
         "SB414",
         _pair(links=(Link("a", SOLID), Link("b", replace(SOLID, com=(0.0, 1e12, 0.0))))),
     ),
+    "vertex that single precision cannot hold": (
+        "SB414",
+        _pair(links=(SEEN, Link("b", SOLID)), meshes=(_mesh(1e39),)),
+    ),
     "effort that single precision cannot hold": ("SB414", _pair(_hinge(limit=Limit(-1, 1, 1, 1e100)))),
     "limit that is not a number": ("SB414", _pair(_hinge(limit=Limit(nan, 1)))),
     "axis of length two": ("SB415", _pair(_hinge(axis=(0, 0, 2)))),
