@@ -4,15 +4,19 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import mujoco
 import numpy as np
 import pytest
 
-from stepbot.diagnostics import Diagnostics
-from stepbot.robot.model import Base, JointKind, Robot
+from stepbot.compose import joining
+from stepbot.diagnostics import Diagnostics, StepbotError
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import Base, JointKind, Link, Robot
 from tests.command_line import stepbot
 
 Compose = Callable[[Mapping[str, str], Diagnostics], Robot]
@@ -62,6 +66,55 @@ def test_a_fixed_root_is_in_the_world_itself(composed: Compose, other: str) -> N
     robot = composed({**FILES, "cell.robot.yaml": text}, Diagnostics())
     assert robot.root.name == "cell"
     assert robot.joint_by_name["box_free"].X_PC.position == pytest.approx((0.0, 0.0, 0.3))
+
+
+@pytest.mark.parametrize(
+    "tamper",
+    [
+        lambda link: replace(
+            link, mass_properties=replace(link.mass_properties, mass=link.mass_properties.mass * 1.001)
+        ),
+        lambda link: replace(link, mass_properties=link.mass_properties.moved(Pose.from_xyz_rpy((0.0, 1e-6, 0.0)))),
+    ],
+)
+def test_a_module_that_is_composed_wrongly_is_an_error(
+    tamper: Callable[[Link], Link], composed: Compose, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A link's mass or centre of mass that differs from that in the module's file stops the conversion."""
+
+    def tampered(*arguments: Any) -> Robot | None:
+        robot = joining.composed(*arguments)
+        assert robot is not None
+        links = tuple(tamper(link) if link.name == "right_upper" else link for link in robot.links)
+        return replace(robot, links=links)
+
+    monkeypatch.setattr("stepbot.pipeline.composing.composed", tampered)
+    with pytest.raises(StepbotError, match=r"SB806.*module 'right'"):
+        composed(FILES, Diagnostics())
+
+
+def test_a_turned_part_of_a_module_is_an_error(composed: Compose, monkeypatch: pytest.MonkeyPatch) -> None:
+    """So does a joint whose axis is reversed without its positions."""
+    forearm = """<body name="hand" pos="0 0 0.3"><joint name="grip" axis="1 0 0" range="-1 1" limited="true"/>
+        <geom type="box" size="0.02 0.03 0.04" mass="0.2"/></body></body>
+    </body></worldbody>"""
+    arm = ARM.replace("</body>\n    </body></worldbody>", forearm)
+    assert "grip" in arm
+
+    def tampered(*arguments: Any) -> Robot | None:
+        robot = joining.composed(*arguments)
+        assert robot is not None
+        return replace(
+            robot,
+            joints=tuple(
+                replace(one, axis=(-one.axis[0], 0.0, 0.0)) if one.name == "left_grip" else one for one in robot.joints
+            ),
+        )
+
+    composed({**FILES, "arm.xml": arm}, Diagnostics())
+    monkeypatch.setattr("stepbot.pipeline.composing.composed", tampered)
+    with pytest.raises(StepbotError, match=r"SB806.*module 'left'"):
+        composed({**FILES, "arm.xml": arm}, Diagnostics())
 
 
 def test_one_falls_and_the_others_stay(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> None:

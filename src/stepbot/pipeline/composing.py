@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Iterable
+from collections.abc import Mapping as MappingType
 from contextlib import closing
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
@@ -30,6 +31,7 @@ from stepbot.sidecar.starter import robot_name
 from stepbot.sidecar.tree import Mapping, way
 from stepbot.sidecar.variants import merged
 from stepbot.verification.joint_rows import joint_rows
+from stepbot.verification.modules import module_deviation
 
 from .building import build, places
 from .conversion import Options
@@ -44,6 +46,8 @@ MOST = 256
 """Most modules of one robot, those of modules included."""
 LIBRARY = "library:"
 """Beginning of a file that is a robot of the library."""
+_ALLOWED = 1e-9
+"""Deviation of a module from the module alone: rounding of its poses in the composed robot."""
 _OPEN_BASE = "SB868"
 """A description does not say whether its base is fixed; what it is attached to decides."""
 
@@ -126,6 +130,7 @@ class _Files:
         robot = composed(sidecar, own, robots, found)
         found.raise_if_errors()
         assert robot is not None  # a missing robot always has an error
+        _compare(sidecar, robot, robots, found)
         check_robot(robot, found, sidecar.span(), massless_between=True, places=lambda: places(sidecar))
         found.raise_if_errors()
         return robot
@@ -246,6 +251,19 @@ class _Files:
         if sidecar.document.modules:
             return self.composed(sidecar, (*chain, path), found)
         return self._from_step(sidecar, named_step(sidecar, found), found)
+
+
+def _compare(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot], found: Diagnostics) -> None:
+    """Compare each module with its robot alone; report SB806 if they differ."""
+    for module in robot.modules:
+        section = sidecar.document.modules.get(module.name)
+        if section is None:  # a module of a module was compared where that was composed
+            continue
+        seen = module_deviation(robot, module, alone[section.mirror_of or module.name], section.flip)
+        if seen.largest > _ALLOWED:
+            parts = f"poses {seen.pose:.3g} m, masses {seen.mass:.3g}, inertias {seen.inertia:.3g}"
+            message = f"module '{module.name}': differs from '{module.file}' alone: {parts}"
+            found.add("SB806", message, sidecar.key_span("modules", module.name))
 
 
 def _of_library(name: str) -> Path | None:

@@ -44,7 +44,8 @@ def chains(robot: Robot) -> tuple[Chain, ...]:
 def module_of_joint(robot: Robot) -> dict[str, str]:
     """The module that each joint is in, by the joint's name, as part of a name: ``arm``, ``arm_hand`` for ``arm/hand``.
 
-    Of modules in modules, the innermost; joints between modules, and those of a robot without modules, are left out.
+    Of modules in modules, the innermost. Joints between modules are left out, and all those of a robot that is one
+    module alone.
     """
     inside: dict[str, str] = {}
     for module in robot.modules:  # modules of modules come after them
@@ -52,7 +53,8 @@ def module_of_joint(robot: Robot) -> dict[str, str]:
         for joint in robot.joints:
             if joint.parent in links and joint.child in links:
                 inside[joint.name] = module.name.replace("/", "_")
-    return inside
+    is_one = len(inside) == len(robot.joints) and len(set(inside.values())) == 1
+    return {} if is_one else inside
 
 
 def moving_joints(robot: Robot) -> dict[str, list[Joint]]:
