@@ -40,6 +40,7 @@ from stepbot.step.reader import read_assembly
 from . import contenders as who
 from . import gate
 from .assemblies import ASSEMBLIES, Assembly, generate
+from .calibration import print_calibration
 from .collision import compare_pieces, shapes_of
 from .comparison import compare
 from .contenders import ROOT, Case, Contender
@@ -132,6 +133,9 @@ def _parser() -> argparse.ArgumentParser:
         "--held-out", action="store_true", help="those held out, which no rule may be tuned on, instead"
     )
     scored.add_argument("--write", action="store_true", help="update the tables in docs/authoring.md")
+    scored.add_argument(
+        "--calibration", action="store_true", help="how often each kind of evidence is right, leave-one-out"
+    )
     scored.set_defaults(run=_drafts)
     rows = commands.add_parser("drafting", help="time to draft copies of an assembly in a row")
     rows.add_argument("step", type=Path)
@@ -264,6 +268,8 @@ def _drafts(options: argparse.Namespace, _: Path) -> None:
     if (corpus := corpus_folder()) is None:
         raise SystemExit("the assemblies are in the corpus: see STEPBOT_CORPUS")
     scores = score_drafts(corpus, options.only, held_out=options.held_out)
+    if options.calibration:
+        print_calibration({name: one for outcomes in scores.values() for name, one in outcomes.items()})
     if options.write and not options.only:
         page = ROOT / "docs" / "authoring.md"
         page.write_text(page_with_scores(page.read_text(encoding="utf-8"), scores), encoding="utf-8", newline="\n")

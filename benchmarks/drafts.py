@@ -45,6 +45,8 @@ class Outcome:
     """Wrong ones without a REVIEW mark."""
     reviewed: int = 0
     """Wrong ones with one."""
+    judged: list[tuple[str, bool, bool]] = field(default_factory=list)
+    """Evidence of each drafted joint, whether it is right, and whether it is marked."""
     volume: float = 0.0
     """Sum over the assemblies of the share of the volume that is in the right link."""
     roots: int = 0
@@ -192,6 +194,7 @@ def _match(
         result.found += rank == 3 and required
         result.merged += is_merged and required
     for n, (drafted, _) in enumerate(moving):
+        result.judged.append((drafted["evidence"][0], taken.get(n, False), bool(drafted["review"])))
         if not taken.get(n):
             result.reviewed += bool(drafted["review"])
             result.unmarked += not drafted["review"]
