@@ -53,8 +53,8 @@ def module_of_joint(robot: Robot) -> dict[str, str]:
         for joint in robot.joints:
             if joint.parent in links and joint.child in links:
                 inside[joint.name] = module.name.replace("/", "_")
-    is_one = len(inside) == len(robot.joints) and len(set(inside.values())) == 1
-    return {} if is_one else inside
+    moving = {inside.get(joint.name, "") for joint in robot.joints if joint.kind is not JointKind.FIXED}
+    return inside if len(moving) > 1 else {}
 
 
 def moving_joints(robot: Robot) -> dict[str, list[Joint]]:
