@@ -85,9 +85,14 @@ def names_option(*declarations: str, **attributes: Any) -> Callable[..., Any]:
     return click.option(*declarations, multiple=True, callback=_split, **attributes)
 
 
+def full_code(given: str) -> str:
+    """A code of diagnostics in capitals, and with its letters if only the number is given: ``407`` is ``SB407``."""
+    return f"SB{given}" if given.isdecimal() and len(given) == 3 else given.upper()
+
+
 def _codes(context: click.Context, option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
     """Codes of diagnostics to suppress."""
-    codes = tuple(code.upper() for code in _split(context, option, given))
+    codes = tuple(map(full_code, _split(context, option, given)))
     for code in codes:
         if code not in CODES:
             near = "".join(did_you_mean(code, CODES)) or "list all codes with `stepbot explain`"

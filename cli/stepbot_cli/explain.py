@@ -9,7 +9,7 @@ from stepbot.diagnostics import did_you_mean
 from stepbot.diagnostics.codes import CODES
 from stepbot.diagnostics.codes.code import Code
 
-from .command import Command
+from .command import Command, full_code
 from .terminal import text_width, write_result
 
 
@@ -25,7 +25,7 @@ def command(code: str | None) -> int:
             "\n".join(f"{c.id}  {c.severity:<7}  {c.title}" for c in sorted(CODES.values(), key=lambda c: c.id))
         )
         return 0
-    known = CODES.get(code.upper())
+    known = CODES.get(full_code(code))
     if known is None:
         near = "; ".join(did_you_mean(code.upper(), CODES))
         raise click.BadParameter(f"unknown code '{code}'" + (f"; {near}" if near else ""), param_hint="CODE")

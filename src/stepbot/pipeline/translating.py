@@ -21,11 +21,13 @@ from stepbot.engines.workers import check_required
 from stepbot.formats import format_named
 from stepbot.robot.gains import tuned
 from stepbot.robot.joint_table import JointRow
+from stepbot.robot.mesh_names import portable_name
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Robot
 from stepbot.robot.validity import check_robot
 from stepbot.runtime.file import resolved
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
+from stepbot.sidecar.names import UNPORTABLE
 from stepbot.sidecar.self_collision import SelfCollisionSection
 from stepbot.verification.joint_rows import joint_rows
 
@@ -39,7 +41,7 @@ from .writing import Rendered, all_files, judged_by_files, proven, rendered, rep
 
 __all__ = ["check_description", "is_description", "produce_translation"]
 
-_JUDGED = ("SB4", "SB5", "SB86", "SB87")
+_JUDGED = ("SB129", "SB4", "SB5", "SB86", "SB87")
 """Codes that are checked whenever a description becomes a robot."""
 _ASSUMED = {
     "urdf": "0 taken, as URDF defines; MuJoCo computes a mass from the collisions, PyBullet takes 1 kg",
@@ -153,6 +155,7 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
         lacks = f"no {missing} in <limit>" if limit.has_element else "no <limit>"
         taken = "read as unlimited" if len(limit.missing) == 2 else "0 taken"
         found.add("SB874", f"joint '{limit.joint}': {lacks}: {taken}", Span(*description.place(span.file, limit.line)))
+    _report_names(described.robot, span, found)
     for newer in description.newer:
         text = f"{newer.what} is of URDF {newer.needs:g}, which the file does not state: read as such"
         remedy = f'state it: `<robot version="{newer.needs:g}">`'
@@ -190,6 +193,22 @@ def _tuned(robot: Robot, span: Span, found: Diagnostics) -> Robot:
             text = f"actuator '{one.name}' on '{one.joint}': no gains in the file: {gains} computed"
             found.add("SB873", text, span, notes=[weak[one.name]] if one.name in weak else ())
     return tuned_robot
+
+
+def _report_names(robot: Robot, span: Span, found: Diagnostics) -> None:
+    """Report names that not every reader takes (SB129), as in a sidecar."""
+    named = {
+        "link": [one.name for one in robot.links],
+        "joint": [one.name for one in robot.joints],
+        "frame": [one.name for one in robot.frames],
+        "actuator": [one.name for one in robot.actuators],
+        "sensor": [one.name for one in robot.sensors],
+    }
+    for kind, names in named.items():
+        for name in names:
+            if (portable := portable_name(name, kind)) != name:
+                help = [f"rename it to '{portable}' in the source"]
+                found.add("SB129", f"{kind} '{name}': {UNPORTABLE}", span, help=help)
 
 
 def _report_base(robot: Robot, span: Span, found: Diagnostics) -> None:

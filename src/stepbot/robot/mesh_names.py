@@ -12,6 +12,7 @@ def is_device(name: str) -> bool:
     return _DEVICE.fullmatch(name) is not None
 
 
+_PORTABLE = re.compile(r"[A-Za-z_][A-Za-z0-9_.-]*")
 LONGEST = 60
 """Maximum length [characters] of a name, before a number is added."""
 FALLBACK = "part"
@@ -27,6 +28,22 @@ def ascii_name(text: str) -> str:
     plain = "".join(_plain(letter) for letter in text)
     name = re.sub(r"_+", "_", re.sub(r"[^A-Za-z0-9-]", "_", plain)).strip("_-")[:LONGEST].rstrip("_-") or FALLBACK
     return f"{name}_{FALLBACK}" if is_device(name) else name
+
+
+def portable_name(name: str, kind: str) -> str:
+    """A name that every reader takes, resembling ``name``; the name itself if it is one.
+
+    Readers of all formats, ROS, xacro, shells and file systems agree on ASCII letters, digits, ``_``, ``-`` and ``.``,
+    without a digit at the beginning.
+
+    Args:
+        name: Any name.
+        kind: What it names, to begin a name with: ``link``.
+    """
+    if _PORTABLE.fullmatch(name):
+        return name
+    known = ascii_name(name)
+    return f"{kind}_{known}" if known[0].isdigit() else known
 
 
 def _plain(letter: str) -> str:

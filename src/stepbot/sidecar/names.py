@@ -4,18 +4,19 @@ import unicodedata
 from collections.abc import Iterator
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.robot.mesh_names import is_device
+from stepbot.robot.mesh_names import is_device, portable_name
 
 from .document import Document
 from .located import Sidecar
 from .subjects import subject
 
+UNPORTABLE = "ROS, xacro and some simulators take names of letters a to z, digits, `_`, `-` and `.` alone"
 Named = tuple[str, str]
 """A top-level key and a name below it."""
 
 
 def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB126 reserved names and SB135 duplicate names."""
+    """Report SB126 reserved names, SB129 names that not every reader takes, and SB135 duplicate names."""
     first: dict[str, Named] = {}
     for section, name in _shared_names(sidecar.document):
         if name in first:
@@ -29,6 +30,9 @@ def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
     for section, name in _all_names(sidecar.document):
         if reason := _reserved(section, name):
             found.add("SB126", f"{subject((section, name))}: {reason}", sidecar.key_span(section, name))
+        elif (portable := portable_name(name, section.removesuffix("s"))) != name:
+            help = [f"rename it to '{portable}'"]
+            found.add("SB129", f"{subject((section, name))}: {UNPORTABLE}", sidecar.key_span(section, name), help=help)
 
 
 def _shared_names(document: Document) -> Iterator[Named]:

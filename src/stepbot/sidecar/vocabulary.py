@@ -61,7 +61,10 @@ ALSO_CALLED = {
 }
 """Names in other programs, and the corresponding names in the sidecar."""
 
+_FLOATING, _FIXED = "write `base: floating`: the root link moves freely", "write `base: fixed`, the default"
 NOT_SAID_SO = {
+    **dict.fromkeys(("floating", "floating_base", "freejoint", "free_base"), _FLOATING),
+    **dict.fromkeys(("fixed_base", "fix_base", "static"), _FIXED),
     "symmetry": "what the robot is expected to be is under `expect`: `expect: {symmetry: y}`",
     "units": "write the unit with each value: `12 mm`, `45 deg`; numbers without a unit are SI",
     "unit": "write the unit with each value: `12 mm`, `45 deg`; numbers without a unit are SI",

@@ -186,6 +186,15 @@ CODES = (
         "a single link and accept every form except `auto`.",
     ),
     Code(
+        "SB129",
+        "warning",
+        "name that not every reader takes",
+        "A name has a space, a letter beyond a to z, or a digit at its beginning. Formats allow it, and stepbot writes it; ROS refuses it in "
+        "topics and parameters, xacro evaluates parts of it, and shells and simulators split it.",
+        "Files with it load in some programs and fail in others.",
+        "Rename it as the message proposes; the rule is the same for all formats. For one reader alone, ignore the finding.",
+    ),
+    Code(
         "SB130",
         "error",
         "unknown link",
