@@ -15,6 +15,7 @@ python -m benchmarks drafting STEP                      copies of an assembly in
 python -m benchmarks collision STEP                     convex pieces of its solids, by stepbot and by CoACD
 python -m benchmarks steps SIDECAR...                   hulls of parts against ``auto``, in MuJoCo
 python -m benchmarks steps MJCF MJCF...                 files of one robot against the first of them, in MuJoCo
+python -m benchmarks follow BEFORE AFTER                lag, overshoot, error and speed of position motors in MuJoCo
 python -m benchmarks gym reach MJCF                     steps per second of its environments, one and sixteen
 python -m benchmarks smoke                              all of it on something small: does it still run?
 
@@ -46,6 +47,7 @@ from .comparison import compare
 from .contenders import ROOT, Case, Contender
 from .drafts import page_with_scores, score_drafts
 from .environments import environment_speeds
+from .following import following_table
 from .inference import corpus_folder, measure, page_with_table, read_for_inference
 from .inference_time import drafting_time
 from .many_robots import batch_memory, distinct_copies, memory_table
@@ -148,6 +150,10 @@ def _parser() -> argparse.ArgumentParser:
     stepped.add_argument("files", nargs="+", type=Path, metavar="SIDECAR|MJCF")
     stepped.add_argument("-n", "--rounds", type=int, default=7, metavar="N", help="[default: 7]")
     stepped.set_defaults(run=_steps)
+    followed = commands.add_parser("follow", help="how position motors follow, before and after a change")
+    followed.add_argument("before", type=Path, help="folder of output folders of an earlier conversion")
+    followed.add_argument("after", type=Path, help="folder of output folders")
+    followed.set_defaults(run=_follow)
     learned = commands.add_parser("gym", help="steps per second of environments of stepbot.gym")
     learned.add_argument("task", choices=("reach", "stand"))
     learned.add_argument("model", type=Path, metavar="MJCF")
@@ -208,6 +214,10 @@ def _collision(options: argparse.Namespace, _: Path) -> None:
     assert assembly is not None
     counts = [sum(component.body == body for component in assembly.components) for body in range(len(assembly.bodies))]
     print(compare_pieces(list(assembly.bodies), counts))
+
+
+def _follow(options: argparse.Namespace, _: Path) -> None:
+    print("\n".join(following_table(options.before, options.after)), flush=True)
 
 
 def _steps(options: argparse.Namespace, folder: Path) -> None:

@@ -188,13 +188,16 @@ def _tuned(
             slow = (passive + line) * w / (2.0 * tuning.damping_ratio)
             kp = max(kp, slow, _holding_stiffness(joint, heaviest))
         stiffened = kp > inertia * w**2
-        damping = max(2.0 * tuning.damping_ratio * sqrt(kp * inertia), passive + line)
+        damping = 2.0 * tuning.damping_ratio * sqrt(kp * inertia)
+        if tuning.at_least:
+            damping = max(damping, passive + line)
+        uncut = passive + min(line, max(damping - passive, 0.0))
         effort = actuator_limit(actuator, joint).effort
         if effort <= weight:
             too_weak(actuator, effort, weight)
         elif isfinite(effort) and inertia > 0.0:
             drawn = float(driven.inertia[index])
-            braking = _braking(_Step(drawn, effort, weight, kp, passive + line, _step(joint)), damping)
+            braking = _braking(_Step(drawn, effort, weight, kp, uncut, _step(joint)), damping)
             braked, damping = braking > damping, braking
     else:
         kp = 0.0

@@ -300,3 +300,13 @@ def test_no_target_drives_a_joint_beyond_its_velocity_limit() -> None:
         mujoco.mj_step(model, data)
         speeds.append(float(data.qvel[0]))
     assert 0.99 * 6.0 < max(speeds) <= 6.0 * (1.0 + 1e-6)
+
+
+def test_a_given_bandwidth_and_ratio_are_kept_beside_limits() -> None:
+    """Limits of effort and speed change neither kp nor kv of a given bandwidth, if the effort brakes the step."""
+    robot = one_link_arm()
+    (joint,), (motor,) = robot.joints, robot.actuators
+    limited = replace(joint, limit=replace(joint.limit, velocity=1.0, effort=500.0))
+    (found,) = tuned(replace(robot, joints=(limited,)), fails).actuators
+    assert line_damping(motor, limited) > motor.kv
+    assert (found.kp, found.kv) == (motor.kp, motor.kv)

@@ -1,0 +1,145 @@
+"""How closely position motors follow, stop and hold in MuJoCo: files of an earlier conversion against new ones.
+
+Each motor with computed gains is moved alone, from the initial pose, without contacts: a sine of 0.5 Hz and 0.3 rad (30
+mm), within the range of its joint, and a step of 0.5 rad (0.1 m), or of half the range. A floating base has no gravity.
+"""
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from stepbot.formats import format_named
+from stepbot.geometry.spatial import Array
+
+SINE, STEP, SLIDE = 0.3, 0.5, 0.1
+"""Amplitude and step [rad]; of a sliding joint, both times this [m/rad] or [m]."""
+_FREQUENCY = 0.5
+_SETTLE, _STEPPED = 0.5, 1.5
+"""Time [s] before each motion, and after a step."""
+
+
+class Response(NamedTuple):
+    """The worst of a robot's motors."""
+
+    lag: float
+    """Amplitude of the error of the sine, relative to its own."""
+    overshoot: float
+    """Relative to the step."""
+    error: float
+    """At rest after the step [rad] or [m]."""
+    speed: float
+    """Largest speed after the step, relative to the limit."""
+
+
+class _Robot:
+    """The MJCF of an output folder, in MuJoCo."""
+
+    def __init__(self, folder: Path) -> None:
+        import mujoco
+
+        document = json.loads((folder / "report.json").read_text(encoding="utf-8"))["robot"]
+        self._engine = mujoco
+        file = folder / f"{format_named('mjcf').stem(document['name'])}{format_named('mjcf').suffix}"
+        self.model: Any = mujoco.MjModel.from_xml_path(str(file))
+        self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
+        if self.model.njnt and self.model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE:
+            self.model.opt.gravity[:] = 0.0
+        self.data = mujoco.MjData(self.model)
+        limits = {joint["name"]: joint["limits"]["velocity"] for joint in document["joints"]}
+        self.motors = [
+            (self.model.actuator(one["name"]).id, limits[one["joint"]])
+            for one in document["actuators"]
+            if one["kind"] == "position" and one["computed"] is not None
+        ]
+
+    def response(self, actuator: int, limit: float | None) -> Response:
+        """The response of one motor."""
+        model, data = self.model, self.data
+        joint = int(model.actuator_trnid[actuator][0])
+        self._q, self._v = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+        self._actuator, self._gear = actuator, float(model.actuator_gear[actuator][0])
+        slides = model.jnt_type[joint] == self._engine.mjtJoint.mjJNT_SLIDE
+        scale = SLIDE if slides else 1.0
+        low, high = model.jnt_range[joint].tolist() if model.jnt_limited[joint] else (-np.inf, np.inf)
+        self._rest()
+        home = float(data.qpos[self._q])
+        amplitude = min(SINE * scale, 0.45 * (high - low))
+        middle = min(max(home, low + amplitude), high - amplitude)
+        lag = self._lag(middle, amplitude)
+        step = min(SLIDE if slides else STEP, 0.5 * (high - low))
+        positions, fastest = self._stepped(home + step if home + step <= high else home - step)
+        end = home + step if home + step <= high else home - step
+        final = float(positions[-1])
+        beyond = max(0.0, float(((positions - final) / (end - home)).max()))
+        return Response(lag, beyond, abs(final - end), fastest / limit if limit else 0.0)
+
+    def _rest(self) -> None:
+        """Everything at home."""
+        model, data = self.model, self.data
+        self._engine.mj_resetData(model, data)
+        if model.nkey:
+            self._engine.mj_resetDataKeyframe(model, data, 0)
+        for one in range(model.nu):
+            place = int(model.jnt_qposadr[int(model.actuator_trnid[one][0])])
+            held = model.actuator_biasprm[one][1] != 0.0
+            data.ctrl[one] = data.qpos[place] * model.actuator_gear[one][0] if held else 0.0
+
+    def _run(self, seconds: float) -> Iterator[float]:
+        dt = float(self.model.opt.timestep)
+        for n in range(1, round(seconds / dt) + 1):
+            yield n * dt
+            self._engine.mj_step(self.model, self.data)
+
+    def _lag(self, middle: float, amplitude: float) -> float:
+        w, times, errors = 2.0 * np.pi * _FREQUENCY, [], []
+        self.data.ctrl[self._actuator] = self._gear * middle
+        for _ in self._run(2.0 * _SETTLE):
+            pass
+        target = middle
+        for time in self._run(2.0 / _FREQUENCY):
+            if time > 1.0 / _FREQUENCY:
+                times.append(time)
+                errors.append(float(self.data.qpos[self._q]) - target)
+            target = middle + amplitude * float(np.sin(w * time))
+            self.data.ctrl[self._actuator] = self._gear * target
+        phase, error = w * np.array(times), np.array(errors)
+        return 2.0 * float(np.hypot(np.mean(error * np.cos(phase)), np.mean(error * np.sin(phase)))) / amplitude
+
+    def _stepped(self, end: float) -> tuple[Array, float]:
+        self._rest()
+        for _ in self._run(_SETTLE):
+            pass
+        self.data.ctrl[self._actuator] = self._gear * end
+        positions, fastest = [], 0.0
+        for _ in self._run(_STEPPED):
+            positions.append(float(self.data.qpos[self._q]))
+            fastest = max(fastest, abs(float(self.data.qvel[self._v])))
+        return np.array(positions), fastest
+
+
+def worst(folder: Path) -> Response | None:
+    """The worst of each over the motors of a robot with computed gains; None without any."""
+    robot = _Robot(folder)
+    found = [robot.response(actuator, limit) for actuator, limit in robot.motors]
+    return Response(*(max(column) for column in zip(*found, strict=True))) if found else None
+
+
+def following_table(before: Path, after: Path) -> list[str]:
+    """Lines of a Markdown table: each robot that both folders have a subfolder of."""
+    lines = ["| robot | lag | overshoot | error | speed of limit |", "| --- | --- | --- | --- | --- |"]
+    for folder in sorted(after.iterdir()):
+        if not (folder / "report.json").is_file() or not (before / folder.name / "report.json").is_file():
+            continue
+        old, new = worst(before / folder.name), worst(folder)
+        if old is not None and new is not None:
+            cells = [
+                f"{100 * old.lag:.1f} → {100 * new.lag:.1f} %",
+                f"{100 * old.overshoot:.1f} → {100 * new.overshoot:.1f} %",
+                f"{1e3 * old.error:.1f} → {1e3 * new.error:.1f} mrad",
+                f"{100 * old.speed:.0f} → {100 * new.speed:.0f} %",
+            ]
+            lines.append(f"| {' | '.join((folder.name, *cells))} |")
+    return lines
