@@ -94,7 +94,8 @@ def changes(path: str, source: bytes) -> list[Change]:
             for left, right in pairwise(node.values):
                 yield from between(left, right, old, new)
         elif isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not | ast.USub):
-            yield change(span(node)[0], span(node.operand)[0], "")
+            start = span(node)[0]
+            yield change(start, start + (3 if isinstance(node.op, ast.Not) else 1), "")
         elif isinstance(node, ast.Constant) and type(node.value) in (bool, int, float):
             yield change(*span(node), _other(node.value))
         elif isinstance(node, ast.If | ast.IfExp | ast.While):
