@@ -178,7 +178,7 @@ class _Drafting:
             joints=self._geared(tree, [self._joint(arc) for arc in tree]),
             closures=tuple(self._closure(arc) for arc in loops),
             offered=tuple(self._fused(h) for h in self._offered()),
-            notes=self._stillness(),
+            notes=(*self._stillness(), *found.survey.cut),
             base=Base.FLOATING if self._rolls(tree) and self._has_mass(found.root) else Base.FIXED,
         )
 

@@ -5,8 +5,11 @@
 
 import pytest
 
+from stepbot.draft.draft_robot import infer
+from tests.assembled import assembled, part
 from tests.made.kinds import ASIDE, KINDS
 from tests.made.scored import drawn, scored
+from tests.solids import box, cylinder
 
 _DRAWN = (
     ("wheeled", 0),  # four wheels of rim and tyre, motors in clamps
@@ -43,3 +46,14 @@ def test_a_third_of_the_kinds_is_set_aside() -> None:
     """What is tested here is not what is looked at once."""
     assert len(ASIDE) * 3 == len(KINDS)
     assert not ASIDE & {kind for kind, _ in _DRAWN} - _LOOKED_AT
+
+
+def test_a_bound_that_cuts_the_search_short_is_noted() -> None:
+    """Of more equal parts than the bound, joints are not carried over, and the draft says so."""
+    pin, seat = cylinder(4, 20), box(20, 20, 10) - cylinder(4.1, 10).at(0, 0, -5)
+    crank = pin + box(40, 12, 5).at(14, 0, 22.5)
+    nodes = [part("plate", box(40 * 62, 60, 10), 40 * 30.5, 0, -10)]
+    for n in range(61):
+        nodes += [part(f"seat {n}", seat, 40 * n, 0, 0), part(f"crank {n}", crank, 40 * n, 0, -5)]
+    notes = infer(assembled(*nodes), "cranks").notes
+    assert [note for note in notes if "more than 60 equal parts" in note]

@@ -56,6 +56,8 @@ class Survey:
         self.box = joint_box(self.parts.values())
         self.extent = float(np.linalg.norm(self.box[1] - self.box[0]))
         self.volume = exact_sum(part.volume for part in self.parts.values()) or 1.0
+        self.cut: dict[str, None] = {}
+        """Searches that a bound cut short, in words, in the order in which they were."""
         self.small = {i for i, p in self.parts.items() if p.is_small and self._is_trifle(i)}
 
     def _is_trifle(self, part: int) -> bool:

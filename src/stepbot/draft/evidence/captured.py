@@ -32,7 +32,7 @@ _LOOSE, _TIGHT, _ACROSS = 0.72, 0.67, 0.05
 """Scores with clearance and without, and what is added for parts of two subassemblies."""
 _STRAIGHT, _SKEW = 1e-2, 0.5
 """Cosine up to which a face is along a slide; sine of the least angle between its two directions across."""
-_MOST_PLANES = 400
+_MOST_PLANES = 2000
 """Number of planes of a part above which it is not looked at."""
 
 
@@ -77,7 +77,10 @@ def captured_evidence(survey: Survey, motors: Sequence[Motor], structure: Struct
 def _overlapping(survey: Survey, in_motor: Collection[int]) -> Iterator[Pair]:
     """Pairs of larger parts whose boxes overlap, and that nothing locks."""
     ids = [i for i, part in survey.parts.items() if i not in survey.small and i not in in_motor and part.size]
-    ids = [i for i in ids if 0 < len(survey.scene.columns(i, FaceKind.PLANE).faces) <= _MOST_PLANES]
+    counts = {i: len(survey.scene.columns(i, FaceKind.PLANE).faces) for i in ids}
+    if any(count > _MOST_PLANES for count in counts.values()):
+        survey.cut[f"parts with more than {_MOST_PLANES} plane faces were not tried as slides in others"] = None
+    ids = [i for i in ids if 0 < counts[i] <= _MOST_PLANES]
     boxes = np.array([survey.parts[i].box for i in ids]).reshape(-1, 2, 3)
     for n, a in enumerate(ids):
         low, high = np.maximum(boxes[n, 0], boxes[n + 1 :, 0]), np.minimum(boxes[n, 1], boxes[n + 1 :, 1])

@@ -317,6 +317,8 @@ class _Linkages:
         """Those that can turn, and those of them that are in loops."""
         bodies = sorted({self._bodies.find(i) for h in hinges for i in (h.a, h.b)})
         looped = self._in_loops(hinges, bodies)
+        if looped and len(bodies) > _MOST:
+            self._survey.cut[f"the mobility of linkages of more than {_MOST} bodies was not computed"] = None
         if not looped or len(bodies) > _MOST:
             return set(range(len(hinges))), set()
         number = {body: n for n, body in enumerate(bodies)}

@@ -128,6 +128,7 @@ class _Equal:
         yield part, axis
         members = self._members[self._class_of[part]]
         if len(members) > _MOST:
+            self._survey.cut[f"joints were not carried over between more than {_MOST} equal parts"] = None
             return
         components = self._survey.assembly.components
         for other in members:
