@@ -15,7 +15,9 @@ _HEAD = """\
 `make hostile` runs the experiments below and updates the table: the number of trials, their outcomes, and the number
 of trials that found a fault in that run. The number of trials of the long form, which takes hours, is in brackets; a
 smaller number means a shorter run. `python -m tests.hostile --only NAME --count N` runs one experiment, `--seed N`
-with other random choices; `make test` runs a few trials of each. A fault is any forbidden outcome: a traceback, an
+with other random choices; `make test` runs a few trials of most, and `make faults`, a part of `make all`, 2,000 of
+`mutants`. `--only mutants --repeat TRIAL --keep DIR` repeats one, whose files stay in DIR.
+A fault is any forbidden outcome: a traceback, an
 internal error (SB901), a hang, an exit code other than 0, 1 and 2, a diagnostic without place or remedy, a file that
 is neither old nor new, a leftover process or temporary file, different bytes.
 
