@@ -128,3 +128,13 @@ def drilled(solid: Solid, *holes: Sequence[float], depth: float = 400.0) -> Soli
     for x, y, radius in holes:
         solid -= cylinder(radius, depth).at(x, y, -depth / 2)
     return solid
+
+
+def at(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Array:
+    """A shift."""
+    return pose((x, y, z))
+
+
+def rot(axis: str, angle: float) -> Array:
+    """A rotation."""
+    return pose(rotation=turn(axis, angle))
