@@ -7,6 +7,7 @@ import pytest
 
 from robot_library.moments import pose
 from robot_library.step_file import Assembly, Occurrence, Part, write_step
+from stepbot import draft as draft_in_python
 from stepbot.draft.draft import Confidence, Draft, DraftLink
 from stepbot.draft.text.sidecar_text import sidecar_text
 from stepbot_cli.draft_text import draft_document
@@ -193,6 +194,9 @@ def test_answers_are_kept_for_the_next_draft(chain: Path, stepbot: Stepbot) -> N
     assert (again["root"], again["answers"], again["notes"]) == ("hand", document["answers"], [])
     assert "  stands: hand/hand bar\n" in kept
     assert stepbot("check", "--step", "chain.robot.yaml").code == 0
+    in_python = draft_in_python(chain / "chain.step", answers={asked[0]["name"]: "fixed"}).draft
+    assert in_python is not None
+    assert (len(in_python.joints), [one.name for one in in_python.questions]) == (1, [asked[1]["name"]])
     (chain / "answers.json").write_text("[1]")
     assert stepbot("init", "chain.step", "--force", "--answers", "answers.json").code == 2
 

@@ -48,6 +48,7 @@ def draft(
     *,
     output: AnyPath | None = None,
     description: AnyPath | None = None,
+    answers: Mapping[str, str] | None = None,
     encoding: str = "",
     timeout: float = DEFAULT_TIMEOUT,
     memory_limit: int | None = None,
@@ -60,6 +61,7 @@ def draft(
         step: The STEP file.
         output: File for the sidecar, replaced if it exists; None to write nothing.
         description: URDF, SDFormat or MJCF of the same robot, whose names, joints, limits and masses are taken.
+        answers: Answers to the ``questions`` of an earlier draft, by the names of the questions.
         encoding: Code page of names in the STEP.
         timeout: Time limit [s] of the geometry kernel.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
@@ -76,7 +78,7 @@ def draft(
     path = Path(step)
     sidecar = Path(output) if output is not None else path.with_name(starter_name(path))
     options = reading(encoding, timeout, memory_limit, cache, package_path)
-    drafting = draft_step(path, options, Path(description) if description is not None else None)
+    drafting = draft_step(path, options, Path(description) if description is not None else None, answers=answers)
     found = drafting.diagnostics
     if drafting.draft is None or found.has_errors:
         return Drafted(found)
