@@ -17,7 +17,8 @@ _BOUGHT = _NAMELESS | {Role.MOTOR, Role.BEARING, Role.HORN}
 _BASE_SHARE = 0.05
 """Share of the largest part's volume from which a part named a base gives the root its name."""
 _GENERIC = re.compile(
-    r"(?:part|body|solid|component|assembly|assem|asm|link|bauteil|teil|piece)?[ _.-]*\d*", re.IGNORECASE
+    r"(?:part|body|solid|component|assembly|assem|asm|link|bauteil|teil|piece|peca|pe_a|default|d_?e?faut)?[ _.-]*\d*",
+    re.IGNORECASE,
 )
 """Names that CAD programs give."""
 
