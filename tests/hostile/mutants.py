@@ -34,6 +34,7 @@ EXPERIMENT = Experiment(
         "an OBJ without vertices, or with broken ones, raised an exception in our parsers, which know no size of it",
         "SDFormat with sizes and scales of other than three numbers raised an exception, and poses took NaN (SB823)",
         "a vertex at 1e300 in a mesh of a description raised an exception in OpenUSD (SB414)",
+        "a link named `{x}` raised an exception in the comparison, which took its name for a template",
         "`verify` of a file that stepbot's own parser alone reads ended in an exception",
         "libsdformat's command wrote a log into the user's home",
         "`diff` of a file that no engine reads ended with code 2 and without a word (SB815)",

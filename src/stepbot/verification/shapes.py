@@ -34,14 +34,13 @@ def compare_meshes(deviations: Deviations, reference: Observation, observed: Obs
                 deviations.off(off, f"{side} box of link '{a.name}'", "m", diagonal)
             elif expected is not None:
                 deviations.untold.append(f"{side} boxes")
-            _compare_boxes(
-                deviations, f"{side} {{}} of link '{a.name}'", getattr(a, f"{side}s"), getattr(b, f"{side}s")
-            )
+            _compare_boxes(deviations, side, a.name, getattr(a, f"{side}s"), getattr(b, f"{side}s"))
 
 
 def _compare_boxes(
     deviations: Deviations,
-    where: str,
+    side: str,
+    link: str,
     expected: Sequence[ObservedShape] | None,
     found: Sequence[ObservedShape] | None,
 ) -> None:
@@ -49,7 +48,7 @@ def _compare_boxes(
     if expected is None or found is None or len(expected) != len(found):
         return
     for number, (a, b) in enumerate(zip(expected, found, strict=True), start=1):
-        which = where.format(_called(a, number))
+        which = f"{side} {_called(a, number)} of link '{link}'"
         for words, ours, theirs in (("box", a.bounds, b.bounds), ("oblique box", a.oblique, b.oblique)):
             if ours is not None and theirs is not None:
                 off = float(np.abs(np.subtract(theirs, ours)).max())
@@ -79,15 +78,16 @@ def compare_shapes(deviations: Deviations, reference: Observation, observed: Obs
             # If has_visuals is not reported, the engine displays something else in place of missing visuals.
             if expected is None or found is None or (not expected and getattr(b, f"has_{side}s") is None):
                 continue
-            _compare_series(deviations, f"{side} {{}} of link '{a.name}'", expected, found)
+            _compare_series(deviations, side, a.name, expected, found)
 
 
 def _compare_series(
-    deviations: Deviations, where: str, expected: Sequence[ObservedShape], found: Sequence[ObservedShape]
+    deviations: Deviations, side: str, link: str, expected: Sequence[ObservedShape], found: Sequence[ObservedShape]
 ) -> None:
-    deviations.equal(len(expected) == len(found), f"{where.format('shapes')}: {len(found)}, {len(expected)} expected")
+    wrong = f"{side} shapes of link '{link}': {len(found)}, {len(expected)} expected"
+    deviations.equal(len(expected) == len(found), wrong)
     for number, (a, b) in enumerate(zip(expected, found, strict=False), start=1):
-        which = where.format(_called(a, number))
+        which = f"{side} {_called(a, number)} of link '{link}'"
         if a.name is not None and b.name is not None:
             deviations.equal(plain_name(a.name) == plain_name(b.name), f"{which}: named '{b.name}'")
         if a.rgba is not None and b.rgba is not None and (a.rgba or not b.rgba_is_default):

@@ -497,3 +497,14 @@ def test_mimics_are_compared_with_the_joint_that_leads() -> None:
     direct = on_joint("thumb_pivot", lambda j: replace(j, mimic=Mimic("finger", -100 / 7, 0.1)))(gripper)
     assert failed(gripper, direct) == {Quantity.MIMIC}
     assert failed(*normalized(gripper, direct)) == set()
+
+
+@pytest.mark.parametrize("name", ["{0}", "{x}", "{", "a}", "%s"])
+def test_names_with_braces_are_names(name: str) -> None:
+    """Names of a file are no templates of messages."""
+    robot = two_link_arm()
+    link, *others = robot.links
+    joints = tuple(replace(one, parent=name) if one.parent == link.name else one for one in robot.joints)
+    frames = tuple(replace(one, link=name) if one.link == link.name else one for one in robot.frames)
+    observed = seen(replace(robot, links=(replace(link, name=name), *others), joints=joints, frames=frames))
+    assert not [one for one in compare(observed, observed) if one.deviations.failures]
