@@ -190,3 +190,14 @@ def test_urdfs_of_others_convert_with_proof(name: str, links: int, tmp_path: Pat
     against = {check.file for check in conversion.report.checks if check.against.startswith(f"{Path(name).name} (")}
     assert len(against) == (3 if importlib.util.find_spec("pxr") else 2)  # usd-core reads OpenUSD
     assert not conversion.report.failed
+
+
+def test_a_material_of_one_visual_is_one_of_the_file(tmp_path: Path) -> None:
+    """Other links name it alone; a material that is never defined gives no colour."""
+    shape = '<visual><geometry><box size="1 1 1"/></geometry><material name="{}">{}</material></visual>'
+    red, named, odd = shape.format("red", '<color rgba="1 0 0 1"/>'), shape.format("red", ""), shape.format("odd", "")
+    links = [f'<link name="{name}">{of}</link>' for name, of in (("a", red), ("b", named), ("c", odd))]
+    joints = [f'<joint name="{x}" type="fixed"><parent link="a"/><child link="{x}"/></joint>' for x in "bc"]
+    (tmp_path / "r.urdf").write_text(f'<robot name="r">{"".join(links + joints)}</robot>', encoding="utf-8")
+    shapes = describe_urdf(str(tmp_path / "r.urdf")).shapes
+    assert [one.rgba for one in shapes] == [(1.0, 0.0, 0.0, 1.0), (1.0, 0.0, 0.0, 1.0), None]

@@ -43,7 +43,8 @@ def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:
     observation = _with_extensions(seen, engine_of("extensions").observer.observe(request), extra)
     files = MeshFiles(Path(file), packages)
     X_PC = {_name(joint.find("child"), "link"): _origin(joint) for joint in top.findall("joint")}
-    materials = {_name(material): material for material in top.findall("material")}
+    stated = (*top.findall("material"), *top.findall("link/visual/material"))  # of the whole file, wherever
+    materials = {_name(one): one for one in reversed(stated) if one.find("color") is not None}
     shapes = tuple(shape for link in top.findall("link") for shape in _shapes(link, files, materials))
     return Description(
         observation,
@@ -124,7 +125,7 @@ def _mesh(
 
 
 def _color(material: Element | None, materials: Mapping[str, Element]) -> Rgba | None:
-    """Colour of a material, its own or that of the material of the same name at the top of the file."""
+    """Colour of a material, its own or that of the first material of the same name in the file."""
     for one in (material, materials.get(_name(material))):
         color = None if one is None else one.find("color")
         if color is not None:
