@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from stepbot.engines.description.urdf import describe_urdf
 from stepbot.jobs.incremental import check, convert
 from stepbot.pipeline import writing
 from stepbot.pipeline.conversion import Conversion, Options
