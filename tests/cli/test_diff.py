@@ -57,7 +57,7 @@ def test_sidecars_are_compared_by_their_robots(lever: Revision, stepbot: Stepbot
     Path("a.robot.yaml").write_text(LEVER, encoding="utf-8")
     Path("b.robot.yaml").write_text("# the same\n" + LEVER.replace("[beam, motor]", "[motor, beam]"), encoding="utf-8")
     assert differences(stepbot, "a.robot.yaml", "b.robot.yaml", 0) == []
-    text = LEVER.replace("upper: 1", "upper: 1.5") + "parts: {motor: {mass: 50 g}}\n"
+    text = LEVER.replace("upper: 0.2", "upper: 0.7") + "parts: {motor: {mass: 50 g}}\n"
     Path("b.robot.yaml").write_text(text + "frames: {tip: {link: arm, origin: {center: motor}}}\n", encoding="utf-8")
     rows = differences(stepbot, "a.robot.yaml", "b.robot.yaml", 1)
     found = {(row["kind"], row["name"]): row.get("amount") for row in rows}
@@ -65,19 +65,19 @@ def test_sidecars_are_compared_by_their_robots(lever: Revision, stepbot: Stepbot
     assert found["mass", "mass of link 'arm'"] == pytest.approx(0.002, rel=1e-9)
     assert ("frames", "frame 'tip' is new") in found
     limit = next(row for row in rows if row["kind"] == "limits")
-    assert (limit["old"], limit["new"], limit["unit"]) == (1.0, 1.5, "rad")
-    assert limit["detail"] == "57.3 -> 85.94 deg (+50 %)"
+    assert (limit["old"], limit["new"], limit["unit"]) == (0.2, 0.7, "rad")
+    assert limit["detail"] == "11.46 -> 40.11 deg (+250 %)"
 
 
 def test_the_table_of_robots(lever: Revision, stepbot: Stepbot) -> None:
     """A motion is one row; boxes of single shapes are counted where their link has a row, and listed with -v."""
     shutil.copy("old.step", "lever.step")
     Path("a.robot.yaml").write_text(LEVER, encoding="utf-8")
-    text = LEVER.replace("lower: -1", "lower: -inf").replace("{type:", "{zero: 10 deg, type:")
+    text = LEVER.replace("lower: -0.2", "lower: -inf").replace("{type:", "{zero: 10 deg, type:")
     Path("b.robot.yaml").write_text(text, encoding="utf-8")
     rows = [row.split("  ") for row in stepbot("diff", "a.robot.yaml", "b.robot.yaml").out.splitlines()]
     cells = [[cell.strip() for cell in row if cell] for row in rows]
-    assert ["limits", "lower limit of joint 'hinge'", "-57.3 deg -> unlimited"] in cells
+    assert ["limits", "lower limit of joint 'hinge'", "-11.46 deg -> unlimited"] in cells
     assert not any("box of visual '" in row[-1] for row in rows)
     (count,) = (row[0] for row in rows if len(row) == 1)
     assert count.endswith("of single shapes (-v lists them)")

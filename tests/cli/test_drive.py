@@ -44,7 +44,9 @@ def test_files_are_driven_and_stay_as_they_are(folder: Path, stepbot: Stepbot) -
     assert first.code == 0, first.out
     document = json.loads(first.out)
     assert [(one["test"], one["engine"]) for one in document["tests"]] == [
-        (test, engine) for engine in ("mujoco", "pybullet") for test in ("hold", "step", "sweep", "torque", "drop")
+        (test, engine)
+        for engine in ("mujoco", "pybullet")
+        for test in ("hold", "step", "track", "sweep", "torque", "drop")
     ]
     assert set(document["inapplicable"]) == {"grip", "roll", "strafe", "stand"}
     assert all(one["steps_per_second"] > 0 for one in document["tests"])
@@ -76,12 +78,14 @@ def test_warnings_of_the_engine_leave_no_file(folder: Path, stepbot: Stepbot) ->
 
 def test_a_failure_names_place_number_limit_and_remedy(folder: Path, stepbot: Stepbot) -> None:
     """A limit of the robot's own is compared, and its reason is in the diagnostic."""
-    (folder / "own.json").write_text('{"drive": {"limits": {"hold": {"angle error": [0.001, "a test rig"]}}}}')
+    (folder / "own.json").write_text(
+        '{"drive": {"limits": {"hold": {"angle error with other gains": [0.001, "a test rig"]}}}}'
+    )
     run = stepbot("drive", "arm", "--engine", "mujoco", "--test", "hold", "--limits", "own.json", "--json")
     assert run.code == 1
     (found,) = json.loads(run.out)["diagnostics"]
     assert (found["code"], found["file"]) == ("SB830", "one_joint.xml")
-    assert found["message"].startswith("hold in mujoco: angle error of 'turn' is 0.0")
+    assert found["message"].startswith("hold in mujoco: angle error with other gains of 'turn' is 0.0")
     assert found["message"].endswith("rad, limit 0.001 rad")
     assert found["notes"] == ["the limit: a test rig"]
     assert found["help"][0].startswith("raise kp")

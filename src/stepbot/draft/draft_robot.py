@@ -357,8 +357,7 @@ class _Drafting:
         return _distinct(free, [arc.evidence for arc in self._found.arcs if arc.evidence.type != JointKind.FIXED])
 
     def _alternative(self, h: JointEvidence) -> Alternative:
-        point, direction = _point(h.axis), _direction(h.axis)
-        return Alternative(h.type, *self._paths(h), Confidence(h.score, (h.why,)), point, direction)
+        return Alternative(h.type, *self._paths(h), Confidence(h.score, (h.why,)), _point(h.axis), _direction(h.axis))
 
     def _paths(self, h: JointEvidence) -> tuple[str, str]:
         components = self._assembly.components

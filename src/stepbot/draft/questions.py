@@ -12,6 +12,7 @@ from stepbot.draft.answers import STATED, Facts, KnownJoint, known_fixed, known_
 from stepbot.draft.draft import Draft, DraftConnection, DraftLink, Option, Question
 from stepbot.draft.draft_robot import Inference
 from stepbot.draft.parts.names import Role, roles
+from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import JointKind
 from stepbot.step.assembly import Assembly
 from stepbot.step.structure.naming import BODY, base_name
@@ -133,7 +134,7 @@ class Dialogue:
             pairs = [pair for pair in group.pairs if frozenset(pair.paths) not in self._decided]
             if name not in self._answers and pairs:
                 is_part = name not in alike and all(frozenset(pair.paths) in covered for pair in pairs)
-                doubt = sum(pair.doubt for pair in pairs)
+                doubt = exact_sum(pair.doubt for pair in pairs)
                 asked.append(((is_part, -round(doubt, 9), name), _question(name, group.parts, pairs)))
         asked.sort(key=lambda one: one[0])
         root = self._root_question()
@@ -150,7 +151,7 @@ class Dialogue:
         if len(draft.links) < 2 or STANDS in self._answers or Role.BASE in roles(root.drawn or root.name):
             return None
         others = [link for link in draft.links if link is not root and link.components]
-        others.sort(key=lambda link: (-branches[link.name], -sum(map(self._volume, link.components)), link.name))
+        others.sort(key=lambda link: (-branches[link.name], -exact_sum(map(self._volume, link.components)), link.name))
         return Question(
             STANDS,
             "Which link stands, as the root?",

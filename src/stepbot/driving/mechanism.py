@@ -15,6 +15,7 @@ from stepbot.robot.kinematics import link_poses, mimic_relation, rigid_bodies
 from stepbot.robot.model import ActuatorKind, Base, Joint, JointKind, Robot
 from stepbot.robot.multi_dof import ball_coordinates, unfolded
 from stepbot.robot.posing import NotReached, posed
+from stepbot.robot.tuning import BANDWIDTH
 
 _LEVEL = 0.1
 """Cosine of the angle between an axle and the vertical up to which the axle counts as horizontal."""
@@ -79,7 +80,7 @@ def mechanism_of(robot: Robot, constraints: tuple[Mapping[str, Any], ...]) -> Me
             actuator.gear,
             actuator_limit(actuator, robot.joint_by_name[actuator.joint]),
             robot.joint_by_name[actuator.joint].kind is not JointKind.PRISMATIC,
-            actuator.tuning is not None,
+            actuator.tuning is not None and actuator.tuning.bandwidth >= BANDWIDTH,
             actuator.tuning is not None and actuator.tuning.braked,
         )
         for actuator in robot.actuators

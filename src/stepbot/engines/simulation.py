@@ -37,7 +37,7 @@ class Motor:
     angular: bool
     """Whether the joint turns."""
     computed: bool = False
-    """Whether its gains are computed."""
+    """Whether its gains are computed, for a bandwidth that is not below the default."""
     braked: bool = False
     """Whether its effort limit needs more damping than its gains would have."""
 

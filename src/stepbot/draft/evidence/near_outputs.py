@@ -36,7 +36,7 @@ class NearOutput:
         for part, axis in self._lines_beside() if self._motor.is_named else ():
             if part not in known and not any(axis.distance(one.point) < OFFSET for one in lines[part]):
                 lines[part].append(axis)
-        held = {part for part, axes in lines.items() if sum(not self._is_output(axis) for axis in axes) > 1}
+        held = {part for part, axes in lines.items() if sum(1 for axis in axes if not self._is_output(axis)) > 1}
         for part in sorted(held):
             why = f"holes nearly in line with those of the motor '{self._motor.path}'"
             self._found.weld(_NEARLY_HELD, self._motor.case, part, why, holds_motor=True)
