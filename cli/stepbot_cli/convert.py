@@ -153,9 +153,8 @@ def command(
     """
     if no_verify and require:
         raise click.UsageError("--require and --no-verify cannot be combined")
-    for option, given in (("--step", step is not None), ("--variant", bool(options.variant))):
-        if given:
-            reject_descriptions(option, [sidecar])
+    if step is not None:
+        reject_descriptions("--step", [sidecar])
     package = package_name(package, ros2, formats)
     output = output or default_output(sidecar, options.variant)
     options = options._replace(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from .caching import cache_options, opened
+from .diagnostic_text import printable
 from .encodings import encoding_option
 from .engines import limit_options
 
@@ -47,6 +48,12 @@ def variant_option(command: Callable[..., int]) -> Callable[..., int]:
 
     @wraps(command)
     def with_variant(*, options: "Options", variant: str, **others: Any) -> int:
+        named = next(others[key] for key in ("sidecar", "sidecars", "target", "step") if key in others)
+        for path in named if isinstance(named, tuple) else (named,):
+            if variant and path.suffix.lower() not in (".yaml", ".yml") and not path.is_dir():
+                raise click.UsageError(f"--variant needs a sidecar, and {printable(path.name)} is none")
+        if variant and others.get("edit"):
+            raise click.UsageError("--variant cannot be edited: the page writes the sidecar as it is")
         return command(options=options._replace(variant=variant), **others)
 
     help = "Variant of the sidecar, by its name under `variants`."

@@ -187,6 +187,16 @@ def test_each_variant_is_a_robot_of_a_batch(tmp_path: Path, write: Callable[[Map
     assert "variant 'bare_named'" in error["notes"]
 
 
+@pytest.mark.parametrize(
+    "arguments", [("convert", "arm.urdf"), ("inspect", "arm.step"), ("view", "arm.yaml", "--edit")]
+)
+def test_a_variant_is_one_of_a_sidecar(arguments: tuple[str, ...], tmp_path: Path) -> None:
+    """`--variant` of anything else, or with an editor, is a usage error and not ignored."""
+    run = stepbot(*arguments, "--variant", "long", cwd=tmp_path)
+    assert run.code == 2
+    assert "--variant" in run.err
+
+
 def test_a_variant_has_its_own_results_in_the_cache(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> None:
     """The second run of a variant gives its own bytes, not those of the sidecar as it is."""
     write(FILES)

@@ -117,6 +117,22 @@ def test_a_turned_part_of_a_module_is_an_error(composed: Compose, monkeypatch: p
         composed({**FILES, "arm.xml": arm}, Diagnostics())
 
 
+def test_a_mirror_image_stands_at_the_image_of_the_place(composed: Compose) -> None:
+    """Through the plane y = 0 of the world, fixed or free."""
+    modules = """
+      right: {mirror_of: left}
+      other: {mirror_of: box}
+    """
+    text = CELL.replace("right: {file: arm.xml, at: world, offset: {xyz: [0, 1, 0], rpy: [0, 0, 90 deg]}}", "")
+    text = text.replace(
+        "left: {file: arm.xml, at: world}", "left: {file: arm.xml, at: world, offset: {xyz: [0, 1, 0]}}"
+    )
+    text = text.replace("xyz: [2, 0, 0.5]", "xyz: [2, 3, 0.5]").rstrip() + modules
+    joints = composed({**FILES, "cell.robot.yaml": text}, Diagnostics()).joint_by_name
+    assert joints["right_mount"].X_PC.position == pytest.approx((0.0, -1.0, 0.0))
+    assert joints["other_free"].X_PC.position == pytest.approx((2.0, -3.0, 0.8))
+
+
 def test_one_falls_and_the_others_stay(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> None:
     """MuJoCo: qpos is that of all robots, the mass matrix has no entries between them, and free fall is free."""
     write(FILES)

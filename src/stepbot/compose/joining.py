@@ -38,6 +38,7 @@ from stepbot.robot.tuning import Simulation
 from stepbot.sidecar.document import AutoOrigin, ClosureSection
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.own_part import TIE
+from stepbot.sidecar.subjects import ELEMENTS
 
 from .interfaces import report_shared_parts
 from .parts import Part, Parts, module_record
@@ -322,7 +323,7 @@ def _report_equal_names(sidecar: Sidecar, parts: Mapping[str, Part], found: Diag
     """Report SB155: two elements with one name in the composed robot."""
     document = sidecar.document
     first: dict[tuple[str, str], tuple[str, str]] = {}
-    for section in ("links", "frames", "joints", "closures", "actuators", "sensors"):
+    for section in ELEMENTS:
         for name in getattr(document, section):
             first.setdefault((_group(section), name), (section.removesuffix("s"), ""))
     for module, part in parts.items():

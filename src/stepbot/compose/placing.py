@@ -88,7 +88,7 @@ class Places:
         above, keys = self._joints_above(name), ("modules", name, "at")
         if section.at is not None:
             if section.at == WORLD and not above:
-                self._stand(name, section)
+                self._stand(name, section, moved_by(section.offset))
                 return
             if above:
                 message = f"module '{name}': placed by `at` and by joint '{above[0]}'"
@@ -100,15 +100,15 @@ class Places:
         elif section.mirror_of and not above:
             self._mirror(name, section)
 
-    def _stand(self, name: str, section: ModuleSection) -> None:
-        """Place a module in the world: fixed, or free and on the floor if its base floats."""
-        robot, offset = self._parts[name].robot, moved_by(section.offset)
+    def _stand(self, name: str, section: ModuleSection, X_W: Pose) -> None:
+        """Place a module in the world: fixed, or free and with its lowest point at that height if its base floats."""
+        robot = self._parts[name].robot
         if robot.base is Base.FIXED:
-            self._weld(name, section, Port(WORLD), offset)
+            self._weld(name, section, Port(WORLD), X_W)
             return
         X_RB = self._of_part(name, section.by, ("modules", name, "by")) if section.by else IDENTITY
         if X_RB is not None:
-            X_PC = tidy(offset @ self._standing(robot.root.name) @ X_RB.inverse())
+            X_PC = tidy(X_W @ self._standing(robot.root.name) @ X_RB.inverse())
             self._attach(robot.root.name, Mount(_free(name, robot.root.name, X_PC)), name)
 
     def _weld(self, name: str, section: ModuleSection, port: Port, offset: Pose) -> None:
@@ -181,7 +181,9 @@ class Places:
         of = str(section.mirror_of)
         original = self._document.modules[of]
         m = np.array(NORMALS[section.mirror or "y"])
-        if original.at is not None:
+        if original.at == WORLD:
+            self._stand(name, section, conjugated(moved_by(original.offset), m) @ moved_by(section.offset))
+        elif original.at is not None:
             port = self._image_port(name, original.at, ("modules", of, "at"), moved_by(original.offset), m)
             if port is not None:
                 self._weld(name, section, port, moved_by(section.offset))

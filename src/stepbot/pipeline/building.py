@@ -11,7 +11,7 @@ from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.scale import LARGEST, other_units
 from stepbot.robot.validity import check_robot
 from stepbot.sidecar.located import Sidecar
-from stepbot.sidecar.subjects import subject
+from stepbot.sidecar.subjects import ELEMENTS, subject
 from stepbot.step.assembly import Assembly
 from stepbot.step.structure.paths import Binding, ComponentPaths
 
@@ -59,8 +59,7 @@ def paths_of(assembly: Assembly, binding: Binding) -> list[str]:
 def places(sidecar: Sidecar) -> dict[str, Span]:
     """The places of the robot's elements in the sidecar, by the subjects of messages."""
     document = sidecar.document
-    sections = ("links", "joints", "closures", "frames", "actuators", "sensors")
-    keys = [(section, name) for section in sections for name in getattr(document, section)]
+    keys = [(section, name) for section in ELEMENTS for name in getattr(document, section)]
     places = {subject(key): sidecar.key_span(*key) for key in keys} | {"step": sidecar.span("step")}
     for link in document.links:
         for key in ("inertial", "collision"):

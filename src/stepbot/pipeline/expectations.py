@@ -1,10 +1,11 @@
 """Compares a robot with what its sidecar expects: masses, centres of mass, reach, symmetry."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import Robot
 from stepbot.robot.reach import reach
 from stepbot.robot.symmetry import AXES, Part, Symmetry, mirrored, whole
@@ -70,7 +71,7 @@ class _Comparison:
             self._unknown(keys, f"no component '{path}'", path, weights)
         for name in names:
             below = [mass for part, mass in weights.items() if part == name or part.startswith(f"{name}/")]
-            self._mass((*keys, "mass"), f"'{name}'", wanted, float(np.sum(below)))
+            self._mass((*keys, "mass"), f"'{name}'", wanted, exact_sum(below))
 
     def _mass(self, keys: tuple[str, ...], what: str, wanted: ExpectedMass | None, mass: float) -> None:
         if wanted is not None:
@@ -127,9 +128,8 @@ class _Comparison:
             text = f"com is {1e3 * found.offset:+.3g} mm off the plane {axis} = 0, {share:.1%} of the size"
             self._report(keys, text, ASYMMETRIC)
 
-    def _unknown(self, keys: tuple[str, ...], text: str, name: str, known: object) -> None:
-        names = [str(one) for one in known]  # type: ignore[attr-defined]
-        help = did_you_mean(name, names)
+    def _unknown(self, keys: tuple[str, ...], text: str, name: str, known: Iterable[str]) -> None:
+        help = did_you_mean(name, known)
         self._found.add(UNMET, f"expect: {text}", self._sidecar.key_span(*keys), help=help)
 
     def _report(self, keys: tuple[str, ...], text: str, code: str = UNMET, notes: Sequence[str] = ()) -> None:

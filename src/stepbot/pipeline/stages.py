@@ -141,9 +141,15 @@ def _produce(
         progress("verify")
         report = proven(written, proof, found)
     report_unused(found, _JUDGED_BY_BUILD + judged_by_files(options))
-    report = replace(report, variant=options.variant, inputs=inputs, collision_shapes=shapes, masses=_masses(robot))
     motors = {one.name: one.motor for one in robot.actuators if one.motor is not None}
-    report = replace(report, motors=motors)
+    report = replace(
+        report,
+        variant=options.variant,
+        inputs=inputs,
+        collision_shapes=shapes,
+        masses=_masses(robot),
+        motors=motors,
+    )
     if built is not None:
         report = replace(
             report, bodies=built.bodies, joint_table=built.joint_table, simplified_visuals=built.simplified

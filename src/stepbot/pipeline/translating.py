@@ -9,6 +9,7 @@ from contextlib import ExitStack, closing
 from dataclasses import replace
 from pathlib import Path
 
+from stepbot.compose.pruning import elements
 from stepbot.described.assumed import lacking, with_assumed
 from stepbot.described.finding import ASSUMED, Finding
 from stepbot.described.inertials import check_inertials
@@ -197,15 +198,9 @@ def _tuned(robot: Robot, span: Span, found: Diagnostics) -> Robot:
 
 def _report_names(robot: Robot, span: Span, found: Diagnostics) -> None:
     """Report names that not every reader takes (SB129), as in a sidecar."""
-    named = {
-        "link": [one.name for one in robot.links],
-        "joint": [one.name for one in robot.joints],
-        "frame": [one.name for one in robot.frames],
-        "actuator": [one.name for one in robot.actuators],
-        "sensor": [one.name for one in robot.sensors],
-    }
-    for kind, names in named.items():
-        for name in names:
+    for section, members in elements(robot).items():
+        kind = section.removesuffix("s")
+        for name in (one.name for one in members):
             if (portable := portable_name(name, kind)) != name:
                 help = [f"rename it to '{portable}' in the source"]
                 found.add("SB129", f"{kind} '{name}': {UNPORTABLE}", span, help=help)

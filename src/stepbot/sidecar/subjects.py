@@ -16,6 +16,10 @@ _SUBJECTS = {
 }
 
 
+ELEMENTS = ("links", "joints", "closures", "frames", "actuators", "sensors")
+"""Sections whose members are elements of the robot."""
+
+
 def subject(keys: Keys) -> str:
     """The subject of the value at ``keys``, with the path to the value: ``link 'jaw': inertial.com[1]``."""
     if not keys:

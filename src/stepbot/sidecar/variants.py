@@ -8,10 +8,11 @@ from collections.abc import Iterator
 from stepbot.diagnostics import Diagnostics, did_you_mean
 
 from .compose import compose
+from .subjects import ELEMENTS
 from .tree import Entry, Keys, Listing, Mapping, Scalar, Tree, child, span
 
-_NAMED = ("links", "joints", "closures", "frames", "actuators", "sensors", "modules")
-"""Sections of elements with names."""
+_NAMED = (*ELEMENTS, "modules")
+"""Sections whose members `without` and `set` name."""
 _OWN_KEYS = ("like", "without")
 
 
