@@ -16,7 +16,7 @@ from stepbot.draft.contacts.relations import Via
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import BY_NAME, BY_SHAPE, ONLY_CONNECTION, JointEvidence
 from stepbot.draft.parts.axis import Axis
-from stepbot.geometry.spatial import Array, Pose
+from stepbot.geometry.spatial import Array
 from stepbot.robot.model import JointKind
 from stepbot.step.faces import FaceKind
 
@@ -141,10 +141,10 @@ class _Equal:
         """Transforms (4, 4) in the assembly that carry a part onto an equal one, mirrored ones included."""
         X, Y = (self._survey.assembly.components[i].X_WC for i in (part, other))
         if body == other_body:
-            return [_matrix(Y) @ _matrix(X.inverse())]
+            return [Y.matrix @ X.inverse().matrix]
         if (body, other_body) not in self._maps:
             self._maps[body, other_body] = self._between(part, other)
-        return [_matrix(Y) @ M @ _matrix(X.inverse()) for M in self._maps[body, other_body]]
+        return [Y.matrix @ M @ X.inverse().matrix for M in self._maps[body, other_body]]
 
     def _between(self, part: int, other: int) -> list[Array]:
         """Transforms (4, 4) from the frame of one part's component to that of an equal one, proper or mirrored."""
@@ -188,11 +188,6 @@ class _Equal:
 
 
 def _same(one: tuple[int, float, Array], two: tuple[int, float, Array]) -> bool:
-    moments = np.abs(one[2] - two[2]).max() < _ALIKE * two[2].max()
-    return one[0] == two[0] and abs(one[1] - two[1]) < _ALIKE * two[1] and bool(moments)
-
-
-def _matrix(X: Pose) -> Array:
-    M = np.eye(4)
-    M[:3, :3], M[:3, 3] = X.R, X.p
-    return M
+    """Whether numbers of faces, volumes [m^3] and principal moments of inertia are equal."""
+    has_moments = bool(np.abs(one[2] - two[2]).max() < _ALIKE * two[2].max())
+    return one[0] == two[0] and abs(one[1] - two[1]) < _ALIKE * two[1] and has_moments
