@@ -269,8 +269,8 @@ CODES = (
         "partly evaluated geometry",
         "The geometry kernel or stepbot failed on a property that geometry can be read without: axes, faces, area or mass "
         "properties of a body; materials, colors, mechanisms or validation properties of a file.",
-        "Joints cannot bind to axes that are missing. A solid whose mass properties were not confirmed has none (SB507, "
-        "SB516).",
+        "Joints cannot bind to axes that are missing. A body with a mesh alone has the mass of its mesh, if that encloses "
+        "a volume (otherwise SB507), which no second method confirmed.",
         "Repair the named body in CAD and export again, or state in the sidecar what is missing.",
     ),
 )
