@@ -14,10 +14,10 @@ from struct import pack
 import numpy as np
 from numpy.typing import NDArray
 
-from .fixed_point import fixed_point_lines
+from .fixed_point import distinct_rows, fixed_point_lines
 from .mesh import GRID_DECIMALS, GRID_PER_METRE, TriMesh, with_four_vertices
 from .primitives import linear_from_srgb
-from .spatial import Array, cross, lengths
+from .shading import NORMAL_DECIMALS, shaded, unit_normals
 
 Color = tuple[float, float, float, float]
 """Colour and opacity, each 0 to 1, sRGB."""
@@ -98,7 +98,6 @@ _SOURCE = """\
 _TRANSPARENCY = """
             <transparent opaque="A_ONE"><color>1 1 1 {opacity}</color></transparent>
             <transparency><float>1</float></transparency>"""
-_NORMAL_DECIMALS = 6
 
 
 def stl_bytes(mesh: TriMesh) -> bytes:
@@ -111,8 +110,15 @@ def stl_bytes(mesh: TriMesh) -> bytes:
 
 
 def glb_bytes(mesh: TriMesh, name: str, rgba: Color) -> bytes:
-    """Binary glTF 2.0 of one material; without normals, so that readers shade each face flat."""
-    positions, indices = mesh.vertices.astype("<f4"), mesh.faces.astype("<u4")
+    """Binary glTF 2.0 of one material, with a vertex for each normal at a point."""
+    normals, which = shaded(mesh)
+    corners = np.stack([mesh.faces.ravel(), which.ravel()], axis=1)
+    first, indices = distinct_rows(corners)
+    points, directions = corners[first].T
+    positions = mesh.vertices[points].astype("<f4")
+    units = (normals[directions] / 10.0**NORMAL_DECIMALS).astype("<f4")
+    binary = [positions.tobytes(), units.tobytes(), indices.astype("<u4").tobytes()]
+    starts = [0, len(binary[0]), len(binary[0]) + len(binary[1])]
     red, green, blue, opacity = rgba
     color = [*(round(linear_from_srgb(c), _COLOR_DECIMALS) for c in (red, green, blue)), opacity]
     material = {
@@ -122,12 +128,13 @@ def glb_bytes(mesh: TriMesh, name: str, rgba: Color) -> bytes:
         **({"alphaMode": "BLEND"} if opacity < 1.0 else {}),
     }
     low, high = (positions.min(axis=0), positions.max(axis=0)) if len(positions) else (np.zeros(3), np.zeros(3))
+    primitive = {"attributes": {"POSITION": 0, "NORMAL": 1}, "indices": 2, "material": 0}
     content = {
         "asset": {"version": "2.0", "generator": "stepbot"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"name": name, "mesh": 0}],
-        "meshes": [{"name": name, "primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "meshes": [{"name": name, "primitives": [primitive]}],
         "materials": [material],
         "accessors": [
             {
@@ -138,24 +145,25 @@ def glb_bytes(mesh: TriMesh, name: str, rgba: Color) -> bytes:
                 "min": [float(x) for x in low],
                 "max": [float(x) for x in high],
             },
-            {"bufferView": 1, "componentType": _UNSIGNED, "count": indices.size, "type": "SCALAR"},
+            {"bufferView": 1, "componentType": _FLOAT, "count": len(units), "type": "VEC3"},
+            {"bufferView": 2, "componentType": _UNSIGNED, "count": len(indices), "type": "SCALAR"},
         ],
         "bufferViews": [
-            {"buffer": 0, "byteOffset": 0, "byteLength": positions.nbytes, "target": _VERTICES},
-            {"buffer": 0, "byteOffset": positions.nbytes, "byteLength": indices.nbytes, "target": _INDICES},
+            {"buffer": 0, "byteOffset": start, "byteLength": len(part), "target": target}
+            for start, part, target in zip(starts, binary, (_VERTICES, _VERTICES, _INDICES), strict=True)
         ],
-        "buffers": [{"byteLength": positions.nbytes + indices.nbytes}],
+        "buffers": [{"byteLength": sum(map(len, binary))}],
     }
     text = json.dumps(content, separators=(",", ":")).encode()
-    chunks = _chunk(_JSON, text, b" ") + _chunk(_BINARY, positions.tobytes() + indices.tobytes(), b"\0")
+    chunks = _chunk(_JSON, text, b" ") + _chunk(_BINARY, b"".join(binary), b"\0")
     return b"glTF" + pack("<II", _GLB_VERSION, 12 + len(chunks)) + chunks
 
 
 def dae_bytes(mesh: TriMesh, name: str, rgba: Color) -> bytes:
-    """COLLADA 1.4.1 of one material with a normal for each face; ``name`` is of letters, digits, ``_`` and ``-``."""
-    faces, normals = mesh.faces, np.rint(unit_normals(mesh) * 10**_NORMAL_DECIMALS).astype(np.int64)
+    """COLLADA 1.4.1 of one material with normals; ``name`` is of letters, digits, ``_`` and ``-``."""
+    normals, which = shaded(mesh)
     nanometres = np.rint(mesh.vertices * GRID_PER_METRE).astype(np.int64)
-    corners = np.stack([faces, np.repeat(np.arange(len(faces))[:, None], 3, axis=1)], axis=2).reshape(-1, 6)
+    corners = np.stack([mesh.faces, which], axis=2).reshape(-1, 6)
     red, green, blue, opacity = (f"{round(channel, _COLOR_DECIMALS):.{_COLOR_DECIMALS}g}" for channel in rgba)
     return _COLLADA.format(
         date=_NO_DATE,
@@ -163,19 +171,10 @@ def dae_bytes(mesh: TriMesh, name: str, rgba: Color) -> bytes:
         transparency=_TRANSPARENCY.format(opacity=opacity) if rgba[3] < 1.0 else "",
         name=name,
         positions=_source("positions", nanometres, GRID_DECIMALS),
-        normals=_source("normals", normals, _NORMAL_DECIMALS),
-        faces=len(faces),
-        corners=_words(corners.astype(np.int64)),
+        normals=_source("normals", normals, NORMAL_DECIMALS),
+        faces=len(mesh.faces),
+        corners=_words(corners),
     ).encode()
-
-
-def unit_normals(mesh: TriMesh) -> Array:
-    """Unit normal (n, 3) of each face; z for a face without area, as of collinear vertices of a hull."""
-    a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
-    across = cross(b - a, c - a)
-    length = lengths(across)
-    flat = length == 0.0
-    return np.where(flat[:, None], (0.0, 0.0, 1.0), across / np.where(flat, 1.0, length)[:, None])
 
 
 def _chunk(kind: bytes, content: bytes, padding: bytes) -> bytes:

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stepbot.geometry.shading import corner_normals
 from stepbot.geometry.spatial import Array
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.processes import core_count
@@ -126,7 +127,7 @@ class _Caster:
         self._scene, self._embree, self._camera = scene, embree, camera
         corners = scene.vertices[scene.triangles]
         self._size = float(np.linalg.norm(np.ptp(scene.vertices, axis=0)))
-        self._normals = corner_normals(scene)
+        self._normals = corner_normals(scene.vertices, scene.triangles)
         self._first = corners[:, 0]
         self._edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
         x, y, z = SUN
@@ -277,25 +278,6 @@ class _Caster:
         v = np.einsum("ij,ij->i", directions, q) * inverse
         t = np.einsum("ij,ij->i", b, q) * inverse
         return self._camera.position + t[:, None] * directions, np.stack((1.0 - u - v, u, v), axis=1)
-
-
-def corner_normals(scene: Scene, crease: float = 0.8) -> Array:
-    """A normal for each corner of each triangle, shape (m, 3, 3): averaged except at edges of a lower cosine."""
-    from scipy.sparse import csr_matrix
-
-    corners = scene.vertices[scene.triangles]
-    weighted = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    faces = _unit(weighted)
-    count, used = len(scene.triangles), scene.triangles.ravel()
-    owner = np.repeat(np.arange(count), 3)
-    at_vertex = csr_matrix((np.ones(3 * count), (used, owner)), shape=(len(scene.vertices), count))
-    neighbours = csr_matrix((np.ones(3 * count), (np.arange(3 * count), used))) @ at_vertex
-    row = np.repeat(np.arange(3 * count), np.diff(neighbours.indptr))
-    column = neighbours.indices
-    alike = np.einsum("ij,ij->i", faces[owner[row]], faces[column]) > crease
-    normals = np.zeros((3 * count, 3))
-    np.add.at(normals, row[alike], weighted[column[alike]])
-    return _unit(normals).reshape(count, 3, 3)
 
 
 def _averaged(light: Array, points: Array, normals: Array, width: int) -> Array:

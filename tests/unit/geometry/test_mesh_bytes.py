@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.mesh_bytes import dae_bytes, glb_bytes, stl_bytes, unit_normals
+from stepbot.geometry.mesh_bytes import dae_bytes, glb_bytes, stl_bytes
+from stepbot.geometry.shading import corner_normals, unit_normals
 from tests.meshes import dented_box
 
 ORANGE = (0.8, 0.4, 0.1, 1.0)
@@ -46,14 +47,16 @@ def test_stl_has_the_triangles_in_single_precision(mesh: TriMesh) -> None:
 
 @settings(max_examples=25)
 @given(meshes)
-def test_glb_has_vertices_and_faces_in_single_precision(mesh: TriMesh) -> None:
-    """trimesh reads equal vertices and faces at the root of the scene: neither scaled nor turned."""
+def test_glb_has_triangles_and_normals_in_single_precision(mesh: TriMesh) -> None:
+    """trimesh reads every triangle, and the normals of its corners, at the root of the scene."""
     scene = trimesh.load_scene(BytesIO(glb_bytes(mesh, "part", ORANGE)), file_type="glb", process=False)
     (node,) = scene.graph.nodes_geometry
     transform, name = scene.graph[node]
     np.testing.assert_array_equal(transform, np.eye(4))
-    np.testing.assert_array_equal(scene.geometry[name].vertices, mesh.vertices.astype(np.float32))
-    np.testing.assert_array_equal(scene.geometry[name].faces, mesh.faces)
+    read = scene.geometry[name]
+    np.testing.assert_array_equal(read.triangles, mesh.vertices[mesh.faces].astype(np.float32))
+    normals = corner_normals(mesh.vertices, mesh.faces)
+    np.testing.assert_allclose(read.vertex_normals[read.faces], normals, atol=6e-7)
 
 
 @pytest.mark.parametrize("rgba", [ORANGE, GLASS])
@@ -61,13 +64,13 @@ def test_glb_is_laid_out_as_specified(rgba: tuple[float, float, float, float]) -
     """Accessors lie in their buffer and state the extent; colours are linear, glass is blended."""
     mesh = dented_box(0.2)
     content, binary = glb_chunks(glb_bytes(mesh, "part", rgba))
-    positions, indices = content["accessors"]
+    positions, _, indices = content["accessors"]
     views = content["bufferViews"]
     assert sum(view["byteLength"] for view in views) == content["buffers"][0]["byteLength"] <= len(binary)
     start = np.frombuffer(binary, "<f4", positions["count"] * 3, views[0]["byteOffset"]).reshape(-1, 3)
     assert (positions["min"], positions["max"]) == (start.min(axis=0).tolist(), start.max(axis=0).tolist())
-    numbers = np.frombuffer(binary, "<u4", indices["count"], views[1]["byteOffset"]).reshape(-1, 3)
-    np.testing.assert_array_equal(numbers, mesh.faces)
+    numbers = np.frombuffer(binary, "<u4", indices["count"], views[2]["byteOffset"]).reshape(-1, 3)
+    np.testing.assert_array_equal(start[numbers], mesh.vertices[mesh.faces].astype(np.float32))
     (material,) = content["materials"]
     srgb = np.array(rgba[:3])
     expected = np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
@@ -90,7 +93,8 @@ def test_dae_has_every_coordinate_to_the_nanometre(mesh: TriMesh) -> None:
     text = ET.fromstring(content).findtext(".//{*}float_array[@id='positions-array']") or ""
     np.testing.assert_array_equal(np.array(text.split(), float).reshape(-1, 3), mesh.vertices)
     np.testing.assert_array_equal(triangles.vertex_index, mesh.faces)
-    np.testing.assert_allclose(triangles.normal[triangles.normal_index[:, 0]], unit_normals(mesh), atol=6e-7)
+    normals = corner_normals(mesh.vertices, mesh.faces)
+    np.testing.assert_allclose(triangles.normal[triangles.normal_index], normals, atol=6e-7)
 
 
 @pytest.mark.parametrize("rgba", [ORANGE, GLASS])

@@ -3,7 +3,7 @@
 import numpy as np
 
 from stepbot.geometry.mesh import GRID_PER_METRE
-from stepbot.geometry.mesh_bytes import unit_normals
+from stepbot.geometry.shading import NORMAL_DECIMALS, shaded
 from stepbot.robot.model import MeshAsset, MeshRef, Robot
 
 from .crate import CrateAttribute, CratePrim, Singles, crate
@@ -13,7 +13,6 @@ from .usda import UNITS, asset_path, written_by
 MESH = "mesh"
 """Name of the mesh in the prim of an asset."""
 _TOP = "meshes"
-_NORMAL_DECIMALS = 6
 
 
 class MeshLayer:
@@ -47,16 +46,17 @@ class MeshLayer:
 
 
 def _prim(asset: MeshAsset, identifier: str) -> CratePrim:
-    """A mesh, to be referred to: triangles with flat faces, on the grid of the mesh files."""
+    """A mesh, to be referred to: triangles with a normal at each corner, on the grid of the mesh files."""
     mesh = asset.mesh
     points = _singles(np.rint(mesh.vertices * GRID_PER_METRE) / GRID_PER_METRE)
-    normals = _singles(np.rint(unit_normals(mesh) * 10**_NORMAL_DECIMALS) / 10**_NORMAL_DECIMALS)
+    distinct, which = shaded(mesh)
+    normals = _singles(distinct[which.ravel()] / 10.0**NORMAL_DECIMALS)
     corners = [points.min(axis=0), points.max(axis=0)] if len(points) else np.zeros((2, 3))
     attributes = (
         CrateAttribute("extent", "float3[]", np.asarray(corners, np.float32)),
         CrateAttribute("faceVertexCounts", "int[]", np.full(len(mesh.faces), 3, np.int32)),
         CrateAttribute("faceVertexIndices", "int[]", mesh.faces.ravel().astype(np.int32)),
-        CrateAttribute("normals", "normal3f[]", normals, interpolation="uniform"),
+        CrateAttribute("normals", "normal3f[]", normals, interpolation="faceVarying"),
         CrateAttribute("points", "point3f[]", points),
         CrateAttribute("subdivisionScheme", "token", "none", uniform=True),
     )
