@@ -110,16 +110,6 @@ def test_two_parts_have_their_subassemblies(page: Page, opened: Session) -> None
     assert page.run("return stepbot.state.selection.picked") == ["frame", "crank"]
 
 
-def test_a_small_window_shows_the_robot(page: Page, opened: Session) -> None:
-    """At 1000 by 700 the card covers nothing of the robot."""
-    page.resize(1000, 700)
-    page.run("stepbot.state.select({connection: 'rocker_swing'})")
-    card, stage = page.element("#card").rect, page.element("#stage").rect
-    assert card["x"] >= stage["x"] + stage["width"]
-    assert card["y"] + card["height"] <= 700
-    assert stage["width"] * stage["height"] > 0.5 * 1000 * 700
-
-
 def test_zoom_to_the_pointer(page: Page, opened: Session) -> None:
     """What is under the pointer stays there when the wheel zooms."""
     at = page.pixel_of("rocker")

@@ -7,6 +7,7 @@ this machine, which keeps out sites whose name is made to point here (DNS rebind
 import json
 import secrets
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from math import isfinite
@@ -123,6 +124,11 @@ class _Handler(BaseHTTPRequestHandler):
     server_version = "stepbot"
     sys_version = ""
     timeout = 60.0
+
+    def handle(self) -> None:
+        """Answer requests until the page is closed, which may be in the middle of an answer."""
+        with suppress(ConnectionError):
+            super().handle()
 
     def do_GET(self) -> None:
         match self._place():

@@ -97,6 +97,8 @@ export class Camera {
   }
 }
 
+const KEY_STEP = 24; // [px] that a key is worth
+
 // Connect a camera to the gestures on a canvas. A press without motion is a click.
 export function steer(canvas, camera, { changed, clicked }) {
   const fingers = new Map();
@@ -135,4 +137,14 @@ export function steer(canvas, camera, { changed, clicked }) {
     camera.zoom(Math.exp(event.deltaY * (event.deltaMode ? 0.05 : 0.0012)), (event.clientX - left) / width, (event.clientY - top) / height);
     changed();
   }, { passive: false });
+  canvas.addEventListener("keydown", (event) => {
+    const [x, y] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key] ?? [0, 0];
+    const factor = { "+": 0.85, "=": 0.85, "-": 1 / 0.85 }[event.key] ?? 1;
+    if ((!x && !y && factor === 1) || event.ctrlKey || event.metaKey) return;
+    event.preventDefault();
+    if (event.shiftKey && factor === 1) camera.pan(KEY_STEP * x, KEY_STEP * y, canvas.clientHeight);
+    else camera.orbit(KEY_STEP * x, KEY_STEP * y);
+    camera.zoom(factor);
+    changed();
+  });
 }

@@ -1,6 +1,7 @@
 // Sends edits to the server, which checks each before it is written, and shows what came of them.
 
 import { byId, element } from "./dom.js";
+import { isTyping } from "./layout.js";
 import { arrive, ask, live } from "./live.js";
 import { app } from "./main.js";
 
@@ -74,11 +75,6 @@ live.push((content) => {
   steps = content.edit ?? steps;
   showSteps();
 });
-addEventListener("keydown", (event) => {
-  if (event.target instanceof HTMLInputElement || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
-  event.preventDefault();
-  send(event.shiftKey ? "redo" : "undo", {});
-});
 
 // What was said about a part or joint does not stay when another one is selected.
 let about = null;
@@ -88,5 +84,12 @@ state.listen((what) => {
   const now = selection && (selection.connection ?? JSON.stringify(selection.picked ?? selection.component ?? selection.link));
   if (now !== about && !checking && notice.className === "bad") say("");
   about = now;
+});
+
+app.keys.push(["Ctrl-Z", "undo; with shift: redo"]);
+addEventListener("keydown", (event) => {
+  if (isTyping(event) || !(event.ctrlKey || event.metaKey) || event.key.toLowerCase() !== "z") return;
+  event.preventDefault();
+  send(event.shiftKey ? "redo" : "undo", {});
 });
 showSteps();

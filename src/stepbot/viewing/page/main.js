@@ -4,6 +4,7 @@ import { card } from "./card.js";
 import { byId, element } from "./dom.js";
 import { findingsPanel } from "./findings.js";
 import { jointsPanel } from "./joints.js";
+import { dock, shortcuts, tabs } from "./layout.js";
 import { mass } from "./numbers.js";
 import { partsPanel } from "./parts.js";
 import { proofPanel } from "./proof.js";
@@ -27,29 +28,6 @@ function toolbar(state, view) {
     view.fit();
   } }, label));
   byId("toolbar").append(...chips, element("span.space"), element("button.chip", { type: "button", id: "fit", onclick: () => view.fit() }, "Fit"), ...looks);
-}
-
-function tabs(state, panels) {
-  const buttons = panels.map(([id, label, section]) => {
-    section.id = id;
-    section.setAttribute("role", "tabpanel");
-    const count = element("span.count");
-    const button = element("button", { type: "button", role: "tab", "aria-controls": id, onclick: () => open(id) }, label, count);
-    byId("tabs").append(button);
-    byId("sections").append(section);
-    return { id, button, section, count };
-  });
-  const open = (chosen) => {
-    for (const { id, button, section } of buttons) {
-      button.setAttribute("aria-selected", String(id === chosen));
-      section.hidden = id !== chosen;
-    }
-  };
-  state.listen((what) => {
-    if (!["scene", "proof", "contacts"].includes(what)) return;
-    for (const { id, count } of buttons) Object.assign(count, badge(state, id));
-  });
-  open("joints");
 }
 
 function badge(state, id) {
@@ -90,24 +68,38 @@ function start() {
     throw error;
   }
   toolbar(state, view);
+  const toggle = dock();
   const extras = [];
   card(state, byId("card"), (selection) => extras.flatMap((extra) => extra(selection)));
-  tabs(state, [
+  const { open, counts } = tabs([
     ["joints", "Joints", jointsPanel(state)], ["parts", "Parts", partsPanel(state)],
     ["proof", "Verification", proofPanel(state)], ["findings", "Findings", findingsPanel(state)],
   ]);
   state.listen((what) => {
     if (what === "scene") title(state);
+    if (["scene", "proof", "contacts"].includes(what)) for (const [id, count] of counts) Object.assign(count, badge(state, id));
   });
   addEventListener("keydown", (event) => {
-    if (event.key === "Escape") state.select(null);
-    if (event.key === "f" && !(event.target instanceof HTMLInputElement)) view.fit();
+    if (event.key === "Escape" && !document.querySelector("dialog[open]")) state.select(null);
   });
+  const step = (by) => () => {
+    const names = state.scene.connections.map(({ name }) => name);
+    const at = names.indexOf(state.selection?.connection);
+    const to = at < 0 ? Math.min(by, 0) : at + by;
+    if (names.length) state.select({ connection: names.at(to % names.length) });
+  };
+  const keys = [
+    ["f", "fit the robot", () => view.fit()], ["p", "show or hide the panels", toggle],
+    ["j", "next joint", step(1)], ["k", "joint before", step(-1)],
+    ["arrows, + -", "in the 3D view: turn the robot, zoom; with shift: move it"],
+    ["Esc", "select nothing"],
+  ];
+  shortcuts(keys);
   // For tests, and for people at the console.
   globalThis.stepbot = { state, view };
   const text = byId("scene").textContent.trim();
   if (text) state.load(JSON.parse(text));
-  return { state, view, extras };
+  return { state, view, extras, keys, open };
 }
 
 export const app = start();
