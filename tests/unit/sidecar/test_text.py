@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import NOT_TEXT, Diagnostics
 from stepbot.sidecar.text import LARGEST_FILE, read_text
 
 
@@ -68,3 +68,11 @@ def test_place_of_a_byte_that_is_not_utf_8(tmp_path: Path, found: Diagnostics) -
     assert read_text(path, found) is None
     (diagnostic,) = found
     assert (diagnostic.code, diagnostic.span.line, diagnostic.span.column) == ("SB102", 2, 5)
+
+
+def test_characters_of_a_sidecar() -> None:
+    """Those that YAML allows (1.2, production 1), without its three rare line ends."""
+    printable = ((0x20, 0x7E), (0xA0, 0xD7FF), (0xE000, 0xFFFD), (0x10000, 0x10FFFF))
+    allowed = {"\t", "\n", *(chr(c) for first, last in printable for c in range(first, last + 1))}
+    every = "".join(map(chr, range(0x110000)))
+    assert set(NOT_TEXT.findall(every)) == set(every) - (allowed - set("\x85\u2028\u2029"))

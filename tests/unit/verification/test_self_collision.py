@@ -8,6 +8,8 @@ import trimesh
 from stepbot.geometry.mesh import TriMesh, joined
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.model import (
+    Actuator,
+    ActuatorKind,
     Box,
     Capsule,
     Collision,
@@ -144,3 +146,13 @@ def test_only_what_overlaps_depend_on_is_sent_along() -> None:
     assert all(not link.visuals and link.mass_properties.mass == 0.0 for link in slim.links)
     assert [mesh.name for mesh in slim.meshes] == ["base_1"]
     assert [(joint.name, joint.limit) for joint in slim.joints] == [(joint.name, joint.limit) for joint in robot.joints]
+
+
+def test_gains_change_nothing_that_overlaps_depend_on() -> None:
+    """An edit of gains takes the overlaps from the cache: the worker gets the same actuators."""
+    of_gain = [
+        only_collisions(replace(primitives(), actuators=(Actuator("a", "slide", ActuatorKind.POSITION, kp=kp),)))
+        for kp in (1.0, 2.0)
+    ]
+    assert of_gain[0].actuators == of_gain[1].actuators
+    assert [one.joint for one in of_gain[0].actuators] == ["slide"]  # it decides which joints of a loop are driven

@@ -63,7 +63,9 @@ class _Surface:
 
     def integrals(self, parts: int, *, coarse: bool = False) -> Array:
         """What the faces contribute to the ten integrals."""
-        return self._integral(self.contours.rule(self.turning, parts, coarse), parts, coarse)
+        is_whole = parts == 1 and not coarse
+        rule = self._whole if is_whole else self.contours.rule(self.turning, parts, coarse)
+        return self._integral(rule, parts, coarse)
 
     def undetermined(self) -> Array:
         """How far the integrals depend on where they start, in a face whose boundary does not close."""

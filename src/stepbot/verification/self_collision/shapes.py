@@ -19,6 +19,7 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.predicates import encloses, is_convex
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.model import (
+    Actuator,
     Box,
     Capsule,
     Collision,
@@ -56,7 +57,8 @@ def only_collisions(robot: Robot) -> Robot:
         tuple(Link(link.name, collisions=link.collisions) for link in robot.links),
         tuple(replace(joint, dynamics=JointDynamics()) for joint in robot.joints),
         robot.closures,
-        actuators=robot.actuators,  # which joints of a loop are driven
+        # which joints of a loop are driven, whatever their gains
+        actuators=tuple(Actuator(one.name, one.joint, one.kind) for one in robot.actuators),
         meshes=tuple(mesh for mesh in robot.meshes if mesh.name in touched),
     )
 
