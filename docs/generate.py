@@ -49,7 +49,7 @@ def diagnostics() -> str:
 
 def _example(folder: Path) -> str:
     """The command of a transcript, if it has one, and the first diagnostic of its code."""
-    code = f"[{folder.name[:5]}]: "
+    code = f"[{folder.name[:5]}"
     blocks = (folder / "expected.txt").read_text(encoding="utf-8").rstrip().split("\n\n")
     block = next(block for block in blocks if code in block.partition("\n")[0])
     lines = block.splitlines()

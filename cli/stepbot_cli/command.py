@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from stepbot.diagnostics import did_you_mean
-from stepbot.diagnostics.codes import CODES
+from stepbot.diagnostics.codes import CODES, current
 from stepbot.runtime.file import exists
 
 from .streams import CannotPrint
@@ -87,17 +87,20 @@ def names_option(*declarations: str, **attributes: Any) -> Callable[..., Any]:
 
 def full_code(given: str) -> str:
     """A code of diagnostics in capitals, and with its letters if only the number is given: ``407`` is ``SB407``."""
-    return f"SB{given}" if given.isdecimal() and len(given) == 3 else given.upper()
+    name, *feature = given.split(":", 1)
+    number = f"SB{name}" if name.isdecimal() and len(name) == 3 else name.upper()
+    return ":".join([number, *map(str.lower, feature)])
 
 
 def _codes(context: click.Context, option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
     """Codes of diagnostics to suppress."""
     codes = tuple(map(full_code, _split(context, option, given)))
     for code in codes:
-        if code not in CODES:
+        known = current(code)
+        if not known:
             near = "".join(did_you_mean(code, CODES)) or "list all codes with `stepbot explain`"
             raise click.BadParameter(f"unknown code '{code}'; {near}")
-        if CODES[code].severity == "error":
+        if all(CODES[one].severity == "error" for one in known):
             raise click.BadParameter(f"{code} is an error, which cannot be ignored")
     return codes
 

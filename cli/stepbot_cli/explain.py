@@ -6,7 +6,7 @@ import textwrap
 import click
 
 from stepbot.diagnostics import did_you_mean
-from stepbot.diagnostics.codes import CODES
+from stepbot.diagnostics.codes import CODES, current
 from stepbot.diagnostics.codes.code import Code
 
 from .command import Command, full_code
@@ -25,17 +25,20 @@ def command(code: str | None) -> int:
             "\n".join(f"{c.id}  {c.severity:<7}  {c.title}" for c in sorted(CODES.values(), key=lambda c: c.id))
         )
         return 0
-    known = CODES.get(full_code(code))
-    if known is None:
+    wanted = full_code(code)
+    known = current(wanted)
+    if not known:
         near = "; ".join(did_you_mean(code.upper(), CODES))
         raise click.BadParameter(f"unknown code '{code}'" + (f"; {near}" if near else ""), param_hint="CODE")
-    write_result(_explanation(known))
+    renamed = "" if known == (wanted,) else f"{wanted} of earlier versions is {', '.join(known)} now.\n\n"
+    write_result(renamed + "\n\n".join(map(_explanation, dict.fromkeys(CODES[one] for one in known))))
     return 0
 
 
 def _explanation(code: Code) -> str:
     width = text_width(sys.stdout) - 2
-    paragraphs = (("What", code.what), ("Why it matters", code.why), ("How to fix it", code.fix))
+    paragraphs = [("What", code.what), ("Why it matters", code.why), ("How to fix it", code.fix)]
+    paragraphs += [("Features", ", ".join(code.features.split()))] if code.features else []
     body = "\n\n".join(f"{title}:\n{textwrap.indent(_filled(text, width), '  ')}" for title, text in paragraphs)
     return f"{code.id} ({code.severity}): {code.title}\n\n{body}"
 

@@ -146,7 +146,7 @@ def test_conversion_excludes_and_proves(stepbot: Stepbot, plates: Path) -> None:
     run = stepbot("convert", "plates.robot.yaml", "-o", "out", "-v")
     assert run.code == 0
     assert "SB620" in run.err
-    assert "SB740" in run.err
+    assert "SB763:excluded-contact" in run.err
     assert "SB810" not in run.err
     assert excludes(plates / "out" / "plates.xml") - excludes(plates / "plain" / "plates.xml") == {
         frozenset(("lower", "upper"))

@@ -89,11 +89,11 @@ def test_strict_ends_at_a_loss(arm: Path, stepbot: Stepbot) -> None:
     damage(arm, replaced("friction: 0.02}", "friction: 0.02, armature: 0.01}"))
     run = stepbot("convert", "arm2.robot.yaml", "--no-verify", "--strict", "-f", "sdf")
     assert run.code == 1
-    assert "arm2.sdf: error[SB703]" in run.err
+    assert "arm2.sdf: error[SB760:armature]" in run.err
     assert not (arm / "arm2").exists()
     run = stepbot("convert", "arm2.robot.yaml", "--no-verify", "-f", "sdf")
     assert run.code == 0
-    assert "arm2.sdf: warning[SB703]" in run.err
+    assert "arm2.sdf: warning[SB760:armature]" in run.err
     assert stepbot("convert", "arm2.robot.yaml", "--no-verify", "--strict", "-f", "mjcf").code == 0
 
 

@@ -24,7 +24,7 @@ def write_also(arm: Path, text: str) -> None:
 
 
 def with_losses(arm: Path) -> None:
-    """Give a joint an armature, which SDFormat lacks: warning SB703."""
+    """Give a joint an armature, which SDFormat lacks: warning SB760:armature."""
     text = (arm / SIDECAR).read_text(encoding="utf-8")
     assert "friction: 0.02}" in text
     (arm / SIDECAR).write_text(text.replace("friction: 0.02}", "friction: 0.02, armature: 0.01}"), encoding="utf-8")
@@ -36,17 +36,17 @@ CONVERT = ("convert", SIDECAR, "--no-verify", "-f", "sdf")
 def test_ignored_by_the_sidecar_and_on_the_command_line(arm: Path, stepbot: Stepbot) -> None:
     """Ignored findings are omitted, counted on the screen and in the report, and accepted by `--strict`."""
     with_losses(arm)
-    assert "warning[SB703]" in stepbot(*CONVERT).err
+    assert "warning[SB760:armature]" in stepbot(*CONVERT).err
     run = stepbot(*CONVERT, "--ignore", "sb703,SB505")
-    assert "SB703" not in run.err
+    assert "SB760:armature" not in run.err
     assert ", 2 ignored" in run.err
-    write_also(arm, "ignore_findings: [SB505, {code: SB703, reason: simulated elsewhere}]\n")
+    write_also(arm, "ignore_findings: [SB505, {code: 'SB760:armature', reason: simulated elsewhere}]\n")
     run = stepbot(*CONVERT, "--strict")
     assert run.code == 0, run.err
-    assert "SB703" not in run.err
+    assert "SB760:armature" not in run.err
     report = json.loads((arm / "arm2" / "report.json").read_text(encoding="utf-8"))
-    assert report["summary"]["ignored"] == {"SB505": 1, "SB703": 1}
-    assert {one["code"] for one in report["diagnostics"]}.isdisjoint({"SB505", "SB703"})
+    assert report["summary"]["ignored"] == {"SB505": 1, "SB760:armature": 1}
+    assert {one["code"] for one in report["diagnostics"]}.isdisjoint({"SB505", "SB760:armature"})
 
 
 def test_results_in_the_cache_know_what_was_ignored(
@@ -181,3 +181,34 @@ def test_entry_of_a_link_holds_for_its_overlapping_solids(
     assert run.out.count("warning[SB512]") == 1
     assert "warning[SB512]: link 'lid'" in run.out
     assert "1 ignored" in run.out
+
+
+@pytest.mark.parametrize(
+    ("rule", "ignored"),
+    [
+        ("SB760", {"SB760:armature", "SB760:spring", "SB760:imu"}),
+        ("SB760:spring", {"SB760:spring"}),
+        ("SB703", {"SB760:armature", "SB760:spring"}),
+        ("SB715", {"SB763:mimic"}),
+    ],
+)
+def test_a_rule_selects_a_feature_or_what_a_code_of_an_earlier_version_stood_for(rule: str, ignored: set[str]) -> None:
+    """A code alone covers all its features, with a feature this one, an earlier version's what took its place."""
+    found = Diagnostics()
+    for code in ("SB760:armature", "SB760:spring", "SB760:imu", "SB763:mimic", "SB763:mimic-chain"):
+        found.add(code, "URDF: left out", Span("arm.urdf"))
+    found.ignore([Ignore(rule, Span("arm.robot.yaml", 3))])
+    assert {one.code for one in found.ignored} == ignored
+    assert not found.unused_ignores
+
+
+def test_codes_with_features_are_accepted_and_explained(arm: Path, stepbot: Stepbot) -> None:
+    """Features and codes of earlier versions work in `--ignore`, a sidecar and `explain`; unknown features do not."""
+    with_losses(arm)
+    write_also(arm, "ignore_findings: [SB505, SB703]\n")
+    assert stepbot(*CONVERT, "--strict").code == 0
+    assert "SB760:armature" in stepbot("explain", "703").out
+    assert "feature not written" in stepbot("explain", "sb760:Armature").out
+    run = stepbot(*CONVERT, "--ignore", "SB760:armatur")
+    assert run.code == 2
+    assert "unknown code 'SB760:armatur'" in run.err

@@ -20,10 +20,10 @@ def finding(severity: str, code: str, number: int) -> Diagnostic:
 
 def test_notes_are_counted() -> None:
     """Notes are one number in the default output; -v prints all."""
-    text = diagnostic_text.screen([finding("note", "SB706", 1), finding("warning", "SB708", 2)])
-    assert "SB706" not in text
-    assert text.endswith("\n1 warning, 1 note (more: stepbot explain SB708; -v shows all)")
-    assert diagnostic_text.screen([finding("note", "SB706", 1)]) == "1 note (-v shows all)"
+    text = diagnostic_text.screen([finding("note", "SB762:initial-pose", 1), finding("warning", "SB763:frame", 2)])
+    assert "SB762:initial-pose" not in text
+    assert text.endswith("\n1 warning, 1 note (more: stepbot explain SB763:frame; -v shows all)")
+    assert diagnostic_text.screen([finding("note", "SB762:initial-pose", 1)]) == "1 note (-v shows all)"
 
 
 def todo(name: str, line: int, limit: str) -> Diagnostic:
@@ -108,7 +108,7 @@ def test_verbose_and_quiet(arm: Path, stepbot: Stepbot) -> None:
     command = ("convert", "arm2.robot.yaml", "--no-verify", "-f", "urdf,sdf")
     usual, verbose = stepbot(*command), stepbot(*command, "-v")
     assert "note[" not in usual.err
-    assert verbose.err.count("note[SB706]: ") == 2
+    assert verbose.err.count("note[SB762:initial-pose]: ") == 2
     assert "= note: base/column: exact:" in verbose.err
     assert "= note:" not in usual.err
     quiet = stepbot(*command, "-q")

@@ -49,7 +49,7 @@ def test_no_color_is_obeyed(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_commands_that_use_a_robot_do_not_repeat_the_notes_of_check(capsys: pytest.CaptureFixture[str]) -> None:
     """Warnings, and notes about the command itself, are printed; -v prints all."""
     found = Diagnostics()
-    for code in ("SB505", "SB706", "SB621", "SB006", "SB502"):
+    for code in ("SB505", "SB762:initial-pose", "SB621", "SB006", "SB502"):
         found.add(code, f"about {code}", Span("arm.robot.yaml"))
     show_diagnostics_of_use(found, Display(concise=True))
     brief = capsys.readouterr().err
@@ -57,7 +57,7 @@ def test_commands_that_use_a_robot_do_not_repeat_the_notes_of_check(capsys: pyte
     show_diagnostics_of_use(found, Display(verbose=True))
     full = capsys.readouterr().err
     assert "SB505" in full
-    assert "SB706" in full
+    assert "SB762:initial-pose" in full
 
 
 def test_progress_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:

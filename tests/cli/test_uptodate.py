@@ -100,11 +100,11 @@ def test_ignored_warnings_are_those_of_convert(written: Path, stepbot: Stepbot) 
     text = sidecar.read_text(encoding="utf-8")
     assert "friction: 0.02}" in text
     sidecar.write_text(text.replace("friction: 0.02}", "friction: 0.02, armature: 0.01}"), encoding="utf-8")
-    assert stepbot(*CONVERT, "--no-verify", "--strict", "--ignore", "SB703").code == 0
+    assert stepbot(*CONVERT, "--no-verify", "--strict", "--ignore", "SB760:armature").code == 0
     run = stepbot(*UPTODATE, "--strict")
     assert run.code == 1
-    assert "error[SB703]" in run.out
-    run = stepbot(*UPTODATE, "--strict", "--ignore", "SB703")
+    assert "error[SB760:armature]" in run.out
+    run = stepbot(*UPTODATE, "--strict", "--ignore", "SB760:armature")
     assert (run.code, run.out) == (0, "")
     assert "SB50" in stepbot(*UPTODATE, "--ignore", "SB50").err
 

@@ -311,7 +311,7 @@ def test_flat_collision_is_left_out_and_flat_visual_stays(found: Diagnostics) ->
     )
     robot = Robot("sheet", (link,), meshes=(sheet,))
     files = render(robot, "mjcf", found)
-    assert [d.code for d in found] == ["SB712"]
+    assert [d.code for d in found] == ["SB760:flat-collision"]
     assert b'name="touched"' not in files["sheet.xml"]
     model = compiled_from_memory(robot)
     assert model.ngeom == 1

@@ -57,7 +57,7 @@ class Transcript:
     @property
     def codes(self) -> set[str]:
         """The codes of the diagnostics."""
-        return {one["code"] for one in self.diagnostics}
+        return {one["code"].partition(":")[0] for one in self.diagnostics}
 
     @property
     def json(self) -> str:

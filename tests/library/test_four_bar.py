@@ -149,10 +149,10 @@ def test_urdf_is_the_spanning_tree_and_reports_the_omitted_closure(four_bar: Con
         np.testing.assert_allclose(X_TL[link], _pose_of(frame), atol=1e-9)
         axis = X_TL[link][:3, :3] @ numbers(joints[joint].find("axis").get("xyz"))
         np.testing.assert_allclose(axis, expected()["joints"][joint]["axis"], atol=1e-9)
-    (stated,) = (entry for entry in four_bar.report["diagnostics"] if entry["code"] == "SB701")
+    (stated,) = (entry for entry in four_bar.report["diagnostics"] if entry["code"] == "SB760:closure")
     assert stated["file"] == "four_bar.urdf"
     assert "'rocker_pin'" in stated["message"]
-    assert "warning[SB701]" in four_bar.run.err
+    assert "warning[SB760:closure]" in four_bar.run.err
     reported = {
         (check["file"], check["engine"]): (check["status"], check["why"])
         for check in four_bar.report["checks"]

@@ -10,7 +10,7 @@ import numpy as np
 from lxml import etree
 
 from stepbot.engines.observation import Quantity
-from stepbot.formats.lowering import UNLIMITED
+from stepbot.formats.lowering.joints import UNLIMITED
 from stepbot.geometry.spatial import Pose, angle_between
 from stepbot.verification.tolerances import COLOR, TOLERANCES
 

@@ -78,7 +78,7 @@ def test_hinges_without_valid_stops_have_none(lower_: float, upper: float) -> No
     joint = two_link_arm().joints[-1].name
     robot, found = driven(two_link_arm(), joint, lower=lower_, upper=upper), Diagnostics()
     lower(robot, WEBOTS, found)
-    assert [joint in one.message for one in found if one.code == "SB750"] == [True]
+    assert [joint in one.message for one in found if one.code == "SB760:far-limit"] == [True]
     nodes = all_nodes(proto(robot))
     assert "minStop" not in parameters_of(nodes, joint).fields
     (motor,) = (node for node in nodes if node.type == "RotationalMotor")

@@ -173,7 +173,7 @@ def test_gymnasium_models_convert_with_proof(name: str, tmp_path: Path) -> None:
 
 
 def test_losses_of_a_format_are_no_differences_from_the_source(tmp_path: Path) -> None:
-    """Stops away from 0, which Webots lacks, are a declared loss (SB750), not an error."""
+    """Stops away from 0, which Webots lacks, are a declared loss (SB760:far-limit), not an error."""
     source = tmp_path / "knee.xml"
     source.write_text(
         """<mujoco model="knee"><worldbody><body name="hip"><freejoint/>
@@ -185,7 +185,7 @@ def test_losses_of_a_format_are_no_differences_from_the_source(tmp_path: Path) -
     )
     conversion = convert(source, Options(tmp_path / "out", formats=("webots",)))
     assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
-    assert "SB750" in {one.code for one in conversion.diagnostics}
+    assert "SB760:far-limit" in {one.code for one in conversion.diagnostics}
 
 
 @pytest.mark.parametrize(

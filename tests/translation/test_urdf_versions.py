@@ -99,7 +99,7 @@ def test_engines_confirm_what_was_read(tmp_path: Path) -> None:
     file.write_text(ARM.format(**texts), encoding="utf-8")
     conversion = convert(file, Options(tmp_path / "out", formats=("urdf", "mjcf", "sdf"), base="fixed"))
     assert not conversion.diagnostics.has_errors, list(map(str, conversion.diagnostics))
-    assert {one.code for one in conversion.diagnostics if one.severity == "warning"} >= {"SB718"}
+    assert {one.code for one in conversion.diagnostics if one.severity == "warning"} >= {"SB760:acceleration"}
     assert conversion.report is not None
     seen = [one for one in conversion.report.checks if one.against.startswith("arm.urdf (") and one.quantity == "poses"]
     assert {one.file for one in seen if one.status == "passed"} == {"arm.urdf", "arm.xml", "arm.sdf"}
@@ -124,17 +124,17 @@ def test_writing_what_the_versions_have() -> None:
     robot = newest()
     found = Diagnostics()
     top = ET.fromstring(render(robot, "urdf", found)[f"{robot.name}.urdf"])
-    assert not {one.code for one in found} & {"SB709", "SB718"}
+    assert not {one.code for one in found} & {"SB763:capsule", "SB760:acceleration"}
     assert top.get("version") == "1.2"
     assert top.find(".//capsule") is not None
     assert not top.findall(".//origin[@rpy]")
     limits = top.findall("joint/limit")[-1].attrib
     assert [limits[name] for name in ("acceleration", "deceleration", "jerk")] == ["8", "9", "70"]
-    for version, codes in ((1.1, {"SB718"}), (1.0, {"SB718", "SB709"})):
+    for version, codes in ((1.1, {"SB760:acceleration"}), (1.0, {"SB760:acceleration", "SB763:capsule"})):
         found = Diagnostics()
         older = replace(robot, versions=FormatVersions(urdf=version))
         text = render(older, "urdf", found)[f"{robot.name}.urdf"].decode()
-        assert {one.code for one in found} & {"SB709", "SB718"} == codes
+        assert {one.code for one in found} & {"SB763:capsule", "SB760:acceleration"} == codes
         assert ("quat_xyzw" in text, "<capsule" in text, "jerk" in text) == (version > 1.0, version > 1.0, False)
 
 

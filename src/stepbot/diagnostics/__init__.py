@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Iterator
 from typing import Literal, NamedTuple
 
-from .codes import CODES, Severity
+from .codes import CODES, Severity, selects
 
 _LONGEST_COMPARED = 200
 """Maximum length of a name to compare with similar names."""
@@ -36,6 +36,7 @@ class Diagnostic(NamedTuple):
     """An error, a warning or a note."""
 
     code: str
+    """One of :data:`CODES`, some with a feature after a colon: ``SB760:armature``."""
     severity: Severity
     message: str
     """``subject: problem``, one line, no full stop."""
@@ -71,7 +72,7 @@ class Ignore(NamedTuple):
 
     def covers(self, diagnostic: Diagnostic) -> bool:
         """Whether a diagnostic is suppressed; a summary of several places only by rules without a subject."""
-        if diagnostic.code != self.code or diagnostic.severity == "error":
+        if not selects(self.code, diagnostic.code) or diagnostic.severity == "error":
             return False
         if not self.subject or diagnostic.message.startswith(f"{self.subject}: "):
             return True
@@ -126,7 +127,7 @@ class Diagnostics:
 
     def ignores_at(self, code: str, span: Span) -> bool:
         """Whether a rule of the subject at a place suppresses a code, for summaries, which no such rule covers."""
-        return any(rule.code == code and rule.holds_at(span) for rule in self._ignores)
+        return any(selects(rule.code, code) and rule.holds_at(span) for rule in self._ignores)
 
     def add_ignored(self, diagnostics: Iterable[Diagnostic]) -> None:
         """Add diagnostics that were suppressed in another run."""

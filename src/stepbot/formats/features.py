@@ -83,6 +83,11 @@ class Feature(StrEnum):
     FRAME_NAME = "frame with the name of a link or joint"
     RESERVED_NAME = "reserved name"
 
+    @property
+    def word(self) -> str:
+        """The feature in codes: ``armature`` in ``SB760:armature``."""
+        return self.name.lower().replace("_", "-")
+
 
 class Level(StrEnum):
     """How well a format supports a feature."""
@@ -116,16 +121,26 @@ def exact(how: str) -> Support:
     return Support(Level.EXACT, how)
 
 
-def lowered(code: str, how: str, exact_from: float = inf, exactly: str = "") -> Support:
-    """The format expresses it by other means, in versions before ``exact_from``."""
-    return Support(Level.LOWERED, how, code, exact_from, exactly)
+def lowered(how: str, exact_from: float = inf, exactly: str = "") -> Support:
+    """The format expresses it by other means, in versions before ``exact_from``: a note."""
+    return Support(Level.LOWERED, how, "SB763", exact_from, exactly)
 
 
-def reported(code: str, how: str, exact_from: float = inf, exactly: str = "") -> Support:
-    """The format cannot express it, in versions before ``exact_from``."""
-    return Support(Level.REPORTED, how, code, exact_from, exactly)
+def altered(how: str) -> Support:
+    """The format expresses something close to it: a warning."""
+    return Support(Level.LOWERED, how, "SB761")
 
 
-def refused(code: str, how: str) -> Support:
-    """A robot that has it cannot be written."""
-    return Support(Level.REFUSED, how, code)
+def reported(how: str, exact_from: float = inf, exactly: str = "") -> Support:
+    """The format cannot express it, in versions before ``exact_from``: a warning."""
+    return Support(Level.REPORTED, how, "SB760", exact_from, exactly)
+
+
+def deferred(how: str) -> Support:
+    """The program that loads the file decides: a note."""
+    return Support(Level.REPORTED, how, "SB762")
+
+
+def refused(how: str) -> Support:
+    """A robot that has it cannot be written: an error."""
+    return Support(Level.REFUSED, how, "SB764")

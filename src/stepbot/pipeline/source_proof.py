@@ -30,13 +30,16 @@ from .conversion import Options
 from .writing import Rendered
 
 _CHANGED = {
-    "SB729": (Quantity.ACTUATORS,),
-    "SB741": (Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS),
-    "SB742": (Quantity.MIMIC,),
-    "SB743": (Quantity.SENSORS,),
-    "SB745": (Quantity.ACTUATORS,),
-    "SB750": (Quantity.JOINTS, Quantity.LIMITS),
-    "SB751": (Quantity.LIMITS,),
+    "SB760:actuator-input": (Quantity.ACTUATORS,),
+    "SB760:far-limit": (Quantity.JOINTS, Quantity.LIMITS),
+    "SB760:mixed-mimic": (Quantity.MIMIC,),
+    "SB760:passive-limit": (Quantity.LIMITS,),
+    "SB760:second-actuator": (Quantity.ACTUATORS,),
+    "SB761:massless": (Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS),
+    **{
+        f"SB760:{kind}": (Quantity.SENSORS,)
+        for kind in ("camera", "contact", "force-torque", "imu", "joint-sensor", "lidar")
+    },
 }
 """Quantities in which files differ from the source by what their format lacks: bounds of actuators, masses of
 links that have none, mimics between angles and distances, sensors, far stops, limits without a motor."""

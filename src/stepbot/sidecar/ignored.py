@@ -6,14 +6,14 @@ from typing import Annotated, Any
 from pydantic import Discriminator, Field, Tag
 
 from stepbot.diagnostics import Diagnostics, Ignore, did_you_mean
-from stepbot.diagnostics.codes import CODES
+from stepbot.diagnostics.codes import CODES, current
 
 from .section import Section
 from .subjects import subject
 from .tree import Keys, Listing, Mapping, Tree
 
-FindingCode = Annotated[str, Field(max_length=20, json_schema_extra={"pattern": "^SB[0-9]{3}$"})]
-"""A code of a warning or a note; `stepbot explain` lists them."""
+FindingCode = Annotated[str, Field(max_length=40, json_schema_extra={"pattern": "^SB[0-9]{3}(:[a-z-]+)?$"})]
+"""A code of a warning or a note, some with a feature, as in `SB760:armature`; `stepbot explain` lists them."""
 
 
 class IgnoredFinding(Section):
@@ -44,11 +44,11 @@ _SECTIONS = ("parts", "links", "joints")
 def check_ignored(root: Tree, found: Diagnostics) -> None:
     """Report unknown codes and codes of errors (SB141)."""
     for _, code, place in _entries(root):
-        known = CODES.get(code)
-        if known is None:
+        known = current(code)
+        if not known:
             near = did_you_mean(code.upper(), CODES) or ("list all codes with `stepbot explain`",)
             found.add("SB141", f"{KEY}: unknown code '{code}'", place, help=near)
-        elif known.severity == "error":
+        elif all(CODES[one].severity == "error" for one in known):
             help = [f"correct the error; see `stepbot explain {code}`"]
             found.add("SB141", f"{KEY}: {code} is an error and cannot be ignored", place, help=help)
 

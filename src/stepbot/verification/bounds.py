@@ -6,7 +6,7 @@ from math import inf
 import numpy as np
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
-from stepbot.formats.lowering import UNLIMITED
+from stepbot.formats.lowering.joints import UNLIMITED
 from stepbot.formats.lowering.masses import LEAST_MASS, LEAST_MOMENT, STAND_IN_MASS, STAND_IN_MOMENT
 from stepbot.geometry.spatial import ZERO3, ZERO33
 from stepbot.robot.kinematics import NO_BOUND

@@ -6,7 +6,7 @@ from math import inf, isfinite
 from typing import TypeVar
 
 from stepbot.engines.observation import Observation, ObservedActuator, ObservedSensor
-from stepbot.formats.lowering import UNLIMITED
+from stepbot.formats.lowering.joints import UNLIMITED
 from stepbot.robot.model import ActuatorKind
 
 from .deviation import Deviations

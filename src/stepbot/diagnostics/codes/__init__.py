@@ -11,6 +11,7 @@ from functools import cache, cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, cast
 
+from .renamed import RENAMED
 from .severity import Severity
 
 if TYPE_CHECKING:
@@ -45,7 +46,11 @@ class _Codes(Mapping[str, "Code"]):
         index = bisect(self._starts, code)
         if not index:
             raise KeyError(code)
-        return _codes_of(_RANGES[self._starts[index - 1]])[code]
+        name, _, feature = code.partition(":")
+        found = _codes_of(_RANGES[self._starts[index - 1]])[name]
+        if code != name and feature not in found.features.split():
+            raise KeyError(code)
+        return found
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._codes)
@@ -69,7 +74,15 @@ def _codes_of(module: str) -> "Mapping[str, Code]":
 
 CODES: Mapping[str, "Code"] = _Codes()
 
-RETIRED = frozenset({"SB307"})
-"""Codes of earlier versions, which are not reused."""
 
-__all__ = ["CODES", "RETIRED", "Severity"]
+def current(code: str) -> tuple[str, ...]:
+    """The codes that a code stands for: itself, or those that took the place of an earlier version's; none if unknown."""
+    return (code,) if code in CODES else tuple(RENAMED.get(code, "").split())
+
+
+def selects(code: str, other: str) -> bool:
+    """Whether a code, as a user gives it, stands for a diagnostic's code: without a feature, for all its features."""
+    return any(other == one or other.startswith(f"{one}:") for one in current(code))
+
+
+__all__ = ["CODES", "RENAMED", "Severity", "current", "selects"]

@@ -21,3 +21,5 @@ class Code(NamedTuple):
     """Remedy."""
     could_not_run: bool = False
     """Whether the run could not start (exit code 2)."""
+    features: str = ""
+    """Words after a colon that tell the diagnostics of the code apart, as in ``SB760:armature``; separated by spaces."""

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from itertools import groupby
 
-from . import CODES
+from . import CODES, RENAMED
 
 RANGES = {
     "0": "Files and environment",
@@ -26,7 +26,9 @@ INTRODUCTION = """\
 
 A diagnostic has the form `file:line:column: severity[CODE]: message`. Errors end the run with exit code 1, or with 2 if
 stepbot could not run at all (marked below). Warnings and notes do not change the exit code, unless `--strict` turns
-warnings into errors. `stepbot explain CODE` prints the text of this page. Codes are never renumbered or reused.
+warnings into errors. `stepbot explain CODE` prints the text of this page. Some codes have a feature after a colon, as in `SB760:armature`: `--ignore SB760`
+suppresses all of them, `--ignore SB760:armature` one. Codes are never reused; those of earlier versions below still work in `explain`,
+`--ignore` and `ignore_findings`.
 """
 
 
@@ -46,6 +48,10 @@ def diagnostics_page(examples: Mapping[str, str]) -> str:
                 f"### {code.id}: {code.title}\n\n*{code.severity}{exit_code}*\n\n{code.what}\n\n"
                 f"**Why it matters.** {code.why}\n\n**How to fix it.** {code.fix}\n"
             )
+            if code.features:
+                sections.append(f"**Features.** {', '.join(f'`{one}`' for one in code.features.split())}\n")
             if code.id in examples:
                 sections.append(f"```text\n{examples[code.id]}\n```\n")
+    rows = (f"| {old} | {', '.join(new.split())} |" for old, new in sorted(RENAMED.items()) if new)
+    sections.append("\n".join(("## Codes of earlier versions\n", "| earlier | now |", "| --- | --- |", *rows, "")))
     return "\n".join(sections)

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from math import isfinite
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Base, JointKind, MeshFormat, Robot
 from stepbot.robot.multi_dof import (
     ball_to_revolutes,
@@ -22,7 +21,7 @@ from stepbot.robot.multi_dof import (
 )
 from stepbot.robot.sensors import SensorKind
 
-from ..features import Feature, Level, Support, exact, lowered, refused, reported
+from ..features import Feature, Level
 from ..format import Format
 from .devices import (
     actuators_where,
@@ -53,7 +52,6 @@ from .devices import (
     without_sensors,
 )
 from .joints import (
-    UNLIMITED,
     bound,
     bound_effort,
     chained_mimics,
@@ -96,25 +94,10 @@ from .shapes import (
     drop_flat_collisions,
     excluded_pairs,
     flat_collisions,
-    geometries,
     links_with_capsules,
     split_capsules,
 )
 from .stops import far_limits, passive_limits, without_far_limits, without_passive_limits
-
-__all__ = [
-    "UNLIMITED",
-    "Level",
-    "Feature",
-    "Support",
-    "exact",
-    "free_name",
-    "geometries",
-    "lower",
-    "lowered",
-    "refused",
-    "reported",
-]
 
 
 @dataclass(frozen=True)
@@ -142,13 +125,14 @@ def lower(robot: Robot, written: Format, found: Diagnostics, file: str | None = 
     names = reserved(robot, written.writer.reserves)
     if names:
         support = written.expresses[Feature.RESERVED_NAME]
-        found.add(support.code, f"{written.title}: {support.how}: {', '.join(names)}", span)
+        code = f"{support.code}:{Feature.RESERVED_NAME.word}"
+        found.add(code, f"{written.title}: {support.how}: {', '.join(names)}", span)
     for feature, handling in _HANDLINGS.items():
         support = written.expresses[feature]
         exact = support.level is Level.EXACT or written.version_of(robot) >= support.exact_from
         affected = [] if exact else handling.affected(robot)
         if affected:
-            found.add(support.code, f"{written.title}: {support.how}: {', '.join(affected)}", span)
+            found.add(f"{support.code}:{feature.word}", f"{written.title}: {support.how}: {', '.join(affected)}", span)
             left_out = support.level is Level.REPORTED and handling.leave_out is not None
             robot = handling.leave_out(robot) if left_out and handling.leave_out else handling.rewrite(robot)
     return robot

@@ -14,7 +14,7 @@ from stepbot.geometry.predicates import is_flat
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import rigid_bodies, without_contacts
 from stepbot.robot.mesh_files import MeshFile, MeshFiles
-from stepbot.robot.mesh_names import SCOPE
+from stepbot.robot.mesh_names import SCOPE, free_name
 from stepbot.robot.model import (
     Base,
     Box,
@@ -35,7 +35,7 @@ from stepbot.robot.standing import standing_height
 from stepbot.robot.tuning import Integrator
 
 from ..companion import Companion
-from ..lowering import Feature, exact, free_name, lowered, refused, reported
+from ..features import Feature, exact, lowered, refused, reported
 from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, Value, document, element, root
 from . import FORMAT, constraints, devices
@@ -47,17 +47,17 @@ EXPRESSES = {
     Feature.FLOATING_BASE: exact("`<freejoint>`, standing on z = 0"),
     Feature.INERTIA: exact("`<inertial>` with `fullinertia`"),
     Feature.MASSLESS: exact("`<inertial>` with a mass of 0"),
-    Feature.MASSLESS_BODY: lowered("SB732", "moving bodies without mass get 2e-15 kg, as MuJoCo requires some"),
+    Feature.MASSLESS_BODY: lowered("moving bodies without mass get 2e-15 kg, as MuJoCo requires some"),
     Feature.MESH: exact("OBJ in metres, path relative to the file"),
     Feature.STL_VISUAL: exact("as OBJ"),
-    Feature.DAE_VISUAL: lowered("SB733", "MuJoCo does not read COLLADA; visual meshes are OBJ"),
-    Feature.GLB_VISUAL: lowered("SB733", "MuJoCo does not read glTF; visual meshes are OBJ"),
+    Feature.DAE_VISUAL: lowered("MuJoCo does not read COLLADA; visual meshes are OBJ"),
+    Feature.GLB_VISUAL: lowered("MuJoCo does not read glTF; visual meshes are OBJ"),
     Feature.STL_COLLISION: exact("as OBJ"),
-    Feature.OTHER_COLLISION: lowered("SB733", "simulators agree on OBJ and STL; collision meshes are OBJ"),
+    Feature.OTHER_COLLISION: lowered("simulators agree on OBJ and STL; collision meshes are OBJ"),
     Feature.SHAPE: exact("`box`, `cylinder`, `sphere`"),
     Feature.CAPSULE: exact("`capsule`"),
-    Feature.FLAT_COLLISION: reported("SB712", "MuJoCo cannot build the convex hull of a flat collision mesh; omitted"),
-    Feature.CONCAVE_COLLISION: reported("SB717", "MuJoCo collides with the convex hull of these meshes"),
+    Feature.FLAT_COLLISION: reported("MuJoCo cannot build the convex hull of a flat collision mesh; omitted"),
+    Feature.CONCAVE_COLLISION: reported("MuJoCo collides with the convex hull of these meshes"),
     Feature.COLOR: exact("`rgba`"),
     Feature.NEIGHBOURS: exact("`<exclude>` for links connected by a joint or closure"),
     Feature.EXCLUDED_CONTACT: exact("`<exclude>`"),
@@ -71,7 +71,7 @@ EXPRESSES = {
     Feature.SCREW: exact("`slide` and `hinge` in one body, and an `<equality>` of the two"),
     Feature.PLANAR: exact("two `slide` and a `hinge` in one body"),
     Feature.FLOATING: exact("three `slide` and a `ball` in one body"),
-    Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are omitted"),
+    Feature.BALL_LIMIT: reported("effort and velocity limits of ball joints are omitted"),
     Feature.BALL_FORCE: exact("`damping`, `frictionloss`, `stiffness`"),
     Feature.FAR_LIMIT: exact("as any limit"),
     Feature.PASSIVE_LIMIT: exact("as any limit"),
@@ -79,11 +79,10 @@ EXPRESSES = {
     Feature.OPEN_EFFORT: exact("no attribute"),
     Feature.EFFORT: exact("`actuatorfrcrange`, `forcerange`"),
     Feature.VELOCITY: lowered(
-        "SB705",
         "velocity limits are `<numeric>` data, which MuJoCo does not enforce; up to effort / velocity limit, kv of a "
         "position actuator is its `damping`, beside its force range",
     ),
-    Feature.ACCELERATION: reported("SB718", "limits of acceleration, deceleration and jerk are omitted"),
+    Feature.ACCELERATION: reported("limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`damping`, `frictionloss`"),
     Feature.SPRING: exact("`stiffness`, `springref`"),
     Feature.ARMATURE: exact("`armature`"),
@@ -91,12 +90,8 @@ EXPRESSES = {
     Feature.MIMIC_CHAIN: exact("`<equality>` of two joints"),
     Feature.MIXED_MIMIC: exact("`<equality>` of two joints"),
     Feature.CLOSURE: exact("`<equality>`: two `connect`, one `connect`, `weld`"),
-    Feature.SLIDING_CLOSURE: lowered(
-        "SB722", "no equality constraint allows sliding; the loops are cut at another joint"
-    ),
-    Feature.STUCK_CLOSURE: refused(
-        "SB713", "no equality constraint allows sliding, and the loop has no unlimited passive pin"
-    ),
+    Feature.SLIDING_CLOSURE: lowered("no equality constraint allows sliding; the loops are cut at another joint"),
+    Feature.STUCK_CLOSURE: refused("no equality constraint allows sliding, and the loop has no unlimited passive pin"),
     Feature.FOLLOWER: exact("held by the closure"),
     Feature.LOOP_ZERO: exact("sites on both links, and the keyframe `home`"),
     Feature.INITIAL_POSE: exact("keyframe `home`"),
@@ -117,16 +112,14 @@ EXPRESSES = {
     Feature.SENSOR_PLACE: exact("`<site>`, `<camera>`"),
     Feature.SENSOR_RATE: exact("`interval`, with a buffer of one reading"),
     Feature.ENCODER_RATE: exact("`interval`, with a buffer of one reading"),
-    Feature.CAMERA_EXTRAS: reported(
-        "SB727", "MuJoCo renders on demand, with one near and one far plane for all cameras"
-    ),
-    Feature.LIDAR_NEAREST: reported("SB727", "`<rangefinder>` has no minimum range"),
+    Feature.CAMERA_EXTRAS: reported("MuJoCo renders on demand, with one near and one far plane for all cameras"),
+    Feature.LIDAR_NEAREST: reported("`<rangefinder>` has no minimum range"),
     Feature.OPEN_VIEW: exact("no `cutoff`"),
     Feature.TIMESTEP: exact("`<option>`"),
     Feature.SOLVER: exact("`<option>`; `solref`, `solimp` of `<equality>`"),
     Feature.JOINT_NAME: exact("each element type has its own namespace"),
     Feature.FRAME_NAME: exact("each element type has its own namespace"),
-    Feature.RESERVED_NAME: refused("SB714", "`world` is the world body"),
+    Feature.RESERVED_NAME: refused("`world` is the world body"),
 }
 
 _INTEGRATORS = {

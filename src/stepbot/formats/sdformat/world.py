@@ -4,12 +4,12 @@ The model is written into the world and not included, because programs search fo
 """
 
 from stepbot.robot.dynamics import GRAVITY
+from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Robot
 from stepbot.robot.sensors import SensorKind
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.standing import extent, floor_height
 
-from ..lowering import free_name
 from ..xml import Element, element
 
 _FLOOR_SIZE = 20.0

@@ -10,6 +10,7 @@ from math import isfinite, isinf, pi
 
 from stepbot.geometry.spatial import IDENTITY, Pose, Vector3
 from stepbot.robot.mesh_files import MeshFiles
+from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import (
     Base,
     Box,
@@ -30,7 +31,7 @@ from stepbot.robot.model import (
 from stepbot.robot.standing import standing_height
 
 from ..companion import Companion
-from ..lowering import Feature, exact, free_name, lowered, refused, reported
+from ..features import Feature, altered, deferred, exact, lowered, refused, reported
 from ..lowering.rerooted_loops import reroot_loops
 from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, document, element, root, text_of
@@ -56,7 +57,7 @@ EXPRESSES = {
     Feature.DAE_VISUAL: exact("as OBJ, with `up_axis` Z and the colour"),
     Feature.GLB_VISUAL: exact("`.glb` with the colour, for Gazebo; PyBullet rejects the file"),
     Feature.STL_COLLISION: exact("as OBJ, in single precision; not read by Drake"),
-    Feature.OTHER_COLLISION: lowered("SB733", "simulators agree on OBJ and STL; collision meshes are OBJ"),
+    Feature.OTHER_COLLISION: lowered("simulators agree on OBJ and STL; collision meshes are OBJ"),
     Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
     Feature.CAPSULE: exact("`<capsule>`"),
     Feature.FLAT_COLLISION: exact("as any mesh"),
@@ -70,24 +71,24 @@ EXPRESSES = {
     Feature.PRISMATIC: exact("`prismatic`"),
     Feature.BALL: exact("`ball`"),
     Feature.UNIVERSAL: exact("`universal`"),
-    Feature.CYLINDRICAL: lowered("SB720", "a cylindrical joint is written as a prismatic and a continuous joint"),
+    Feature.CYLINDRICAL: altered("a cylindrical joint is written as a prismatic and a continuous joint"),
     Feature.SCREW: exact("`screw` with `<screw_thread_pitch>`, of version 1.10"),
-    Feature.PLANAR: lowered("SB720", "a planar joint is written as two prismatic joints and a continuous one"),
-    Feature.FLOATING: lowered("SB720", "a floating joint is written as three prismatic joints and a ball joint"),
-    Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are omitted"),
-    Feature.BALL_FORCE: reported("SB721", "damping, friction and springs of ball joints are omitted"),
+    Feature.PLANAR: altered("a planar joint is written as two prismatic joints and a continuous one"),
+    Feature.FLOATING: altered("a floating joint is written as three prismatic joints and a ball joint"),
+    Feature.BALL_LIMIT: reported("effort and velocity limits of ball joints are omitted"),
+    Feature.BALL_FORCE: reported("damping, friction and springs of ball joints are omitted"),
     Feature.FAR_LIMIT: exact("as any limit"),
     Feature.PASSIVE_LIMIT: exact("as any limit"),
     Feature.OPEN_POSITION: exact("±1e16, which the format defines as unlimited"),
     Feature.OPEN_EFFORT: exact("no element"),
     Feature.EFFORT: exact("`<effort>`"),
     Feature.VELOCITY: exact("`<velocity>`"),
-    Feature.ACCELERATION: reported("SB718", "limits of acceleration, deceleration and jerk are omitted"),
+    Feature.ACCELERATION: reported("limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`<dynamics>`"),
     Feature.SPRING: exact("`<spring_stiffness>`, `<spring_reference>`"),
-    Feature.ARMATURE: reported("SB703", "armatures are omitted"),
-    Feature.MIMIC: lowered("SB715", "`<mimic>` requires version 1.11 (Gazebo Harmonic) instead of 1.9"),
-    Feature.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the first joint of its chain"),
+    Feature.ARMATURE: reported("armatures are omitted"),
+    Feature.MIMIC: lowered("`<mimic>` requires version 1.11 (Gazebo Harmonic) instead of 1.9"),
+    Feature.MIMIC_CHAIN: lowered("every mimic refers to the first joint of its chain"),
     Feature.MIXED_MIMIC: exact("`<mimic>`"),
     Feature.CLOSURE: exact(
         "a second joint to the child, which Gazebo's DART ignores; `drake:ball_constraint` in `<robot>.drake.sdf`"
@@ -95,33 +96,33 @@ EXPRESSES = {
     Feature.SLIDING_CLOSURE: exact("a second joint to the child, after all joints of the tree"),
     Feature.STUCK_CLOSURE: exact("a second joint to the child; no file for Drake is written"),
     Feature.FOLLOWER: exact("held by the closure"),
-    Feature.LOOP_ZERO: lowered("SB711", "loops must close at q = 0, so zeros are moved to the drawn pose"),
-    Feature.INITIAL_POSE: reported("SB706", "the drawn pose of these joints is omitted"),
+    Feature.LOOP_ZERO: altered("loops must close at q = 0, so zeros are moved to the drawn pose"),
+    Feature.INITIAL_POSE: deferred("the drawn pose of these joints is omitted"),
     Feature.FRAME: exact("`<frame>` attached to its link"),
-    Feature.ACTUATOR: lowered("SB725", "actuators are Gazebo plugins, without a name"),
+    Feature.ACTUATOR: lowered("actuators are Gazebo plugins, without a name"),
     Feature.SECOND_ACTUATOR: exact("a plugin each"),
-    Feature.GEAR: lowered("SB726", "gears are folded into gains and inputs, which apply at the joint"),
-    Feature.ACTUATOR_INPUT: reported("SB729", "input bounds are the limits of the joints"),
-    Feature.UNLIMITED_ACTUATOR: lowered("SB704", "a missing effort limit of an actuator is written as 1e9"),
-    Feature.JOINT_SENSOR: lowered("SB725", "joint sensors are Gazebo plugins, without a name"),
+    Feature.GEAR: lowered("gears are folded into gains and inputs, which apply at the joint"),
+    Feature.ACTUATOR_INPUT: reported("input bounds are the limits of the joints"),
+    Feature.UNLIMITED_ACTUATOR: lowered("a missing effort limit of an actuator is written as 1e9"),
+    Feature.JOINT_SENSOR: lowered("joint sensors are Gazebo plugins, without a name"),
     Feature.IMU: exact("`imu`"),
     Feature.FORCE_TORQUE: exact("`force_torque` in its joint"),
-    Feature.OFF_JOINT: reported("SB728", "torques are about the joint's origin"),
+    Feature.OFF_JOINT: reported("torques are about the joint's origin"),
     Feature.CAMERA: exact("`camera`"),
-    Feature.OPTICAL: lowered("SB719", "images of these cameras are in frames `<camera>_optical_frame`"),
+    Feature.OPTICAL: lowered("images of these cameras are in frames `<camera>_optical_frame`"),
     Feature.LIDAR: exact("`gpu_lidar`"),
     Feature.CONTACT: exact("`contact` with the collisions of its link"),
     Feature.SENSOR_PLACE: exact("`<pose>`"),
     Feature.SENSOR_RATE: exact("`<update_rate>`"),
-    Feature.ENCODER_RATE: reported("SB727", "joint states are published in every step"),
+    Feature.ENCODER_RATE: reported("joint states are published in every step"),
     Feature.CAMERA_EXTRAS: exact("`<update_rate>`, `<clip>`"),
     Feature.LIDAR_NEAREST: exact("`<range>`"),
-    Feature.OPEN_VIEW: lowered("SB704", "missing sensor ranges are written as 0.1 m and 100 m"),
+    Feature.OPEN_VIEW: lowered("missing sensor ranges are written as 0.1 m and 100 m"),
     Feature.TIMESTEP: exact("`<max_step_size>` in `<robot>.world.sdf`"),
-    Feature.SOLVER: reported("SB730", "settings of the physics engine; Drake's ball constraints have no stiffness"),
-    Feature.JOINT_NAME: lowered("SB710", "links, joints and frames share one namespace"),
-    Feature.FRAME_NAME: lowered("SB710", "links, joints and frames share one namespace"),
-    Feature.RESERVED_NAME: refused("SB714", "`world`, `__x__` and `a::b` are reserved"),
+    Feature.SOLVER: deferred("settings of the physics engine; Drake's ball constraints have no stiffness"),
+    Feature.JOINT_NAME: altered("links, joints and frames share one namespace"),
+    Feature.FRAME_NAME: altered("links, joints and frames share one namespace"),
+    Feature.RESERVED_NAME: refused("`world`, `__x__` and `a::b` are reserved"),
 }
 
 _NO_LIMIT = 1e16

@@ -11,7 +11,7 @@ from stepbot.robot.gains import actuator_limit, joint_range
 from stepbot.robot.model import Actuator, ActuatorKind, Robot
 from stepbot.robot.sensors import Sensor, SensorKind
 
-from ..lowering import UNLIMITED
+from ..lowering.joints import UNLIMITED
 from ..xml import Element, element
 from .chains import module_of_joint
 

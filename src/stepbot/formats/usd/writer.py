@@ -11,7 +11,7 @@ from stepbot.robot.model import Base, Frame, Link, Robot
 from stepbot.robot.standing import standing_height
 
 from ..companion import Companion
-from ..features import Feature, exact, lowered, reported
+from ..features import Feature, altered, deferred, exact, lowered, reported
 from . import FORMAT
 from .isaac import mark_link, mark_robot, mark_site, marked_joints
 from .joints import joints
@@ -21,12 +21,12 @@ from .scene import scene
 from .shapes import Library, place
 from .usda import Prim, layer, single, singles, written_by
 
-_SENSORS = reported("SB743", "sensors are omitted")
+_SENSORS = reported("sensors are omitted")
 EXPRESSES = {
     Feature.FIXED_BASE: exact("`PhysicsFixedJoint` to the world"),
     Feature.FLOATING_BASE: exact("no joint to the world; standing on z = 0"),
     Feature.INERTIA: exact("`PhysicsMassAPI` with principal moments and axes, in single precision"),
-    Feature.MASSLESS: lowered("SB741", "links without mass get 1e-6 kg, those without inertia 1e-9 kg m^2"),
+    Feature.MASSLESS: altered("links without mass get 1e-6 kg, those without inertia 1e-9 kg m^2"),
     Feature.MASSLESS_BODY: exact("as any link without mass"),
     Feature.MESH: exact("`Mesh` in `meshes/<robot>.usdc`, once for all links; visuals are instances"),
     Feature.STL_VISUAL: exact("in `meshes/<robot>.usdc`"),
@@ -36,10 +36,8 @@ EXPRESSES = {
     Feature.OTHER_COLLISION: exact("in `meshes/<robot>.usdc`"),
     Feature.SHAPE: exact("`Cube` with a scale, `Cylinder`, `Sphere`"),
     Feature.CAPSULE: exact("`Capsule`"),
-    Feature.FLAT_COLLISION: reported(
-        "SB712", "simulators cannot build the convex hull of a flat collision mesh; omitted"
-    ),
-    Feature.CONCAVE_COLLISION: lowered("SB744", "the simulator decomposes these collision meshes into convex pieces"),
+    Feature.FLAT_COLLISION: reported("simulators cannot build the convex hull of a flat collision mesh; omitted"),
+    Feature.CONCAVE_COLLISION: lowered("the simulator decomposes these collision meshes into convex pieces"),
     Feature.COLOR: exact("a `UsdPreviewSurface` for each colour"),
     Feature.NEIGHBOURS: exact("joints disable it between their bodies"),
     Feature.EXCLUDED_CONTACT: exact("`PhysicsFilteredPairsAPI`"),
@@ -48,26 +46,26 @@ EXPRESSES = {
     Feature.CONTINUOUS: exact("`PhysicsRevoluteJoint`"),
     Feature.PRISMATIC: exact("`PhysicsPrismaticJoint`"),
     Feature.BALL: exact("`PhysicsSphericalJoint`"),
-    Feature.UNIVERSAL: lowered("SB720", "a universal joint is written as two continuous joints"),
-    Feature.CYLINDRICAL: lowered("SB720", "a cylindrical joint is written as a prismatic and a continuous joint"),
-    Feature.SCREW: lowered("SB720", "a screw joint is written as a revolute joint and a prismatic one that follows it"),
-    Feature.PLANAR: lowered("SB720", "a planar joint is written as two prismatic joints and a continuous one"),
-    Feature.FLOATING: lowered("SB720", "a floating joint is written as three prismatic joints and a ball joint"),
-    Feature.BALL_LIMIT: reported("SB721", "effort and velocity limits of ball joints are omitted"),
-    Feature.BALL_FORCE: reported("SB721", "damping, friction and springs of ball joints are omitted"),
+    Feature.UNIVERSAL: altered("a universal joint is written as two continuous joints"),
+    Feature.CYLINDRICAL: altered("a cylindrical joint is written as a prismatic and a continuous joint"),
+    Feature.SCREW: altered("a screw joint is written as a revolute joint and a prismatic one that follows it"),
+    Feature.PLANAR: altered("a planar joint is written as two prismatic joints and a continuous one"),
+    Feature.FLOATING: altered("a floating joint is written as three prismatic joints and a ball joint"),
+    Feature.BALL_LIMIT: reported("effort and velocity limits of ball joints are omitted"),
+    Feature.BALL_FORCE: reported("damping, friction and springs of ball joints are omitted"),
     Feature.FAR_LIMIT: exact("as any limit"),
     Feature.PASSIVE_LIMIT: exact("as any limit"),
     Feature.OPEN_POSITION: exact("no attribute"),
     Feature.OPEN_EFFORT: exact("no attribute"),
     Feature.EFFORT: exact("`maxForce` of the joint's drive"),
     Feature.VELOCITY: exact("`velocityLimit` of Newton's schema"),
-    Feature.ACCELERATION: reported("SB718", "limits of acceleration, deceleration and jerk are omitted"),
+    Feature.ACCELERATION: reported("limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`damping`, `friction` of Newton's schema"),
-    Feature.SPRING: reported("SB703", "springs are omitted"),
+    Feature.SPRING: reported("springs are omitted"),
     Feature.ARMATURE: exact("`armature` of Newton's schema"),
     Feature.MIMIC: exact("`NewtonMimicAPI`"),
-    Feature.MIMIC_CHAIN: lowered("SB716", "every mimic refers to the first joint of its chain"),
-    Feature.MIXED_MIMIC: reported("SB742", "mimics between angles and distances are omitted"),
+    Feature.MIMIC_CHAIN: lowered("every mimic refers to the first joint of its chain"),
+    Feature.MIXED_MIMIC: reported("mimics between angles and distances are omitted"),
     Feature.CLOSURE: exact("a joint that is excluded from the articulation"),
     Feature.SLIDING_CLOSURE: exact("a joint that is excluded from the articulation"),
     Feature.STUCK_CLOSURE: exact("a joint that is excluded from the articulation"),
@@ -76,9 +74,9 @@ EXPRESSES = {
     Feature.INITIAL_POSE: exact("links in the drawn pose, which does not tell full turns apart"),
     Feature.FRAME: exact("`Xform` in its link"),
     Feature.ACTUATOR: exact("`PhysicsDriveAPI`, with the name as `customData`"),
-    Feature.SECOND_ACTUATOR: reported("SB745", "a joint has one drive; its further actuators are omitted"),
-    Feature.GEAR: lowered("SB726", "gears are folded into gains and inputs, which apply at the joint"),
-    Feature.ACTUATOR_INPUT: reported("SB729", "input bounds are the limits of the joints"),
+    Feature.SECOND_ACTUATOR: reported("a joint has one drive; its further actuators are omitted"),
+    Feature.GEAR: lowered("gears are folded into gains and inputs, which apply at the joint"),
+    Feature.ACTUATOR_INPUT: reported("input bounds are the limits of the joints"),
     Feature.UNLIMITED_ACTUATOR: exact("no attribute"),
     Feature.JOINT_SENSOR: _SENSORS,
     Feature.IMU: _SENSORS,
@@ -94,8 +92,8 @@ EXPRESSES = {
     Feature.CAMERA_EXTRAS: _SENSORS,
     Feature.LIDAR_NEAREST: _SENSORS,
     Feature.OPEN_VIEW: _SENSORS,
-    Feature.TIMESTEP: reported("SB730", "settings of the physics engine"),
-    Feature.SOLVER: reported("SB730", "settings of the physics engine"),
+    Feature.TIMESTEP: deferred("settings of the physics engine"),
+    Feature.SOLVER: deferred("settings of the physics engine"),
     Feature.JOINT_NAME: exact("joints have a scope of their own, and any name as `displayName`"),
     Feature.FRAME_NAME: exact("frames have scopes of their own, and any name as `displayName`"),
     Feature.RESERVED_NAME: exact("any name as `displayName`"),

@@ -11,7 +11,7 @@ from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.model import Actuator, Joint, JointKind, Robot
 from stepbot.robot.sensors import Sensor, SensorKind
 
-from ..lowering import UNLIMITED
+from ..lowering.joints import UNLIMITED
 from ..lowering.stops import has_stops
 from .vrml import Node, text
 

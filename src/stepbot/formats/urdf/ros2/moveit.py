@@ -8,7 +8,7 @@ from typing import Any
 from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import ActuatorKind, Limit, Robot
 
-from ...lowering import UNLIMITED
+from ...lowering.joints import UNLIMITED
 from ..chains import Chain, module_of_joint
 
 UPDATE_RATE = 100
