@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from stepbot.runtime.robot_library import LibraryRobot
 
 
+_SCHEMA_ID = b'"$id": "urn:stepbot:robot-1"'
+"""What no file but the schema has: a sidecar is YAML of another form, and a STEP has no such line."""
+
+
 @click.group(
     cls=Group,
     epilog="Example: stepbot library export ur5e -o ur5e",
@@ -128,7 +132,7 @@ def _export_source(robot: "LibraryRobot", folder: Path, *, as_json: bool, displa
     help = ["choose another folder with -o DIR"]
     for name, content in files.items():
         path = folder / name
-        if exists(path) and not (is_file(path) and read_regular(path) == content):
+        if exists(path) and not (is_file(path) and _is_replaceable(read_regular(path), content)):
             found.add("SB004", "a different file with this name exists", Span(path.as_posix()), help=help)
     if not found.has_errors:
         try:
@@ -148,6 +152,11 @@ def _export_source(robot: "LibraryRobot", folder: Path, *, as_json: bool, displa
         write_result("\n".join((folder / name).as_posix() for name in files))
         write_result(f"next: stepbot view {shlex.quote((folder / robot.sidecar.name).as_posix())}")
     return found.exit_code
+
+
+def _is_replaceable(old: bytes, new: bytes) -> bool:
+    """Whether a file has the content, or is a schema that another version of stepbot wrote."""
+    return old == new or (_SCHEMA_ID in old and _SCHEMA_ID in new)
 
 
 def _found(name: str) -> "LibraryRobot":

@@ -66,6 +66,10 @@ def test_export_of_the_source(
     assert (tmp_path / "arm2" / "robot-1.schema.json").read_text(encoding="utf-8") == stepbot("schema").out
     assert stepbot("check", "--step", "arm2/arm2.robot.yaml").code == 0
     assert stepbot("library", "export", "arm2", "--source").code == 0, "the same again is no conflict"
+    schema = tmp_path / "arm2" / "robot-1.schema.json"
+    schema.write_text(stepbot("schema").out.replace("version 1", "version 1, an older text"), encoding="utf-8")
+    assert stepbot("library", "export", "arm2", "--source").code == 0, "the schema is ours to renew"
+    assert schema.read_text(encoding="utf-8") == stepbot("schema").out
     sidecar.write_text(text + "# mine\n", encoding="utf-8")
     (tmp_path / "arm2" / "arm2.step").unlink()
     run = stepbot("library", "export", "arm2", "--source")

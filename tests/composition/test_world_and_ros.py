@@ -150,6 +150,9 @@ def test_one_falls_and_the_others_stay(tmp_path: Path, write: Callable[[Mapping[
     before = data.xpos.copy()
     while data.time < 0.1:
         mujoco.mj_step(model, data)
+    excluded = {model.body(i).name for signature in model.exclude_signature for i in divmod(int(signature), 1 << 16)}
+    assert "left_upper" in excluded
+    assert "box_ball" not in excluded, "a free object collides with what is fixed to the world"
     fallen = model.body("box_ball").id
     assert data.xpos[fallen][2] - before[fallen][2] == pytest.approx(-0.5 * 9.81 * data.time**2, rel=0.1)
     bases = [model.body(f"{side}_base").id for side in ("left", "right")]
@@ -178,6 +181,10 @@ def test_ros_gets_a_system_and_a_controller_for_each_module(
     settings = (tmp_path / "out/config/controllers.yaml").read_text(encoding="utf-8")
     assert "left_position_controller:" in settings
     groups = ET.parse(tmp_path / "out/cell.srdf").getroot().findall("group")
-    assert {"left", "right"} <= {group.get("name") for group in groups}
+    assert {group.get("name") for group in groups} == {"left", "right"}, "a free object is not planned for"
+    pairs = [
+        {one.get("link1"), one.get("link2")} for one in ET.parse(tmp_path / "out/cell.srdf").iter("disable_collisions")
+    ]
+    assert not any("box_ball" in pair for pair in pairs), "it can be anywhere"
     report = json.loads((tmp_path / "out/report.json").read_text(encoding="utf-8"))
     assert [one["name"] for one in report["robot"]["modules"]] == ["left", "right", "box"]

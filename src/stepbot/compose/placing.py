@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from math import degrees, radians
 
 import numpy as np
 
@@ -22,6 +23,8 @@ from .mirroring import NORMALS, conjugated, flipped, mirrored
 from .parts import Part, image_name
 from .ports import Port, Ports, moved_by
 
+_NEAR, _NEARLY_ALONG = 1e-4, radians(0.1)
+"""Distance [m] and angle [rad] within which a place is the mirror image of another."""
 WORLD = "world"
 """What `at` names for a part that stands by itself."""
 
@@ -44,7 +47,7 @@ class Places:
         own: Its own links, tied together by joints whose names begin with :data:`TIE`, or None.
         parts: Its modules.
         ports: Resolves references.
-        found: Receives SB153, SB154, SB156, SB157 and SB159.
+        found: Receives SB153, SB154, SB156, SB157, SB159 and SB168.
     """
 
     def __init__(
@@ -73,7 +76,12 @@ class Places:
         for name, module in self._document.modules.items():
             if name in self._parts:
                 self._module(name, module)
-        return None if self._found.has_errors else self._root()
+        if self._found.has_errors:
+            return None
+        for name, module in self._document.modules.items():
+            if module.mirror_of and module.at:
+                self._report_no_image(name, module)
+        return self._root()
 
     def is_root_part(self, module: str) -> bool:
         """Whether a module has neither a port nor a joint: it can only be the root."""
@@ -99,6 +107,23 @@ class Places:
                 self._weld(name, section, port, moved_by(section.offset))
         elif section.mirror_of and not above:
             self._mirror(name, section)
+
+    def _report_no_image(self, name: str, section: ModuleSection) -> None:
+        """Report SB168: the place given for a mirrored module is not the mirror image of the original's."""
+        roots = [self._parts[one].robot.root.name for one in (name, str(section.mirror_of))]
+        joints = [self.mounts[root].joint for root in roots if root in self.mounts]
+        if len(joints) < 2 or any(joint.kind is not JointKind.FIXED for joint in joints):
+            return
+        links, poses = zip(*(self._ports.rigid(joint.parent) for joint in joints), strict=True)
+        if links[0] != links[1]:
+            return
+        here, there = (pose @ joint.X_PC for pose, joint in zip(poses, joints, strict=True))
+        distance, angle = here.distance_to(conjugated(there, np.array(NORMALS[section.mirror or "y"])))
+        if distance > _NEAR or angle > _NEARLY_ALONG:
+            off = f"{1000.0 * distance:.3g} mm, {degrees(angle):.3g} deg"
+            message = f"module '{name}': not at the mirror image of the place of '{section.mirror_of}': {off}"
+            help = ["without `at` it is placed there; a part that is turned instead of mirrored needs no `mirror_of`"]
+            self._found.add("SB168", message, self._sidecar.span("modules", name, "at"), help=help)
 
     def _stand(self, name: str, section: ModuleSection, X_W: Pose) -> None:
         """Place a module in the world: fixed, or free and with its lowest point at that height if its base floats."""

@@ -31,7 +31,7 @@ from stepbot.sidecar.starter import robot_name
 from stepbot.sidecar.tree import Mapping, way
 from stepbot.sidecar.variants import merged
 from stepbot.verification.joint_rows import joint_rows
-from stepbot.verification.modules import module_deviation
+from stepbot.verification.modules import Alone, module_deviations
 
 from .building import build, places
 from .conversion import Options
@@ -50,6 +50,7 @@ _ALLOWED = 1e-9
 """Deviation of a module from the module alone: rounding of its poses in the composed robot."""
 _OPEN_BASE = "SB868"
 """A description does not say whether its base is fixed; what it is attached to decides."""
+_NO_DENSITY = "SB522"
 
 
 @dataclass(frozen=True, eq=False)
@@ -225,13 +226,16 @@ class _Files:
                     local.extend(error.diagnostics)
                 self._robots[key] = None
             note = f"module '{name}' of {span}"
+            density = "write the density of its material: `set: {defaults: {density: 2700 kg/m^3}}`"
             folder = path.parent.as_posix() if file.startswith(LIBRARY) else ""
             for one in local:
                 if one.code != _OPEN_BASE or not is_placed:
-                    place = one.span
+                    place, help = one.span, one.help
                     if folder and place.file.startswith(folder):  # the same text on every machine
                         place = place._replace(file=LIBRARY + place.file.removeprefix(folder).removeprefix("/"))
-                    found.add(one.code, one.message, place, help=one.help, notes=(*one.notes, note))
+                    if one.code == _NO_DENSITY and is_step_name(path.name):  # there is no sidecar to write it into
+                        place, help = span, (density,)
+                    found.add(one.code, one.message, place, help=help, notes=(*one.notes, note))
             found.add_ignored(local.ignored)
         return self._robots[key]
 
@@ -255,13 +259,18 @@ class _Files:
 
 def _compare(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot], found: Diagnostics) -> None:
     """Compare each module with its robot alone; report SB806 if they differ."""
-    for module in robot.modules:
-        section = sidecar.document.modules.get(module.name)
-        if section is None:  # a module of a module was compared where that was composed
-            continue
-        seen = module_deviation(robot, module, alone[section.mirror_of or module.name], section.flip)
-        if seen.largest > _ALLOWED:
-            parts = f"poses {seen.pose:.3g} m, masses {seen.mass:.3g}, inertias {seen.inertia:.3g}"
+    sections = sidecar.document.modules
+    stated = ((module, sections.get(module.name)) for module in robot.modules)
+    modules = [  # a module of a module was compared where that was composed
+        Alone(module, alone[section.mirror_of or module.name], section.flip)
+        for module, section in stated
+        if section is not None
+    ]
+    for (module, *_), seen in zip(modules, module_deviations(robot, modules), strict=True):
+        parts = f"poses {seen.pose:.3g} m, masses {seen.mass:.3g}, inertias {seen.inertia:.3g}"
+        if seen.largest <= _ALLOWED:
+            parts = ", ".join(f"settings of '{name}'" for name in seen.settings)
+        if seen.largest > _ALLOWED or seen.settings:
             message = f"module '{module.name}': differs from '{module.file}' alone: {parts}"
             found.add("SB806", message, sidecar.key_span("modules", module.name))
 

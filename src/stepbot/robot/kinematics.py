@@ -315,14 +315,25 @@ def rigid_bodies(root: str, joints: Iterable[Joint]) -> dict[str, str]:
 
 
 def neighbours(robot: Robot) -> frozenset[frozenset[str]]:
-    """Pairs of links connected by a joint or a closure, where links fixed to each other count as one."""
+    """Pairs of links connected by a joint or a closure, where links fixed to each other count as one.
+
+    A floating joint connects nothing: what is free lies on, falls on or hits what is beside it.
+    """
     rigid = rigid_bodies(robot.root.name, robot.joints)
-    held = [(joint.parent, joint.child) for joint in robot.joints]
+    held = [(joint.parent, joint.child) for joint in robot.joints if joint.kind is not JointKind.FLOATING]
     held += [(closure.link_a, closure.link_b) for closure in robot.closures]
     bodies = {frozenset((rigid[a], rigid[b])) for a, b in held}
     return frozenset(
         frozenset((a, b)) for a, b in _pairs(rigid) if frozenset((rigid[a], rigid[b])) in bodies or rigid[a] == rigid[b]
     )
+
+
+def free_parts(robot: Robot) -> dict[str, str]:
+    """For each link the root of the part that moves freely: the robot's root, or the child of a floating joint."""
+    part = {robot.root.name: robot.root.name}
+    for joint in robot.joints:
+        part[joint.child] = joint.child if joint.kind is JointKind.FLOATING else part[joint.parent]
+    return part
 
 
 def without_contacts(robot: Robot) -> frozenset[frozenset[str]]:

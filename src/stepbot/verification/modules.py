@@ -1,19 +1,30 @@
 """Compares each module of a composed robot with the module alone; shares no code with the composition."""
 
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from typing import NamedTuple
 
 import numpy as np
 
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.kinematics import link_poses
-from stepbot.robot.model import Module, Robot
+from stepbot.robot.model import Actuator, Joint, JointKind, Module, Robot
 
 _CONFIGURATIONS = 4
 _REACH = 0.4
 """Largest distance [rad] or [m] of a position from the drawn one."""
 _NORMALS = {"x": (-1.0, 1.0, 1.0), "y": (1.0, -1.0, 1.0), "z": (1.0, 1.0, -1.0)}
+
+
+class Alone(NamedTuple):
+    """A module of a composed robot, and what it is compared with."""
+
+    module: Module
+    robot: Robot
+    """Its robot alone."""
+    flips: Collection[str] = ()
+    """Patterns of joints, by their names in ``robot``, whose positive direction is reversed."""
 
 
 @dataclass(frozen=True)
@@ -26,33 +37,49 @@ class ModuleDeviation:
     """Largest relative error of a link's mass."""
     inertia: float
     """Largest error of a link's centre of mass [m] and inertia [kg m^2], relative to the largest in the module."""
+    settings: tuple[str, ...] = ()
+    """Joints and actuators, by their names in the module, with another kind, limit, dynamics, mimic or given gain."""
 
     @property
     def largest(self) -> float:
-        """The largest of all."""
+        """The largest of all numbers."""
         return max(self.pose, self.mass, self.inertia)
 
 
-def module_deviation(robot: Robot, module: Module, alone: Robot, flips: Collection[str] = ()) -> ModuleDeviation:
-    """Compare the links of a module with those of its own robot, in several configurations.
+def module_deviations(robot: Robot, modules: Sequence[Alone]) -> Iterator[ModuleDeviation]:
+    """Compare the links of modules with those of their own robots, in several configurations.
 
     Each link's pose is compared relative to the module's other links; that of the whole in the composed robot is free.
 
     Args:
         robot: The composed robot.
-        module: The module.
-        alone: Its robot.
-        flips: Patterns of joints, by their names in ``alone``, whose positive direction is reversed.
+        modules: Its modules.
+
+    Yields:
+        The deviation of each module.
     """
+    configurations: list[dict[str, float]] = [{} for _ in range(_CONFIGURATIONS)]
+    robots = {id(one.robot): one.robot for one in modules}
+    poses_alone = {key: [(q, link_poses(one, q)) for q in _configurations(one)] for key, one in robots.items()}
+    for module, alone, flips in modules:
+        for whole, (q, _) in zip(configurations, poses_alone[id(alone)], strict=True):
+            whole |= {module.prefix + name: -v if _any(name, flips) else v for name, v in q.items()}
+    joints = robot.joint_by_name
+    poses = [link_poses(robot, {name: v for name, v in q.items() if name in joints}) for q in configurations]
+    for one in modules:
+        yield _deviation(robot, one, poses, [there for _, there in poses_alone[id(one.robot)]])
+
+
+def _deviation(
+    robot: Robot, one: Alone, poses: Sequence[dict[str, Pose]], poses_alone: Sequence[dict[str, Pose]]
+) -> ModuleDeviation:
+    module, alone, _ = one
     M: Array = np.diag(_NORMALS[module.mirror]) if module.mirror else np.eye(3)
     there = robot.link_by_name
     links = [link for link in alone.links if module.prefix + link.name in there]
     pose = 0.0
-    for q in _configurations(alone):
-        of_module = {module.prefix + name: -v if _any(name, flips) else v for name, v in q.items()}
-        X_W = link_poses(robot, {name: v for name, v in of_module.items() if name in robot.joint_by_name})
-        X_A = {name: _image(X, M) for name, X in link_poses(alone, q).items()}
-        common = [(X_W[module.prefix + link.name], X_A[link.name]) for link in links[1:]]
+    for X_W, X in zip(poses, poses_alone, strict=True):
+        common = [(X_W[module.prefix + link.name], _image(X[link.name], M)) for link in links[1:]]
         # The frame of the root link may be moved onto the axis of a joint, so the first other link is the reference.
         for ours, theirs in common[1:]:
             off = (common[0][0].inverse() @ ours).matrix - (common[0][1].inverse() @ theirs).matrix
@@ -64,7 +91,45 @@ def module_deviation(robot: Robot, module: Module, alone: Robot, flips: Collecti
     for a, b in masses[1:]:
         inertia = max(inertia, float(np.abs(a.inertia - M @ np.array(b.inertia) @ M).max()) / size)
         inertia = max(inertia, float(np.abs(a.com - M @ np.array(b.com)).max()) if b.mass else 0.0)
-    return ModuleDeviation(pose, mass, inertia)
+    return ModuleDeviation(pose, mass, inertia, tuple(_other_settings(robot, one)))
+
+
+def _other_settings(robot: Robot, one: Alone) -> Iterator[str]:
+    """Names of the joints and actuators whose numbers are not those of the module alone."""
+    module, alone, flips = one
+    joints, actuators = robot.joint_by_name, {each.name: each for each in robot.actuators}
+    for joint in alone.joints:
+        here = joints.get(module.prefix + joint.name)
+        if here is not None and _numbers(here, "", ()) != _numbers(joint, module.prefix, flips, bool(module.mirror)):
+            yield joint.name
+    for actuator in alone.actuators:
+        drive = actuators.get(module.prefix + actuator.name)
+        if drive is not None and _drive(drive) != _drive(actuator, _any(actuator.joint, flips)):
+            yield actuator.name
+
+
+def _numbers(joint: Joint, prefix: str, flips: Collection[str], mirrored: bool = False) -> tuple[object, ...]:
+    """What the composed robot is to have of a joint; the axis is compared by poses, the drawn position is `home`."""
+    turned = _any(joint.name, flips)
+    limit, dynamics, mimic = joint.limit, joint.dynamics, joint.mimic
+    bounds = (-limit.upper, -limit.lower) if turned else (limit.lower, limit.upper)
+    if turned:
+        dynamics = replace(dynamics, spring_reference=0.0 - dynamics.spring_reference)
+    follows: tuple[object, ...] = ()
+    if mimic is not None:
+        sign = -1.0 if turned != _any(mimic.joint, flips) else 1.0
+        offset = -mimic.offset if turned else mimic.offset
+        follows = (prefix + mimic.joint, sign * mimic.multiplier, offset)
+    pitch = -joint.pitch if mirrored and joint.kind is JointKind.SCREW else joint.pitch
+    return joint.kind, bounds, replace(limit, lower=0.0, upper=0.0), dynamics, follows, pitch
+
+
+def _drive(actuator: Actuator, turned: bool = False) -> tuple[object, ...]:
+    """An actuator's numbers; computed gains depend on the whole robot."""
+    limit = actuator.limit
+    bounds = (-limit.upper, -limit.lower) if turned else (limit.lower, limit.upper)
+    gains = (actuator.kp, actuator.kv) if actuator.tuning is None else ()
+    return actuator.kind, actuator.gear, bounds, replace(limit, lower=0.0, upper=0.0), gains, actuator.motor
 
 
 def _configurations(robot: Robot) -> list[dict[str, float]]:

@@ -140,6 +140,14 @@ CODES = (
         "Name them without a side in the module's file; the prefix tells the sides apart.",
     ),
     Code(
+        "SB168",
+        "note",
+        "mirrored module at another place",
+        "A module with `mirror_of` and `at` is not at the mirror image of the other one's place.",
+        "Its joints move as mirror images; of a robot whose sides are turned instead of mirrored, they do not.",
+        "Leave out `at`: the place is found. Ignore the note if the robot is not symmetric.",
+    ),
+    Code(
         "SB169",
         "note",
         "parts are not their own mirror image",

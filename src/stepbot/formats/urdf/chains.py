@@ -1,9 +1,12 @@
 """The serial chains of a robot's tree: what MoveIt plans for."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stepbot.robot.kinematics import rigid_bodies
 from stepbot.robot.model import Joint, JointKind, Robot
+
+from ..lowering import UNLIMITED
 
 
 @dataclass(frozen=True)
@@ -23,7 +26,8 @@ class Chain:
 def chains(robot: Robot) -> tuple[Chain, ...]:
     """The chains from the root or a branching on to the next branching or the end, in the order of the joints.
 
-    Links fixed to each other count as one. A chain all of whose joints mimic others has nothing to plan.
+    Links fixed to each other count as one. A chain all of whose joints mimic others has nothing to plan, and one that
+    begins with three unbounded slides is an object that nothing holds.
     """
     body, moving = rigid_bodies(robot.root.name, robot.joints), moving_joints(robot)
     last = {body[link.name]: link.name for link in robot.links}  # parents come before their children
@@ -36,9 +40,18 @@ def chains(robot: Robot) -> tuple[Chain, ...]:
         end = along[-1].child
         tip = last[end]
         independent = tuple(joint for joint in along if joint.mimic is None)
-        if independent:
+        if independent and not _is_free(along):
             found.append(Chain(tip, start.parent, tip, independent))
     return tuple(found)
+
+
+def _is_free(along: Sequence[Joint]) -> bool:
+    """Whether a chain is a floating joint, as URDF expresses it."""
+    slides = along[:3]
+    unbounded = (
+        one.kind is JointKind.PRISMATIC and min(-one.limit.lower, one.limit.upper) >= UNLIMITED for one in slides
+    )
+    return len(slides) == 3 and all(unbounded)
 
 
 def module_of_joint(robot: Robot) -> dict[str, str]:

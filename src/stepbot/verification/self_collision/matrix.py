@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array
-from stepbot.robot.kinematics import Tree, neighbours
+from stepbot.robot.kinematics import Tree, free_parts, neighbours
 from stepbot.robot.model import Robot
 from stepbot.robot.sampling import sampled
 from stepbot.robot.self_collision import PairClass, PairContact, SelfCollision
@@ -22,13 +22,16 @@ __all__ = ["matrix", "prepare"]
 
 
 def matrix(robot: Robot, samples: int, seed: int = 1) -> SelfCollision:
-    """The classes of all pairs of links with collision shapes, in at most ``samples`` configurations.
+    """The classes of pairs of links with collision shapes, in at most ``samples`` configurations.
+
+    Pairs of which one is on a part that moves freely are left out: they can meet anywhere.
 
     Raises:
         DoesNotClose: The drawn pose is not closed.
     """
     tree, q = Tree(robot), sampled(robot, samples, seed)
-    separate = list(separate_links(robot))
+    part = free_parts(robot)
+    separate = [pair for pair in separate_links(robot) if part[pair.a] == part[pair.b]]
     overlapping: list[list[NDArray[np.int64]]] = [[] for _ in separate]
     for start in range(0, len(q), _AT_ONCE):
         X = tree.frames(q[start : start + _AT_ONCE])
@@ -42,6 +45,7 @@ def matrix(robot: Robot, samples: int, seed: int = 1) -> SelfCollision:
     pairs = (
         PairContact(a, b, PairClass.ADJACENT) if frozenset((a, b)) in close else compared[a, b]
         for a, b in combinations(links, 2)
+        if part[a] == part[b] or frozenset((a, b)) in close
     )
     return SelfCollision(len(q), tuple(pairs))
 

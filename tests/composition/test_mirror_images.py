@@ -1,0 +1,121 @@
+"""Mirror images: limits, mimics, loops, screws and mesh files."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+
+from stepbot.compose.mirroring import flipped, mirrored
+from stepbot.diagnostics import Diagnostics
+from stepbot.pipeline.conversion import Options
+from stepbot.pipeline.stages import convert, produce
+from stepbot.robot.kinematics import link_poses
+from stepbot.robot.model import Joint, JointKind, Limit, Robot
+from stepbot.robot.posing import posed
+from stepbot.runtime.cache import Cache
+
+from .described import composing, joint, link, urdf
+
+Compose = Callable[[Mapping[str, str], Diagnostics], Robot]
+HAND = urdf(
+    "hand",
+    *(link(name) for name in ("palm", "finger", "thumb", "tail")),
+    joint("finger_roll", "palm", "finger", xyz="0.1 0.2 0.3", axis="1 0 0", lower="-0.5", upper="2"),
+    joint("thumb", "palm", "thumb", rpy="0.3 0.2 0.1", mimic='"finger_roll" multiplier="0.5" offset="0.1"'),
+    joint("tail_roll", "thumb", "tail", axis="0.6 0 0.8", mimic='"finger_roll" multiplier="-2" offset="0.2"'),
+)
+M = np.diag([1.0, -1.0, 1.0])
+
+
+def image_of(pose: np.ndarray) -> np.ndarray:
+    """The mirror image of a frame (4, 4) through y = 0."""
+    m = np.diag([1.0, -1.0, 1.0, 1.0])
+    return np.asarray(m @ pose @ m)
+
+
+@pytest.mark.parametrize("q", [-0.3, 0.0, 0.7])
+@pytest.mark.parametrize("flip", ["", "finger_roll", "*_roll", "thumb", "*"])
+def test_followers_are_at_their_images(flip: str, q: float, composed: Compose) -> None:
+    """Whatever joints of a chain of mimics are reversed, all links are at the images when the leader is."""
+    flips = f", flip: ['{flip}']" if flip else ""
+    files = {
+        "r.robot.yaml": composing("left: {file: hand.urdf}", "right: {mirror_of: left, at: left/palm" + flips + "}"),
+        "hand.urdf": HAND,
+    }
+    robot = composed(files, Diagnostics())
+    turned = -q if flip in ("finger_roll", "*_roll", "*") else q
+    poses = link_poses(robot, {"left_finger_roll": q, "right_finger_roll": turned})
+    for name in ("finger", "thumb", "tail"):
+        expected = image_of(poses[f"left_{name}"].matrix)
+        assert np.allclose(poses[f"right_{name}"].matrix, expected, rtol=0.0, atol=1e-12), name
+
+
+def test_flipped_twice_is_the_robot(composed: Compose) -> None:
+    """Reversed twice, nothing has changed; a limit of one side is on the other side in between."""
+    robot = composed({"r.robot.yaml": composing("hand: {file: hand.urdf}"), "hand.urdf": HAND}, Diagnostics())
+    joints = tuple(replace(one, limit=replace(one.limit, lower=-inf, upper=1.0)) for one in robot.joints)
+    robot = replace(robot, joints=joints)
+    once = flipped(robot, ["*_roll"])
+    limits = {one.name: (one.limit.lower, one.limit.upper) for one in once.joints}
+    assert limits == {"hand_finger_roll": (-1.0, inf), "hand_thumb": (-inf, 1.0), "hand_tail_roll": (-1.0, inf)}
+    assert once != robot
+    assert flipped(once, ["*_roll"]) == robot
+
+
+def test_a_mirrored_screw_advances_as_the_image(tmp_path: Path) -> None:
+    """Its pitch is negated: the same angle moves the image by the same way."""
+    screw = Joint("lift", JointKind.SCREW, "a", "b", axis=(0.0, 1.0, 0.0), limit=Limit(-9.0, 9.0), pitch=0.002)
+    robot = Robot("r", (), (screw,))
+    (image,) = mirrored(robot, "y").joints
+    assert (image.pitch, image.axis) == (-0.002, (0.0, 1.0, 0.0))
+
+
+@pytest.fixture(scope="module")
+def gripper(robot_library: Path, cache: Cache, tmp_path_factory: pytest.TempPathFactory) -> Robot:
+    """The 2F-85, whose fingers are two loops."""
+    options = Options(tmp_path_factory.mktemp("gripper"), formats=("mjcf",), verify=False, cache=cache)
+    robot = produce(robot_library / "robotiq_2f85" / "2f85.robot.yaml", options).robot
+    assert robot is not None
+    return robot
+
+
+def test_mirrored_loops_close(gripper: Robot) -> None:
+    """Over the range of the drive, both ends of each closure are at one point; all links are at their images."""
+    image = mirrored(gripper, "y")
+    for position in (0.05, 0.3, 0.55, 0.8):
+        q = posed(image, {"finger_joint": position})
+        assert q == pytest.approx(posed(gripper, {"finger_joint": position}), abs=1e-9)
+        poses, others = link_poses(image, q), link_poses(gripper, q)
+        for closure in image.closures:
+            a, b = poses[closure.link_a] @ closure.X_AF, poses[closure.link_b] @ closure.X_BF
+            assert a.distance_to(b)[0] < 1e-6
+        for name, pose in poses.items():
+            assert np.allclose(pose.matrix, image_of(others[name].matrix), rtol=0.0, atol=1e-9)
+
+
+def test_files_of_a_mirrored_module(tmp_path: Path, cache: Cache, gripper: Robot) -> None:
+    """No scale is negative; two equal modules share all mesh files; a second pair adds none; MuJoCo loads them."""
+    pair = ("left: {file: 'library:2f85'}", "right: {mirror_of: left, at: left/robotiq_arg2f_base_link}")
+    more = ("third: {file: 'library:2f85', at: left/robotiq_arg2f_base_link, offset: {xyz: [1, 0, 0]}}",)
+    meshes = []
+    for name, modules in (("pair", pair), ("three", (*pair, *more))):
+        (tmp_path / f"{name}.robot.yaml").write_text(composing(*modules), encoding="utf-8")
+        options = Options(tmp_path / name, formats=("urdf", "sdf", "mjcf", "usd"), verify=False, cache=cache)
+        conversion = convert(tmp_path / f"{name}.robot.yaml", options)
+        assert not conversion.diagnostics.has_errors
+        meshes.append({path for path in conversion.files if path.startswith("meshes/")})
+        for path, content in conversion.files.items():
+            if path.endswith((".urdf", ".sdf", ".xml")):
+                assert not [line for line in content.decode().splitlines() if "scale" in line and "-" in line], path
+    assert meshes[0] == meshes[1]
+    named = {Path(path).stem for path in meshes[0] if path.endswith(".obj")}
+    assert {name for name in named if not name.endswith("_mirrored")} == {asset.name for asset in gripper.meshes}
+    models = [mujoco.MjModel.from_xml_path(str(tmp_path / name / "whole.xml")) for name in ("pair", "three")]
+    assert models[0].nmesh == models[1].nmesh
+    assert models[1].body_mass.sum() == pytest.approx(3 * sum(one.mass_properties.mass for one in gripper.links))
+    stages = [content.decode() for path, content in conversion.files.items() if path.endswith(".usda")]
+    assert sum(stage.count('"PhysicsArticulationRootAPI"') for stage in stages) == 1

@@ -1,0 +1,176 @@
+"""Where modules are attached, by hand-made poses, and what their files are called."""
+
+import json
+from collections.abc import Callable, Mapping
+from math import pi
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pybullet
+import pytest
+
+from stepbot.diagnostics import Diagnostics
+from stepbot.geometry.spatial import Pose
+from stepbot.pipeline.conversion import Conversion, Options
+from stepbot.pipeline.stages import convert
+from stepbot.robot.kinematics import link_poses
+from stepbot.robot.model import Base, Robot
+from tests.command_line import stepbot
+
+from .described import ARM, box, composing, joint, link, urdf
+
+Compose = Callable[[Mapping[str, str], Diagnostics], Robot]
+Write = Callable[[Mapping[str, str]], None]
+
+TOOL = urdf(
+    "tool",
+    link("body"),
+    link("plate"),
+    link("jaw"),
+    joint("fixed", "body", "plate", "fixed", xyz="0 0 0.1", rpy="0 1.5707963267948966 0"),
+    joint("jaw", "plate", "jaw", "prismatic", axis="1 0 0"),
+)
+
+
+def test_attached_by_a_link_that_is_fixed_to_the_root(composed: Compose) -> None:
+    """`by` the plate, 0.1 m above the body and turned by 90 degrees, puts the body beside the arm's tip."""
+    files = {
+        "r.robot.yaml": composing(
+            "arm: {file: arm.urdf, prefix: ''}", "tool: {file: tool.urdf, at: arm/tip, by: plate}"
+        )
+    }
+    robot = composed({**files, "arm.urdf": ARM, "tool.urdf": TOOL}, Diagnostics())
+    poses = link_poses(robot, {})
+    assert poses["tool_plate"].distance_to(poses["tip"]) == pytest.approx((0.0, 0.0), abs=1e-12)
+    turned = Pose.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, -pi / 2, 0.0)) @ Pose.from_xyz_rpy((0.0, 0.0, -0.1), (0, 0, 0))
+    assert poses["tool_body"].distance_to(poses["tip"] @ turned) == pytest.approx((0.0, 0.0), abs=1e-12)
+
+
+@pytest.mark.parametrize("q", [0.0, 0.4, -0.9])
+def test_a_joint_turns_about_its_port(q: float, composed: Compose) -> None:
+    """A joint whose child is a port beside the root link: the port stays, and everything turns about its axis."""
+    more = "joints: {swing: {type: revolute, parent: arm/tip, child: tool/plate, axis: x, "
+    more += "limits: {lower: -1, upper: 1, effort: 9, velocity: 1}}}\n"
+    files = {"r.robot.yaml": composing("arm: {file: arm.urdf, prefix: ''}", "tool: {file: tool.urdf}", more=more)}
+    robot = composed({**files, "arm.urdf": ARM, "tool.urdf": TOOL}, Diagnostics())
+    poses = link_poses(robot, {"swing": q, "tool_jaw": 0.25})
+    X_PlateBody = (Pose.from_xyz_rpy((0.0, 0.0, 0.1), (0.0, pi / 2, 0.0))).inverse()
+    turn = poses["tip"] @ Pose.from_xyz_rpy((0.0, 0.0, 0.0), (q, 0.0, 0.0))
+    expected = {"tool_plate": turn, "tool_jaw": turn @ Pose.from_xyz_rpy((0.25, 0.0, 0.0), (0.0, 0.0, 0.0))}
+    for name, pose in expected.items():
+        assert poses[name].distance_to(pose) == pytest.approx((0.0, 0.0), abs=1e-9), name
+    # The frame of the body is moved onto the axis; its mass stays where it was.
+    body = robot.link_by_name["tool_body"].mass_properties
+    com = poses["tool_body"].apply(np.array([body.com]))[0]
+    assert com == pytest.approx((turn @ X_PlateBody).apply(np.array([[0.01, 0.02, 0.03]]))[0], abs=1e-9)
+
+
+def test_the_world_of_a_module_is_dropped(composed: Compose) -> None:
+    """A URDF whose root is a massless `world` brings neither a second world nor its joint."""
+    standing = urdf("w", '<link name="world"/>', link("base"), joint("stand", "world", "base", "fixed", xyz="0 0 1"))
+    files = {"r.robot.yaml": composing("arm: {file: arm.urdf}", "tool: {file: w.urdf, at: arm/tip}"), "arm.urdf": ARM}
+    robot = composed({**files, "w.urdf": standing}, Diagnostics())
+    assert [one.name for one in robot.links] == ["arm_base", "arm_tip", "tool_base"]
+
+
+def test_names_that_formats_do_not_like(composed: Compose) -> None:
+    """Instances and prefixes with spaces, `$` and letters of other languages are kept as they are."""
+    modules = ("'dö $x': {file: arm.urdf}", "b: {file: arm.urdf, at: 'dö $x/tip', prefix: 'ä $ '}")
+    robot = composed({"r.robot.yaml": composing(*modules), "arm.urdf": ARM}, Diagnostics())
+    assert [one.name for one in robot.links] == ["dö $x_base", "dö $x_tip", "ä $ base", "ä $ tip"]
+
+
+def test_meshes_of_one_name_with_other_bytes(tmp_path: Path, write: Write) -> None:
+    """Each module has its own `part.obj`; MuJoCo loads the right size for both, and no third file."""
+    files = {
+        "r.robot.yaml": composing(
+            "a: {file: a/m.urdf}", "b: {file: b/m.urdf, at: a/base}", "c: {file: a/m.urdf, at: b/base}"
+        )
+    }
+    shape = "<visual><geometry><mesh filename='part.obj'/></geometry></visual>"
+    write(files)
+    for folder, size in (("a", 1.0), ("b", 3.0)):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "m.urdf").write_text(urdf("m", link("base", 1.0, shape)), encoding="utf-8")
+        points = "".join(f"v {x} {y} {z}\n" for x, y, z in [(0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size)])
+        faces = "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
+        (tmp_path / folder / "part.obj").write_text(points + faces, encoding="utf-8")
+    made = _converted(tmp_path / "r.robot.yaml", ("mjcf",))
+    assert len([path for path in made.files if path.startswith("meshes/")]) == 2
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "whole.xml"))
+    volumes = {model.body(model.geom_bodyid[i]).name: model.geom_aabb[i][3:].max() * 2 for i in range(model.ngeom)}
+    assert volumes["b_base"] == pytest.approx(3.0 * volumes["a_base"], rel=1e-6)
+    assert volumes["c_base"] == volumes["a_base"]
+
+
+def _converted(sidecar: Path, formats: tuple[str, ...]) -> Conversion:
+    made = convert(sidecar, Options(sidecar.parent / "out", formats=formats, verify=False))
+    assert not made.diagnostics.has_errors, list(made.diagnostics)
+    return made
+
+
+def test_a_massless_root_stays_massless(tmp_path: Path, write: Write) -> None:
+    """PyBullet, which gives links without inertia 1 kg, loads the mass of the modules."""
+    light = urdf("light", '<link name="base_link"/>', link("base", 2.0), joint("f", "base_link", "base", "fixed"))
+    files = {"r.robot.yaml": composing("arm: {file: arm.urdf}", "tool: {file: light.urdf, at: arm/tip}")}
+    write({**files, "arm.urdf": ARM, "light.urdf": light})
+    _converted(tmp_path / "r.robot.yaml", ("urdf", "mjcf"))
+    client = pybullet.connect(pybullet.DIRECT)
+    try:
+        flags = pybullet.URDF_USE_INERTIA_FROM_FILE | pybullet.URDF_MERGE_FIXED_LINKS
+        body = pybullet.loadURDF(str(tmp_path / "out/whole.urdf"), flags=flags, physicsClientId=client)
+        joints = pybullet.getNumJoints(body, physicsClientId=client)
+        masses = [pybullet.getDynamicsInfo(body, i, physicsClientId=client)[0] for i in range(-1, joints)]
+    finally:
+        pybullet.disconnect(client)
+    assert sum(masses) == pytest.approx(5.0)
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out/whole.xml"))
+    assert model.body_mass.sum() == pytest.approx(5.0)
+
+
+def test_an_arm_on_a_floating_base_stands_on_the_floor(tmp_path: Path, write: Write) -> None:
+    """`home` has 7 numbers for the base and one for each joint, and the lowest point of the whole is at z = 0."""
+    cart = urdf("cart", link("chassis", 9.0, box(0.4, 0.4, 0.2)))
+    sidecar = composing(
+        "cart: {file: cart.urdf, prefix: ''}", "arm: {file: arm.urdf, at: cart/chassis, home: {lift: 0.5}}"
+    )
+    write({"r.robot.yaml": sidecar.replace("base: fixed", "base: floating"), "cart.urdf": cart, "arm.urdf": ARM})
+    made = _converted(tmp_path / "r.robot.yaml", ("mjcf",))
+    assert made.robot is not None
+    assert made.robot.base is Base.FLOATING
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out/whole.xml"))
+    assert (model.nkey, model.nq) == (1, 8)
+    assert model.key_qpos[0] == pytest.approx([0, 0, 0.1, 1, 0, 0, 0, 0.5])
+    report = json.loads((tmp_path / "out/report.json").read_text(encoding="utf-8"))
+    assert report["robot"]["standing_height"] == pytest.approx(0.1)
+
+
+def test_devices_keep_their_order(tmp_path: Path, write: Write) -> None:
+    """Actuators are in the order of the modules, own ones first, whatever sensors and frames are added."""
+    drives = "actuators: {own: {joint: b/lift, kind: motor}, other: {joint: a/lift, kind: motor}}\n"
+    more = "sensors: {imu: {type: imu, link: a/tip}}\nframes: {tcp: {link: b/tip, origin: {relative_to: b/tip}}}\n"
+    modules = ("a: {file: arm.urdf}", "b: {file: arm.urdf, at: a/tip}")
+    orders = []
+    for text in (drives, drives + more):
+        write({"r.robot.yaml": composing(*modules, more=text), "arm.urdf": ARM})
+        _converted(tmp_path / "r.robot.yaml", ("mjcf",))
+        model = mujoco.MjModel.from_xml_path(str(tmp_path / "out/whole.xml"))
+        orders.append([model.actuator(i).name for i in range(model.nu)])
+    assert orders == [["own", "other"]] * 2
+
+
+def test_a_batch_takes_modules_and_the_robots_of_them(tmp_path: Path, write: Write) -> None:
+    """Every sidecar of a folder is converted, in any order of names; one whose module is missing fails alone."""
+    inner = composing("arm: {file: arm.urdf}").replace("robot: whole", "robot: inner")
+    files = {"z.robot.yaml": inner, "arm.urdf": ARM}
+    for name in ("a", "zz"):
+        files[f"{name}.robot.yaml"] = composing("m: {file: z.robot.yaml}").replace("robot: whole", f"robot: {name}")
+    variants = "variants: {gone: {modules: {m: {file: missing.urdf}}}}\n"
+    files["b.robot.yaml"] = composing("m: {file: arm.urdf}", more=variants).replace("robot: whole", "robot: b")
+    write(files)
+    options = ("--no-verify", "-f", "urdf", "--no-cache", "--json", "-j", "1")
+    run = stepbot("batch", ".", "-o", "out", *options, cwd=tmp_path)
+    status = {one["name"]: one["status"] for one in json.loads(run.out)["robots"]}
+    assert status == {**dict.fromkeys(("a", "b", "z", "zz"), "converted"), "b_gone": "failed"}, run.out
+    assert run.code == 1
