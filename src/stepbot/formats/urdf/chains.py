@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from stepbot.robot.kinematics import rigid_bodies
 from stepbot.robot.model import Joint, JointKind, Robot
 
-from ..lowering import UNLIMITED
+from ..lowering.joints import UNLIMITED
 
 
 @dataclass(frozen=True)
