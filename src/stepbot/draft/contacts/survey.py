@@ -16,7 +16,7 @@ from stepbot.draft.contacts.shafts import find_fits
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, roles
-from stepbot.draft.parts.parts import joint_box
+from stepbot.draft.parts.parts import box_gaps, joint_box
 from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.spatial import Array
 from stepbot.geometry.sums import exact_sum
@@ -137,6 +137,11 @@ class Survey:
         """[m^3]."""
         return exact_sum(self.parts[i].volume for i in members)
 
+    def box_gaps(self, box: Array) -> dict[int, float]:
+        """Distance [m] of each part's bounding box from another box (2, 3); without parts that have none."""
+        numbers, boxes = self._boxes
+        return dict(zip(numbers, box_gaps(box[None], boxes)[0].tolist(), strict=True))
+
     def box_of(self, members: Iterable[int]) -> Array:
         """The bounding box (2, 3) [m] of parts."""
         return joint_box(self.parts[i] for i in members)
@@ -145,6 +150,12 @@ class Survey:
         """Diagonal of the bounding box of parts [m]."""
         low, high = self.box_of(members)
         return float(np.linalg.norm(high - low)) or 1.0
+
+    @cached_property
+    def _boxes(self) -> tuple[list[int], Array]:
+        """The parts with a bounding box, and these (n, 2, 3)."""
+        numbers = [i for i, part in self.parts.items() if part.size]
+        return numbers, np.array([self.parts[i].box for i in numbers]).reshape(-1, 2, 3)
 
     @cached_property
     def _screws(self) -> tuple[list[Axis], Array]:

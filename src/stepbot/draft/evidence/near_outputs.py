@@ -12,7 +12,7 @@ from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.parts.axis import Axis
-from stepbot.draft.parts.parts import box_gap, least_gap
+from stepbot.draft.parts.parts import least_gap
 
 _NEARLY_HELD, _NEARLY = 0.86, 0.75
 """Scores of what carries a motor and of what it turns, if their holes are only nearly in line with its own."""
@@ -105,9 +105,10 @@ class NearOutput:
         com = float((survey.parts[self._motor.case].com - axis.point) @ axis.d)
         end = axis.point + axis.d * (high if high - com > com - low else low)
         here, gaps = np.array([end, end]), []
-        for i, part in survey.parts.items():
+        for i, gap in survey.box_gaps(here).items():
             own = i in held or i in self._motor.parts or i in survey.small
-            if not own and part.size and box_gap(here, part.box) < _NEAR_END:
-                gaps.append((round(least_gap(here[None], survey.scene.face_boxes(i)), 5), -part.volume, i))
+            if not own and gap < _NEAR_END:
+                volume = survey.parts[i].volume
+                gaps.append((round(least_gap(here[None], survey.scene.face_boxes(i)), 5), -volume, i))
         gap, _, best = min(gaps, default=(_NEAR_END, 0.0, -1))
         return best if gap < _NEAR_END else None

@@ -4,6 +4,7 @@ A weld joins two clusters unless there is already a joint between them; a joint 
 already joined. Fasteners do not join clusters: they are assigned to their tightest host at the end.
 """
 
+from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -19,7 +20,7 @@ from stepbot.draft.evidence.subassemblies import Structure
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
-from stepbot.draft.parts.parts import box_gap, largest, least_gap
+from stepbot.draft.parts.parts import largest, least_gap
 from stepbot.robot.model import JointKind
 
 _TINY = 2e-3
@@ -120,14 +121,18 @@ def _bare_outputs(made: Decision) -> None:
         if not h.drives or volume > survey.parts[h.a].volume:
             continue
         box, faces = survey.box_of(own), np.concatenate([survey.scene.face_boxes(i) for i in own])
+        near: dict[int, list[int]] = defaultdict(list)
+        for i, gap in survey.box_gaps(box).items():
+            if gap < _BESIDE and i in clusters:
+                near[clusters.find(i)].append(i)
         best: tuple[float, float, int] | None = None
-        for root, members in clusters.groups().items():
-            if tied.find(root) == tied.find(clusters.find(h.b)) or survey.total_volume(members) <= volume:
+        for root, some in near.items():
+            theirs = survey.total_volume(clusters.members(root))
+            if tied.find(root) == tied.find(clusters.find(h.b)) or theirs <= volume:
                 continue
-            near = [i for i in members if survey.parts[i].size and box_gap(box, survey.parts[i].box) < _BESIDE]
-            gap = min((least_gap(faces, survey.scene.face_boxes(i)) for i in near), default=_BESIDE)
+            gap = min(least_gap(faces, survey.scene.face_boxes(i)) for i in some)
             if gap < _BESIDE:
-                mine = round(gap, 4), -survey.total_volume(members), root
+                mine = round(gap, 4), -theirs, root
                 best = mine if best is None else min(best, mine)
         if best is not None:
             members = clusters.members(best[-1])
@@ -142,11 +147,12 @@ def _nearest_apart(made: Decision, own: Sequence[int], reach: float) -> int | No
     survey, clusters = made.survey, made.clusters
     box, faces = survey.box_of(own), np.concatenate([survey.scene.face_boxes(i) for i in own])
     ranked = []
-    for i, part in survey.parts.items():
-        if i not in clusters or not part.size or clusters.find(i) == clusters.find(own[0]):
+    for i, gap in survey.box_gaps(box).items():
+        if gap >= reach or i not in clusters or clusters.find(i) == clusters.find(own[0]):
             continue
-        if not clusters.are_apart(i, own[0]) and box_gap(box, part.box) < reach:
-            ranked.append((round(least_gap(faces, survey.scene.face_boxes(i)), 5), -part.volume, i))
+        if not clusters.are_apart(i, own[0]):
+            volume = survey.parts[i].volume
+            ranked.append((round(least_gap(faces, survey.scene.face_boxes(i)), 5), -volume, i))
     gap, _, best = min(ranked, default=(reach, 0.0, -1))
     return best if gap < reach else None
 
@@ -218,17 +224,16 @@ def nearest(survey: Survey, members: Sequence[int], others: Collection[int] = ()
     """
     box, inside = survey.box_of(members), {*members, *others}
     home = survey.scene.component(members[0]).parent
-    ranked = []
-    for i, part in survey.parts.items():
-        if i not in inside and i not in survey.small and part.size:
-            elsewhere = not (survey.sources.tree and survey.scene.component(i).parent == home)
-            ranked.append((box_gap(box, part.box), elsewhere, -part.volume, i))
     faces = np.concatenate([survey.scene.face_boxes(i) for i in members if survey.parts[i].size] or [box[None]])
     best: tuple[float, bool, float, int] | None = None
-    for gap, elsewhere, volume, i in sorted(ranked):
+    for i, gap in sorted(survey.box_gaps(box).items(), key=lambda item: item[1]):
         if best is not None and round(gap, 3) > best[0]:
             break
-        mine = round(least_gap(faces, survey.scene.face_boxes(i)), 3), elsewhere, volume, i
+        if i in inside or i in survey.small:
+            continue
+        elsewhere = not (survey.sources.tree and survey.scene.component(i).parent == home)
+        gap = round(least_gap(faces, survey.scene.face_boxes(i)), 3)
+        mine = gap, elsewhere, -survey.parts[i].volume, i
         best = mine if best is None else min(best, mine)
     return best[-1] if best is not None else None
 

@@ -70,6 +70,7 @@ class Mechanism:
         self._clusters = made.clusters
         self.joints: list[Joint] = []
         self.offered: list[JointEvidence] = []
+        self._volumes: dict[tuple[int, int], float] = {}
         self._gather()
         self._drop_repeated()
         while self._drop_spinner():
@@ -108,8 +109,11 @@ class Mechanism:
                 continue
             tied = next((tied for axis, tied in lines if axis.same(j.axis, _SAME_AXIS)), None)
             if tied is None:
-                tied = Clusters(self._clusters.groups())
+                tied = Clusters(())
                 lines.append((j.axis, tied))
+            for one in {j.a, j.b}:
+                if one not in tied:
+                    tied.add(one)
             if tied.find(j.a) == tied.find(j.b):
                 j.evidence.verdict = Verdict.REPEATED
             else:
@@ -127,16 +131,16 @@ class Mechanism:
     def _drop_spinner(self) -> bool:
         """Unite one body that only spins about its own axis with its support; False if there is none."""
         of = self._of()
-        members = {root: self._clusters.members(root) for root in of}
-        for root in sorted(of, key=lambda r: (self._survey.total_volume(members[r]), r)):
+        for root in sorted(of, key=lambda r: (self._volume(r), r)):
             joints = of[root]
-            if any(j.evidence.drives or j.evidence.priority for j in joints) or not self._spins(
-                members[root], joints[0].axis
-            ):
+            if any(j.evidence.drives or j.evidence.priority for j in joints):
+                continue
+            members = self._clusters.members(root)
+            if not self._spins(members, joints[0].axis):
                 continue
             if len(joints) >= 2 and len(of) > 2 and all(j.axis.same(joints[0].axis) for j in joints):
                 victim = min(joints, key=self._hold)
-            elif len(joints) == 1 and self._is_pin(members[root], joints[0]):
+            elif len(joints) == 1 and self._is_pin(members, joints[0]):
                 if joints[0].evidence.type not in (JointKind.REVOLUTE, JointKind.UNIVERSAL):
                     continue
                 victim = joints[0]
@@ -145,6 +149,14 @@ class Mechanism:
             if self._unite(victim, root, victim.other(root)):
                 return True
         return False
+
+    def _volume(self, root: int) -> float:
+        """Volume [m^3] of a cluster, which only grows."""
+        members = self._clusters.members(root)
+        key = root, len(members)
+        if key not in self._volumes:
+            self._volumes[key] = self._survey.total_volume(members)
+        return self._volumes[key]
 
     def _unite(self, gone: Joint, one: int, two: int) -> bool:
         """Unite two clusters instead of joining them."""
