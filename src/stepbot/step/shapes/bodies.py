@@ -35,7 +35,7 @@ from .self_intersection import share_within
 from .sewing import sewn
 from .splitting import split
 from .stitching import Stitched, merged_by_position
-from .tessellation import RETRY_SECONDS, Fineness, Tessellation, diagonal, fineness, fitted, plainly_tessellated
+from .tessellation import Fineness, Tessellation, diagonal, fineness, fitted, plainly_tessellated
 from .triangles import faceted_faces
 
 _ROUNDING = 1e-12
@@ -217,7 +217,7 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
     if result.missing:
         faces = f"{len(result.missing)} of its faces" if len(result.missing) > 1 else "one of its faces"
         _estimate(work, result, is_closed=False)
-        return work.say("SB601", f"{faces} could not be meshed{_hurried(result)}")
+        return work.say("SB601", f"{faces} could not be meshed{_untried(result)}")
     if work.kind != BodyKind.SOLID:
         return "encloses no volume: surface without a solid"
     if result.mesh.open_edges:
@@ -227,7 +227,7 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
         )
     if not watertight:
         _estimate(work, result, is_closed=False)
-        return work.say("SB604", f"mesh is not manifold{_hurried(result)}")
+        return work.say("SB604", f"mesh is not manifold{_untried(result)}")
     if work.exact is None:  # the kernel integrates over some faces to nothing, or to no number
         work.exact = by_mesh(result.mesh)
     if work.exact is None or _is_nothing(work.exact, result.mesh):
@@ -260,9 +260,9 @@ def _estimate(work: _Work, result: Tessellation, *, is_closed: bool) -> str:
     return work.say("SB605", f"mass properties do not converge: {volumes or 'nothing to compare with'}")
 
 
-def _hurried(result: Tessellation) -> str:
+def _untried(result: Tessellation) -> str:
     """For messages, whether all ways were tried."""
-    return f"; tries ended at {RETRY_SECONDS:g} s of processor time" if result.is_hurried else ""
+    return result.untried and f"; {result.untried}"
 
 
 def _is_nothing(exact: VolumeProperties, mesh: Stitched) -> bool:

@@ -1,7 +1,7 @@
 """Meshes bodies with the kernel's mesher, to a tolerance relative to each.
 
 If the mesher leaves holes it is run again: after straightening curves of faces (:mod:`.straightening`), then with its
-other algorithm and finer, until a limit of processor time; the best mesh is kept.
+other algorithm and finer, up to a limit of processor time and of faces; the best mesh is kept.
 """
 
 import math
@@ -66,8 +66,8 @@ class Tessellation:
     """The tolerance that was used in the end."""
     missing: list[int] = field(default_factory=list)
     """Indices of faces without triangles."""
-    is_hurried: bool = False
-    """Whether ways to complete it were left untried at the time limit."""
+    untried: str = ""
+    """Why further ways to complete it were left untried, for messages; empty if all were tried."""
 
     @property
     def volume_tolerance(self) -> float:
@@ -106,15 +106,19 @@ def tessellated(shape: Any, wanted: Fineness) -> Tessellation:
     best = _meshed(shape, faces, wanted, _DELABELLA)
     if best.is_complete:
         return best
-    start = time.process_time()
+    start, last = time.process_time(), best
     for algorithm, factor in _ways(faces):
+        fine = wanted.scaled(factor)
         if time.process_time() - start > RETRY_SECONDS:
-            return replace(best, is_hurried=True)
-        other = _meshed(shape, faces, wanted.scaled(factor), algorithm)
-        if other.is_complete:
-            return other
-        if len(other.missing) < len(best.missing):
-            best = other
+            return replace(best, untried=f"tries ended at {RETRY_SECONDS:g} s of processor time")
+        # A finer mesh has more faces in proportion at least, and one of too many faces would be made coarser again.
+        if fine.angle * MAX_FACES < last.fineness.angle * len(last.mesh.faces) and factor < 1.0:
+            return replace(best, untried=f"a finer mesh would have more than {MAX_FACES} faces")
+        last = _meshed(shape, faces, fine, algorithm)
+        if last.is_complete:
+            return last
+        if len(last.missing) < len(best.missing):
+            best = last
     return best
 
 

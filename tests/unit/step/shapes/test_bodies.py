@@ -363,6 +363,26 @@ def test_tries_to_mesh_end_at_a_limit(
     assert ("2 of its faces" in message) is (seconds < 0.0)
 
 
+def test_no_try_to_mesh_has_more_faces_than_a_written_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A finer mesh than is ever written is not made, and the result says so."""
+    mesh, made = tessellation._meshed, list[tessellation.Fineness]()
+
+    def lacking(shape: Any, faces: Any, wanted: tessellation.Fineness, algorithm: Any) -> tessellation.Tessellation:
+        made.append(wanted)
+        return replace(mesh(shape, faces, wanted, algorithm), missing=[0])
+
+    monkeypatch.setattr(tessellation, "_meshed", lacking)
+    wanted = tessellation.Fineness(1.0, 0.3)
+    every = tessellation.tessellated(solids.sphere(10).shape, wanted)
+    assert (len(made), min(one.angle for one in made), every.untried) == (4, 0.25 * wanted.angle, "")
+    made.clear()
+    monkeypatch.setattr(tessellation, "MAX_FACES", len(every.mesh.faces) + 1)
+    few = tessellation.tessellated(solids.sphere(10).shape, wanted)
+    assert {one.angle for one in made} == {wanted.angle}
+    assert "would have more than" in few.untried
+    assert len(few.mesh.faces) == len(every.mesh.faces)
+
+
 @pytest.mark.parametrize("upper", [0.0, 4.0])
 def test_a_straightened_edge_keeps_its_range(upper: float) -> None:
     """Also that of the apex of a cone, which has no curve in space; the mesher never ends on an infinite one."""
