@@ -16,7 +16,7 @@ RIG = """<sdf version="1.11"><model name="rig">
   <link name="base">
     <inertial><mass>2</mass><inertia><ixx>0.02</ixx><iyy>0.02</iyy><izz>0.02</izz></inertia></inertial>
     <collision name="c"><geometry><box><size>0.3 0.3 0.3</size></box></geometry>
-      <surface><friction/></surface></collision>
+      <surface><contact/></surface></collision>
   </link>
   <frame name="flange" attached_to="base"><pose>0 0 0.1 0 0 0.5</pose></frame>
   <model name="hand">

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from stepbot.geometry.solids.collision_sets import CLOSE, FEW, MAX_HULLS, MAX_VERTICES
+from stepbot.sidecar.contact import Contact
 from stepbot.sidecar.document import CollisionSettings, CollisionShape, Derived, Document, MergedCollision
 
 DECOMPOSED = (CollisionShape.AUTO, CollisionShape.DECOMPOSE)
@@ -49,6 +50,13 @@ def link_rule(link: str, document: Document) -> CollisionRule | None:
     if isinstance(given, MergedCollision):
         return rule_of(given.merge, document)
     return rule_of(given or document.defaults.collision or CollisionShape.HULL, document)
+
+
+def part_rule(own: Derived | None, contact: Contact | None, link: str, document: Document) -> CollisionRule | None:
+    """The rule of a component that has shapes apart from its link's: by a rule or contact properties of its own."""
+    if own is not None:
+        return rule_of(own, document)
+    return link_rule(link, document) if contact is not None else None
 
 
 def is_merged(link: str, document: Document) -> bool:

@@ -20,6 +20,8 @@ from stepbot.geometry.spatial import IDENTITY, Array, Pose, tidy
 from stepbot.robot.kinematics import neighbours
 from stepbot.robot.mesh_names import ascii_name
 from stepbot.robot.model import Box, Capsule, Collision, Cylinder, Geometry, MeshRef, Robot, Sphere
+from stepbot.robot.surfaces import Surface
+from stepbot.sidecar.contact import surface_of
 from stepbot.sidecar.document import BoxShape, CapsuleShape, CollisionShape, CylinderShape, Shape
 from stepbot.sidecar.located import Sidecar
 from stepbot.step.features.axes import axis_faces, lines
@@ -27,7 +29,7 @@ from stepbot.step.structure.paths import quoted
 
 from .assets import MeshAssets
 from .binder import Binder, listed
-from .collision_rules import CollisionRule, given_budgets, is_merged, link_rule, rule_of
+from .collision_rules import CollisionRule, given_budgets, is_merged, link_rule, part_rule
 from .fitted_collisions import FittedCollisions, joined_part, joined_parts
 from .material_assignment import MaterialAssignment
 
@@ -53,27 +55,37 @@ class Collisions:
         self._fits: dict[tuple[int, CollisionRule], _Placed | None] = {}
         self._flat: list[str] = []
         self._coarse: list[str] = []
+        self._untouched: dict[str, None] = {}
+        """Links that list their shapes, with parts that have contact properties."""
 
     def of(self, link: str, parts: Sequence[Placed]) -> tuple[Collision, ...]:
         """Collision geometry of a link: by component in file order, then the shapes of the link as a whole."""
         document = self._binder.document
         given, common = document.links[link].collision, link_rule(link, document)
-        placed: list[_Placed] = []
+        contact = document.links[link].contact or document.defaults.contact
+        placed: list[tuple[_Placed, Surface]] = []
         whole: list[Placed] = []
         for part in parts:
-            own = part.material.collision
-            if own is not None:
-                placed += self._component(part, rule_of(own, document))
-            elif common is None or common.is_decomposed or is_merged(link, document):
+            own, touch = part.material.collision, part.material.contact
+            rule = part_rule(own, touch, link, document)
+            if rule is None and touch is not None:
+                self._untouched[link] = None
+            if rule is None and common is not None and not (common.is_decomposed or is_merged(link, document)):
+                rule = common
+            if rule is None:
                 whole.append(part)
             else:
-                placed += self._component(part, common)
+                placed += ((shape, surface_of(touch, contact)) for shape in self._component(part, rule))
         if isinstance(given, tuple):
-            placed += ((geometry, tidy(X_LG)) for geometry, X_LG in map(_given, given))
+            for shape in given:
+                geometry, X_LG = _given(shape)
+                placed.append(((geometry, tidy(X_LG)), surface_of(shape.contact, contact)))
         elif common is not None and whole:
-            placed += self._joined(link, whole, common) if common.is_decomposed else self._merged(link, whole, common)
+            made = self._joined(link, whole, common) if common.is_decomposed else self._merged(link, whole, common)
+            placed += ((shape, surface_of(contact)) for shape in made)
         return tuple(
-            Collision(f"{link}_collision_{i}", geometry, X_LG) for i, (geometry, X_LG) in enumerate(placed, start=1)
+            Collision(f"{link}_collision_{i}", geometry, X_LG, surface)
+            for i, ((geometry, X_LG), surface) in enumerate(placed, start=1)
         )
 
     def report_flat(self) -> None:
@@ -89,7 +101,7 @@ class Collisions:
             )
 
     def report_budgets(self) -> None:
-        """Report budgets without effect (SB608), and links whose pieces are coarse because of them (SB609)."""
+        """Report settings without effect (SB608), and links whose pieces are coarse because of budgets (SB609)."""
         for place, rule in given_budgets(self._binder.document):
             if useless := rule.useless_budgets:
                 what = " and ".join(f"`{name}`" for name in useless)
@@ -97,6 +109,9 @@ class Collisions:
                 message = f"{what} {have} no effect on `{rule.shape.value}`"
                 help = ("remove it, or set `shape: auto`",)
                 self._binder.report("SB608", (*place, "collision"), message, help=help)
+        for link in self._untouched:
+            message = f"link '{link}' lists its shapes: `contact` of its parts has no effect"
+            self._binder.report("SB608", ("links", link, "collision"), message, help=("give the shapes a `contact`",))
         if self._coarse:
             count = f"{len(self._coarse)} links" if len(self._coarse) > 1 else "one link"
             self._binder.found.add(

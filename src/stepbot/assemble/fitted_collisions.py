@@ -27,7 +27,7 @@ from stepbot.step.assembly import Assembly, AxisFace, Component
 
 from .binder import Binder
 from .claims import Claims
-from .collision_rules import CollisionRule, link_rule, rule_of
+from .collision_rules import CollisionRule, link_rule, part_rule
 from .material_assignment import MaterialAssignment
 
 _SHAFTS = 24
@@ -140,11 +140,10 @@ def _all_joined(binder: Binder, claims: Claims, of: Sequence[MaterialAssignment]
     for link in document.links:
         whole = []
         for index in claims.parts_of(link):
-            own = of[index].collision
-            if own is None:
+            rule = part_rule(of[index].collision, of[index].contact, link, document)
+            if rule is None:
                 whole.append(index)
                 continue
-            rule = rule_of(own, document)
             if rule.is_decomposed and (one := joined_part(assembly, index, rule)) is not None:
                 found.setdefault(one, _Others())
         common = link_rule(link, document)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepbot.robot.model import Rgba
+from stepbot.sidecar.contact import Contact
 from stepbot.sidecar.document import Derived, Document, MaterialSection, PartRule, StepDensity
 from stepbot.sidecar.subjects import subject
 from stepbot.sidecar.tree import Keys
@@ -89,6 +90,8 @@ class MaterialAssignment:
     """Whether it has a visual; None if no rule sets it."""
     collision: Derived | None = None
     """How its collision geometry is made; None if no rule sets it."""
+    contact: Contact | None = None
+    """Its contact properties; None if no rule sets them."""
 
 
 @dataclass(frozen=True)
@@ -202,6 +205,7 @@ _SETS: dict[str, Callable[[PartRule, Document], bool]] = {
     "color": lambda rule, document: _rule_color(rule, document) is not None,
     "visual": lambda rule, document: rule.visual is not None,
     "collision": lambda rule, document: rule.collision is not None,
+    "contact": lambda rule, document: rule.contact is not None,
 }
 
 
@@ -215,6 +219,7 @@ def _assignment(component: Component, rules: dict[str, tuple[str, PartRule]], do
         color=_rule_color(rules["color"][1], document) if "color" in rules else None,
         visual=rules["visual"][1].visual if "visual" in rules else None,
         collision=rules["collision"][1].collision if "collision" in rules else None,
+        contact=rules["contact"][1].contact if "contact" in rules else None,
     )
 
 

@@ -38,7 +38,9 @@ class Shapes:
         """The collisions of a link."""
         name = self._namer(link, 1)
         return tuple(
-            Collision(name(shape), self._geometry(shape), shape.X_LG) for shape in self._solid if shape.link == link
+            Collision(name(shape), self._geometry(shape), shape.X_LG, shape.surface)
+            for shape in self._solid
+            if shape.link == link
         )
 
     def _namer(self, link: str, kind: int) -> Callable[[DescribedShape], str]:

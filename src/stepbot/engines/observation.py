@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from stepbot.geometry.spatial import ZERO3, Matrix3, Pose, Vector3, vector3
 from stepbot.robot.dynamics import Rates
 from stepbot.robot.model import JointDynamics, JointKind, Limit, LoopClosure, Mimic
+from stepbot.robot.surfaces import Surface
 
 
 class Quantity(StrEnum):
@@ -70,6 +71,8 @@ class ObservedShape:
     """The same along the axes of :data:`OBLIQUE`: a shape that is turned or mirrored may fill the same upright box."""
     group: int | None = None
     """The group that viewers show and hide together: by convention, 2 is visual and 3 is collision."""
+    surface: Surface | None = None
+    """Contact properties of a collision; those that the engine does not report are None."""
     rgba_is_default: bool = False
     """Whether the engine reports its `rgba` for a shape without one, too."""
 

@@ -141,7 +141,7 @@ class Reference:
                 for shape, box in zip(link.visuals, seen, strict=True)
             ),
             collisions=tuple(
-                ObservedShape(shape.name, bounds=box, oblique=self._box(robot, shape, OBLIQUE), group=3)
+                ObservedShape(shape.name, None, None, box, self._box(robot, shape, OBLIQUE), 3, surface=shape.surface)
                 for shape, box in zip(link.collisions, touched, strict=True)
             ),
         )

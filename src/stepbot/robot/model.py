@@ -29,6 +29,7 @@ from .metadata import NO_METADATA, Metadata
 from .motors import Motor
 from .self_collision import SelfCollision
 from .sensors import Sensor
+from .surfaces import PLAIN, Surface
 from .tuning import DEFAULTS, Simulation, Tuning
 
 
@@ -117,6 +118,7 @@ class Collision:
     geometry: Geometry
     X_LG: Pose = IDENTITY
     """Pose of the geometry in the link."""
+    surface: Surface = PLAIN
 
 
 def _by_geometry(shapes: "Sequence[Visual | Collision]") -> Mapping[Geometry, Poses]:

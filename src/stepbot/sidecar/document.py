@@ -13,12 +13,13 @@ from pydantic import Field, StrictBool, field_validator
 from stepbot.geometry.principal_axes import Direction
 from stepbot.robot.model import Base, JointKind, MeshFormat
 
+from .contact import Contact
 from .devices import ActuatorSection, FrameSection, SensorSection
 from .expected import ExpectSection
 from .ignored import IgnoredFinding, IgnoredFindings
 from .metadata import Line, MetadataSection, UrdfSection
 from .modules import ModuleSection
-from .motion import DynamicsSection, JointLimits, LimitsSection
+from .motion import DynamicsSection, JointLimits, LimitsSection, MimicSection
 from .motor_sections import Motors
 from .origins import AutoOrigin, AxisOrigin, CenterOrigin, ComponentOrigin, ExplicitOrigin, MateOrigin, Offset, Origin
 from .quantities import (
@@ -33,7 +34,6 @@ from .quantities import (
     JointValue,
     LengthVector,
     Mass,
-    Multiplier,
     Pitch,
     RelativeOrLength,
 )
@@ -89,6 +89,8 @@ class Defaults(Section):
     """Colour of components without a colour in the STEP."""
     collision: Derived | None = None
     """Collision geometry of links without their own: a type, or `{shape, max_hulls, max_vertices}`; by default hull."""
+    contact: Contact | None = None
+    """Contact properties of links without their own: materials, or `{friction, restitution, ...}`."""
 
 
 class MeshSection(Section):
@@ -130,6 +132,8 @@ class PartRule(Section):
     """Whether the components have visual geometry."""
     collision: Derived | None = None
     """Type of collision geometry, or `{shape, max_hulls, max_vertices}`; overrides the link's."""
+    contact: Contact | None = None
+    """Contact properties, which give each component a shape of its own; override the link's."""
     ignore_findings: IgnoredFindings = ()
     """Codes of warnings and notes about these components to suppress."""
 
@@ -173,6 +177,8 @@ class LinkSection(Section):
     """Mass properties that override the computed ones."""
     collision: Collision | None = None
     """Collision geometry: a type, `{shape, max_hulls, max_vertices}`, `{merge: ...}` for one shape, or a list."""
+    contact: Contact | None = None
+    """Contact properties: materials such as `rubber-on-floor`, or `{friction, restitution, ...}`."""
     visual: StrictBool | None = None
     """Whether the link has visual geometry."""
     mesh: MeshSection | None = None
@@ -200,17 +206,6 @@ class RootSection(Section):
             return None
         up: Direction = self.up or "z"
         return up, self.forward or ("y" if up.endswith("x") else "x")
-
-
-class MimicSection(Section):
-    """q = multiplier * q of `joint` + offset."""
-
-    joint: Reference
-    """The joint to follow."""
-    multiplier: Multiplier = JointValue(1.0)
-    """Ratio of this joint's motion to the other's; with units where one turns and the other slides: `3 mm/rad`."""
-    offset: JointPosition = JointValue(0.0)
-    """Position [rad or m] of this joint when the other is at zero."""
 
 
 class JointSection(Section):

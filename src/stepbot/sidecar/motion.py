@@ -1,4 +1,4 @@
-"""Limits and passive forces of a joint."""
+"""Limits, passive forces and coupling of a joint."""
 
 from typing import Annotated, Any, Literal
 
@@ -15,8 +15,10 @@ from .quantities import (
     JointPosition,
     JointSpeed,
     JointStiffness,
+    JointValue,
+    Multiplier,
 )
-from .section import Section
+from .section import Reference, Section
 
 
 class LimitsSection(Section):
@@ -76,3 +78,14 @@ class DynamicsSection(Section):
     """Rest position [rad or m] of the spring."""
     armature: JointInertia | None = None
     """Inertia [kg m^2] or mass [kg] of the actuator, reflected to the joint."""
+
+
+class MimicSection(Section):
+    """q = multiplier * q of `joint` + offset."""
+
+    joint: Reference
+    """The joint to follow."""
+    multiplier: Multiplier = JointValue(1.0)
+    """Ratio of this joint's motion to the other's; with units where one turns and the other slides: `3 mm/rad`."""
+    offset: JointPosition = JointValue(0.0)
+    """Position [rad or m] of this joint when the other is at zero."""

@@ -106,7 +106,7 @@ def quantity(value: Any, *dimensions: Dimension) -> JointValue:
     return JointValue(number)
 
 
-def _finite(
+def finite(
     dimension: Dimension, *, low: float = -math.inf, above: float = -math.inf, high: float | None = None
 ) -> Parser:
     """Parser of a finite number of at least ``low``, more than ``above`` and a magnitude of at most ``high``."""
@@ -180,7 +180,7 @@ def _axis(value: Any) -> Vector3:
             near = did_you_mean(value, _AXES) if len(value) <= 2 else ()
             raise fault("SB123", f"invalid axis '{value}'", *near, "write x, y, z, -x, -y, -z or [x, y, z]")
         return _AXES[value]
-    numbers = [_finite(units.RATIO, high=math.inf)(v) for v in _three(value)]
+    numbers = [finite(units.RATIO, high=math.inf)(v) for v in _three(value)]
     try:
         x, y, z = unit(numbers).tolist()
     except ValueError:
@@ -201,7 +201,7 @@ def _color(value: Any) -> Rgba:
             raise fault("SB123", f"invalid colour '{value}'", _COLOR_HELP)
         channels = [int(digits[i : i + 2], 16) / 255 for i in range(0, len(digits), 2)]
     elif isinstance(value, Sequence) and len(value) in (3, 4):
-        channels = [_finite(units.RATIO, low=0.0, high=1.0)(v) for v in value]
+        channels = [finite(units.RATIO, low=0.0, high=1.0)(v) for v in value]
     else:
         raise fault("SB122", f"expected a colour, not {described(value)}", _COLOR_HELP)
     red, green, blue, alpha = [*channels, 1.0][:4]
@@ -219,8 +219,8 @@ def _code_page(value: Any) -> str:
 
 def _tolerance(value: Any) -> ToleranceValue:
     if isinstance(value, str) and value.strip().endswith("%"):
-        return ToleranceValue(_finite(units.RATIO, above=0.0, high=1.0)(value), 0.0)
-    return ToleranceValue(0.0, _finite(units.LENGTH, above=0.0)(value))
+        return ToleranceValue(finite(units.RATIO, above=0.0, high=1.0)(value), 0.0)
+    return ToleranceValue(0.0, finite(units.LENGTH, above=0.0)(value))
 
 
 def two(value: Any) -> Any:
@@ -248,60 +248,58 @@ def _distance(value: Any) -> float:
 
 Number = Annotated[
     float,
-    BeforeValidator(_finite(units.RATIO)),
+    BeforeValidator(finite(units.RATIO)),
     WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "pattern": units.QUANTITY_PATTERN}]}),
 ]
 Length = Annotated[
-    float, BeforeValidator(_finite(units.LENGTH, above=0.0)), quantity_schema(units.LENGTH, exclusiveMinimum=0)
+    float, BeforeValidator(finite(units.LENGTH, above=0.0)), quantity_schema(units.LENGTH, exclusiveMinimum=0)
 ]
 Angle = Annotated[
     float,
-    BeforeValidator(_finite(units.ANGLE, above=0.0, high=math.pi)),
+    BeforeValidator(finite(units.ANGLE, above=0.0, high=math.pi)),
     quantity_schema(units.ANGLE, exclusiveMinimum=0, maximum=math.pi),
 ]
 FieldOfView = Annotated[
     float,
-    BeforeValidator(_finite(units.ANGLE, low=0.0, high=math.tau)),
+    BeforeValidator(finite(units.ANGLE, low=0.0, high=math.tau)),
     quantity_schema(units.ANGLE, minimum=0, maximum=math.tau),
 ]
 Frequency = Annotated[
-    float, BeforeValidator(_finite(units.FREQUENCY, low=0.0)), quantity_schema(units.FREQUENCY, minimum=0)
+    float, BeforeValidator(finite(units.FREQUENCY, low=0.0)), quantity_schema(units.FREQUENCY, minimum=0)
 ]
 Bandwidth = Annotated[
-    float, BeforeValidator(_finite(units.FREQUENCY, above=0.0)), quantity_schema(units.FREQUENCY, exclusiveMinimum=0)
+    float, BeforeValidator(finite(units.FREQUENCY, above=0.0)), quantity_schema(units.FREQUENCY, exclusiveMinimum=0)
 ]
 DampingRatio = Annotated[
-    float, BeforeValidator(_finite(units.RATIO, above=0.0)), quantity_schema(units.RATIO, exclusiveMinimum=0)
+    float, BeforeValidator(finite(units.RATIO, above=0.0)), quantity_schema(units.RATIO, exclusiveMinimum=0)
 ]
 Timestep = Annotated[
     float,
-    BeforeValidator(_finite(units.TIME, above=0.0, high=LONGEST_TIMESTEP)),
+    BeforeValidator(finite(units.TIME, above=0.0, high=LONGEST_TIMESTEP)),
     quantity_schema(units.TIME, exclusiveMinimum=0, maximum=LONGEST_TIMESTEP),
 ]
 StepShare = Annotated[
     float,
-    BeforeValidator(_finite(units.RATIO, above=0.0, high=1.0)),
+    BeforeValidator(finite(units.RATIO, above=0.0, high=1.0)),
     quantity_schema(units.RATIO, exclusiveMinimum=0, maximum=1),
 ]
 _Distance = Annotated[float, BeforeValidator(_distance), quantity_schema(units.LENGTH, minimum=0)]
 DistanceRange = Annotated[tuple[_Distance, _Distance], BeforeValidator(two)]
-Mass = Annotated[
-    float, BeforeValidator(_finite(units.MASS, above=0.0)), quantity_schema(units.MASS, exclusiveMinimum=0)
-]
+Mass = Annotated[float, BeforeValidator(finite(units.MASS, above=0.0)), quantity_schema(units.MASS, exclusiveMinimum=0)]
 Density = Annotated[
-    float, BeforeValidator(_finite(units.DENSITY, above=0.0)), quantity_schema(units.DENSITY, exclusiveMinimum=0)
+    float, BeforeValidator(finite(units.DENSITY, above=0.0)), quantity_schema(units.DENSITY, exclusiveMinimum=0)
 ]
 DensityOrTodo = Annotated[
     float | Literal["todo"],
-    BeforeValidator(lambda value: value if value == "todo" else _finite(units.DENSITY, above=0.0)(value)),
+    BeforeValidator(lambda value: value if value == "todo" else finite(units.DENSITY, above=0.0)(value)),
     quantity_schema(units.DENSITY, word="todo", exclusiveMinimum=0),
 ]
-Inertia = Annotated[float, BeforeValidator(_finite(units.INERTIA)), quantity_schema(units.INERTIA)]
-Pitch = Annotated[float, BeforeValidator(_finite(units.PITCH)), quantity_schema(units.PITCH)]
+Inertia = Annotated[float, BeforeValidator(finite(units.INERTIA)), quantity_schema(units.INERTIA)]
+Pitch = Annotated[float, BeforeValidator(finite(units.PITCH)), quantity_schema(units.PITCH)]
 
-_Coordinate = Annotated[float, BeforeValidator(_finite(units.LENGTH))]
-_Extent = Annotated[float, BeforeValidator(_finite(units.LENGTH, above=0.0))]
-_Turn = Annotated[float, BeforeValidator(_finite(units.ANGLE))]
+_Coordinate = Annotated[float, BeforeValidator(finite(units.LENGTH))]
+_Extent = Annotated[float, BeforeValidator(finite(units.LENGTH, above=0.0))]
+_Turn = Annotated[float, BeforeValidator(finite(units.ANGLE))]
 LengthVector = Annotated[
     tuple[_Coordinate, _Coordinate, _Coordinate], BeforeValidator(_three), vector_schema(units.LENGTH)
 ]

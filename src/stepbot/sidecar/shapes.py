@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag
 
+from .contact import Contact
 from .origins import Offset
 from .quantities import Length, SizeVector
 from .section import Section
@@ -33,6 +34,8 @@ class BoxShape(Section):
     """Full edge lengths [m]."""
     origin: Offset = Offset()
     """Pose in the link's frame."""
+    contact: Contact | None = None
+    """Contact properties; override the link's."""
 
 
 class CylinderShape(Section):
@@ -46,6 +49,8 @@ class CylinderShape(Section):
     """Full length [m] along z."""
     origin: Offset = Offset()
     """Pose in the link's frame."""
+    contact: Contact | None = None
+    """Contact properties; override the link's."""
 
 
 class SphereShape(Section):
@@ -57,6 +62,8 @@ class SphereShape(Section):
     """Radius [m]."""
     origin: Offset = Offset()
     """Pose in the link's frame."""
+    contact: Contact | None = None
+    """Contact properties; override the link's."""
 
 
 class CapsuleShape(Section):
@@ -70,6 +77,8 @@ class CapsuleShape(Section):
     """Length [m] of the cylinder, without the half spheres."""
     origin: Offset = Offset()
     """Pose in the link's frame."""
+    contact: Contact | None = None
+    """Contact properties; override the link's."""
 
 
 def _shape_type(value: Any) -> str | None:

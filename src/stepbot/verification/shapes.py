@@ -6,10 +6,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from stepbot.engines.observation import Observation, ObservedLink, ObservedShape
+from stepbot.robot.surfaces import SURFACE_FIELDS, Surface
 
 from .deviation import Deviations
 from .links import link_pairs
-from .tolerances import COLOR
+from .tolerances import COLOR, SURFACE
 
 _RENAMED = re.compile(r"(_geom)+(_\d+)?$")
 """Suffixes of formats that require different names of visuals and collisions."""
@@ -94,8 +95,18 @@ def _compare_series(
             _compare_colors(deviations, f"colour of {which}", a.rgba, b.rgba)
         if a.ambient is not None and b.ambient is not None:
             _compare_colors(deviations, f"ambient colour of {which}", a.ambient, b.ambient)
+        if a.surface is not None and b.surface is not None:
+            _compare_surfaces(deviations, which, a.surface, b.surface)
         if a.group is not None and b.group is not None:
             deviations.equal(a.group == b.group, f"{which}: in group {b.group}, {a.group} expected")
+
+
+def _compare_surfaces(deviations: Deviations, which: str, ours: Surface, theirs: Surface) -> None:
+    """The contact properties that one side states and the other reports."""
+    for name in SURFACE_FIELDS:
+        expected, found = getattr(ours, name), getattr(theirs, name)
+        if expected is not None and found is not None:
+            deviations.off(abs(found - expected), f"{name} of {which}", "SI", expected, tolerance=SURFACE)
 
 
 def _compare_colors(deviations: Deviations, where: str, ours: tuple[float, ...], theirs: tuple[float, ...]) -> None:

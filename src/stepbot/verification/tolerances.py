@@ -45,6 +45,9 @@ TOLERANCES: Mapping[Quantity, Tolerance] = {
 COLOR = Tolerance(absolute=1e-6)
 """Engines store colours in single precision."""
 
+SURFACE = Tolerance(relative=1e-6)
+"""USD stores contact properties in single precision."""
+
 
 def tolerance(engines: Iterable[str], quantity: Quantity) -> Tolerance:
     """Tolerance between engines: the loosest of theirs, else the default of the quantity."""

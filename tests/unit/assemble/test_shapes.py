@@ -9,6 +9,8 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.solids.manifolds import convex_hull
 from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import Box, Capsule, Collision, Cylinder, MeshRef, Rgba, Robot, Sphere
+from stepbot.robot.surfaces import Surface
+from stepbot.sidecar.contact import MATERIALS, ContactMaterial
 from stepbot.step.assembly import BodyKind
 from tests.conftest import ReadDiagnostics
 from tests.unit.assemble.workshop import BOX_FACES, CORNERS, Workshop, at, build, built
@@ -271,3 +273,38 @@ def test_same_input_same_robot(tmp_path: Path) -> None:
     assert [(m.name, m.mesh.vertices.tobytes(), m.mesh.faces.tobytes()) for m in one.meshes] == [
         (m.name, m.mesh.vertices.tobytes(), m.mesh.faces.tobytes()) for m in two.meshes
     ]
+
+
+def test_contact_of_shape_part_link_and_defaults(tmp_path: Path) -> None:
+    """A shape's contact overrides a part's, which overrides the link's, which overrides that of the defaults."""
+    shop = Workshop()
+    shop.box("body")
+    shop.box("tyre", X_PC=at(0, 0, 50))
+    text = """
+    defaults: {density: 1000, contact: {friction: 0.1, restitution: 0.2}}
+    parts: {tyre: {contact: rubber-on-floor}}
+    links: {base: {rest: true, LINK}}
+    """
+    plain = built(shop, tmp_path, text.replace(", LINK", ""))
+    assert [one.surface for one in plain.root.collisions] == [Surface(0.1, restitution=0.2), Surface(0.7)]
+    own = "contact: {material: rubber-on-floor, friction: 0.3}, collision: auto"
+    whole = built(shop, tmp_path, text.replace("LINK", own))
+    assert [one.surface.friction for one in whole.root.collisions] == [0.7, 0.3]  # the tyre has shapes of its own
+    found, shapes = ReadDiagnostics(), "{type: sphere, radius: 1, contact: {rolling: 1 mm}}, {type: sphere, radius: 2}"
+    listed = build(shop, tmp_path, text.replace("LINK", f"collision: [{shapes}]"), found)
+    assert listed is not None
+    assert [one.surface for one in listed.root.collisions] == [
+        Surface(rolling=0.001),
+        Surface(0.1, restitution=0.2),
+    ]
+    (unused,) = (one for one in found if one.code == "SB608")
+    assert unused.message == "link 'base' lists its shapes: `contact` of its parts has no effect"
+
+
+def test_materials_have_sources_and_are_documented() -> None:
+    """Each pair of materials has a source and a coefficient, which the page on sidecars has."""
+    page = (Path(__file__).parents[3] / "docs" / "sidecar.md").read_text(encoding="utf-8")
+    for material in ContactMaterial:
+        sliding, source = MATERIALS[material]
+        assert source
+        assert f"`{material.value}` ({sliding:g})" in page

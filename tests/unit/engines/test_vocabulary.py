@@ -47,10 +47,10 @@ def test_what_is_not_listed_is_reported(text: str, expected: list[tuple[str, int
 def test_lines_are_those_of_the_first_occurrence() -> None:
     """A loss is reported where it first occurs, losses in the order of the document."""
     text = (
-        "<robot name='r'>\n<link name='a'>\n<contact/>\n</link>\n<sensor/>\n<link name='b'>\n<contact/></link></robot>"
+        "<robot name='r'>\n<link name='a'>\n<texture/>\n</link>\n<sensor/>\n<link name='b'>\n<texture/></link></robot>"
     )
-    effect = "contact friction and stiffness are those of the formats' defaults"
+    effect = "the visual has its plain colour"
     assert URDF.unread(etree.fromstring(text)) == (
-        Unread("<contact> in <link>", 2, 3, "", effect),
+        Unread("<texture> in <link>", 2, 3, "", effect),
         Unread("<sensor> in <robot>", 1, 5, "", ""),
     )

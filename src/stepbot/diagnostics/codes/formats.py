@@ -16,7 +16,8 @@ CODES: tuple[Code, ...] = (
         "instead of joint damping. If the loss does not matter, ignore this one feature: `--ignore SB760:armature`.",
         features="acceleration actuator-input armature ball-force ball-limit camera camera-extras closure concave-collision "
         "contact encoder-rate far-limit flat-collision force-torque imu joint-sensor lidar lidar-nearest mixed-mimic "
-        "off-joint open-view passive-limit second-actuator sensor-place sensor-rate sliding-closure spring stuck-closure",
+        "off-joint open-view passive-limit second-actuator sensor-place sensor-rate sliding-closure softness spin "
+        "spring stuck-closure",
     ),
     Code(
         "SB761",
@@ -28,7 +29,8 @@ CODES: tuple[Code, ...] = (
         "of use differ from those in other formats: three joints in place of a ball have a singularity at a pitch of ±90 deg.",
         "Use a format that has the feature (`stepbot docs mapping`), or model what the format has: single-axis joints, unique "
         "names, a loop whose joints have no `zero`, links with their masses.",
-        features="ball cylindrical floating frame-name joint-name loop-zero massless mimic planar screw universal",
+        features="ball cylindrical dead-bounce floating frame-name joint-name loop-zero massless mimic mixed-surface planar "
+        "screw universal",
     ),
     Code(
         "SB762",
@@ -52,9 +54,9 @@ CODES: tuple[Code, ...] = (
         "The robot is the same. Programs that read links, limits or gains find other values than in other formats; stepbot "
         "verifies extensions with its own parser, and counts these checks separately.",
         "No action is needed. To avoid placeholders, set the limits of the joint in the sidecar.",
-        features="actuator camera capsule concave-collision contact dae-visual excluded-contact follower force-torque frame "
+        features="actuator bounce camera capsule concave-collision contact dae-visual excluded-contact follower force-torque frame "
         "gear glb-visual imu joint-sensor lidar massless-body mimic mimic-chain open-effort open-position open-view optical "
-        "other-collision sensor-place sliding-closure spring unlimited-actuator velocity",
+        "other-collision sensor-place sliding-closure spin spring surface unlimited-actuator velocity",
     ),
     Code(
         "SB764",

@@ -68,11 +68,11 @@ CODES = (
     Code(
         "SB608",
         "warning",
-        "collision budget without effect",
-        "A `collision` sets `max_hulls` for shapes that are not convex pieces, or `max_vertices` for shapes that are no "
+        "collision setting without effect",
+        "Parts have a `contact`, and their link lists its collision shapes; or a `collision` sets `max_hulls` for shapes that are not convex pieces, or `max_vertices` for shapes that are no "
         "hulls.",
-        "The budget is ignored: the collision geometry may have more shapes or vertices than intended.",
-        "Set `shape: auto` or `shape: decompose`, or remove the budget.",
+        "The setting is ignored: the collision geometry may have more shapes or vertices, or another friction, than intended.",
+        "Set `shape: auto` or `shape: decompose`, or remove the budget. Give the listed shapes a `contact`.",
     ),
     Code(
         "SB609",

@@ -9,6 +9,7 @@ import numpy as np
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, Vector3
 from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
+from stepbot.robot.surfaces import PLAIN, Surface
 from stepbot.robot.tuning import DEFAULTS, Simulation
 
 from ..observation import Observation
@@ -31,6 +32,8 @@ class DescribedShape:
     """Colour; None if the file gives none."""
     collides: bool = False
     """Whether it is a collision; otherwise a visual."""
+    surface: Surface = PLAIN
+    """Contact properties of a collision."""
     mesh: str = ""
     """Its mesh, as named in the description; empty for a primitive."""
 

@@ -7,7 +7,10 @@ from stepbot.robot.mesh_names import SCOPE
 from .vocabulary import Unread, Vocabulary, each, paths
 
 _PLACE = "pos quat axisangle xyaxes zaxis euler"
-_GEOM = f"name class type size fromto mesh rgba material contype conaffinity group mass density shellinertia {_PLACE}"
+_GEOM = (
+    "name class type size fromto mesh rgba material contype conaffinity group mass density shellinertia "
+    f"friction condim priority solref {_PLACE}"
+)
 _JOINT = (
     "name class type pos axis springdamper stiffness springref range limited actuatorfrcrange actuatorfrclimited ref "
     "damping frictionloss armature"
@@ -77,15 +80,12 @@ MJCF = Vocabulary(
         "mujoco/option@cone": ("elliptic",),
         "mujoco/option@impratio": ("10",),
         "mujoco/default/geom@solimp": ("0.95 0.99 0.001",),
-        "mujoco/default/geom@solref": ("0.004 1",),
         "mujoco/default/equality@solimp": ("0.99 0.999 0.001",),
         "mujoco/default/equality@solref": ("0.002 0.5", "0.004 0.5"),
         "mujoco/default/site@group": ("4",),
     },
     effects={
         "gravity": "the written files have standard gravity",
-        "friction": _CONTACT,
-        "condim": _CONTACT,
         "solref": _CONTACT,
         "solimp": _CONTACT,
         "margin": _CONTACT,

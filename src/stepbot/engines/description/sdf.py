@@ -12,6 +12,7 @@ from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 from .. import engine_of
 from ..observation import EngineCannotRead, Observation, Quantity, Request
 from ..sdformat_reader.frames import Frames, number_at, numbers, read_pose, three_at
+from ..sdformat_reader.shapes import surface_of
 from ..sdformat_reader.tree import read_model, the_model
 from ..urdf_chains import xml_root
 from .description import DescribedShape, Description, Primitive
@@ -89,7 +90,7 @@ def _shapes(link: Element, files: MeshFiles) -> Iterator[DescribedShape]:
             name, X_LG, rgba = shape.get("name", ""), read_pose(shape), _color(shape)
             uri, collides = (shape.findtext("geometry/mesh/uri") or "").strip(), kind == "collision"
             for found, color in _parts(shape.find("geometry"), files, rgba, whole=collides or rgba is not None):
-                yield DescribedShape(link.get("name", ""), name, found, X_LG, color, collides, uri)
+                yield DescribedShape(link.get("name", ""), name, found, X_LG, color, collides, surface_of(shape), uri)
 
 
 def _parts(

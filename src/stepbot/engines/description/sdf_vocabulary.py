@@ -27,6 +27,10 @@ _LINK = {
     "pose": _POSE,
     **paths("inertial", _INERTIAL),
     **each(("visual", "collision"), {"": "name", "pose": _POSE, **_GEOMETRY}),
+    **dict.fromkeys(("collision/surface", "collision/surface/friction", "collision/surface/friction/ode"), ""),
+    "collision/surface/friction/ode/mu": "",
+    "collision/surface/bounce": "",
+    "collision/surface/bounce/restitution_coefficient": "",
     "visual/material": "",
     "visual/material/diffuse": "",
     **paths("sensor", SENSOR),
@@ -69,7 +73,6 @@ _PLUGINS = {
         for path, names in {"": "filename name", "/joint_name": ""}.items()
     },
 }
-_FRICTION = "contact friction and stiffness are those of the formats' defaults"
 
 MODEL = Vocabulary(
     read={
@@ -101,7 +104,8 @@ MODEL = Vocabulary(
         "gravity": "gravity acts on the link",
         "kinematic": "forces move the link",
         "self_collide": "which links collide is left to the formats' defaults",
-        "surface": _FRICTION,
+        **dict.fromkeys(("contact", "torsional", "bullet"), "contact properties are those of the formats' defaults"),
+        "mu2": "friction is the same in all directions",
         "script": "the visual has its plain colour",
         "texture": "the visual has its plain colour",
         "ambient": "the ambient colour is the diffuse one",
@@ -115,7 +119,7 @@ MODEL = Vocabulary(
     },
     nests=("model",),
     kinds={"model/plugin": "filename"},
-    twins={"model/link/visual/material/ambient": "diffuse"},
+    twins={"model/link/visual/material/ambient": "diffuse", "model/link/collision/surface/friction/ode/mu2": "mu"},
 )
 """A model."""
 

@@ -5,21 +5,23 @@ Springs, actuators and sensors are those of the blocks for Gazebo and ros2_contr
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from math import inf, nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import ZERO3, Pose
 from stepbot.robot.model import Box, Capsule, Cylinder, Limit, Rgba, Sphere
+from stepbot.robot.surfaces import PLAIN, Surface
 
 from .. import engine_of
-from ..observation import Observation, Request
+from ..observation import EngineRefused, Observation, Request
 from ..urdf_chains import xml_root
 from ..urdf_versions import EXTRA_LIMITS, extra_limits, newer_than_stated, with_rpy
 from .description import DescribedShape, Description, Primitive
 from .meshes import MeshFiles
 from .urdf_structure import check_structure, open_limits
-from .urdf_vocabulary import URDF
+from .urdf_vocabulary import BULLET, URDF
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -110,7 +112,35 @@ def _shapes(link: Element, files: MeshFiles, materials: Mapping[str, Element]) -
             else:
                 parts = _mesh(mesh, files, rgba, whole=collides or rgba is not None)
             for found, color in parts:
-                yield DescribedShape(_name(link), name, found, _origin(shape), color, collides, uri)
+                surface = _surface(link) if collides else PLAIN
+                yield DescribedShape(_name(link), name, found, _origin(shape), color, collides, surface, uri)
+
+
+def _surface(link: Element) -> Surface:
+    """PyBullet's contact properties of a link, and Gazebo's friction where these lack it.
+
+    Raises:
+        EngineRefused: One is not a number of at least 0.
+    """
+    values: dict[str, float] = {}
+    top = link.getparent()
+    for block in () if top is None else top.findall("gazebo"):
+        if block.get("reference") == link.get("name") and block.find("mu1") is not None:
+            values["friction"] = _not_negative("mu1", block.findtext("mu1"))
+    for tag, name in BULLET.items():
+        for one in link.findall(f"contact/{tag}"):
+            values[name] = _not_negative(tag, one.get("value"))
+    return Surface(**values)
+
+
+def _not_negative(tag: str, text: str | None) -> float:
+    try:
+        value = float(text or "")
+    except ValueError:
+        value = nan
+    if not 0.0 <= value < inf:
+        raise EngineRefused(f"<{tag}>: '{text or ''}' is not a number of at least 0")
+    return value
 
 
 def _mesh(

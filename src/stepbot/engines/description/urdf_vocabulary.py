@@ -3,6 +3,13 @@
 from .sensor_vocabulary import SENSOR
 from .vocabulary import Vocabulary, each, paths
 
+BULLET = {
+    "lateral_friction": "friction",
+    "rolling_friction": "rolling",
+    "spinning_friction": "torsional",
+    "restitution": "restitution",
+}
+"""PyBullet's elements of `<contact>`, and the contact properties of the model."""
 _ORIGIN = {"origin": "xyz rpy quat_xyzw"}
 _GEOMETRY = {
     "geometry": "",
@@ -39,6 +46,7 @@ _TRANSMISSION = {
 }
 _GAZEBO = {
     "": "reference",
+    "mu1": "",
     "springStiffness": "",
     "springReference": "",
     "preserveFixedJoint": "",  # the model keeps all fixed joints
@@ -52,6 +60,8 @@ _LINK = {
     "inertial/mass": "value",
     "inertial/inertia": "ixx ixy ixz iyy iyz izz",
     **paths("inertial", _ORIGIN),
+    "contact": "",
+    **paths("contact", dict.fromkeys(BULLET, "value")),
     "visual": "name",
     **paths("visual", {**_ORIGIN, **_GEOMETRY, **_MATERIAL}),
     "collision": "name",
@@ -93,16 +103,15 @@ URDF = Vocabulary(
         "robot/ros2_control/hardware/plugin": ("mock_components/GenericSystem",),
     },
     effects={
-        "contact": "contact friction and stiffness are those of the formats' defaults",
         "texture": "the visual has its plain colour",
         "safety_controller": "soft limits are not enforced",
         "turnGravityOff": "gravity acts on the link",
         "gravity": "gravity acts on the link",
         "selfCollide": "which links collide is left to the formats' defaults",
-        "mu1": "contact friction is that of the formats' defaults",
-        "mu2": "contact friction is that of the formats' defaults",
+        "mu2": "friction is the same in all directions",
         "plugin": "simulator plugins and hardware interfaces are set up anew",
         "drake:proximity_properties": "contact properties are those of the formats' defaults",
     },
     kinds={"robot/joint": "type"},
+    twins={"robot/gazebo/mu2": "mu1"},
 )

@@ -8,6 +8,7 @@ import numpy as np
 from stepbot.geometry.spatial import Pose, vector3
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
+from stepbot.robot.surfaces import Surface
 
 from ..observation import EngineCannotRead, ObservedShape
 from ..shape_bounds import vertices_of
@@ -34,14 +35,22 @@ def bounds_of(built: Built, geometry: Any) -> Bounds | None:
 
 
 def observed_shape(built: Built, geometry: Any, *, seen: bool) -> ObservedShape:
-    """Name and colours of a shape if it is a visual."""
+    """Name of a shape; colours of a visual, friction of a collision."""
     inspector = built.scene.model_inspector()
     name = inspector.GetName(geometry).removeprefix(f"{built.name}::")
     if not seen:
-        return ObservedShape(name)
+        return ObservedShape(name, surface=_surface(built, geometry))
     properties = inspector.GetIllustrationProperties(geometry)
     shaded = built.request.format.endswith("sdf")
     return ObservedShape(name, _color(properties, "diffuse"), _color(properties, "ambient") if shaded else None)
+
+
+def _surface(built: Built, geometry: Any) -> Surface | None:
+    """Friction of a collision; Drake reads that of SDFormat, and of URDF only its own."""
+    properties = built.scene.model_inspector().GetProximityProperties(geometry)
+    if not built.request.format.endswith("sdf") or not properties.HasProperty("material", "coulomb_friction"):
+        return None
+    return Surface(properties.GetProperty("material", "coulomb_friction").dynamic_friction())
 
 
 def _color(properties: Any, name: str) -> tuple[float, ...]:

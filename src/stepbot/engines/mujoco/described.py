@@ -18,11 +18,12 @@ from stepbot.runtime.file import is_file
 from ..description.description import DescribedShape, Description, Primitive
 from ..description.meshes import MeshFiles
 from ..description.mjcf_vocabulary import unread_of_mjcf
+from ..description.vocabulary import Unread
 from ..observation import EngineRefused, Observation, Request
 from ..urdf_chains import xml_root
 from .compiled import Compiled
 from .observer import observe_model
-from .shapes import collides, color_of, geoms, is_visual
+from .shapes import collides, color_of, geoms, is_visual, surface_of
 from .warnings import collected_warnings
 
 
@@ -64,7 +65,7 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         X_PC,
         shapes,
         tuple(sorted({*unread, *meshes.files.unread})),
-        tuple(lost for root, name in roots for lost in unread_of_mjcf(root, name)),
+        (*(lost for root, name in roots for lost in unread_of_mjcf(root, name)), *_direct(compiled)),
         (*(path.parent / name for _, name in roots if name), *meshes.files.files),
         X_WR=compiled.X_WB(compiled.data({}), first) if first else Pose(),
         free_roots=tuple(_free(compiled)),
@@ -131,6 +132,13 @@ def _unsupported(compiled: Compiled) -> Iterator[str]:
             yield f"equality constraint '{name}' of type '{kind.name.removeprefix('mjEQ_').lower()}' is not supported"
         elif kind == engine.mjtEq.mjEQ_JOINT and (model.eq_obj2id[e] < 0 or np.any(model.eq_data[e][2:5])):
             yield f"equality constraint '{name}' is not a linear relation of two joints"
+
+
+def _direct(compiled: Compiled) -> Iterator[Unread]:
+    """Geoms whose `solref` gives a stiffness and a damping, for which the model has no place."""
+    count = int(np.any(compiled.model.geom_solref < 0.0, axis=1).sum())
+    if count:
+        yield Unread("negative `solref` of <geom>", count, 0, effect="contacts are as stiff as the formats' defaults")
 
 
 def _simulation(roots: Iterable[Any]) -> Simulation:
@@ -218,7 +226,7 @@ def _shapes(compiled: Compiled, body: int, meshes: _MeshFiles) -> Iterator[Descr
         if is_visual(compiled, g, mjcf=True):
             yield shape
         if collides(compiled, g):
-            yield replace(shape, collides=True)
+            yield replace(shape, collides=True, surface=surface_of(compiled, g))
 
 
 def _primitive(compiled: Compiled, g: int) -> TriMesh | Primitive | None:

@@ -1,7 +1,7 @@
 """The shapes of a link as MuJoCo has read them: bounding boxes, names, colours."""
 
 from dataclasses import replace
-from math import inf
+from math import inf, isclose
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from stepbot.geometry.spatial import Pose, vector3
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
+from stepbot.robot.surfaces import Surface, restitution_of
 
 from ..observation import OBLIQUE, ObservedShape
 
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
 
 
 _DEFAULT_COLOR = [0.5, 0.5, 0.5, 1.0]
+_FRICTION, _CONDIM = (1.0, 0.005, 0.0001), 3
+"""MuJoCo's defaults: sliding, torsional [m] and rolling [m] friction, without the last two."""
+_TIMES = (0.02, 0.004)
+"""Time constants [s] of contacts: MuJoCo's, and that of all files of stepbot."""
 _SHOWN = 2
 """The last group of geoms that viewers show by default."""
 
@@ -36,6 +41,8 @@ def observed_shapes(compiled: "Compiled", body: int, *, touched: bool, mjcf: boo
         if mjcf:
             rgba = None if touched else color_of(compiled, g)
             shape = replace(shape, name=compiled.name("GEOM", g), rgba=rgba, group=int(model.geom_group[g]))
+        if mjcf and touched:
+            shape = replace(shape, surface=surface_of(compiled, g))
         shapes.append(shape)
     return tuple(shapes)
 
@@ -46,6 +53,22 @@ def color_of(compiled: "Compiled", g: int) -> tuple[float, float, float, float]:
     own, material = model.geom_rgba[g].tolist(), int(model.geom_matid[g])
     r, g_, b, a = own if material < 0 or own != _DEFAULT_COLOR else model.mat_rgba[material].tolist()
     return r, g_, b, a
+
+
+def surface_of(compiled: "Compiled", g: int) -> Surface:
+    """The contact properties of a geom that are not MuJoCo's own, nor stepbot's for all geoms."""
+    model, condim = compiled.model, int(compiled.model.geom_condim[g])
+    sliding, torsional, rolling = (float(value) for value in model.geom_friction[g])
+    stated = bool(model.geom_priority[g]) or condim != _CONDIM or (sliding, torsional, rolling) != _FRICTION
+    time, ratio = model.geom_solref[g].tolist()
+    softness = None if min(time, ratio) <= 0.0 else time * min(ratio, 1.0)
+    return Surface(
+        friction=(sliding if condim > 1 else 0.0) if stated else None,
+        torsional=torsional if condim >= 4 else None,
+        rolling=rolling if condim == 6 else None,
+        restitution=restitution_of(ratio) if 0.0 < ratio < 1.0 else None,
+        softness=None if softness is None or any(isclose(softness, one) for one in _TIMES) else softness,
+    )
 
 
 def geoms(compiled: "Compiled", body: int) -> range:

@@ -21,6 +21,7 @@ from stepbot.geometry.spatial import Pose, join_bounds, matrix3, turn_inertia, v
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
 from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.model import Box, Capsule, Cylinder, JointDynamics, Limit, Sphere
+from stepbot.robot.surfaces import Surface
 from stepbot.runtime.file import is_file
 
 from ..captured_output import printed
@@ -195,7 +196,9 @@ def _tree(body: Body, request: Request) -> Observation:
 
 
 def _link(body: Body, index: int, request: Request) -> ObservedLink:
-    mass, _, principal = body.engine.getDynamicsInfo(body.id, index)[:3]
+    mass, friction, principal, _, _, restitution, rolling, spinning, *_ = body.engine.getDynamicsInfo(body.id, index)
+    # loadSDF reads no contact properties.
+    surface = Surface(friction, spinning, rolling, restitution) if request.format == "urdf" else None
     X_LI = body.X_LI[index + 1]
     inertia = turn_inertia(X_LI.R, np.diag(principal)) if request.format == "urdf" else None
     visuals = [data for data in body.engine.getVisualShapeData(body.id) if data[1] == index]
@@ -211,7 +214,7 @@ def _link(body: Body, index: int, request: Request) -> ObservedLink:
         has_visuals=None if collisions else bool(visuals),
         has_collisions=bool(collisions),
         visuals=tuple(_displayed(shape[7]) for shape in visuals),
-        collisions=tuple(ObservedShape() for _ in collisions),
+        collisions=tuple(ObservedShape(surface=surface) for _ in collisions),
     )
 
 

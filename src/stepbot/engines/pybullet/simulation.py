@@ -8,6 +8,7 @@ each other, PyBullet's default, since URDF cannot exclude pairs.
 
 from collections.abc import Mapping
 from math import copysign, inf, isfinite
+from pathlib import Path
 from time import perf_counter
 
 import numpy as np
@@ -19,6 +20,7 @@ from stepbot.robot.pybullet_closures import add_constraints
 from ..captured_output import printed
 from ..observation import EngineRefused
 from ..simulation import DOWN, FRICTION, GRAVITY, HEIGHT, Mechanism, Motor, Setup
+from ..urdf_chains import xml_root
 from .body import Body, body_of, pose
 from .motion import release
 
@@ -90,7 +92,7 @@ class PybulletSimulation:
         self._floor = self._cube = self._fixed = -1
         self._lift = np.zeros(3)
         """Force (3,) [N] on the cube: against its weight, or to turn its weight into another direction."""
-        self._add_scene()
+        self._add_scene(file)
         self.reset(mechanism.home)
         self._join()
 
@@ -101,9 +103,13 @@ class PybulletSimulation:
         if fastest > _CLAMPED:
             self._engine.changeDynamics(self._body.id, -1, maxJointVelocity=fastest)
 
-    def _add_scene(self) -> None:
-        engine, setup = self._engine, self._setup
-        friction = FRICTION / float(engine.getDynamicsInfo(self._body.id, -1)[1] or 1.0)
+    def _add_scene(self, file: str) -> None:
+        engine, setup, friction = self._engine, self._setup, FRICTION
+        # Of two bodies PyBullet takes the product.
+        stated = {one.getparent().getparent().get("name") for one in xml_root(Path(file)).iter("lateral_friction")}
+        for index, link in enumerate(self._body.links, start=-1):
+            if link not in stated:
+                engine.changeDynamics(self._body.id, index, lateralFriction=FRICTION)
         if setup.floor:
             plane = engine.createCollisionShape(engine.GEOM_PLANE, planeNormal=[0, 0, 1])
             self._floor = engine.createMultiBody(0.0, plane)

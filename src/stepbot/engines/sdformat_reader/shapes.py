@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
+from stepbot.robot.surfaces import Surface
 
 from ..observation import OBLIQUE, ObservedShape
 from ..shape_bounds import mesh_file_bounds
@@ -31,8 +32,16 @@ def shapes_of(shapes: Iterable[Element], file: Path) -> tuple[tuple[ObservedShap
         oblique, _ = _bounds(geometry, OBLIQUE @ X_LG, file)
         missing += lost
         rgba, ambient = (_color(shape, name) if shape.tag == "visual" else None for name in ("diffuse", "ambient"))
-        seen.append(ObservedShape(shape.get("name", ""), rgba, ambient, bounds, oblique))
+        surface = surface_of(shape) if shape.tag == "collision" else None
+        seen.append(ObservedShape(shape.get("name", ""), rgba, ambient, bounds, oblique, surface=surface))
     return tuple(seen), missing
+
+
+def surface_of(shape: Element) -> Surface:
+    """Friction and restitution of a collision, if they are given."""
+    paths = {"friction": "surface/friction/ode/mu", "restitution": "surface/bounce/restitution_coefficient"}
+    given = {name: path for name, path in paths.items() if shape.find(path) is not None}
+    return Surface(**{name: number_at(shape, path, 0.0) for name, path in given.items()})
 
 
 def _color(shape: Element, name: str) -> tuple[float, ...]:

@@ -8,6 +8,7 @@ from stepbot.geometry.primitives import srgb_from_linear
 from stepbot.geometry.spatial import Array, bounds
 from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
+from stepbot.robot.surfaces import Surface
 
 from ..observation import ObservedShape
 from .stage import Body, Stage, name_of, rigid
@@ -30,10 +31,24 @@ def shapes(stage: Stage, body: Body) -> tuple[tuple[ObservedShape, ...], tuple[O
             continue
         name, bounds = name_of(_named(prim)), _bounds(stage, prim, body)
         if prim.HasAPI(UsdPhysics.CollisionAPI) and UsdPhysics.CollisionAPI(prim).GetCollisionEnabledAttr().Get():
-            collisions.append(ObservedShape(name, bounds=bounds))
+            collisions.append(ObservedShape(name, bounds=bounds, surface=_surface(prim)))
         if UsdGeom.Imageable(prim).ComputePurpose() != UsdGeom.Tokens.guide:
             visuals.append(ObservedShape(name, _color(prim), bounds=bounds))
     return tuple(visuals), tuple(collisions)
+
+
+def _surface(prim: Any) -> Surface:
+    """Friction and restitution of the material that physics uses, as far as they are given."""
+    from pxr import UsdPhysics, UsdShade
+
+    material, _ = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial("physics")
+    if not material or not material.GetPrim().HasAPI(UsdPhysics.MaterialAPI):
+        return Surface()
+    api = UsdPhysics.MaterialAPI(material.GetPrim())
+    friction, restitution = api.GetDynamicFrictionAttr(), api.GetRestitutionAttr()
+    given = (float(one.Get()) if one.HasAuthoredValue() else None for one in (friction, restitution))
+    sliding, bounce = given
+    return Surface(sliding, restitution=bounce)
 
 
 def _named(prim: Any) -> Any:

@@ -94,8 +94,14 @@ from .shapes import (
     drop_flat_collisions,
     excluded_pairs,
     flat_collisions,
+    is_dead,
     links_with_capsules,
+    mixed_surfaces,
+    one_surface,
     split_capsules,
+    surfaces_where,
+    without_dead_bounce,
+    without_surface,
 )
 from .stops import far_limits, passive_limits, without_far_limits, without_passive_limits
 
@@ -222,6 +228,21 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.OTHER_COLLISION: _Handling(collisions_as(MeshFormat.DAE, MeshFormat.GLB), with_obj_collisions),
     Feature.CAPSULE: _Handling(links_with_capsules, split_capsules),
     Feature.EXCLUDED_CONTACT: _Handling(excluded_pairs),
+    Feature.MIXED_SURFACE: _Handling(mixed_surfaces, one_surface),
+    Feature.SURFACE: _Handling(
+        surfaces_where(lambda one: one.friction is not None), leave_out=without_surface("friction")
+    ),
+    Feature.SPIN: _Handling(
+        surfaces_where(lambda one: one.torsional is not None or one.rolling is not None),
+        leave_out=without_surface("torsional", "rolling"),
+    ),
+    Feature.BOUNCE: _Handling(
+        surfaces_where(lambda one: one.restitution is not None), leave_out=without_surface("restitution")
+    ),
+    Feature.DEAD_BOUNCE: _Handling(surfaces_where(is_dead), without_dead_bounce),
+    Feature.SOFTNESS: _Handling(
+        surfaces_where(lambda one: one.softness is not None), leave_out=without_surface("softness")
+    ),
     Feature.FLAT_COLLISION: _Handling(flat_collisions, drop_flat_collisions),
     Feature.CONCAVE_COLLISION: _Handling(concave_collisions),
     Feature.MASSLESS: _Handling(massless_links, with_stand_in_masses),

@@ -1,6 +1,6 @@
 """Shapes that a format or its engine does not support."""
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import TypeVar
 
@@ -10,6 +10,7 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.predicates import is_convex, is_flat
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Capsule, Collision, Cylinder, Geometry, Link, MeshRef, Robot, Sphere, Visual
+from stepbot.robot.surfaces import DEAD, Surface
 
 DENT = 1e-4
 """Ratio of depth to extent below which a dent is ignored: hulls of tiny parts have some, from the vertex grid."""
@@ -29,8 +30,8 @@ def upright(shape: Visual | Collision) -> Pose:
 
 def look(shape: Visual | Collision) -> tuple[Hashable, ...]:
     """Equal for shapes of one kind that differ in name and position alone, or are both at the origin."""
-    rgba = shape.rgba if isinstance(shape, Visual) else None
-    return rgba, shape.geometry, shape.X_LG.rotation, any(shape.X_LG.position)
+    finish = shape.rgba if isinstance(shape, Visual) else shape.surface
+    return finish, shape.geometry, shape.X_LG.rotation, any(shape.X_LG.position)
 
 
 def links_with_capsules(robot: Robot) -> list[str]:
@@ -118,3 +119,49 @@ def excluded_pairs(robot: Robot) -> list[str]:
     pairs = found.pairs if found is not None else ()
     searched = [(pair.link_a, pair.link_b) for pair in pairs if found and pair.kind in found.exclude]
     return [f"'{a}' and '{b}'" for a, b in dict.fromkeys((*robot.excluded_contacts, *searched))]
+
+
+def surfaces_where(stated: Callable[[Surface], bool]) -> Callable[[Robot], list[str]]:
+    """Links with a collision whose contact properties meet a condition."""
+    return lambda robot: [
+        f"'{link.name}'" for link in robot.links if any(stated(shape.surface) for shape in link.collisions)
+    ]
+
+
+def without_surface(*names: str) -> Callable[[Robot], Robot]:
+    """The robot without some of the contact properties of its shapes."""
+    return lambda robot: _with_surfaces(robot, lambda _link, one: replace(one, **dict.fromkeys(names)))
+
+
+def without_dead_bounce(robot: Robot) -> Robot:
+    """The robot without restitutions below that of a critically damped contact."""
+    return _with_surfaces(robot, lambda _, one: replace(one, restitution=None) if is_dead(one) else one)
+
+
+def is_dead(surface: Surface) -> bool:
+    """Whether a restitution is given that is below that of a critically damped contact."""
+    return surface.restitution is not None and surface.restitution <= DEAD
+
+
+def mixed_surfaces(robot: Robot) -> list[str]:
+    """Links whose shapes have different contact properties."""
+    return [f"'{link.name}'" for link in robot.links if len({shape.surface for shape in link.collisions}) > 1]
+
+
+def one_surface(robot: Robot) -> Robot:
+    """The robot with the contact properties of the shape with most friction on all shapes of its link."""
+
+    def most(link: Link) -> Surface:
+        stated = [shape.surface for shape in link.collisions if shape.surface.is_stated]
+        return max(stated, key=lambda one: -1.0 if one.friction is None else one.friction)
+
+    mixed = {link.name: most(link) for link in robot.links if len({one.surface for one in link.collisions}) > 1}
+    return _with_surfaces(robot, lambda link, one: mixed.get(link.name, one))
+
+
+def _with_surfaces(robot: Robot, change: Callable[[Link, Surface], Surface]) -> Robot:
+    def of(link: Link) -> Link:
+        shapes = tuple(replace(shape, surface=change(link, shape.surface)) for shape in link.collisions)
+        return link if shapes == link.collisions else replace(link, collisions=shapes)
+
+    return replace(robot, links=tuple(of(link) for link in robot.links))

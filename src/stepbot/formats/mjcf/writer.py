@@ -12,7 +12,6 @@ import numpy as np
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.predicates import is_flat
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.kinematics import rigid_bodies, without_contacts
 from stepbot.robot.mesh_files import MeshFile, MeshFiles
 from stepbot.robot.mesh_names import SCOPE, free_name
 from stepbot.robot.model import (
@@ -35,10 +34,10 @@ from stepbot.robot.standing import standing_height
 from stepbot.robot.tuning import Integrator
 
 from ..companion import Companion
-from ..features import Feature, exact, lowered, refused, reported
+from ..features import Feature, altered, exact, lowered, refused, reported
 from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, Value, document, element, root
-from . import FORMAT, constraints, devices
+from . import FORMAT, constraints, contacts, devices
 from .devices import MARK, mjcf_pose
 from .scene import keyframe, scene
 
@@ -61,6 +60,12 @@ EXPRESSES = {
     Feature.COLOR: exact("`rgba`"),
     Feature.NEIGHBOURS: exact("`<exclude>` for links connected by a joint or closure"),
     Feature.EXCLUDED_CONTACT: exact("`<exclude>`"),
+    Feature.SURFACE: exact("`friction` with `priority`, so that the other shape's friction does not count"),
+    Feature.SPIN: exact("`friction`, `condim` 4 or 6"),
+    Feature.BOUNCE: exact("damping ratio of `solref`"),
+    Feature.DEAD_BOUNCE: altered("a contact is critically damped at least, with a restitution of 0.14"),
+    Feature.SOFTNESS: exact("time constant of `solref`; MuJoCo raises it to two time steps"),
+    Feature.MIXED_SURFACE: exact("attributes of each geom"),
     Feature.FIXED: exact("body without a joint"),
     Feature.REVOLUTE: exact("`hinge` with `range`"),
     Feature.CONTINUOUS: exact("`hinge`"),
@@ -128,13 +133,6 @@ _INTEGRATORS = {
     Integrator.EULER: "Euler",
     Integrator.RK4: "RK4",
 }
-_FRICTION: dict[str, Value] = {"cone": "elliptic", "impratio": 10.0}
-"""Friction ten times as stiff as the normal force: with MuJoCo's default of 1, a gripped cube slides out."""
-_CONTACT_TIME = 0.004
-"""Time constant [s] of contacts, at least two steps: with the default of 20 ms, fingers sink into what they grip."""
-_CONTACT = (0.95, 0.99, 0.001)
-"""`solimp` of contacts."""
-_WORLD = "world"
 _Z = (0.0, 0.0, 1.0)
 _HIDDEN = 4
 """Group of sites that viewers do not draw by default: 3 to 5."""
@@ -156,12 +154,12 @@ def render(robot: Robot) -> bytes:
     if robot.joints or robot.sensors:
         element(top, "compiler", angle="radian")
     settings = settings_of(robot)
-    friction = _FRICTION if any(link.collisions for link in robot.links) else {}
+    friction = contacts.FRICTION if any(link.collisions for link in robot.links) else {}
     element(top, "option", timestep=settings.timestep, integrator=_INTEGRATORS[settings.integrator], **friction)
     _defaults(top, robot)
     _assets(top, robot)
     _bodies(top, robot)
-    _contact(top, robot)
+    contacts.excludes(top, robot)
     constraints.equality(top, robot)
     devices.actuators(top, robot)
     devices.sensors(top, robot)
@@ -189,8 +187,7 @@ def _defaults(top: Element, robot: Robot) -> None:
     if any(link.visuals for link in robot.links):
         classes["visual"] = {"group": 2, "contype": 0, "conaffinity": 0}
     if any(link.collisions for link in robot.links):
-        stiff = {"solref": (max(_CONTACT_TIME, 2.0 * settings_of(robot).timestep), 1.0), "solimp": _CONTACT}
-        classes["collision"] = {"group": 3, **stiff}
+        classes["collision"] = {"group": 3, **contacts.stiffness(robot)}
     marked = bool(robot.closures) or any(sensor.kind in devices.AT_SITES for sensor in robot.sensors)
     default = element(top, "default") if classes or marked or constraints.is_constrained(robot) else top
     for name, settings in classes.items():
@@ -230,6 +227,7 @@ def _bodies(top: Element, robot: Robot) -> None:
     parents = {robot.root.name: element(top, "worldbody")}
     joint_of = {joint.child: joint for joint in robot.joints}
     names, meshes, steps, patterns = _GeomNames(), _Meshes(robot), steps_by_child(robot), Patterns()
+    step = settings_of(robot).timestep
     standing = Pose.of(position=(0.0, 0.0, standing_height(robot, {})))
     for link in robot.links:
         joint = joint_of.get(link.name)
@@ -238,13 +236,13 @@ def _bodies(top: Element, robot: Robot) -> None:
         parents[link.name] = body
         _inertial(body, link.mass_properties)
         if joint is not None:
-            for step in steps[link.name]:
-                _joint(body, step)
+            for part in steps[link.name]:
+                _joint(body, part)
         elif robot.base is Base.FLOATING:
             taken = set(robot.joint_by_name)
             element(body, "freejoint", name=free_name(f"{link.name}_floating", "_joint", taken))
         for shape in link.shapes:
-            _geom(body, shape, names.of(shape.name), meshes, patterns)
+            _geom(body, shape, names.of(shape.name), meshes, patterns, step)
         _sites(body, link, robot)
         devices.mounts(body, link, robot)
 
@@ -294,17 +292,21 @@ def _joint(body: Element, joint: Joint) -> None:
     element(body, "joint", name=joint.name, **({"type": kind} if kind else {}), **optional)
 
 
-def _geom(body: Element, shape: Visual | Collision, name: str, meshes: _Meshes, patterns: Patterns) -> None:
+def _geom(body: Element, shape: Visual | Collision, name: str, meshes: _Meshes, patterns: Patterns, dt: float) -> None:
     X = upright(shape)
 
     def make(parent: Element, name: str, position: str) -> Element:
-        class_, color = ("visual", {"rgba": shape.rgba}) if isinstance(shape, Visual) else ("collision", {})
+        class_, finish = "visual", dict[str, Value]()
+        if isinstance(shape, Visual):
+            finish = {"rgba": shape.rgba}
+        else:
+            class_, finish = "collision", contacts.surface(shape.surface, dt)
         kind, size = _geometry(shape, meshes)
         type_: dict[str, Value] = {"type": kind} if kind != "sphere" else {}
         place = mjcf_pose(X)
         if "pos" in place:
             place["pos"] = position
-        return element(parent, "geom", name=name, class_=class_, **type_, **size, **place, **color)
+        return element(parent, "geom", name=name, class_=class_, **type_, **size, **place, **finish)
 
     patterns.add(body, look(shape), make, name, X.position)
 
@@ -329,35 +331,6 @@ def _sites(body: Element, link: Link, robot: Robot) -> None:
         if frame.link == link.name:
             element(body, "site", name=frame.name, **mjcf_pose(frame.X_LF))
     constraints.closure_sites(body, link, robot)
-
-
-def _contact(top: Element, robot: Robot) -> None:
-    """Excludes for adjacent links, as MuJoCo's own filter covers neither bodies fixed to the world nor closures.
-
-    And for the links whose contacts are excluded because of how often they overlap.
-    """
-    close, weld = without_contacts(robot), _welds(robot)
-    left_out = {frozenset((weld[joint.parent], weld[joint.child])) for joint in robot.joints}
-    touching = [link.name for link in robot.links if link.collisions]
-    pairs = [
-        (a, b)
-        for i, a in enumerate(touching)
-        for b in touching[i + 1 :]
-        if frozenset((a, b)) in close
-        and weld[a] != weld[b]
-        and (_WORLD in (weld[a], weld[b]) or frozenset((weld[a], weld[b])) not in left_out)
-    ]
-    if pairs:
-        contact = element(top, "contact")
-        for a, b in pairs:
-            element(contact, "exclude", body1=a, body2=b)
-
-
-def _welds(robot: Robot) -> dict[str, str]:
-    """For each link, the topmost link that it is fixed to, or the world."""
-    root = robot.root.name
-    top = _WORLD if robot.base is Base.FIXED else root
-    return {link: top if body == root else body for link, body in rigid_bodies(root, robot.joints).items()}
 
 
 def _velocity_limits(top: Element, robot: Robot) -> None:

@@ -29,6 +29,7 @@ from stepbot.robot.model import (
     Visual,
 )
 from stepbot.robot.standing import standing_height
+from stepbot.robot.surfaces import Surface
 
 from ..companion import Companion
 from ..features import Feature, altered, deferred, exact, lowered, refused, reported
@@ -65,6 +66,12 @@ EXPRESSES = {
     Feature.COLOR: exact("`<ambient>`, `<diffuse>`, with the opacity as alpha"),
     Feature.NEIGHBOURS: exact("links of a model do not collide unless `<self_collide>` is set"),
     Feature.EXCLUDED_CONTACT: exact("links of a model do not collide unless `<self_collide>` is set"),
+    Feature.SURFACE: exact("`<mu>`, `<mu2>`; of two shapes Gazebo takes the smaller"),
+    Feature.SPIN: reported("torsional and rolling friction are omitted"),
+    Feature.BOUNCE: exact("`<restitution_coefficient>`"),
+    Feature.DEAD_BOUNCE: exact("as any restitution"),
+    Feature.SOFTNESS: reported("softness of contacts is omitted"),
+    Feature.MIXED_SURFACE: exact("a `<surface>` in each collision"),
     Feature.FIXED: exact("`fixed`"),
     Feature.REVOLUTE: exact("`revolute`"),
     Feature.CONTINUOUS: exact("`revolute` with limits of ±1e16; Gazebo's DART fixes a `continuous` joint"),
@@ -250,9 +257,24 @@ def _shape(parent: Element, shape: Visual | Collision, files: MeshFiles, pattern
             material = element(xml, "material")
             element(material, "ambient", shape.rgba)
             element(material, "diffuse", shape.rgba)
+        else:
+            _surface(xml, shape.surface)
         return xml
 
     patterns.add(parent, look(shape), make, shape.name, X.position)
+
+
+def _surface(collision: Element, given: Surface) -> None:
+    """Friction and restitution of a collision."""
+    if given.friction is None and given.restitution is None:
+        return
+    surface = element(collision, "surface")
+    if given.restitution is not None:
+        element(element(surface, "bounce"), "restitution_coefficient", given.restitution)
+    if given.friction is not None:
+        ode = element(element(surface, "friction"), "ode")
+        element(ode, "mu", given.friction)
+        element(ode, "mu2", given.friction)
 
 
 def _geometry(parent: Element, shape: Visual | Collision, files: MeshFiles) -> None:

@@ -29,7 +29,7 @@ from ..companion import Companion
 from ..features import Feature, altered, deferred, exact, lowered, refused, reported
 from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, document, element, root
-from .extensions import extensions
+from .extensions import contact, extensions
 from .srdf import srdf
 
 _SIMULATOR = "settings of the loading program"
@@ -57,6 +57,12 @@ EXPRESSES = {
     Feature.COLOR: exact("a `<material>` in each visual"),
     Feature.NEIGHBOURS: exact("readers disable it between parent and child"),
     Feature.EXCLUDED_CONTACT: lowered("excluded pairs of links are in `<robot>.srdf`"),
+    Feature.SURFACE: lowered("friction is in PyBullet's `<contact>` and `<gazebo>`"),
+    Feature.SPIN: lowered("torsional and rolling friction are in PyBullet's `<contact>`"),
+    Feature.BOUNCE: lowered("restitution is in PyBullet's `<contact>`"),
+    Feature.DEAD_BOUNCE: exact("as any restitution"),
+    Feature.SOFTNESS: reported("softness of contacts is omitted"),
+    Feature.MIXED_SURFACE: altered("a link has the contact properties of its shape with most friction"),
     Feature.FIXED: exact("`fixed`"),
     Feature.REVOLUTE: exact("`revolute`"),
     Feature.CONTINUOUS: exact("`continuous`"),
@@ -173,6 +179,7 @@ def _link(top: Element, link: Link, files: MeshFiles, patterns: Patterns, turned
     element(inertial, "inertia", ixx=ixx, ixy=ixy, ixz=ixz, iyy=iyy, iyz=iyz, izz=izz)
     for shape in link.shapes:
         _shape(xml, shape, files, patterns, turned)
+    contact(xml, link)
 
 
 def _shape(parent: Element, shape: Visual | Collision, files: MeshFiles, patterns: Patterns, turned: "_Turned") -> None:

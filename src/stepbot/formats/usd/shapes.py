@@ -18,6 +18,7 @@ from stepbot.robot.model import (
     Sphere,
     Visual,
 )
+from stepbot.robot.surfaces import Surface
 
 from ..lowering.shapes import concave_meshes, upright
 from ..xml import number
@@ -42,12 +43,14 @@ class Library:
         self._concave = concave_meshes(robot)
         self._meshes = MeshLayer(robot)
         self._colors: dict[Rgba, str] = {}
+        self._surfaces: dict[Surface, str] = {}
         self._top = top
 
     def prims(self) -> list[Prim]:
         """The materials that are in use, in their scope."""
         materials = Prim("Scope", "materials")
         materials.children = [_material(f"{self._top}/materials", *one) for one in self._colors.items()]
+        materials.children += [_contact(*one) for one in self._surfaces.items()]
         return [materials] if materials.children else []
 
     def visual(self, visual: Visual, names: Names) -> Prim:
@@ -77,6 +80,10 @@ class Library:
         else:
             prim = _primitive(collision.geometry, collision.name, names)
             prim.schemas.append("PhysicsCollisionAPI")
+        if collision.surface.is_stated:
+            contact = self._surfaces.setdefault(collision.surface, f"contact_{len(self._surfaces) + 1}")
+            prim.schemas.append("MaterialBindingAPI")
+            prim.set("rel material:binding:physics", f"<{self._top}/materials/{contact}>")
         prim.set("uniform token purpose", '"guide"')
         place(prim, upright(collision), scale=_scale(collision.geometry))
         return prim
@@ -135,6 +142,18 @@ def _material(scope: str, rgba: Rgba, identifier: str) -> Prim:
     shader.properties.append("token outputs:surface")
     material = Prim("Material", identifier, children=[shader])
     material.set("token outputs:surface.connect", f"<{scope}/{identifier}/surface.outputs:surface>")
+    return material
+
+
+def _contact(surface: Surface, identifier: str) -> Prim:
+    """A material of friction and restitution."""
+    material = Prim("Material", identifier)
+    material.schemas.append("PhysicsMaterialAPI")
+    if surface.friction is not None:
+        material.set("float physics:staticFriction", single(surface.friction))
+        material.set("float physics:dynamicFriction", single(surface.friction))
+    if surface.restitution is not None:
+        material.set("float physics:restitution", single(surface.restitution))
     return material
 
 

@@ -3,9 +3,11 @@
 from collections.abc import Sequence
 
 from stepbot.robot.mesh_files import MeshFiles
-from stepbot.robot.model import Box, Capsule, Collision, Cylinder, MeshRef, Sphere, Visual
+from stepbot.robot.model import Box, Capsule, Collision, Cylinder, MeshRef, Robot, Sphere, Visual
+from stepbot.robot.surfaces import Surface
 
 from ..lowering.shapes import upright
+from ..xml import number
 from .vrml import Node, text
 
 
@@ -23,6 +25,29 @@ def bounding_object(collisions: Sequence[Collision], files: MeshFiles) -> Node:
     """All collisions of a link."""
     nodes = [_placed(shape, _geometry(shape, files)) for shape in collisions]
     return nodes[0] if len(nodes) == 1 else Node("Group").set("children", nodes)
+
+
+def contact_materials(robot: Robot) -> dict[Surface, str]:
+    """The names of the contact properties of a lowered robot, of which a link has one."""
+    stated = dict.fromkeys(shape.surface for link in robot.links for shape in link.collisions[:1])
+    surfaces = [surface for surface in stated if surface.is_stated]
+    return {surface: f"{robot.name} {i}" for i, surface in enumerate(surfaces, start=1)}
+
+
+def contact_properties(robot: Robot) -> list[Node]:
+    """The contact properties of a robot, against what has none."""
+    nodes = []
+    for surface, name in contact_materials(robot).items():
+        node = Node("ContactProperties").set("material1", text(name))
+        if surface.friction is not None:
+            node.set("coulombFriction", f"[ {number(surface.friction)} ]")
+        if surface.restitution is not None:
+            node.set("bounce", surface.restitution)
+        if surface.rolling is not None or surface.torsional is not None:
+            rolling = surface.rolling or 0.0
+            node.set("rollingFriction", (rolling, rolling, surface.torsional or 0.0))
+        nodes.append(node)
+    return nodes
 
 
 def _placed(shape: Visual | Collision, node: Node) -> Node:

@@ -5,6 +5,7 @@ from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.standing import extent, floor_height
 
 from .names import proto_name
+from .shapes import contact_properties
 from .vrml import Node, text
 
 _FLOOR = 20.0
@@ -21,8 +22,11 @@ def world(robot: Robot, header: str) -> bytes:
     floor.set("children", [Node("Shape").set("appearance", grey).set("geometry", plane)])
     floor.set("boundingObject", Node("Plane").set("size", (_FLOOR, _FLOOR)))
     view = (round(x - 3.0 * size, 3), round(y, 3), round(z + size, 3))
+    info = Node("WorldInfo").set("basicTimeStep", 1000.0 * settings_of(robot).timestep)
+    if contacts := contact_properties(robot):
+        info.set("contactProperties", contacts)
     nodes = [
-        Node("WorldInfo").set("basicTimeStep", 1000.0 * settings_of(robot).timestep),
+        info,
         Node("Viewpoint").set("orientation", (0.0, 1.0, 0.0, 0.3)).set("position", view),
         Node("Background").set("skyColor", "[ 0.7 0.8 0.9 ]"),
         Node("DirectionalLight")

@@ -23,7 +23,7 @@ from ..xml import number, text_of
 from . import FORMAT
 from .devices import joint_devices, sensor_nodes, stops
 from .names import proto_name
-from .shapes import bounding_object, visual_node
+from .shapes import bounding_object, contact_materials, visual_node
 from .vrml import Node, text
 from .world import world
 
@@ -48,6 +48,12 @@ EXPRESSES = {
     Feature.COLOR: exact("`PBRAppearance`"),
     Feature.NEIGHBOURS: exact("links of a robot do not collide unless `selfCollision` is set"),
     Feature.EXCLUDED_CONTACT: exact("links of a robot do not collide unless `selfCollision` is set"),
+    Feature.SURFACE: exact("`contactMaterial` of the solid, `ContactProperties` in `<robot>.wbt`"),
+    Feature.SPIN: exact("`rollingFriction` of `ContactProperties`"),
+    Feature.BOUNCE: exact("`bounce` of `ContactProperties`"),
+    Feature.DEAD_BOUNCE: exact("as any restitution"),
+    Feature.SOFTNESS: reported("softness of contacts is omitted"),
+    Feature.MIXED_SURFACE: altered("a link has the contact properties of its shape with most friction"),
     Feature.FIXED: exact("a `Solid` in its parent, merged by Webots"),
     Feature.REVOLUTE: exact("`HingeJoint` with stops"),
     Feature.CONTINUOUS: exact("`HingeJoint`"),
@@ -167,6 +173,7 @@ class _Solids:
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self.files = MeshFiles(robot)
+        self.materials = contact_materials(robot)
         self.drawn = initial_configuration(robot)
         self.X_RL = link_poses(robot, self.drawn)
 
@@ -185,6 +192,8 @@ class _Solids:
             solid.set("children", children)
         if link.collisions:
             solid.set("boundingObject", bounding_object(link.collisions, self.files))
+            if link.collisions[0].surface.is_stated:
+                solid.set("contactMaterial", text(self.materials[link.collisions[0].surface]))
         return solid.set("physics", _physics(link))
 
     def _joint(self, joint: Joint) -> Node:
