@@ -110,7 +110,7 @@ class Collisions:
                 help = ("remove it, or set `shape: auto`",)
                 self._binder.report("SB608", (*place, "collision"), message, help=help)
         for link in self._untouched:
-            message = f"link '{link}' lists its shapes: `contact` of its parts has no effect"
+            message = "`contact` of its parts has no effect, because the link lists its shapes"
             self._binder.report("SB608", ("links", link, "collision"), message, help=("give the shapes a `contact`",))
         if self._coarse:
             count = f"{len(self._coarse)} links" if len(self._coarse) > 1 else "one link"

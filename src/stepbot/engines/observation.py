@@ -73,6 +73,8 @@ class ObservedShape:
     """The group that viewers show and hide together: by convention, 2 is visual and 3 is collision."""
     surface: Surface | None = None
     """Contact properties of a collision; those that the engine does not report are None."""
+    surface_is_default: bool = False
+    """Whether the engine reports its `surface` for a shape without one, too."""
     rgba_is_default: bool = False
     """Whether the engine reports its `rgba` for a shape without one, too."""
 

@@ -53,12 +53,20 @@ def gather(outcomes: Sequence[Outcome]) -> Gathered:
 
 
 def _given(seen: Observation) -> Observation:
-    """The observation without colours that may be the engine's own."""
+    """The observation without colours and contact properties that may be the engine's own."""
 
     def given(shapes: tuple[ObservedShape, ...] | None) -> tuple[ObservedShape, ...] | None:
-        return shapes and tuple(replace(one, rgba=None) if one.rgba_is_default else one for one in shapes)
+        return shapes and tuple(
+            replace(
+                one,
+                rgba=None if one.rgba_is_default else one.rgba,
+                surface=None if one.surface_is_default else one.surface,
+            )
+            for one in shapes
+        )
 
-    return replace(seen, links=tuple(replace(link, visuals=given(link.visuals)) for link in seen.links))
+    links = (replace(link, visuals=given(link.visuals), collisions=given(link.collisions)) for link in seen.links)
+    return replace(seen, links=tuple(links))
 
 
 def _filled(whole: Observation, other: Observation) -> tuple[Observation, set[Quantity]]:

@@ -298,7 +298,7 @@ def test_contact_of_shape_part_link_and_defaults(tmp_path: Path) -> None:
         Surface(0.1, restitution=0.2),
     ]
     (unused,) = (one for one in found if one.code == "SB608")
-    assert unused.message == "link 'base' lists its shapes: `contact` of its parts has no effect"
+    assert unused.message == "link 'base': `contact` of its parts has no effect, because the link lists its shapes"
 
 
 def test_materials_have_sources_and_are_documented() -> None:

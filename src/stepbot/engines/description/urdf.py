@@ -125,8 +125,8 @@ def _surface(link: Element) -> Surface:
     values: dict[str, float] = {}
     top = link.getparent()
     for block in () if top is None else top.findall("gazebo"):
-        if block.get("reference") == link.get("name") and block.find("mu1") is not None:
-            values["friction"] = _not_negative("mu1", block.findtext("mu1"))
+        for one in block.findall("mu1") if block.get("reference") == link.get("name") else ():
+            values["friction"] = _not_negative("mu1", one.get("value") or one.text)
     for tag, name in BULLET.items():
         for one in link.findall(f"contact/{tag}"):
             values[name] = _not_negative(tag, one.get("value"))

@@ -46,7 +46,7 @@ _TRANSMISSION = {
 }
 _GAZEBO = {
     "": "reference",
-    "mu1": "",
+    "mu1": "value",
     "springStiffness": "",
     "springReference": "",
     "preserveFixedJoint": "",  # the model keeps all fixed joints

@@ -112,8 +112,9 @@ class Vocabulary:
     def _is_twin(self, element: Element, path: str) -> bool:
         """Whether an element that is not read has the same value as its twin beside it."""
         twin = self.twins.get(path)
-        other = None if twin is None else element.getparent().findtext(twin)
-        return other is not None and other.split() == (element.text or "").split()
+        other = None if twin is None else element.getparent().find(twin)
+        words = [[*one.attrib.items(), *(one.text or "").split()] for one in (element, other) if one is not None]
+        return other is not None and words[0] == words[1]
 
     def _effect(self, path: str) -> str:
         return self.effects.get(path) or self.effects.get(path.replace("@", "/").rpartition("/")[2], "")

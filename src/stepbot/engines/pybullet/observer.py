@@ -74,6 +74,8 @@ _UNIT_AXIS = re.compile(r"axis of motion not a unit axis \(\[(\S+) (\S+) (\S+)\]
 _PRINTED = 2e-6
 """Largest error of the length of an axis that is printed with six digits."""
 _HELD = "base not compared: PyBullet fixes a root link without mass"
+_UNSTATED = Surface(0.5, 0.0, 0.0, 0.0)
+"""What PyBullet reports for a link without `<contact>`."""
 _NO_LIMIT = 1e15
 """SDFormat's value for unlimited is 1e16."""
 
@@ -214,7 +216,7 @@ def _link(body: Body, index: int, request: Request) -> ObservedLink:
         has_visuals=None if collisions else bool(visuals),
         has_collisions=bool(collisions),
         visuals=tuple(_displayed(shape[7]) for shape in visuals),
-        collisions=tuple(ObservedShape(surface=surface) for _ in collisions),
+        collisions=tuple(ObservedShape(surface=surface, surface_is_default=surface == _UNSTATED) for _ in collisions),
     )
 
 
