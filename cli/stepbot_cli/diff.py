@@ -38,10 +38,10 @@ _OF_STEPS = {
     "reshaped": "SB319",
     "material": "SB319",
 }
-"""Codes of differences of STEP files in the output for other programs; those of robots are the codes of `verify`."""
+"""Codes of differences of STEP files in the output for other programs; those of robots have the code of `verify`."""
 _STEP = (".step", ".stp", ".p21", ".stpz")
 _SIDECAR = (".yaml", ".yml")
-_ANY = "SB803"
+_OF_ROBOTS = "SB803"
 _SINGLE_SHAPE = "box of "
 """Beginning of the names of differences in one visual or collision."""
 _HEADINGS = ("difference", "what", "how")
@@ -91,10 +91,7 @@ def command(options: "Options", old: Path, new: Path, markdown: bool, as_json: b
 
 def _annotation(row: "Difference", new: Path) -> Diagnostic:
     """A difference as a finding about the new file."""
-    from stepbot.verification.checks import CODE_OF
-
-    by_quantity = {quantity.value: code for quantity, code in CODE_OF.items()}
-    code = _OF_STEPS.get(row.kind) or by_quantity.get(row.kind, _ANY)
+    code = _OF_STEPS.get(row.kind, _OF_ROBOTS)
     return Diagnostic(code, "warning", ": ".join(filter(None, _cells(row))), Span(new.as_posix()))
 
 

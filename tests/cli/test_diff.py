@@ -124,7 +124,7 @@ def test_robots_are_compared_as_engines_load_them(tmp_path: Path, stepbot: Stepb
         (("gone", "old.step"), "gone: error[SB001]: file not found"),
         (("empty", "empty"), "no URDF, SDFormat or MJCF file in this folder"),
         (("old.step", "a.robot.yaml"), "cannot compare a step with a sidecar"),
-        (("a.robot.yaml", "a.robot.yaml"), "SB103"),
+        (("a.robot.yaml", "a.robot.yaml"), "SB102"),
         (("broken.urdf", "broken.urdf"), "SB814"),
     ],
 )

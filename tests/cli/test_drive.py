@@ -71,7 +71,7 @@ def test_warnings_of_the_engine_leave_no_file(folder: Path, stepbot: Stepbot) ->
     before = sorted(folder.rglob("*"))
     run = stepbot("drive", "light", "--engine", "mujoco", "--test", "step")
     assert run.code == 1
-    assert "SB831" in run.err
+    assert "SB830" in run.err
     assert run.out.splitlines()[0] == "driven: 1 test: 0 passed, 1 failed"
     assert sorted(folder.rglob("*")) == before
 

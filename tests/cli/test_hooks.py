@@ -104,7 +104,7 @@ def test_hooks_in_a_scratch_repository(tmp_path: Path, robot_library: Path) -> N
     step.write_bytes(original[: len(original) // 2])
     repository.run("git", "add", "-A")
     assert repository.hooks() == {"stepbot check": "Failed", "stepbot uptodate": "Failed"}
-    assert "SB204" in repository.reported
+    assert "SB201" in repository.reported
 
 
 def test_hooks_import_nothing_of_a_repository(tmp_path: Path, robot_library: Path) -> None:
@@ -136,4 +136,4 @@ def test_check_installs_no_engine(tmp_path: Path, robot_library: Path) -> None:
     step.write_bytes(step.read_bytes()[:10_000])
     repository.run("git", "add", "-A")
     assert repository.hooks("--all-files") == {"stepbot check": "Failed"}
-    assert "SB204" in repository.reported
+    assert "SB201" in repository.reported

@@ -88,10 +88,10 @@ def test_missing_folder_is_one_error(written: Path, stepbot: Stepbot) -> None:
 
 @pytest.mark.parametrize("output", ["out/{name}", "elsewhere/{name}"], ids=["folder", "no folder"])
 def test_step_instead_of_a_sidecar_is_one_error(output: str, written: Path, stepbot: Stepbot) -> None:
-    """A STEP instead of a sidecar is SB109, with or without an output folder."""
+    """A STEP instead of a sidecar is SB102, with or without an output folder."""
     run = stepbot("uptodate", "-o", output, "--concise", "arm2.step")
     assert run.code == 1
-    assert [line.partition("[")[2][:5] for line in run.out.splitlines()] == ["SB109"]
+    assert [line.partition("[")[2][:5] for line in run.out.splitlines()] == ["SB102"]
 
 
 def test_ignored_warnings_are_those_of_convert(written: Path, stepbot: Stepbot) -> None:

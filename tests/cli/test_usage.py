@@ -95,7 +95,7 @@ def test_step_in_place_of_a_sidecar(arm: Path, stepbot: Stepbot, command: str) -
     run = stepbot(command, "arm2.step", "--json")
     assert run.code == 1
     (found,) = json.loads(run.out)["diagnostics"]
-    assert found["code"] == "SB109"
+    assert found["code"] == "SB102"
     init, inspect = found["help"]
     assert "`stepbot init arm2.step`" in init
     assert "`stepbot inspect arm2.step`" in inspect

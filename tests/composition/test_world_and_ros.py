@@ -89,7 +89,7 @@ def test_a_module_that_is_composed_wrongly_is_an_error(
         return replace(robot, links=links)
 
     monkeypatch.setattr("stepbot.pipeline.composing.composed", tampered)
-    with pytest.raises(StepbotError, match=r"SB806.*module 'right'"):
+    with pytest.raises(StepbotError, match=r"SB803.*module 'right'"):
         composed(FILES, Diagnostics())
 
 
@@ -113,7 +113,7 @@ def test_a_turned_part_of_a_module_is_an_error(composed: Compose, monkeypatch: p
 
     composed({**FILES, "arm.xml": arm}, Diagnostics())
     monkeypatch.setattr("stepbot.pipeline.composing.composed", tampered)
-    with pytest.raises(StepbotError, match=r"SB806.*module 'left'"):
+    with pytest.raises(StepbotError, match=r"SB803.*module 'left'"):
         composed({**FILES, "arm.xml": arm}, Diagnostics())
 
 

@@ -84,7 +84,7 @@ def test_other_gravity_in_one_file_is_noticed(
     assert siblings.by_verify({}) == ""
     path = changed(siblings, written_in, *changes)
     reported = siblings.by_verify({written_in: path})
-    assert reported.startswith("SB807")
+    assert reported.startswith("SB803")
     assert ": gravity: " in reported
     assert where in reported
     assert ": gravity: " in siblings.by_conversion(written_in, path)

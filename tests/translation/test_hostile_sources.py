@@ -10,24 +10,30 @@ from stepbot.pipeline.conversion import Options
 
 BARE = "<link name='base'/>"
 CASES = {
-    "SB820": (
+    "entity": (
+        "SB820",
         "robot.urdf",
         f"<!DOCTYPE robot [<!ENTITY x SYSTEM 'file:///etc/passwd'>]><robot name='r'>{BARE}&x;</robot>",
     ),
-    "SB821": ("robot.xml", "<mujoco><include file='../secret.xml'/><worldbody><body/></worldbody></mujoco>"),
-    "SB822": (
+    "include from above": (
+        "SB820",
+        "robot.xml",
+        "<mujoco><include file='../secret.xml'/><worldbody><body/></worldbody></mujoco>",
+    ),
+    "pipe": (
+        "SB820",
         "robot.sdf",
         "<sdf version='1.9'><model name='r'><link name='a'><visual name='v'><geometry><mesh><uri>pipe.obj</uri></mesh>"
         "</geometry></visual></link></model></sdf>",
     ),
-    "SB814": ("robot.urdf", "<robot name='r'>"),
+    "broken XML": ("SB814", "robot.urdf", "<robot name='r'>"),
 }
 
 
-@pytest.mark.parametrize("code", CASES)
-def test_dangerous_sources_are_refused(code: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("case", CASES)
+def test_dangerous_sources_are_refused(case: str, tmp_path: Path) -> None:
     """Entities, includes from above, pipes and broken XML end in a diagnostic; nothing is written."""
-    name, text = CASES[code]
+    code, name, text = CASES[case]
     source = tmp_path / "in" / name
     source.parent.mkdir()
     source.write_text(text, encoding="utf-8")

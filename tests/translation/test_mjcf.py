@@ -152,7 +152,7 @@ def test_unsupported_constraints_are_errors(leg: Path, tmp_path: Path, xml: str,
     before, _, after = LEG.partition("<equality>")
     leg.write_text(before + xml + after.partition("</equality>")[2], encoding="utf-8")
     conversion = convert(leg, Options(tmp_path / "out", formats=("urdf",), verify=False))
-    assert [one.code for one in conversion.diagnostics if word in one.message and one.severity == "error"] == ["SB862"]
+    assert [one.code for one in conversion.diagnostics if word in one.message and one.severity == "error"] == ["SB861"]
     assert not conversion.files
 
 

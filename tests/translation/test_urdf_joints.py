@@ -138,7 +138,7 @@ def test_misread_plane_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
     monkeypatch.setattr("stepbot.pipeline.translating.rendered", misread)
     conversion = _converted(tmp_path, STAGE, "mjcf")
-    assert "SB806" in {one.code for one in conversion.diagnostics if one.severity == "error"}
+    assert "SB803" in {one.code for one in conversion.diagnostics if one.severity == "error"}
 
 
 @pytest.mark.parametrize("axis", [(1.0, 0.0, 0.0), (0.0, 0.0, -1.0), (0.6, 0.0, 0.8), (2 / 3, -1 / 3, 2 / 3)])

@@ -6,16 +6,13 @@ from stepbot.engines.observation import Quantity
 
 ASSUMED = "SB875"
 LOST = "SB860"
-MESH = "SB861"
-UNSUPPORTED = "SB862"
+UNSUPPORTED = "SB861"
+"""Of what a picture of the robot lacks or shows otherwise, too."""
 DEVICE = "SB863"
 RENAMED = "SB864"
 REARRANGED = "SB865"
 DROPPED_INERTIA = "SB866"
 MOVED = "SB870"
-
-NOT_SHOWN = (MESH, UNSUPPORTED)
-"""Codes of what a picture of the robot lacks or shows otherwise."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from stepbot.robot.model import Base, Frame, JointKind, Link, Robot
 
 from .closures import closures_of
 from .devices import actuators_of, sensors_of
-from .finding import DROPPED_INERTIA, LOST, MESH, MOVED, NOT_SHOWN, REARRANGED, UNSUPPORTED, Finding
+from .finding import DROPPED_INERTIA, LOST, MOVED, REARRANGED, UNSUPPORTED, Finding
 from .names import Names, with_valid_names
 from .shapes import Shapes
 from .tree import tree_of, without_broken_mimics
@@ -46,7 +46,7 @@ class Described:
     @property
     def missing(self) -> tuple[str, ...]:
         """What a picture of the robot lacks, or shows otherwise."""
-        return tuple(one.text for one in self.findings if one.code in NOT_SHOWN)
+        return tuple(one.text for one in self.findings if one.code == UNSUPPORTED)
 
 
 def robot_of_description(
@@ -62,7 +62,7 @@ def robot_of_description(
         drawn: Whether the robot is for a picture, in which a link without visuals shows its collisions.
     """
     seen = description.observation
-    found = [Finding(MESH, f"mesh '{uri}' is missing or of an unsupported type") for uri in description.unread]
+    found = [Finding(UNSUPPORTED, f"mesh '{uri}' is missing or of an unsupported type") for uri in description.unread]
     found += [Finding(UNSUPPORTED, text) for text in description.unsupported]
     shapes = Shapes(_with_volume(description, found), drawn=drawn)
     links = {link.name: _link(link, shapes, found) for link in seen.links}

@@ -109,7 +109,7 @@ def drive_files(
         document: The parsed ``report.json`` of the robot.
         files: For each engine the file that it drives.
         demands: Limits, and tests that must apply.
-        found: Receives SB830, SB831, SB832 and SB835.
+        found: Receives SB830, SB832 and SB835.
         tests: The tests to run; empty for all that apply.
         timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of each engine; None for no limit.

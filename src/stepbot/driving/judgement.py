@@ -58,13 +58,13 @@ def judge(
         file: The file that it drove, for diagnostics.
         results: Results, or names of tests in which the simulation diverged.
         demands: The limits.
-        found: Receives SB830 and SB831.
+        found: Receives SB830.
         facts: What the robot's report says about remedies.
     """
     span = Span(file)
     for result in results:
         if isinstance(result, str):
-            found.add("SB831", f"{result} in {engine}: the simulation diverged", span)
+            found.add("SB830", f"{result} in {engine}: the simulation diverged", span)
             yield Verdict(engine, result, Status.FAILED, why="diverged")
             continue
         bounds = demands.limits[result.test]

@@ -23,9 +23,7 @@ from .usd.layers import layer_references
 Element = Any
 """``lxml.etree._Element``; the stubs lack ``sourceline`` and entities."""
 
-ENTITIES = "SB820"
-OUTSIDE = "SB821"
-NOT_REGULAR = "SB822"
+UNSAFE = "SB820"
 NOT_XML = "SB814"
 TOO_LARGE = "SB823"
 
@@ -75,9 +73,9 @@ def _layer_refusals(main: Path) -> Iterator[Refusal]:
     for one in layer_references(main):
         if not resolved(one.path).is_relative_to(main.parent):
             message = f"refers to '{one.name}', which is outside the folder of {main.name}"
-            yield Refusal(OUTSIDE, message, str(one.layer))
+            yield Refusal(UNSAFE, message, str(one.layer))
         elif _is_irregular(one.path):
-            yield Refusal(NOT_REGULAR, f"'{one.name}' is not a regular file", str(one.layer))
+            yield Refusal(UNSAFE, f"'{one.name}' is not a regular file", str(one.layer))
 
 
 def _shown(file: str, main: Path, given: Path) -> str:
@@ -133,7 +131,7 @@ def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
         except OSError:  # engines cannot read it either
             continue
         if declares_entities(root):
-            yield Refusal(ENTITIES, "declares XML entities", str(path))
+            yield Refusal(UNSAFE, "declares XML entities", str(path))
             continue
         encoding = root.getroottree().docinfo.encoding or "UTF-8"
         if not _WITH_ASCII.fullmatch(encoding):
@@ -149,9 +147,9 @@ def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
             included = main.parent / name
             if not resolved(included).is_relative_to(resolved(main.parent)):
                 message = f"includes '{name}', which is outside the folder of {main.name}"
-                yield Refusal(OUTSIDE, message, str(path), element.sourceline or 0)
+                yield Refusal(UNSAFE, message, str(path), element.sourceline or 0)
             elif _is_irregular(included):
-                yield Refusal(NOT_REGULAR, f"'{name}' is not a regular file", str(path), element.sourceline or 0)
+                yield Refusal(UNSAFE, f"'{name}' is not a regular file", str(path), element.sourceline or 0)
             elif is_file(included) and resolved(included) not in seen and len(seen) < _MOST_INCLUDES:
                 seen.add(resolved(included))
                 pending.append(included)
@@ -190,7 +188,7 @@ def _irregular(element: Element, main: Path, folders: list[Path], path: Path) ->
     for name in filter(None, names):
         places = [*candidates(name, main), *(folder / one for folder in folders for one in (name, Path(name).name))]
         if any(map(_is_irregular, places)):
-            yield Refusal(NOT_REGULAR, f"'{name}' is not a regular file", str(path), element.sourceline or 0)
+            yield Refusal(UNSAFE, f"'{name}' is not a regular file", str(path), element.sourceline or 0)
 
 
 def _is_irregular(path: Path) -> bool:

@@ -258,7 +258,7 @@ class _Files:
 
 
 def _compare(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot], found: Diagnostics) -> None:
-    """Compare each module with its robot alone; report SB806 if they differ."""
+    """Compare each module with its robot alone; report SB803 if they differ."""
     sections = sidecar.document.modules
     stated = ((module, sections.get(module.name)) for module in robot.modules)
     modules = [  # a module of a module was compared where that was composed
@@ -272,7 +272,7 @@ def _compare(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot], fou
             parts = ", ".join(f"settings of '{name}'" for name in seen.settings)
         if seen.largest > _ALLOWED or seen.settings:
             message = f"module '{module.name}': differs from '{module.file}' alone: {parts}"
-            found.add("SB806", message, sidecar.key_span("modules", module.name))
+            found.add("SB803", message, sidecar.key_span("modules", module.name))
 
 
 def _of_library(name: str) -> Path | None:

@@ -6,7 +6,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from stepbot.described.finding import NOT_SHOWN
+from stepbot.described.finding import UNSUPPORTED
 from stepbot.described.robot import robot_of_description
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.engines.description import Description
@@ -36,7 +36,7 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
     Args:
         path: The description.
         options: Time and memory limits.
-        found: Takes SB001, SB814, SB820, SB821, SB822, SB823 and SB902.
+        found: Takes SB001, SB814, SB820, SB823 and SB902.
     """
     if not exists(path):
         report_missing(path, found)
@@ -155,7 +155,7 @@ def described_robot(path: Path, options: Options, found: Diagnostics, *, drawn: 
         return None
     described = robot_of_description(description, path.stem, path.name, drawn=drawn)
     if not drawn:
-        lacking = [one for one in described.findings if one.code in NOT_SHOWN]
+        lacking = [one for one in described.findings if one.code == UNSUPPORTED]
         for one in lacking:
             found.add(one.code, one.text, Span(path.as_posix()))
         return None if lacking else described.robot

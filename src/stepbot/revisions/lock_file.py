@@ -68,7 +68,7 @@ def read_lock(path: Path, robot: str, found: Diagnostics) -> Snapshot | None:
         if version > VERSION:
             help = ["upgrade stepbot, or replace the lock file with `stepbot lock`"]
             found.add(
-                "SB014", f"lock file has version {version}; the newest supported version is {VERSION}", span, help=help
+                "SB013", f"lock file has version {version}; the newest supported version is {VERSION}", span, help=help
             )
             return None
         lock = _snapshot(document)

@@ -63,7 +63,7 @@ def check_robot(
 
     Args:
         robot: Any robot, from any source.
-        found: Receives SB410 to SB418, SB420, SB508 to SB510.
+        found: Receives SB457 to SB418, SB420, SB508 to SB510.
         span: Where the robot is described; None for its source as a whole.
         unit: Length unit of the robot's source, named if the robot is very large or very light.
         massless_between: Whether links without mass and shape may stand between joints, as in other descriptions.
@@ -101,7 +101,7 @@ def _check_names(robot: Robot, report: Report) -> bool:
     for group, members in groups.items():
         for name, count in Counter(member.name for member in members).items():
             if count > 1:
-                report("SB413", f"{group}: duplicate name '{name}' ({count} times)")
+                report("SB135", f"{group}: duplicate name '{name}' ({count} times)")
                 sound = False
     return sound
 
@@ -197,7 +197,7 @@ def _check_tree(robot: Robot, report: Report) -> bool:
             faults.append(f"joint '{joint.name}' comes before its parent, or is part of a cycle")
         known.add(joint.child)
     for fault in faults:
-        report("SB412", f"robot '{robot.name}': {fault}")
+        report("SB450", f"robot '{robot.name}': {fault}")
     return not faults
 
 
@@ -206,16 +206,16 @@ def _check_limits(robot: Robot, report: Report) -> None:
         limit, q = joint.limit, joint.drawn_position
         if not limit.lower < limit.upper:
             report(
-                "SB416", f"joint '{joint.name}': lower limit {limit.lower:g} is not below upper limit {limit.upper:g}"
+                "SB456", f"joint '{joint.name}': lower limit {limit.lower:g} is not below upper limit {limit.upper:g}"
             )
         elif not limit.lower - _UNIT_SLACK <= q <= limit.upper + _UNIT_SLACK:
             report(
-                "SB410",
+                "SB457",
                 f"joint '{joint.name}': drawn position {q:g} is outside the limits {limit.lower:g} to {limit.upper:g}",
                 help=("widen the limits, or set the drawn position with `zero`",),
             )
         if limit.velocity < 0.0 or limit.effort < 0.0:
-            report("SB416", f"joint '{joint.name}': a limit of velocity or effort is negative")
+            report("SB456", f"joint '{joint.name}': a limit of velocity or effort is negative")
 
 
 def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> None:
@@ -285,7 +285,7 @@ def _check_mimics(robot: Robot, report: Report) -> bool:
         try:
             mimic_relation(robot, joint.name)
         except ValueError:
-            report("SB412", f"joint '{joint.name}': circular mimic")
+            report("SB458", f"joint '{joint.name}': circular mimic")
             sound = False
     return sound
 

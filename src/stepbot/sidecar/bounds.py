@@ -33,7 +33,7 @@ class BoundedDiagnostics(Diagnostics):
         if not complete:
             help = ["correct these errors first"]
             found.add(
-                "SB108",
+                "SB110",
                 f"sidecar: more than {MOST_FAULTS} errors; the remaining ones are not shown",
                 Span(file),
                 help=help,

@@ -57,8 +57,8 @@ class TooMuchError(Exception):
 def compose(text: str, file: str, found: Diagnostics) -> Tree | None:
     """The root value of the text, or None if it is empty.
 
-    Reports SB106 unknown aliases, SB107 duplicate keys, SB108 bounds, SB109 several documents, SB110 tags, directives
-    and keys that a sidecar does not have, SB111 merges, SB112 empty values.
+    Reports SB104 unknown aliases, SB107 duplicate keys, SB110 bounds, SB102 several documents, SB110 tags, directives
+    and keys that a sidecar does not have, SB110 merges, SB110 empty values.
 
     Raises:
         MarkedYAMLError: The text is not YAML; errors reported before remain valid.
@@ -92,7 +92,7 @@ class _Composer:
     def _check_start(self, event: Any, root: Tree | None) -> None:
         if root is not None:
             help = ["remove the `---` or move the second document to its own file: each file describes one robot"]
-            self._add("SB109", "sidecar: second YAML document in one file", self._span(event), help)
+            self._add("SB102", "sidecar: second YAML document in one file", self._span(event), help)
         elif event.version not in (None, (1, 2), [1, 2]):
             version = ".".join(map(str, event.version))
             help = ["remove the directive: sidecars use YAML 1.2"]
@@ -140,7 +140,7 @@ class _Composer:
         if not event.style and event.tag is None:
             return Scalar(span, _core_value(text), text)
         if not has_only_text(text):
-            self._fault("SB102", "escape sequence of a control character", span, [])
+            self._fault("SB102", "escape sequence of a control character", span, ["remove it"])
             return Scalar(span, "", "", plain=False, faulty=True)
         return Scalar(span, text, text, plain=False)
 
@@ -204,7 +204,7 @@ class _Composer:
         if name not in self._anchors:
             self._unknown_alias(name, span)
         elif (value := self._anchors[name]) is None:
-            self._fault("SB108", f"anchor '{name}' contains itself", span, ["replace the alias by the value"])
+            self._fault("SB110", f"anchor '{name}' contains itself", span, ["replace the alias by the value"])
         elif isinstance(value, Scalar):
             return Scalar(span, value.value, value.text, value.plain, value.faulty)
         else:
@@ -214,14 +214,14 @@ class _Composer:
     def _unknown_alias(self, name: str, span: Span) -> None:
         text = "*" + name
         help = [f'quote paths that start with *: "{text.rstrip(":")}"', *did_you_mean(name, self._anchors)]
-        self._fault("SB106", f"undefined alias {text}", span, help)
+        self._fault("SB104", f"undefined alias {text}", span, help)
 
     def _merged(self, value: Tree) -> list[Mapping]:
         sources = value.values if isinstance(value, Listing) else [value]
         for source in sources:
             if not isinstance(source, Mapping) and not source.faulty:
                 help = ["refer to an anchor on a mapping: `<<: *name`"]
-                self._fault("SB111", "value of the merge key '<<' is not a mapping", source.span, help)
+                self._fault("SB110", "value of the merge key '<<' is not a mapping", source.span, help)
         return [source for source in sources if isinstance(source, Mapping)]
 
     def _duplicate(self, key: str, first: Span, second: Span) -> None:
@@ -248,7 +248,7 @@ class _Composer:
             help = ["add a space after the colon: `key: value`"]
         else:
             help = ["add a value, write {} for an empty mapping, or remove the key"]
-        self._fault("SB112", "missing value", start, help)
+        self._fault("SB110", "missing value", start, help)
         return Scalar(value.span, None, value.text, faulty=True)
 
     def _decimal_comma_before(self, key: Span) -> str:
@@ -258,7 +258,8 @@ class _Composer:
         return f"{whole[0][:-1]}.{rest}" if whole and rest[:1].isdigit() else ""
 
     def _too_much(self, event: Any, message: str) -> Never:
-        self._add("SB108", f"{subject(tuple(self._keys[:2]))}: {message}", self._span(event), [])
+        help = ["use anchors for repeated settings, not for structures that contain each other"]
+        self._add("SB110", f"{subject(tuple(self._keys[:2]))}: {message}", self._span(event), help)
         raise TooMuchError
 
     def _fault(self, code: str, message: str, span: Span, help: list[str], notes: list[str] | None = None) -> None:

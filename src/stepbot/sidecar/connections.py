@@ -9,10 +9,10 @@ from .located import Sidecar
 
 
 def check_connections(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB450 self-connections, SB451 two parents, SB452 cycles, SB453 disconnected links, SB454 invalid root.
+    """Report SB450 self-connections, SB450 two parents, SB450 cycles, SB453 disconnected links, SB450 invalid root.
 
     A joint with a wrong child leaves one link without a parent, so that this many disconnected links are notes of
-    SB450 and SB451 instead of errors of their own.
+    SB450 instead of an error of their own.
     """
     above, misplaced = _joint_above_each_link(sidecar)
     joints = sidecar.document.joints
@@ -32,7 +32,7 @@ def check_connections(sidecar: Sidecar, found: Diagnostics) -> None:
 
 
 def _joint_above_each_link(sidecar: Sidecar) -> tuple[dict[str, str], list[Diagnostic]]:
-    """The parent joint of each link, the first one in the file; SB450 and SB451 of the other joints."""
+    """The parent joint of each link, the first one in the file; SB450 of the other joints."""
     above: dict[str, str] = {}
     found = Diagnostics()
     for name, joint in sidecar.document.joints.items():
@@ -45,7 +45,7 @@ def _joint_above_each_link(sidecar: Sidecar) -> tuple[dict[str, str], list[Diagn
             help = ["to close a loop, move the joint to `closures`, with `link_a` and `link_b`"]
             notes = [f"joint '{other}' at {sidecar.span('joints', other, 'child')}"]
             message = f"joint '{name}': link '{joint.child}' is already the child of joint '{other}'"
-            found.add("SB451", message, sidecar.span("joints", name, "child"), help=help, notes=notes)
+            found.add("SB450", message, sidecar.span("joints", name, "child"), help=help, notes=notes)
         else:
             above[joint.child] = name
     return above, list(found)
@@ -74,7 +74,7 @@ def _report_cycle(sidecar: Sidecar, cycle: list[str], above: dict[str, str], fou
     at = cycle.index(child)
     ring = " -> ".join([*cycle[at:], *cycle[:at], child])
     help = ["swap parent and child of a joint, or move the joint that closes a loop to `closures`"]
-    found.add("SB452", f"joint '{last}': cycle in the joint tree: {ring}", sidecar.key_span("joints", last), help=help)
+    found.add("SB450", f"joint '{last}': cycle in the joint tree: {ring}", sidecar.key_span("joints", last), help=help)
 
 
 def _check_root(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], found: Diagnostics) -> None:
@@ -84,7 +84,7 @@ def _check_root(sidecar: Sidecar, above: dict[str, str], in_cycles: set[str], fo
         joint = above[root]
         message = f"root: link '{root}' is the child of joint '{joint}'"
         help = [f"the root of its tree is link '{top}'" for top in _tops(sidecar, above, root)]
-        found.add("SB454", message, sidecar.span("root", "link"), help=help)
+        found.add("SB450", message, sidecar.span("root", "link"), help=help)
 
 
 def _disconnected(sidecar: Sidecar, above: dict[str, str]) -> tuple[str, list[str]]:

@@ -88,7 +88,7 @@ def _own_motors(sidecar: Sidecar, found: Diagnostics) -> Mapping[str, MotorSecti
 def read_own_motors(path: Path, found: Diagnostics) -> dict[str, MotorSection]:
     """The motors of a user's own file, each figure with a source; empty after errors.
 
-    Reports SB001, SB101 to SB125 at their places in the file.
+    Reports SB001, SB102 to SB125 at their places in the file.
     """
     text = read_text(path, found)
     if text is None or not is_text(text, file_name(path), found):

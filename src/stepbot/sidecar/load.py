@@ -58,9 +58,10 @@ def _parsed(text: str, path: Path, found: Diagnostics, variant: str, changes: Tr
     if not isinstance(root, Mapping):
         if root is not None and composed.whole:
             help = ["start the sidecar with `version: 1`, without indentation"]
-            found.add("SB109", "sidecar: top level is not a mapping", root.span, help=help)
+            found.add("SB102", "sidecar: top level is not a mapping", root.span, help=help)
         elif composed.whole and not found.has_errors:
-            found.add("SB103", "sidecar: empty file (comments only)", Span(file))
+            help = ["start with `version: 1`; see `stepbot docs sidecar`"]
+            found.add("SB102", "sidecar: empty file (comments only)", Span(file), help=help)
         return None
     if variant or changes is not None:
         changed = _changed(root, variant, changes, found)

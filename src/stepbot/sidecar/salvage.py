@@ -43,9 +43,6 @@ _STANDS_ALONE = (
     "SB140",
     "SB143",
     "SB450",
-    "SB451",
-    "SB452",
-    "SB454",
 )
 """Codes that a removal elsewhere in the same joint, link or frame cannot cause."""
 

@@ -38,7 +38,7 @@ class Composed:
 def compose_around_faults(text: str, file: str, found: Diagnostics) -> Composed:
     """The tree of all valid sections; every syntax error is reported.
 
-    Reports SB104 syntax, SB105 tabs, SB106 unquoted paths, and the errors of :func:`stepbot.sidecar.compose.compose`.
+    Reports SB104 syntax, SB104 tabs, SB104 unquoted paths, and the errors of :func:`stepbot.sidecar.compose.compose`.
     """
     lines = text.split("\n")
     _quote_starred_keys(lines, file, found)
@@ -61,7 +61,7 @@ def compose_around_faults(text: str, file: str, found: Diagnostics) -> Composed:
             section = fault.section()
             found.extend(d for d in attempt if d.span.line - 1 in section)
             # An unquoted path or a missing colon is reported at its position, not with the parser's error as well.
-            reported = any(d.span.line == fault.line and d.code in ("SB104", "SB106") for d in found)
+            reported = any(d.span.line == fault.line and d.code == "SB104" for d in found)
             if spoiled.isdisjoint(section) and not reported:
                 fault.report(found)
             if budget < len(text) or fault.ends_document or not _blank(lines, section):
@@ -85,7 +85,7 @@ def _quote_starred_keys(lines: list[str], file: str, found: Diagnostics) -> None
             path, column = match["path"], match.start("path")
             help = [f'quote paths that start with *: "{path}"']
             span = Span(file, number + 1, column + 1, column + 1 + len(path))
-            found.add("SB106", f"sidecar: undefined alias {path}", span, help=help)
+            found.add("SB104", f"sidecar: undefined alias {path}", span, help=help)
             lines[number] = line[:column] + STAR + line[column + 1 :]
 
 
@@ -100,7 +100,7 @@ def _untabbed(lines: list[str], mark: StringMark | None, file: str, found: Diagn
         lines: The text; changed in place.
         mark: The tab that the parser rejected.
         file: The name of the file.
-        found: Receives SB105 for each line.
+        found: Receives SB104 for each line.
     """
     tabbed = set()
     for number, line in enumerate(lines):
@@ -119,7 +119,7 @@ def _untabbed(lines: list[str], mark: StringMark | None, file: str, found: Diagn
             lines[number] = line.replace("\t", " ")
         else:
             continue
-        found.add("SB105", f"sidecar: {what}", Span(file, number + 1, column + 1, end + 1), help=[help])
+        found.add("SB104", f"sidecar: {what}", Span(file, number + 1, column + 1, end + 1), help=[help])
         tabbed.add(number)
     return tabbed
 
@@ -168,7 +168,7 @@ class _Fault:
         if path is not None:
             span = self._span(self._mark[0], self._lines[self._mark[0]].index(path), len(path))
             help = [f'quote paths that start with *: "{path}"']
-            found.add("SB106", f"sidecar: undefined alias {path}", span, help=help)
+            found.add("SB104", f"sidecar: undefined alias {path}", span, help=help)
             return
         if self._keyless:
             line, column, message, remedy = self._keyless

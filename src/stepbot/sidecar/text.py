@@ -19,7 +19,7 @@ def file_name(path: Path) -> str:
 def read_text(path: Path, found: Diagnostics) -> str | None:
     """The text of a file with line feeds at line ends, or None if it cannot be read.
 
-    Reports SB001 not found, SB101 too large, SB102 not UTF-8, SB103 empty, SB109 a STEP file instead of a sidecar.
+    Reports SB001 not found, SB102 too large, SB102 not UTF-8, SB102 empty, SB102 a STEP file instead of a sidecar.
     """
     whole = Span(file_name(path))
     try:
@@ -33,15 +33,15 @@ def read_text(path: Path, found: Diagnostics) -> str | None:
             f"`stepbot init {path.as_posix()}` drafts a sidecar from it; pass that sidecar instead",
             f"`stepbot inspect {path.as_posix()}` lists its components; `stepbot docs sidecar` describes all keys",
         ]
-        found.add("SB109", "sidecar: file is a STEP file", whole, help=help)
+        found.add("SB102", "sidecar: file is a STEP file", whole, help=help)
         return None
     if len(content) > LARGEST_FILE:
         help = ["check that the path names the sidecar; shorten lists of parts with globs and `rest: true`"]
-        found.add("SB101", f"sidecar: file exceeds the limit of {LARGEST_FILE // 1024} KiB", whole, help=help)
+        found.add("SB102", f"sidecar: file exceeds the limit of {LARGEST_FILE // 1024} KiB", whole, help=help)
         return None
     text = _decoded(content, whole.file, found)
     if text is not None and not text.strip("\ufeff \t\n"):
-        found.add("SB103", "sidecar: empty file", whole, help=["start with `version: 1`; see `stepbot docs sidecar`"])
+        found.add("SB102", "sidecar: empty file", whole, help=["start with `version: 1`; see `stepbot docs sidecar`"])
         return None
     return text
 
@@ -65,7 +65,12 @@ def is_text(text: str, file: str, found: Diagnostics) -> bool:
     match = NOT_TEXT.search(text)
     if match is not None:
         place = _place(file, text[: match.start()])
-        found.add("SB102", f"sidecar: control character {character(match[0])}", place)
+        found.add(
+            "SB102",
+            f"sidecar: control character {character(match[0])}",
+            place,
+            help=["remove it; save the file as UTF-8"],
+        )
     return match is None
 
 

@@ -31,7 +31,7 @@ def admitted(
 
     Args:
         formats: The files and their formats.
-        found: Receives SB820, SB821 and SB822 for rejected files.
+        found: Receives SB820 for rejected files.
         timeout: Time limit [s] of the check of one file.
         memory_limit: Address space [bytes] of the process that checks; None for no limit.
         start: Starts that process; None to start a new interpreter.
@@ -59,7 +59,7 @@ def located(
         formats: The files and their formats.
         packages: Folders of packages, or the folders that contain them; those above a file are searched, too.
         folder: Receives the copies.
-        found: Receives SB820, SB821 and SB822 for rejected files, and SB861 for those whose meshes are missing.
+        found: Receives SB820 for rejected files, and SB861 for those whose meshes are missing.
         timeout: Time limit [s] for one file.
         memory_limit: Address space [bytes] of the process that reads it; None for no limit.
         start: Starts that process; None to start a new interpreter.

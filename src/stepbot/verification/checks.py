@@ -1,6 +1,6 @@
 """Converts comparisons to checks of the report and diagnostics."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from stepbot.diagnostics import Diagnostics, Span
@@ -11,33 +11,10 @@ from stepbot.report.robot import Check, Status
 
 from .compare import Compared
 
-CODE_OF: Mapping[Quantity, str] = {
-    Quantity.LINKS: "SB803",
-    Quantity.JOINTS: "SB803",
-    Quantity.AXES: "SB804",
-    Quantity.LIMITS: "SB804",
-    Quantity.DYNAMICS: "SB804",
-    Quantity.MIMIC: "SB804",
-    Quantity.MASS: "SB805",
-    Quantity.COM: "SB805",
-    Quantity.INERTIA: "SB805",
-    Quantity.GRAVITY_SETTINGS: "SB807",
-    Quantity.POSES: "SB806",
-    Quantity.FRAMES: "SB806",
-    Quantity.MASS_MATRIX: "SB807",
-    Quantity.GRAVITY: "SB807",
-    Quantity.INVERSE_DYNAMICS: "SB807",
-    Quantity.CLOSURES: "SB808",
-    Quantity.MESHES: "SB809",
-    Quantity.SHAPES: "SB809",
-    Quantity.CONTACTS: "SB809",
-    Quantity.ACTUATORS: "SB816",
-    Quantity.SENSORS: "SB816",
-    Quantity.INITIAL: "SB816",
-    Quantity.TEXT: "SB816",
-    Quantity.SIMULATION: "SB811",
-}
-"""The code of a failed check; warnings have one for stepbot's files and one for others."""
+_OTHER_ROBOT = "SB803"
+_CODES = {Quantity.CLOSURES: "SB808", Quantity.SIMULATION: "SB811"}
+"""Codes of failed checks of which more can be said than that the file describes another robot; warnings have one for
+stepbot's files and one for others."""
 
 MOST_NOTES = 8
 """Maximum number of deviations, after the worst, that a diagnostic lists."""
@@ -97,7 +74,7 @@ def report_failure(subject: Subject, compared: Compared, warning_code: str, foun
     failures = compared.deviations.failures
     if not failures or compared.not_run:
         return
-    code = warning_code if compared.quantity is Quantity.WARNINGS else CODE_OF[compared.quantity]
+    code = warning_code if compared.quantity is Quantity.WARNINGS else _CODES.get(compared.quantity, _OTHER_ROBOT)
     notes = [str(deviation) for deviation in failures[1 : 1 + MOST_NOTES]]
     if len(failures) > 1 + MOST_NOTES:
         notes.append(f"and {len(failures) - 1 - MOST_NOTES} more")

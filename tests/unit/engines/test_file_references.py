@@ -41,9 +41,9 @@ def test_includes_stay_in_the_folder(tmp_path: Path) -> None:
     assert including("near.xml") == []
     assert including("circle.xml") == []
     assert including("missing.xml") == []
-    assert including("../outside.xml") == ["SB821"]
-    assert including(str(tmp_path / "outside.xml")) == ["SB821"]
-    assert including("parts/far.xml") == ["SB821"]
+    assert including("../outside.xml") == ["SB820"]
+    assert including(str(tmp_path / "outside.xml")) == ["SB820"]
+    assert including("parts/far.xml") == ["SB820"]
 
 
 OUTSIDE = b'<include file="../outside.xml"/>'
@@ -87,7 +87,7 @@ def test_link_out_of_the_folder_is_no_way_around(tmp_path: Path) -> None:
     except OSError:
         pytest.skip("no symbolic links here")
     text = '<mujoco><include file="near.xml"/></mujoco>'
-    assert codes(tmp_path / "scene" / "scene.xml", text, "mjcf") == ["SB821"]
+    assert codes(tmp_path / "scene" / "scene.xml", text, "mjcf") == ["SB820"]
 
 
 @pipes
@@ -96,16 +96,16 @@ def test_pipes_are_refused_wherever_they_are_named(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe.obj")
     mesh = '<robot name="r"><link name="a"><visual><geometry><mesh filename="{}"/></geometry></visual></link></robot>'
     for name in ("pipe.obj", f"file://{tmp_path}/pipe.obj", "package://arm/pipe.obj"):
-        assert codes(tmp_path / "robot.urdf", mesh.format(name), "urdf") == ["SB822"], name
+        assert codes(tmp_path / "robot.urdf", mesh.format(name), "urdf") == ["SB820"], name
     asset = f'<mujoco><compiler meshdir="{tmp_path}"/><asset><mesh file="pipe.obj"/></asset></mujoco>'
     (tmp_path / "other").mkdir()
-    assert codes(tmp_path / "other" / "robot.xml", asset, "mjcf") == ["SB822"]
+    assert codes(tmp_path / "other" / "robot.xml", asset, "mjcf") == ["SB820"]
     assert codes(tmp_path / "robot.xml", '<mujoco><asset><texture fileup="pipe.obj"/></asset></mujoco>', "mjcf") == [
-        "SB822"
+        "SB820"
     ]
-    assert codes(tmp_path / "robot.xml", '<mujoco><include file="pipe.obj"/></mujoco>', "mjcf") == ["SB822"]
+    assert codes(tmp_path / "robot.xml", '<mujoco><include file="pipe.obj"/></mujoco>', "mjcf") == ["SB820"]
     uri = '<sdf version="1.9"><model name="m"><link name="a"><uri>pipe.obj</uri></link></model></sdf>'
-    assert codes(tmp_path / "robot.sdf", uri, "sdf") == ["SB822"]
+    assert codes(tmp_path / "robot.sdf", uri, "sdf") == ["SB820"]
 
 
 def test_ordinary_files_are_admitted(tmp_path: Path) -> None:
@@ -137,7 +137,7 @@ def test_linked_description_is_looked_at_where_engines_read_it(tmp_path: Path) -
     given = tmp_path / "here" / "robot.urdf"
     given.symlink_to(robot)
     (refused,) = refusals(str(given), "urdf")
-    assert (refused.code, refused.file) == ("SB822", str(given))
+    assert (refused.code, refused.file) == ("SB820", str(given))
 
 
 @pipes
@@ -148,11 +148,11 @@ def test_link_to_a_pipe_is_a_pipe(tmp_path: Path) -> None:
     (tmp_path / "b.obj").symlink_to("/dev/zero")
     for name in ("a.obj", "b.obj", "/dev/zero", "file:///dev/zero"):
         text = f'<robot name="r"><mesh filename="{name}"/></robot>'
-        assert codes(tmp_path / "robot.urdf", text, "urdf") == ["SB822"], name
+        assert codes(tmp_path / "robot.urdf", text, "urdf") == ["SB820"], name
         for element in ("hfield", "skin", "mesh", "texture"):
             text = f'<mujoco><asset><{element} file="{name}"/></asset></mujoco>'
             if "://" not in name:
-                assert codes(tmp_path / "robot.xml", text, "mjcf") == ["SB822"], (element, name)
+                assert codes(tmp_path / "robot.xml", text, "mjcf") == ["SB820"], (element, name)
 
 
 @pipes
@@ -165,7 +165,7 @@ def test_settings_of_included_files_hold_in_all(tmp_path: Path) -> None:
     (tmp_path / "scene" / "settings.xml").write_text(compiler, encoding="utf-8")
     for name in ("pipe.obj", "any/pipe.obj"):
         text = f'<mujoco><include file="settings.xml"/><asset><mesh file="{name}"/></asset></mujoco>'
-        assert codes(tmp_path / "scene" / "scene.xml", text, "mjcf") == ["SB822"]
+        assert codes(tmp_path / "scene" / "scene.xml", text, "mjcf") == ["SB820"]
 
 
 def test_layers_stay_in_the_folder(tmp_path: Path) -> None:
@@ -185,10 +185,10 @@ def test_layers_stay_in_the_folder(tmp_path: Path) -> None:
     assert referring("./near.usda") == []
     assert referring("./missing.usda") == []
     assert codes(inside / "own.usda", '#usda 1.0\ndef "a"\n{\n}\n\ndef "b" (references = </a>)\n{\n}\n', "usd") == []
-    assert referring("../outside.usda") == ["SB821"]
-    assert referring(str(tmp_path / "outside.usda")) == ["SB821"]
-    assert referring("./parts/far.usda") == ["SB821"]
-    assert codes(inside / "sub.usda", "#usda 1.0\n(\n    subLayers = [@../outside.usda@]\n)\n", "usd") == ["SB821"]
+    assert referring("../outside.usda") == ["SB820"]
+    assert referring(str(tmp_path / "outside.usda")) == ["SB820"]
+    assert referring("./parts/far.usda") == ["SB820"]
+    assert codes(inside / "sub.usda", "#usda 1.0\n(\n    subLayers = [@../outside.usda@]\n)\n", "usd") == ["SB820"]
     assert codes(inside / "broken.usda", "#usda 1.0\ndef", "usd") == []
 
 
@@ -197,7 +197,7 @@ def test_pipes_are_no_layers(tmp_path: Path) -> None:
     """A pipe as a layer would block the engine."""
     pytest.importorskip("pxr", reason="usd-core is not installed")
     os.mkfifo(tmp_path / "pipe.usda")
-    assert codes(tmp_path / "robot.usda", '#usda 1.0\ndef "a" (references = @./pipe.usda@)\n{\n}\n', "usd") == ["SB822"]
+    assert codes(tmp_path / "robot.usda", '#usda 1.0\ndef "a" (references = @./pipe.usda@)\n{\n}\n', "usd") == ["SB820"]
 
 
 SIZES = {

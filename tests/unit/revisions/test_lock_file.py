@@ -126,6 +126,6 @@ def test_locks_of_others_are_not_used(tmp_path: Path) -> None:
     """A later version is an error, another robot's lock a warning; neither is used."""
     path = tmp_path / "arm.lock.json"
     later = lock_bytes(LOCK).replace(b'"version": 1', b'"version": 2')
-    assert [code for code, _ in read(path, later)[1]] == ["SB014"]
+    assert [code for code, _ in read(path, later)[1]] == ["SB013"]
     lock, found = read(path, lock_bytes(LOCK), robot="leg")
     assert (lock, [code for code, _ in found]) == (None, ["SB015"])

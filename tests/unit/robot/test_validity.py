@@ -63,18 +63,18 @@ def _mesh(size: float) -> MeshAsset:
 SEEN = Link("a", SOLID, (Visual("v", MeshRef("m")),))
 
 BROKEN: dict[str, tuple[str, Robot]] = {
-    "two links of one name": ("SB413", _pair(links=(Link("a", SOLID), Link("b", SOLID), Link("b", SOLID)))),
-    "frame named like a link": ("SB413", _pair(frames=(Frame("b", "a"),))),
+    "two links of one name": ("SB135", _pair(links=(Link("a", SOLID), Link("b", SOLID), Link("b", SOLID)))),
+    "frame named like a link": ("SB135", _pair(frames=(Frame("b", "a"),))),
     "closure named like a joint": (
-        "SB413",
+        "SB135",
         _pair(closures=(LoopClosure("j", JointKind.REVOLUTE, "a", Pose(), "b", Pose()),)),
     ),
     "two drives of one name": (
-        "SB413",
+        "SB135",
         _pair(actuators=(Actuator("m", "j", ActuatorKind.MOTOR), Actuator("m", "j", ActuatorKind.MOTOR))),
     ),
     "two visuals of one name": (
-        "SB413",
+        "SB135",
         _pair(links=(SEEN, replace(SEEN, name="b")), meshes=(_mesh(0.1),)),
     ),
     "no such link": ("SB417", _pair(_hinge(child="c"))),
@@ -105,23 +105,23 @@ BROKEN: dict[str, tuple[str, Robot]] = {
     "axis of length two": ("SB415", _pair(_hinge(axis=(0, 0, 2)))),
     "rotation that stretches": ("SB415", _pair(_hinge(X_PC=Pose(((2, 0, 0), (0, 1, 0), (0, 0, 0.5)))))),
     "rotation that mirrors": ("SB415", _pair(_hinge(X_PC=Pose(((-1, 0, 0), (0, 1, 0), (0, 0, 1)))))),
-    "two parents": ("SB412", _pair(joints=(_hinge(), _hinge(name="k")))),
-    "link without joint": ("SB412", _pair(joints=())),
+    "two parents": ("SB450", _pair(joints=(_hinge(), _hinge(name="k")))),
+    "link without joint": ("SB450", _pair(joints=())),
     "circle": (
-        "SB412",
+        "SB450",
         Robot(
             "ring",
             (Link("a", SOLID), Link("b", SOLID), Link("c", SOLID)),
             (_hinge(name="k", parent="c", child="b"), _hinge(name="l", parent="b", child="c")),
         ),
     ),
-    "root that is moved": ("SB412", _pair(_hinge(parent="b", child="a"))),
-    "no links": ("SB412", Robot("nothing", ())),
-    "mimic of itself": ("SB412", _pair(_hinge(mimic=Mimic("j")))),
-    "swapped limits": ("SB416", _pair(_hinge(limit=Limit(1, -1)))),
-    "equal limits": ("SB416", _pair(_hinge(limit=Limit(0, 0)))),
-    "negative effort": ("SB416", _pair(_hinge(limit=Limit(-1, 1, effort=-1)))),
-    "drawn outside": ("SB410", _pair(_hinge(drawn_position=1.1))),
+    "root that is moved": ("SB450", _pair(_hinge(parent="b", child="a"))),
+    "no links": ("SB450", Robot("nothing", ())),
+    "mimic of itself": ("SB458", _pair(_hinge(mimic=Mimic("j")))),
+    "swapped limits": ("SB456", _pair(_hinge(limit=Limit(1, -1)))),
+    "equal limits": ("SB456", _pair(_hinge(limit=Limit(0, 0)))),
+    "negative effort": ("SB456", _pair(_hinge(limit=Limit(-1, 1, effort=-1)))),
+    "drawn outside": ("SB457", _pair(_hinge(drawn_position=1.1))),
     "moving link without mass": ("SB508", _pair(links=(Link("a", SOLID), Link("b")))),
     "floating without mass": (
         "SB508",
@@ -219,7 +219,7 @@ def test_faults_are_reported_where_their_element_is_described() -> None:
     robot = _pair(_hinge(limit=Limit(1, -1)), links=(Link("a", SOLID), Link("b", MassProperties(1.0))))
     places = {"link 'b': inertial": Span("arm.robot.yaml", 7, 3), "joint 'j'": Span("arm.robot.yaml", 9, 3)}
     check_robot(robot, found, Span("arm.robot.yaml"), places=lambda: places)
-    assert [(d.code, d.span.line) for d in found] == [("SB416", 9), ("SB509", 7)]
+    assert [(d.code, d.span.line) for d in found] == [("SB456", 9), ("SB509", 7)]
 
 
 SOUND: dict[str, Robot] = {
@@ -255,7 +255,7 @@ def test_all_faults_at_once() -> None:
         _hinge(limit=Limit(1, -1)), links=(Link("a", SOLID), Link("b", MassProperties(1.0))), base=Base.FLOATING
     )
     check_robot(robot, found, span)
-    assert [d.code for d in found] == ["SB416", "SB509"]
+    assert [d.code for d in found] == ["SB456", "SB509"]
     assert {d.span for d in found} == {span}
 
 

@@ -173,7 +173,7 @@ def test_bombs_end_quickly(text: str) -> None:
         compose(text, FILE, found)
     assert time.process_time() - start < 20
     if caught.type is TooMuchError:
-        assert [d.code for d in found] == ["SB108"]
+        assert [d.code for d in found] == ["SB110"]
 
 
 def test_values_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -182,7 +182,7 @@ def test_values_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
     found = Diagnostics()
     with pytest.raises(TooMuchError):
         compose("a: [" + "1, " * 300_000, FILE, found)
-    assert [(d.code, d.span.column) for d in found] == [("SB108", 5 + 997 * 3)]
+    assert [(d.code, d.span.column) for d in found] == [("SB110", 5 + 997 * 3)]
 
 
 def test_faults_are_bounded() -> None:

@@ -272,7 +272,7 @@ def test_a_users_own_file(tmp_path: Path) -> None:
         (OWN.replace("60 rpm", "-1"), "SB125", 6),
         ("mine: {kind: servo}\n", "SB120", 1),
         ("motors: [\n", "SB104", 1),
-        ("", "SB103", 0),
+        ("", "SB102", 0),
     ],
 )
 def test_faults_of_a_users_own_file(tmp_path: Path, text: str, code: str, line: int) -> None:

@@ -143,7 +143,7 @@ def test_tab_is_replaced_by_a_pasted_line(wrong: str) -> None:
     """A tab that the parser rejects is reported with the corrected line."""
     text = BLOCK.replace("    type: revolute", "    " + wrong)
     fault = findings(text)[0]
-    assert (fault.code, fault.span.line) == ("SB105", 9)
+    assert (fault.code, fault.span.line) == ("SB104", 9)
     assert text.split("\n")[8][fault.span.column - 1] == "\t"
     (line,) = SNIPPET.findall(fault.help[0])
     assert "\t" not in line
@@ -154,7 +154,7 @@ def test_tabs_elsewhere_stay() -> None:
     """Tabs in quotes, comments and brackets are accepted."""
     text = BLOCK.replace("type: revolute", "type:\trevolute").replace("parent: base", "parent:\tbase") + "# a:\tb\n"
     text = text.replace("lower: -1, ", "lower:\t-1,\t")
-    assert [(d.code, d.span.line) for d in findings(text)] == [("SB105", 9), ("SB105", 11)]
+    assert [(d.code, d.span.line) for d in findings(text)] == [("SB104", 9), ("SB104", 11)]
     assert findings(ARM.replace("[forearm]", '["a\tb"]')) == []
 
 
@@ -162,7 +162,7 @@ def test_decimal_comma_in_braces() -> None:
     """In braces ``1,5 N*m`` is a value and a key; the help has the corrected value."""
     text = ARM.replace("upper: 1}", "upper: 1,5 rad, effort: 2}")
     (fault,) = findings(text)
-    assert (fault.code, SNIPPET.findall(fault.help[0])) == ("SB112", ["1.5 rad"])
+    assert (fault.code, SNIPPET.findall(fault.help[0])) == ("SB110", ["1.5 rad"])
 
 
 def test_comma_that_is_missing_is_shown() -> None:

@@ -99,7 +99,7 @@ def test_tabs_are_reported_line_by_line() -> None:
     composed = compose_around_faults("a:\n\tb: 1\n\tc: 2\nd:\n  e: 3\n", FILE, found)
     assert composed.tree is not None
     assert plain_data(composed.tree) == {"a": {"b": 1, "c": 2}, "d": {"e": 3}}
-    assert [(d.code, d.span.line) for d in found] == [("SB105", 2), ("SB105", 3)]
+    assert [(d.code, d.span.line) for d in found] == [("SB104", 2), ("SB104", 3)]
 
 
 def test_json_with_tabs_is_yaml(found: Diagnostics) -> None:
@@ -116,9 +116,9 @@ def test_globs_without_quotes_stay_keys() -> None:
     assert composed.tree is not None
     assert list(plain_data(composed.tree)["parts"]) == ["**/M3*", "b", "*nut v1"]
     assert [(d.code, d.span.line, d.span.column, d.span.end_column) for d in found] == [
-        ("SB106", 2, 3, 9),
-        ("SB106", 4, 3, 10),
-        ("SB112", 4, 13, 17),
+        ("SB104", 2, 3, 9),
+        ("SB104", 4, 3, 10),
+        ("SB110", 4, 13, 17),
     ]
 
 

@@ -22,7 +22,7 @@ def test_largest_file(tmp_path: Path, found: Diagnostics) -> None:
     assert read_text(path, found) == "#" * LARGEST_FILE
     path.write_bytes(b"#" * (LARGEST_FILE + 1))
     assert read_text(path, found) is None
-    assert [d.code for d in found] == ["SB101"]
+    assert [d.code for d in found] == ["SB102"]
 
 
 def test_huge_file_is_not_read(tmp_path: Path, found: Diagnostics) -> None:
@@ -31,7 +31,7 @@ def test_huge_file_is_not_read(tmp_path: Path, found: Diagnostics) -> None:
     with path.open("wb") as stream:
         stream.truncate(100 * 1024**3)
     assert read_text(path, found) is None
-    assert [d.code for d in found] == ["SB101"]
+    assert [d.code for d in found] == ["SB102"]
 
 
 @pytest.mark.parametrize(("make", "reason"), [(None, "file not found"), ("folder", "is a folder, not a file")])

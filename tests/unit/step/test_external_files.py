@@ -275,7 +275,7 @@ def test_a_part_file_that_is_damaged(tmp_path: Path, found: ReadDiagnostics) -> 
     root = write_structure(tmp_path / "root.step", "root", [Component("block", "block.step")])
     assert read_here(root, found) is None
     (fault,) = found
-    assert (fault.code, Path(fault.span.file).name) == ("SB204", "block.step")
+    assert (fault.code, Path(fault.span.file).name) == ("SB201", "block.step")
 
 
 def test_a_file_name_in_a_code_page(tmp_path: Path, found: ReadDiagnostics) -> None:

@@ -6,19 +6,13 @@ CODES = (
     Code(
         "SB201",
         "error",
-        "not a STEP file",
-        "The file does not start with `ISO-10303-21;`, the header of every STEP file.",
-        "stepbot reads the exchange structure of ISO 10303-21. Other formats lack the assembly tree or the exact "
-        "geometry.",
-        "Export the assembly as STEP AP214 or AP242.",
-    ),
-    Code(
-        "SB202",
-        "error",
-        "empty STEP file",
-        "The file is empty, or its DATA section contains no entities.",
-        "There is nothing to convert.",
-        "Export the assembly again, and check that something was selected for export.",
+        "not a complete STEP file",
+        "The file is empty or ends too early, does not start with `ISO-10303-21;`, or its schema does not "
+        "describe mechanical products, such as that of a building.",
+        "stepbot reads the exchange structure of ISO 10303-21. The missing end of a file may contain any part, or "
+        "the assembly structure.",
+        "Export the assembly as STEP AP203, AP214 or AP242, or download or copy it again. Check the available "
+        "disk space.",
     ),
     Code(
         "SB203",
@@ -29,14 +23,6 @@ CODES = (
         "Missing parts would make every mass property wrong. stepbot does not convert an incomplete assembly.",
         "Put the files of the parts beside the file of the assembly, as they were exported. Or export the assembly as a "
         'single STEP file: CAD programs call the option "external references" or "one file per part".',
-    ),
-    Code(
-        "SB204",
-        "error",
-        "truncated STEP file",
-        "The DATA section is not closed by `ENDSEC;`.",
-        "The missing end of the file may contain any part, or the assembly structure.",
-        "Export, download or copy the file again, and check the available disk space.",
     ),
     Code(
         "SB205",
@@ -61,14 +47,6 @@ CODES = (
         "The file, or a shape in it, does not declare a length unit.",
         "A wrong guess of millimetres for metres changes the mass by a factor of a billion.",
         "Export with a CAD program that writes the unit, or add a LENGTH_UNIT to the geometric context of the file.",
-    ),
-    Code(
-        "SB208",
-        "error",
-        "unsupported application protocol",
-        "The file conforms to ISO 10303-21, but its schema does not describe mechanical products.",
-        "Other domains, such as building models, use the same syntax for different content.",
-        "Export the assembly as STEP AP203, AP214 or AP242.",
     ),
     Code(
         "SB209",
@@ -166,19 +144,13 @@ CODES = (
     Code(
         "SB221",
         "error",
-        "invalid Part 21 syntax",
-        "A statement violates the grammar of ISO 10303-21, or two entities have the same number.",
-        "Readers skip statements that they cannot parse. The skipped statement may be any part or placement.",
-        "Export or copy the file again. Typical causes are interrupted writes, failing disks, transfers in text mode, "
-        "and manual edits.",
-    ),
-    Code(
-        "SB222",
-        "error",
-        "dangling reference in geometry",
-        "An entity that defines or places a shape refers to an entity that does not exist or has the wrong type.",
-        "Readers continue without it: a part is missing, open, or placed at the origin, and mass properties are wrong.",
-        "Export or copy the file again.",
+        "damaged STEP file",
+        "A statement violates the grammar of ISO 10303-21, two entities have the same number, or an entity that "
+        "defines or places a shape refers to one that does not exist or has the wrong type.",
+        "Readers skip what they cannot parse: a part is missing, open, or placed at the origin, and mass "
+        "properties are wrong.",
+        "Export or copy the file again. Typical causes are interrupted writes, failing disks, transfers in text "
+        "mode, and manual edits.",
     ),
     Code(
         "SB223",

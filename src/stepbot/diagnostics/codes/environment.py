@@ -117,18 +117,12 @@ CODES = (
     Code(
         "SB013",
         "error",
-        "invalid lock file",
-        "The lock file beside the sidecar is not JSON, or a value in it is missing or of a wrong type. Unresolved merge conflicts are a typical cause.",
+        "unusable lock file",
+        "The lock file beside the sidecar is not JSON, a value in it is missing or of a wrong type, or a newer "
+        "stepbot wrote it. Unresolved merge conflicts are a typical cause.",
         "Without it, changes of the CAD cannot be detected. If stepbot skipped the comparison, the result would look clean.",
-        "Restore it from version control. If the current STEP file is correct, replace it with `stepbot lock`.",
-    ),
-    Code(
-        "SB014",
-        "error",
-        "lock file of a newer version",
-        "The lock file was written by a newer stepbot, in a format version that this one does not support.",
-        "Reading it as an older version could miss changes.",
-        "Upgrade stepbot, or replace the lock file with `stepbot lock`.",
+        "Restore it from version control, or upgrade stepbot. If the current STEP file is correct, replace it "
+        "with `stepbot lock`.",
     ),
     Code(
         "SB015",

@@ -76,37 +76,12 @@ CODES = (
         "If the change is intended, accept it with `stepbot lock`, which updates the lock file.",
     ),
     Code(
-        "SB410",
-        "error",
-        "assembled pose outside joint limits",
-        "The joint position in the assembled pose (as modelled in CAD; `zero`, default 0) is outside the joint limits.",
-        "The assembled pose is the initial pose of the robot. A simulator would push the joint back with a large "
-        "force.",
-        "Correct the limits, or set `zero` to the joint position in the assembled pose.",
-    ),
-    Code(
         "SB411",
         "error",
         "closure does not close",
         "The two sides of a closure do not meet in the assembled pose (as modelled in CAD).",
         "A simulator would pull the loop together with a large force at the start.",
         "Check `zero` of the joints in the loop, and the origin of the closure.",
-    ),
-    Code(
-        "SB412",
-        "error",
-        "kinematic structure is not a tree",
-        "The joints contain a cycle or do not connect all links to one root, or mimic joints refer to each other.",
-        "The formats require a tree of joints, and circular mimic joints have no defined position.",
-        "Declare the joint that closes a loop under `closures`.",
-    ),
-    Code(
-        "SB413",
-        "error",
-        "duplicate name",
-        "Two elements of the robot have the same name.",
-        "The formats require unique names.",
-        "Rename one of them in the sidecar.",
     ),
     Code(
         "SB414",
@@ -124,14 +99,6 @@ CODES = (
         "An axis does not have unit length, or a rotation matrix is not orthonormal.",
         "Engines would scale or shear the links attached to it.",
         "Check the axis in the sidecar. If it is correct, please report a bug.",
-    ),
-    Code(
-        "SB416",
-        "error",
-        "invalid limits",
-        "A lower limit is not below the upper limit, or a velocity or effort limit is negative.",
-        "Depending on the engine, the joint becomes free or locked, or the file is rejected.",
-        "Swap the limits. Use `type: fixed` for a joint that does not move.",
     ),
     Code(
         "SB417",

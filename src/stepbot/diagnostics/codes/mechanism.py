@@ -6,29 +6,13 @@ CODES = (
     Code(
         "SB450",
         "error",
-        "joint connects a link to itself",
-        "Both ends of a joint or closure are the same link.",
-        "The joint has no effect on the motion.",
-        "Correct one of the two names.",
-    ),
-    Code(
-        "SB451",
-        "error",
-        "link has two parents",
-        "Two joints have the same child link.",
-        "Joints form a tree, in which each link has one parent joint. URDF cannot represent anything else, and "
-        "PyBullet crashes on such files.",
-        "If the mechanism is a closed loop, move one of the joints to `closures` and name its links `link_a` and "
-        "`link_b`.",
-    ),
-    Code(
-        "SB452",
-        "error",
-        "cycle in the joint tree",
-        "Following the joints from parent to child leads back to the starting link.",
-        "A tree has a root, but a cycle has none.",
-        "Swap parent and child of one of the joints. If the mechanism is a closed loop, move one of the joints to "
-        "`closures`.",
+        "links and joints are not a tree",
+        "A joint connects a link to itself, a link has two parents, joints form a cycle, the root has a parent, "
+        "or links are not connected to it.",
+        "The formats require a tree of joints, in which each link but the root has one parent joint. PyBullet "
+        "crashes on other files.",
+        "Move the joint that closes a loop to `closures`, with its links as `link_a` and `link_b`, or swap parent "
+        "and child of a joint. Set `root` to the link that is not the child of any joint.",
     ),
     Code(
         "SB453",
@@ -37,14 +21,6 @@ CODES = (
         "More than one link has no parent joint, so the robot has several roots.",
         "A robot is a single tree. Depending on the engine, a disconnected link falls or stays fixed in space.",
         "Add the missing joint (`type: fixed` for a rigid connection), or assign the components to another link.",
-    ),
-    Code(
-        "SB454",
-        "error",
-        "root link has a parent",
-        "`root` names a link that is the child of a joint.",
-        "The root is the top of the joint tree, so all joints lead away from it.",
-        "Set `root` to the link that is not the child of any joint, or swap parent and child of the joints above it.",
     ),
     Code(
         "SB455",
@@ -58,9 +34,9 @@ CODES = (
     Code(
         "SB456",
         "error",
-        "lower limit not below upper limit",
-        "`lower` is greater than or equal to `upper`.",
-        "The range is empty. MuJoCo ignores such limits, and Drake aborts.",
+        "invalid limits",
+        "`lower` is greater than or equal to `upper`, or a limit of velocity or effort is negative.",
+        "The range is empty: depending on the engine, the joint becomes free or locked, or the file is rejected.",
         "Swap the limits. Use `type: fixed` for a joint that does not move.",
     ),
     Code(

@@ -4,58 +4,26 @@ from .code import Code
 
 CODES = (
     Code(
-        "SB101",
-        "error",
-        "sidecar too large",
-        "The file exceeds the size limit of a sidecar, or is not a regular file.",
-        "A sidecar is usually one or two pages of text. A file of several megabytes is probably not a sidecar, and "
-        "would take minutes to parse.",
-        "Check that the path names the sidecar and not the STEP file. Shorten long lists of parts with a glob, such "
-        'as `"**/M3x8*"`, or with `rest: true`.',
-    ),
-    Code(
         "SB102",
         "error",
-        "sidecar is not UTF-8",
-        "The file contains invalid UTF-8 or control characters.",
-        "Part names would be decoded incorrectly and would not match the STEP file.",
-        "Save the file as UTF-8. Some editors on Windows save as UTF-16 or in a legacy code page.",
-    ),
-    Code(
-        "SB103",
-        "error",
-        "empty sidecar",
-        "The file contains only whitespace and comments.",
-        "A robot needs at least one link.",
-        "Write a sidecar; `stepbot docs sidecar` starts with a minimal example. Check that the editor saved the file.",
+        "sidecar cannot be read",
+        "The file is empty, larger than a sidecar can be, not UTF-8 text, or not a single YAML mapping.",
+        "A sidecar is one mapping that starts with `version: 1`, in UTF-8: names of parts would not match the "
+        "STEP file otherwise.",
+        "Check that the path names the sidecar and not the STEP file, and that the editor saved it, as UTF-8. "
+        "Write `key: value` lines without indentation, without `---` separators. Shorten long lists of parts with "
+        "a glob, or with `rest: true`. `stepbot docs sidecar` starts with a minimal example.",
     ),
     Code(
         "SB104",
         "error",
         "invalid YAML syntax",
-        "The text is not valid YAML at this position. Typical causes are an unclosed bracket or quote, inconsistent "
-        "indentation, and an unquoted colon.",
-        "The parser cannot recover the structure after a syntax error. stepbot skips the enclosing top-level section "
-        "and checks the rest.",
-        "Check the marked position and the line above it. Quote text that contains `: ` or ` #`, or that starts with "
-        "one of `{}[]&*!|>%@`.",
-    ),
-    Code(
-        "SB105",
-        "error",
-        "tab in indentation",
-        "A line is indented with a tab, or has a tab after a colon, a comma or a dash.",
-        "YAML forbids tabs in indentation, and parsers treat tabs elsewhere in a line differently.",
-        "Indent with two spaces per level. Most editors can convert tabs to spaces for .yaml files.",
-    ),
-    Code(
-        "SB106",
-        "error",
-        "undefined alias or unquoted path",
-        "An unquoted value starts with `*`, which is the YAML syntax for an alias, and no anchor of that name is "
-        "defined.",
-        "A glob such as `**/M3x8*` starts with the same character.",
-        'Quote the path: `"**/M3x8*"`. For an alias, define the anchor `&name` before the alias.',
+        "The text is not valid YAML at this position. Typical causes are an unclosed bracket or quote, "
+        "inconsistent indentation, a tab, an unquoted colon, and a path that starts with `*`, as an alias does.",
+        "The parser cannot recover the structure after a syntax error. stepbot skips the enclosing top-level "
+        "section and checks the rest.",
+        'Check the marked position and the line above it. Indent with two spaces. Quote paths (`"**/M3x8*"`), and '
+        "text that contains `: ` or ` #` or starts with one of `{}[]&*!|>%@`.",
     ),
     Code(
         "SB107",
@@ -66,46 +34,17 @@ CODES = (
         "Remove or rename one of the keys. The message gives the position of both.",
     ),
     Code(
-        "SB108",
-        "error",
-        "nesting or size limit exceeded",
-        "The document is nested too deeply or has too many values after alias expansion, an anchor contains itself, "
-        "or there are too many errors to list.",
-        "A few lines of nested aliases can expand to billions of values.",
-        "Use anchors for repeated settings, not for structures that contain each other.",
-    ),
-    Code(
-        "SB109",
-        "error",
-        "top level is not a single mapping",
-        "The file is a list or a scalar, or contains several YAML documents.",
-        "A sidecar is a single mapping that starts with `version: 1`.",
-        "Write `key: value` lines without indentation, and remove `---` separators. Each file describes one robot.",
-    ),
-    Code(
         "SB110",
         "error",
-        "unsupported YAML feature",
-        "The file uses a tag such as `!include`, a directive such as `%YAML 1.1`, or a list or mapping as a key.",
-        "A sidecar is limited to plain YAML 1.2 data, so that every parser reads the same values.",
-        "Write the value directly. Quote it if it is text.",
-    ),
-    Code(
-        "SB111",
-        "error",
-        "invalid merge key",
-        "The value of a merge key `<<` is not a mapping, an alias of a mapping, or a list of these.",
-        "Only mappings can be merged.",
-        "Refer to an anchor on a mapping: `<<: *motor`.",
-    ),
-    Code(
-        "SB112",
-        "error",
-        "missing value",
-        "A key or a list item has no value.",
-        "The value may have been forgotten, or may have been read as a comment: an unquoted colour such as `#e0e0e0` "
-        "is a comment in YAML.",
-        "Add a value, quote it, write `{}` for an empty mapping, or remove the key.",
+        "YAML that a sidecar may not contain",
+        "The file uses a tag such as `!include`, a directive, a list or a mapping as a key, or a merge key of "
+        "something other than mappings; a value is missing; or it is nested too deeply or too large after alias "
+        "expansion.",
+        "A sidecar is limited to plain YAML 1.2 data, so that every parser reads the same values. A value that "
+        "begins with `#`, such as a colour, is a comment in YAML, and a few lines of nested aliases can expand to "
+        "billions of values.",
+        "Write the value directly, and quote it if it is text. Write `{}` for an empty mapping. Merge an anchor "
+        "on a mapping: `<<: *motor`.",
     ),
     Code(
         "SB120",

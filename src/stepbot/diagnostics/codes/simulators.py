@@ -30,44 +30,12 @@ CODES: tuple[Code, ...] = (
     Code(
         "SB803",
         "error",
-        "link or joint mismatch",
-        "The links or joints reported by an engine differ from the expected ones: in name, type, parent or base.",
+        "file describes another robot",
+        "What an engine reports of the file differs from what is expected, in the quantity that the message "
+        "names: links, joints, limits, masses, poses, dynamics, meshes, actuators, sensors, the initial pose, or "
+        "text of two files of one format.",
         _WHY,
         _OURS,
-    ),
-    Code(
-        "SB804",
-        "error",
-        "joint property mismatch",
-        "The axis, limits, damping, friction or mimic relation of a joint differs from the expected value.",
-        _WHY,
-        _OURS,
-    ),
-    Code(
-        "SB805",
-        "error",
-        "mass property mismatch",
-        "The mass, centre of mass or inertia of a link differs from the expected value.",
-        _WHY,
-        _OURS,
-    ),
-    Code(
-        "SB806",
-        "error",
-        "pose mismatch",
-        "The pose of a link or frame differs from the expected pose in some joint configuration.",
-        _WHY,
-        _OURS,
-    ),
-    Code(
-        "SB807",
-        "error",
-        "dynamics mismatch",
-        "The mass matrix or the gravity forces computed by an engine differ from those of the robot, or the file "
-        "changes gravity or disables it for a link: `gravity` and `gravcomp` in MJCF, `<gravity>` in SDFormat, "
-        "`<turnGravityOff>` in URDF.",
-        "Controllers tuned on this file are tuned for a different robot.",
-        "If masses and poses agree, the engine changes them when it loads the file. " + _OURS,
     ),
     Code(
         "SB808",
@@ -76,14 +44,6 @@ CODES: tuple[Code, ...] = (
         "A closure is missing or misplaced, or opens when the mechanism moves.",
         "The mechanism moves differently, or not at all.",
         _OURS,
-    ),
-    Code(
-        "SB809",
-        "error",
-        "mesh mismatch",
-        "A mesh is missing, or the bounding box of the loaded mesh differs from the expected one.",
-        "Display and collision geometry are wrong. A unit, scale or path may be wrong.",
-        "Keep the `meshes` folder next to the file. " + _OURS,
     ),
     Code(
         "SB810",
@@ -138,15 +98,6 @@ CODES: tuple[Code, ...] = (
         "Install an engine for the format: `pip install mujoco`, `pip install pybullet`.",
     ),
     Code(
-        "SB816",
-        "error",
-        "actuator, sensor, initial pose or setting mismatch",
-        "An actuator, a sensor or the initial pose in the file differs from the expected one, or so does the text of two files of "
-        "one format where no engine reports its meaning.",
-        "Controllers act on a different robot, or start from a different pose.",
-        _OURS,
-    ),
-    Code(
         "SB817",
         "warning",
         "self-collision not checked",
@@ -177,28 +128,13 @@ CODES: tuple[Code, ...] = (
     Code(
         "SB820",
         "error",
-        "XML entities in a robot description",
-        "The file, or a file that it includes, declares XML entities in its DOCTYPE.",
-        "Engines handle entities differently: some leave them unexpanded, and some expand them, possibly to gigabytes. The "
-        "engines would read different robots.",
-        "Replace each entity by its text, and remove the DOCTYPE.",
-    ),
-    Code(
-        "SB821",
-        "error",
-        "include from outside the folder",
-        "The MJCF includes a file that is not in its folder or a subfolder.",
-        "Engines read any included path, so an untrusted file could expose any file on this machine.",
-        "Copy the included file next to the file that includes it, or write a file in a common parent folder that "
-        "includes both.",
-    ),
-    Code(
-        "SB822",
-        "error",
-        "reference to a special file",
-        "The file refers to a pipe, a device or a socket as an include, a mesh or a texture.",
-        "An engine that opens it blocks until the time limit, or reads endlessly.",
-        "Refer to a regular file.",
+        "unsafe robot description",
+        "The file, or one that it includes, declares XML entities, includes a file from outside its folder, or "
+        "refers to a pipe, a device or a socket.",
+        "Engines expand entities differently, possibly to gigabytes, read any included path, so that a foreign "
+        "file could expose any file of this machine, and block on special files.",
+        "Replace each entity by its text, and remove the DOCTYPE. Copy included files next to the file that "
+        "includes them. Refer to regular files.",
     ),
     Code(
         "SB823",
@@ -230,18 +166,14 @@ CODES: tuple[Code, ...] = (
         "SB830",
         "error",
         "drive test failed",
-        "A robot driven in an engine by `stepbot drive` exceeds a limit of one of the tests.",
-        "The files describe the robot of the CAD, but it does not do its work in a simulation: it overshoots, drops what it grips, or opens its loops.",
-        "The help names the usual remedy, the note the reason of the limit. `--plots DIR` draws the curves of each test. "
-        "A limit of one robot is set with `--limits FILE`.",
-    ),
-    Code(
-        "SB831",
-        "error",
-        "simulation diverged in a drive test",
-        "A position or speed became infinite or not a number, or the engine reported an instability, while the robot was driven.",
-        "A controller, a learning run or a visualization ends in the same way.",
-        "Look for links that are lighter than their neighbours by orders of magnitude, for gains too large for the time step, and for missing armature.",
+        "A robot driven in an engine by `stepbot drive` exceeds a limit of one of the tests, or the simulation "
+        "diverged.",
+        "The files describe the robot of the CAD, but it does not do its work in a simulation: it overshoots, "
+        "drops what it grips, opens its loops, or flies apart.",
+        "The help names the usual remedy, the note the reason of the limit. `--plots DIR` draws the curves of "
+        "each test. A limit of one robot is set with `--limits FILE`. After a divergence, look for links that are "
+        "lighter than their neighbours by orders of magnitude, for gains too large for the time step, and for "
+        "missing armature.",
     ),
     Code(
         "SB832",

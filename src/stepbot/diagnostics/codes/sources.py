@@ -14,21 +14,13 @@ CODES: tuple[Code, ...] = (
     Code(
         "SB861",
         "error",
-        "mesh of the source not readable",
-        "A mesh that a URDF, SDFormat or MJCF names does not exist, or its type or content cannot be read.",
-        "A link would lose its shape: in a conversion, a comparison, a drive test, or the search for self-collisions.",
-        "Put the mesh where the file names it, name the folder of its package with `--package-path`, or convert it to STL, "
-        "OBJ, PLY, Collada or glTF.",
-    ),
-    Code(
-        "SB862",
-        "error",
-        "unsupported joint or closure in the source",
-        "A joint, mimic or closure of the converted file is of a type that stepbot's model does not have, or does not belong to "
-        "one tree of links.",
-        "The robot would move differently.",
-        "Express it by supported joints: fixed, revolute, continuous, prismatic, ball, universal, cylindrical, screw, planar, "
-        "floating; closures: fixed, revolute, prismatic, ball.",
+        "part of the source cannot be converted",
+        "A mesh that a URDF, SDFormat or MJCF names cannot be found or read; or a joint, mimic or closure is of a "
+        "type that stepbot's model does not have, or does not belong to one tree of links.",
+        "A link would lose its shape, or the robot would move differently.",
+        "Put the mesh where the file names it, name the folder of its package with `--package-path`, or convert "
+        "it to STL, OBJ, PLY, Collada or glTF. Express motion by the types of joints and closures in `stepbot "
+        "docs sidecar`.",
     ),
     Code(
         "SB863",

@@ -146,7 +146,7 @@ def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) ->
         session: The reader's work session.
         path: The file.
         place: Name of the file in diagnostics.
-        found: Receives SB221 and SB222, which are errors, and SB223.
+        found: Receives SB221, which is an error, and SB223.
     """
     model = session.Model()
     check = model.GlobalCheck(True)
@@ -157,7 +157,7 @@ def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) ->
     essential = [fault for fault in lacking if fault.is_essential]
     others = [fault for fault in lacking if not fault.is_essential]
     _report("SB221", "the file has syntax errors", broken, place, found)
-    _report("SB222", "entities of shapes or placements are missing", essential, place, found)
+    _report("SB221", "entities of shapes or placements are missing", essential, place, found)
     _report("SB223", "entities unrelated to shapes were not read", others, place, found)
     return not (broken or essential)
 

@@ -150,7 +150,7 @@ def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 
     end_mark = data.rfind(_END, section.end() if section else start.end())
     if section is None or end_mark < 0 or data.find(b";", end_mark) < 0:
         end = Span(place, line_of(data, len(data)), 1)
-        found.add("SB204", "unexpected end of file", end, help=["export or copy it again"])
+        found.add("SB201", "unexpected end of file", end, help=["export or copy it again"])
         return None
     encoding = check_encoding(data, declared, place, found)
     if encoding is None:
@@ -158,11 +158,11 @@ def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 
     header = _read_header(bytes(data[start.end() : min(section.start(), start.end() + _HEADER_LIMIT)]), encoding)
     if header.schema.startswith("IFC"):
         message = f"is a building model ({header.schema}), not a product"
-        found.add("SB208", message, Span(place), help=["export the assembly as STEP AP214 or AP242"])
+        found.add("SB201", message, Span(place), help=["export the assembly as STEP AP214 or AP242"])
         return None
     if _FIRST_ENTITY.search(data, section.end()) is None:
         span = Span(place, line_of(data, section.start()), 1)
-        found.add("SB202", "the DATA section is empty", span, help=["export the assembly again"])
+        found.add("SB201", "the DATA section is empty", span, help=["export the assembly again"])
         return None
     references = external_references(data, encoding)
     if not _has_geometry(data, section.end(), references, place, found):
@@ -184,7 +184,7 @@ def _end_of_comments(data: bytes) -> int:
 
 def _report_not_step(beginning: bytes, place: str, found: Diagnostics) -> None:
     if not beginning.strip(b"\0 \t\r\n"):
-        found.add("SB202", "the file is empty", Span(place), help=["export the assembly again"])
+        found.add("SB201", "the file is empty", Span(place), help=["export the assembly again"])
         return
     kind, remedy = next(
         ((kind, remedy) for magic, kind, remedy in _OTHER_FILES if beginning.startswith(magic)),

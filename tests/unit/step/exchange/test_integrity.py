@@ -44,7 +44,7 @@ def test_something_a_shape_is_made_of_is_missing(keyword: str, text: str, tmp_pa
     dropped = first(keyword, text)
     damaged = text.replace(dropped[0], "")
     (fault,) = complaints(damaged, tmp_path)
-    assert fault.code == "SB222"
+    assert fault.code == "SB221"
     assert fault.help
     user = re.search(rf"^#(\d+)=[^;]*?#{dropped[1]}\b", damaged, re.MULTILINE | re.DOTALL)
     assert user is not None
@@ -58,7 +58,7 @@ def test_a_reference_to_the_wrong_kind(text: str, tmp_path: Path) -> None:
     damaged = re.sub(rf"(ADVANCED_FACE\([^;]*?)#{plane[1]}\b", rf"\g<1>#{point[1]}", text, count=1)
     assert damaged != text
     (fault,) = complaints(damaged, tmp_path)
-    assert fault.code == "SB222"
+    assert fault.code == "SB221"
     assert "ADVANCED_FACE" in fault.notes[0]
     assert "has the wrong type" in fault.notes[0]
 

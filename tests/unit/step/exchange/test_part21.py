@@ -59,8 +59,8 @@ def test_schemas(schema: str, name: str, tmp_path: Path, found: ReadDiagnostics)
 @pytest.mark.parametrize(
     ("content", "code", "word", "line"),
     [
-        (b"", "SB202", "empty", 0),
-        (b"\0\0\0\0", "SB202", "empty", 0),
+        (b"", "SB201", "empty", 0),
+        (b"\0\0\0\0", "SB201", "empty", 0),
         (b"# a readme\n", "SB201", "not a STEP file", 1),
         (b"PK\x03\x04 and more", "SB232", "zip", 0),
         (b"version https://git-lfs.github.com/spec/v1\n", "SB201", "Git LFS", 1),
@@ -70,10 +70,10 @@ def test_schemas(schema: str, name: str, tmp_path: Path, found: ReadDiagnostics)
         (b"<mujoco/>", "SB201", "a robot description (MJCF)", 1),
         (b"<?xml version='1.0'?><robotics>", "SB201", "is XML", 1),
         (b"S".rjust(73) + b"      1\n" + b"x" * 90, "SB201", "IGES", 1),
-        (HEADER.encode() + b"DATA;\nENDSEC;\nEND-ISO-10303-21;\n", "SB202", "DATA section is empty", 9),
-        (HEADER.encode() + DATA.encode()[:30], "SB204", "unexpected end of file", 10),
-        (HEADER.encode()[:60], "SB204", "unexpected end of file", 3),
-        (HEADER.replace("AUTOMOTIVE_DESIGN", "IFC4").encode() + DATA.encode(), "SB208", "building", 0),
+        (HEADER.encode() + b"DATA;\nENDSEC;\nEND-ISO-10303-21;\n", "SB201", "DATA section is empty", 9),
+        (HEADER.encode() + DATA.encode()[:30], "SB201", "unexpected end of file", 10),
+        (HEADER.encode()[:60], "SB201", "unexpected end of file", 3),
+        (HEADER.replace("AUTOMOTIVE_DESIGN", "IFC4").encode() + DATA.encode(), "SB201", "building", 0),
         (HEADER.encode() + DATA.encode().replace(b"ADVANCED_FACE", b"DIRECTION"), "SB206", "no geometry", 0),
     ],
 )
