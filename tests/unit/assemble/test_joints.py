@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from stepbot.assemble.bound import bind
 from stepbot.assemble.joints import tree_order
 from stepbot.geometry.spatial import Pose, rotation_about
 from stepbot.robot.kinematics import link_poses
@@ -184,6 +185,25 @@ def test_a_closure_binds_as_drawn(zero: float, tmp_path: Path, found: ReadDiagno
         np.testing.assert_allclose(a.p, b.p, atol=1e-12)
     check_robot(robot, found)
     assert not list(found)
+
+
+def test_places_of_joints_and_closures_are_known_without_a_robot(tmp_path: Path) -> None:
+    """Every joint and closure whose mate is found has its point and axis; others are omitted."""
+    shop, text = _four_bar_shop(0.7)
+    measures = shop.measures
+    placed = bind(shop.assembly, sidecar(tmp_path, text), measures).joints
+    assert [(one.name, one.is_closure, one.parent, one.child) for one in placed] == [
+        ("a", False, "ground", "crank"),
+        ("b", False, "crank", "coupler"),
+        ("d", False, "ground", "rocker"),
+        ("c", True, "coupler", "rocker"),
+    ]
+    for one, corner in zip(placed, ((0, 0, 0), (0, 0.1, 0), (0.2, 0, 0), (0.2, 0.1, 0)), strict=True):
+        np.testing.assert_allclose(one.origin, corner, atol=1e-12)
+        np.testing.assert_allclose(np.abs(one.axis), (0, 0, 1), atol=1e-12)
+    unbound = text.replace("link_b: rocker", "link_b: rocker, origin: {mate: [coupler, ground]}")
+    unbound = unbound.replace("child: crank,", "child: crank, origin: {mate: [ground, coupler]},")
+    assert [one.name for one in bind(shop.assembly, sidecar(tmp_path, unbound), measures).joints] == ["b", "d"]
 
 
 def test_joints_of_every_kind_are_built(tmp_path: Path, found: ReadDiagnostics) -> None:

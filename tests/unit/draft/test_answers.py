@@ -8,6 +8,7 @@ import pytest
 
 from stepbot.draft.answers import Facts, known_fixed, known_joint, rerooted
 from stepbot.draft.draft import Alternative, Confidence, Draft, DraftLimits, DraftLink, OriginForm, OriginSnippet
+from stepbot.geometry.spatial import Vector3
 from stepbot.robot.kinematics import link_poses
 from stepbot.robot.model import JointKind
 from tests.unit.assemble.workshop import Workshop, at
@@ -16,7 +17,7 @@ from tests.unit.draft.test_sidecar_text import HINGE, built
 ARMS = ("base", "arm", "hand", "lamp")
 
 
-def chain(elbow: JointKind = JointKind.REVOLUTE) -> Draft:
+def chain(elbow: JointKind = JointKind.REVOLUTE, axes: tuple[str | Vector3, str | Vector3] = ("x", "y")) -> Draft:
     """A base with an arm with a hand, and a lamp on the base."""
     links = tuple(DraftLink(name, (name,), Confidence(1.0)) for name in ARMS)
     joints = [
@@ -26,8 +27,8 @@ def chain(elbow: JointKind = JointKind.REVOLUTE) -> Draft:
             type=elbow if child == "arm" else JointKind.REVOLUTE,
             parent=parent,
             child=child,
-            axis="x",
-            axis2="y",
+            axis=axes[0],
+            axis2=axes[1],
             origin=OriginSnippet(OriginForm.XYZ, xyz=(0.01 * i, 0.0, 0.02)),
             limits=None if child == "arm" and elbow is JointKind.UNIVERSAL else DraftLimits(-1.0, 1.5, ""),
         )
@@ -44,10 +45,17 @@ def shop() -> Workshop:
     return made
 
 
+OBLIQUE = ((2 / 3, -1 / 3, 2 / 3), (1 / 3, -2 / 3, -2 / 3))
+"""Two axes at right angles, along no axis of the assembly."""
+
+
+@pytest.mark.parametrize("axes", [("x", "y"), ("-z", "y"), OBLIQUE], ids=["words", "minus", "numbers"])
 @pytest.mark.parametrize("elbow", [JointKind.REVOLUTE, JointKind.UNIVERSAL])
-def test_another_root_leaves_the_motion_as_it_was(elbow: JointKind, tmp_path: Path) -> None:
+def test_another_root_leaves_the_motion_as_it_was(
+    elbow: JointKind, axes: tuple[str | Vector3, str | Vector3], tmp_path: Path
+) -> None:
     """From another root, the same joint positions give the same relative poses of the links."""
-    draft = chain(elbow)
+    draft = chain(elbow, axes)
     before, _ = built(draft, tmp_path, shop())
     after, _ = built(rerooted(draft, "hand"), tmp_path, shop())
     assert [link.name for link in after.links] == ["hand", "arm", "base", "lamp"]

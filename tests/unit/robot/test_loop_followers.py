@@ -106,6 +106,15 @@ def test_actuated_joints_and_trees_have_no_followers() -> None:
     assert loop_followers(ROBOTS["two_link_arm"]()) == ()
 
 
+def test_followers_of_a_mechanism_with_two_drives() -> None:
+    """A tool that turns on the coupler is driven as well: the lines of the others hold while it moves."""
+    robot = parallelogram()
+    tool = Workshop().link("tool", [((0.1, 0.01, 0.01), at())])
+    turn = Joint("spin", JointKind.REVOLUTE, "bar", "tool", at(x=0.1), limit=LIMIT)
+    whole = replace(robot, links=(*robot.links, tool), joints=(*robot.joints, turn))
+    assert {one.joint: one.mimic.multiplier for one in loop_followers(whole)} == {"knuckle": -1.0, "swing": 1.0}
+
+
 @pytest.mark.parametrize("longer", [0.0, 2e-4])
 @pytest.mark.parametrize("engine", ["yourdfpy", "pinocchio", "pybullet", "mujoco"])
 def test_engines_read_the_urdf_of_a_parallelogram(engine: str, longer: float, tmp_path: Path) -> None:
