@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.engines import Engine
 from stepbot.runtime.temporary import run_folder
 from tests import parts
 from tests.command_line import COMMAND, convert_once, environment, snapshot
@@ -24,6 +25,7 @@ from .conftest import Run, Stepbot
 pytestmark = pytest.mark.usefixtures("without_cache")
 
 SIDECAR, STEP = "arm2.robot.yaml", "arm2.step"
+CRASH = "tests.unit.runtime.isolated_functions:crash"
 PROCESSES = Path("/proc")
 ON_LINUX = pytest.mark.skipif(not (PROCESSES / "self" / "task").is_dir(), reason="needs /proc to find the worker")
 
@@ -281,14 +283,6 @@ def command_of(pid: int) -> bytes:
         return b""
 
 
-def name_of(pid: int) -> str:
-    """The name of a process; empty if it has ended."""
-    try:
-        return (PROCESSES / str(pid) / "comm").read_text(encoding="utf-8").strip()
-    except OSError:
-        return ""
-
-
 def is_running(pid: int) -> bool:
     """Whether a process runs and is not a zombie."""
     try:
@@ -326,12 +320,6 @@ def start(desk: Desk, *options: str) -> "Iterator[subprocess.Popen[bytes]]":
 def kernels(command: "subprocess.Popen[bytes]") -> list[int]:
     """The kernel processes below a command."""
     return [pid for pid in children(command.pid) if b"stepbot.step.worker" in command_of(pid)]
-
-
-def engines(command: "subprocess.Popen[bytes]", name: str) -> list[int]:
-    """The engine processes below a command; the fork server names each after its engine."""
-    below = [pid for server in children(command.pid) for pid in children(server)]
-    return [pid for pid in below if name_of(pid) == name]
 
 
 @ON_LINUX
@@ -385,18 +373,20 @@ def test_body_that_kills_the_kernel(desk: Desk) -> None:
     assert body["mesh"]["mass"] == pytest.approx(whole["exact"]["mass"], rel=1e-3)
 
 
-@ON_LINUX
 @pytest.mark.mujoco
-def test_engine_that_dies(desk: Desk) -> None:
+def test_engine_that_dies(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     """After an engine dies, the output goes to a separate folder; the message names file and engine."""
+    observed = Engine.observe_function.fget
+    assert observed is not None
+    crashing = property(lambda engine: CRASH if engine.name == "mujoco" else observed(engine))
+    monkeypatch.setattr(Engine, "observe_function", crashing)
     before = snapshot(desk.folder)
-    with start(desk) as command:
-        os.kill(wait_for(lambda: engines(command, "mujoco.observer"), command)[0], signal.SIGKILL)
-        out, err = command.communicate(timeout=120)
-    assert command.returncode == 1, err.decode()
-    assert b"Traceback" not in err
-    assert re.search(rb"^arm2\.(urdf|xml): error\[SB802\]: mujoco: killed by SIGKILL", err, re.MULTILINE)
-    assert re.search(rb"NOT PROVEN: (URDF|MJCF) differs from the CAD in MuJoCo", out)
+    run = desk.stepbot("convert", SIDECAR, "-o", "out")
+    assert run.code == 1, run.err
+    assert "Traceback" not in run.err
+    for suffix in ("urdf", "xml"):
+        assert f"arm2.{suffix}: error[SB802]: mujoco: killed by SIGSEGV" in run.err
+    assert re.search(r"NOT PROVEN: (URDF|MJCF) differs from the CAD in MuJoCo", run.out)
     after = snapshot(desk.folder)
     assert {name: after[name] for name in before} == before
     written = {name for name in after if name not in before}

@@ -17,6 +17,21 @@ from tests.command_line import LONGEST, convert_once
 pytestmark = pytest.mark.usefixtures("without_cache")
 
 ARM = ("arm2.robot.yaml", "arm2.step")
+PROGRAMS = (
+    "gz",
+    "ign",
+    "sh",
+    "python",
+    "python3",
+    Path(sys.executable).name,
+    "ldconfig",
+    "uname",
+    "gcc",
+    "cc",
+    "lscpu",
+)
+"""Names that stepbot, Python and packages look for when they are imported."""
+RUNS_PROGRAMS = (sys.executable, "-P", "-c")
 INSTALLED = (sys.executable, "-P", "-m", "stepbot_cli")
 """The start of the installed command: its own folder is first on the path."""
 
@@ -76,6 +91,26 @@ class Trap:
         assert run.returncode == 0, run.stderr
         return run.stdout
 
+    def set_programs(self, entry: str) -> str:
+        """Write programs that record that they ran; returns a PATH on which this folder is first, as ``entry``."""
+        for name in PROGRAMS:
+            (self.folder / name).write_text(f"#!/bin/sh\necho {name} >> {self.marker}\necho 12.0\n")
+            (self.folder / name).chmod(0o755)
+        path = f"{entry}{os.pathsep}{os.environ['PATH']}"
+        unprotected = [*RUNS_PROGRAMS, "import subprocess; subprocess.run(['gz', 'sdf', '--versions'])"]
+        subprocess.run(unprotected, cwd=self.folder, env={**os.environ, "PATH": path}, check=True)
+        assert self.marker.read_text().split() == ["gz"], "the programs are found by whoever does not look out"
+        self.marker.unlink()
+        return path
+
+    def assert_as_without_programs(self, folder: str) -> None:
+        """Assert that libsdformat has checked a robot's files only if the system has it."""
+        report = json.loads((self.folder / folder / "report.json").read_text(encoding="utf-8"))
+        checks = [check for check in report["checks"] if check["engine"] == "libsdformat"]
+        gazebo = any(find_program(name) for name in ("gz", "ign"))
+        is_old = any("the file has version" in check["why"] for check in checks)  # it runs, and does not read this one
+        assert {check["status"] for check in checks} == ({"passed"} if gazebo and not is_old else {"not run"})
+
     def robot_files(self, folder: str) -> dict[str, bytes]:
         """The files of the robot without the report, which has times."""
         found = (self.folder / folder).rglob("*")
@@ -87,16 +122,19 @@ class Trap:
 def test_no_command_imports_from_the_current_folder(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
-    """No command, worker or server imports a file of the folder, and the output is that of another folder."""
+    """No command, worker or server imports a file of the folder, and the output is that of another folder.
+
+    No program of the folder runs, even first in PATH: `gz` and `ign` are found in absolute entries only.
+    """
     trap = Trap(tmp_path, robot_library, set())
-    trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "out")
+    path = "" if os.name == "nt" else trap.set_programs("")
+    trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "out", **({"PATH": path} if path else {}))
     elsewhere = convert_once(tmp_path_factory, "stepbot_arm2", robot_library / "stepbot_arm2" / "arm2.robot.yaml")
     clean = {path.name: path.read_bytes() for path in elsewhere.folder.iterdir() if path.suffix in (".urdf", ".xml")}
     written = trap.robot_files("out")
     assert clean
     assert {name: written[name] for name in clean} == clean
-    trap.run(INSTALLED, "batch", "-j", "2", "-o", "many", "--no-verify", "arm2.robot.yaml")
-    assert trap.robot_files("many/arm2") == written
+    trap.assert_as_without_programs("out")
     assert json.loads(trap.run(INSTALLED, "formats", "--json"))
 
 
@@ -111,6 +149,7 @@ def test_no_further_command_imports_from_the_current_folder(tmp_path: Path, robo
     trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "converted", "--no-verify")
     trap.run(INSTALLED, "uptodate", "-o", "converted", "arm2.robot.yaml")
     trap.run(INSTALLED, "batch", "-j", "2", "-o", "many", "arm2.robot.yaml")
+    assert trap.robot_files("many/arm2") == trap.robot_files("out")
 
 
 @pytest.mark.long  # tests/unit/runtime/test_import_path.py removes the entries in a new interpreter
@@ -135,44 +174,13 @@ def test_no_import_from_the_current_folder_where_python_begins_with_it(
     assert (trap.folder / "out" / "arm2.urdf").is_file()
 
 
-PROGRAMS = (
-    "gz",
-    "ign",
-    "sh",
-    "python",
-    "python3",
-    Path(sys.executable).name,
-    "ldconfig",
-    "uname",
-    "gcc",
-    "cc",
-    "lscpu",
-)
-"""Names that stepbot, Python and packages look for when they are imported."""
-RUNS_PROGRAMS = (sys.executable, "-P", "-c")
-
-
-@pytest.mark.slow
+@pytest.mark.long  # the first test has an empty entry in PATH
 @pytest.mark.skipif(os.name == "nt", reason="the program is a script of a Unix shell here")
-@pytest.mark.parametrize(
-    "path", [pytest.param("", id="empty entry"), pytest.param(".", id="relative entry", marks=pytest.mark.long)]
-)
-def test_no_program_of_the_current_folder_is_run(path: str, tmp_path: Path, robot_library: Path) -> None:
-    """No program of the current folder runs, even first in PATH: `gz` and `ign` are found in absolute entries only."""
+@pytest.mark.parametrize("entry", [pytest.param("", id="empty entry"), pytest.param(".", id="relative entry")])
+def test_no_program_of_the_current_folder_is_run(entry: str, tmp_path: Path, robot_library: Path) -> None:
+    """No program of the current folder runs where it is first in PATH by another spelling, also for `verify`."""
     trap = Trap(tmp_path, robot_library, module_names())
-    for name in PROGRAMS:
-        (trap.folder / name).write_text(f"#!/bin/sh\necho {name} >> {trap.marker}\necho 12.0\n")
-        (trap.folder / name).chmod(0o755)
-    path = f"{path}{os.pathsep}{os.environ['PATH']}"
-    unprotected = [*RUNS_PROGRAMS, "import subprocess; subprocess.run(['gz', 'sdf', '--versions'])"]
-    subprocess.run(unprotected, cwd=trap.folder, env={**os.environ, "PATH": path}, check=True)
-    assert trap.marker.read_text().split() == ["gz"], "the programs are found by whoever does not look out"
-    trap.marker.unlink()
+    path = trap.set_programs(entry)
     trap.run(INSTALLED, "convert", "arm2.robot.yaml", "-o", "out", "-f", "sdf", PATH=path)
-    report = json.loads((trap.folder / "out" / "report.json").read_text(encoding="utf-8"))
-    checks = [check for check in report["checks"] if check["engine"] == "libsdformat"]
-    gazebo = any(find_program(name) for name in ("gz", "ign"))
-    is_old = any("the file has version" in check["why"] for check in checks)  # it runs, and does not read this one
-    assert {check["status"] for check in checks} == ({"passed"} if gazebo and not is_old else {"not run"})
+    trap.assert_as_without_programs("out")
     trap.run(INSTALLED, "verify", "out/arm2.sdf", PATH=path)
-    assert not trap.marker.exists()

@@ -78,13 +78,18 @@ class Outcome:
 
 def drawn(count: int, seed: int, root: Path = ROOT) -> list[Change]:
     """Changes drawn at random; the more changes a file has, the more of them are drawn."""
-    found = [
+    found = _all_changes(root)
+    return Random(seed).sample(found, min(count, len(found)))
+
+
+@cache
+def _all_changes(root: Path) -> list[Change]:
+    return [
         change
         for room in ROOMS
         for path in sorted((root / "src" / "stepbot" / room).rglob("*.py"))
         for change in changes(path.relative_to(root).as_posix(), path.read_bytes())
     ]
-    return Random(seed).sample(found, min(count, len(found)))
 
 
 def selected(path: str, root: Path = ROOT) -> list[str]:

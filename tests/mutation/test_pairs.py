@@ -29,7 +29,7 @@ def _missed(seed: int, folder: Path, count: int) -> list[str]:
 
 @given(seed=st.integers(0, 2**32))
 @settings(
-    max_examples=2,
+    max_examples=1,
     deadline=None,
     phases=[Phase.generate],
     suppress_health_check=[HealthCheck.function_scoped_fixture],

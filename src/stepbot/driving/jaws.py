@@ -15,7 +15,7 @@ import numpy as np
 
 from stepbot.engines.mujoco.simulation import MujocoSimulation
 from stepbot.engines.simulation import Cube, Mechanism, Setup
-from stepbot.geometry.spatial import Array, Pose, unit
+from stepbot.geometry.spatial import Array, Pose, rotated, unit
 from stepbot.robot.model import Base
 
 from .grasping import FACE, SHORTEST_STROKE, WIDEST, Grasp, overlap, path_of
@@ -154,10 +154,14 @@ class _Hand:
             points = self._swept(self._path).reshape(-1, 3)
             self._low, self._high = points.min(axis=0), points.max(axis=0)
             self._X_HJ = [self._placed(q) for q in self._path]
+            self._X_JH = [X_HJ.inverse() for X_HJ in self._X_HJ]
             box = np.array(list(product(*zip(self._low, self._high, strict=True))))
-            seen = np.array([X_HJ.inverse().apply(box) for X_HJ in self._X_HJ])
+            seen = np.array([X_JH.apply(box) for X_JH in self._X_JH])
             self._step = float(np.linalg.norm(np.diff(seen, axis=0), axis=2).max()) + 1e-9
             self._X_WH, self._X_WJ = (self._simulation.pose(link) for link in (fingers.hand, self._jaw))
+            self._X_HW, self._X_JW = self._X_WH.inverse(), self._X_WJ.inverse()
+            self._R_HJ = np.array([X_HJ.R for X_HJ in self._X_HJ])
+            self._p_HJ = np.array([X_HJ.p for X_HJ in self._X_HJ])
 
     def stands(self) -> bool:
         """Whether the jaw of a floating robot is its foot: at home it is as low as the robot."""
@@ -182,13 +186,13 @@ class _Hand:
     def _to_hand(self, p_H: Array, most: float) -> tuple[float, Array]:
         """Distance [m] of a point in the hand to the hand's shapes, and the nearest point (3,) in the hand."""
         distance, near = self._simulation.nearest(self._X_WH.apply(p_H), self._fixed, most)
-        return distance, self._X_WH.inverse().apply(near)
+        return distance, self._X_HW.apply(near)
 
     def _to_jaw(self, p_H: Array, at: int, most: float) -> tuple[float, Array]:
         """Distance [m] of a point in the hand to the jaw at a position, and the nearest point (3,) in the jaw."""
-        p_W = self._X_WJ.apply(self._X_HJ[at].inverse().apply(p_H))
+        p_W = self._X_WJ.apply(self._X_JH[at].apply(p_H))
         distance, near = self._simulation.nearest(p_W, self._moving, most)
-        return distance, self._X_WJ.inverse().apply(near)
+        return distance, self._X_JW.apply(near)
 
     def balls(self, around: Array | None = None) -> Iterator[_Ball]:
         """Balls that touch the hand and that the jaw comes to, in the space that it sweeps, or finer around a point."""
@@ -210,7 +214,7 @@ class _Hand:
             if at == order[0] or distance <= 0.5 * radius:  # in the way from the start, or leapt over
                 continue
             p_J = self._to_jaw(centre, at, _FAR)[1]
-            ways = np.linalg.norm([self._X_HJ[i].apply(p_J) - touched for i in order], axis=1)
+            ways = np.linalg.norm(rotated(self._R_HJ, p_J) + self._p_HJ - touched, axis=1)[:: order.step]
             inwards = unit(self._X_HJ[at].apply(p_J) - centre)
             wedge = degrees(acos(min(1.0, max(-1.0, float((inwards * outwards).sum())))))
             narrowest = float(ways[order.index(at) :].min())
@@ -234,8 +238,8 @@ class _Hand:
     def _place(self, ball: _Ball) -> _Place:
         X_HC, half = self._cube_pose(ball), 0.5 * ball.edge
         grid = [(y * ball.edge, z * ball.edge) for y, z in product(_SAMPLES, _SAMPLES)]
-        back = [self._to_hand(X_HC.apply((-half, y, z)), _FAR)[0] for y, z in grid]
-        front = [self._to_jaw(X_HC.apply((half, y, z)), ball.at, _FAR)[0] for y, z in grid]
+        back = [self._to_hand(p_H, _FAR)[0] for p_H in X_HC.apply([(-half, y, z) for y, z in grid])]
+        front = [self._to_jaw(p_H, ball.at, _FAR)[0] for p_H in X_HC.apply([(half, y, z) for y, z in grid])]
         lift = max(0.0, *(-gap for gap, (y, z) in zip(back, grid, strict=True) if max(abs(y), abs(z)) <= half))
         near = min(FACE, _NEAR * ball.edge)
         slack = near + half * tan(radians(ball.wedge))

@@ -250,8 +250,8 @@ def matrix_product(A: Array, B: Array) -> Array:
 
 def rotated(R: Array, vectors: Array) -> Array:
     """Products (..., 3) of matrices (..., 3, 3) with vectors (..., 3), the same on all processors."""
-    x, y, z = (R[..., i] * vectors[..., i, None] for i in range(3))
-    return np.asarray(x + y + z)
+    x, y, z = vectors[..., 0, None], vectors[..., 1, None], vectors[..., 2, None]
+    return np.asarray(R[..., 0] * x + R[..., 1] * y + R[..., 2] * z)
 
 
 def length(vector: ArrayLike) -> float:

@@ -40,8 +40,14 @@ def test_cube_is_flat_on_the_hand(slides: bool, tmp_path: Path) -> None:
     assert grasp.gaps[0] < 0.5 * edge < 0.5 * grasp.gaps[1]
 
 
-@pytest.mark.parametrize("engine", ENGINES)
-@pytest.mark.parametrize("X_BH", [IDENTITY, LYING], ids=["upright", "lying"])
+@pytest.mark.parametrize(
+    ("engine", "X_BH"),
+    [
+        *(pytest.param(engine, IDENTITY, id=f"{engine}-upright") for engine in ENGINES),
+        pytest.param("mujoco", LYING, id="mujoco-lying"),
+        pytest.param("pybullet", LYING, id="pybullet-lying", marks=pytest.mark.long),
+    ],
+)
 @pytest.mark.parametrize(
     ("slides", "effort", "holds"),
     [

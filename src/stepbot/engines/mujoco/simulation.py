@@ -1,6 +1,7 @@
 """A robot's MJCF driven in MuJoCo, in the scene of a test."""
 
 from collections.abc import Iterator, Mapping
+from functools import cached_property
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -61,6 +62,11 @@ class MujocoSimulation:
         self._dofs = [int(self.model.jnt_dofadr[joint]) for joint in self._joints.values()]
         self._solid = [g for g in range(self.model.ngeom) if self._is_solid(g)]
         self._own = frozenset(self._solid)
+
+    @cached_property
+    def _probe(self) -> int:
+        """The geom of the cube."""
+        return int(self.model.body_geomadr[self._id("BODY", _CUBE)])
 
     def _id(self, kind: str, name: str) -> int:
         return int(self._engine.mj_name2id(self.model, getattr(self._engine.mjtObj, f"mjOBJ_{kind}"), name))
@@ -161,7 +167,7 @@ class MujocoSimulation:
 
         The cube is moved there as a probe, and is a point from then on.
         """
-        probe = int(self.model.body_geomadr[self._id("BODY", _CUBE)])
+        probe = self._probe
         self.model.geom_size[probe] = 0.0
         self.data.geom_xpos[probe] = point
         found, near = most, point
