@@ -2,6 +2,7 @@
 
 import json
 import multiprocessing
+import shutil
 import tempfile
 from dataclasses import replace
 from pathlib import Path
@@ -9,10 +10,12 @@ from random import Random
 
 import pytest
 
+from tests.command_line import snapshot, stepbot
+
 from . import __main__ as runner
 from . import page, sandbox, xml_damage
 from .__main__ import NAMES, experiment
-from .command import _is_open, _shared_memory
+from .command import _is_open, _shared_memory, full_disk
 from .disks import NOT_RUN
 from .experiment import Experiment, Setting, Trial
 from .mutant_files import FILES, FileMutant
@@ -22,8 +25,9 @@ from .sidecar_damage import KINDS, damaged
 from .sidecar_mutant import LIBRARY, SidecarMutant, plan
 from .sidecar_tree import read_tree, written
 
-FEW = {"sidecars": 60, "names": 1, "disks": 2, "descriptions": 4}
-"""Numbers of trials in `make test`, which has the paths of other experiments elsewhere: mutants of STEP files in
+FEW = {"sidecars": 60, "descriptions": 4}
+"""Numbers of trials in `make test`, which has the paths of other experiments elsewhere: full disks below, hostile names
+in tests/cli/test_inspect.py, tests/cli/test_terminal.py and tests/unit/step/structure, mutants of STEP files in
 tests/fuzz, damaged entries in tests/cli/test_cache.py, large trees in tests/unit/step/structure, and processes that are
 killed or that share a cache or a folder in tests/unit/runtime and tests/cli/test_bad_input.py. `make test-long` runs
 the short form of every experiment."""
@@ -186,3 +190,42 @@ def test_page_keeps_rows_of_experiments_that_did_not_run(tmp_path: Path, monkeyp
         "| `second` | done | expected | 2 (2) | 1 refused, 1 robot | 1 |",
     ]
     assert "- `first`: first broke" in page.PAGE.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("which", ["output", "cache"])
+def test_full_disk_in_this_process(which: str, tmp_path: Path) -> None:
+    """No room for the output is SB004, and the former files stay; without room in the cache, the result is the same."""
+    for suffix in (".robot.yaml", ".step"):
+        shutil.copy(LIBRARY / "stepbot_arm2" / f"arm2{suffix}", tmp_path)
+    sidecar, disk = tmp_path / "arm2.robot.yaml", tmp_path / "disk"
+    folders = {"output": tmp_path / "out", "cache": tmp_path / "cache"} | {which: disk / which}
+    command = ("convert", "-v", sidecar, "--no-verify", "-o", folders["output"], "--cache", folders["cache"])
+    disk.mkdir()
+    with full_disk(disk, 32 << 20) as mounted:
+        if not mounted:
+            pytest.skip(NOT_RUN)
+        first = stepbot(*command, cwd=tmp_path)
+        assert first.code == 0, first.err
+        former = snapshot(folders["output"])
+        _fill(disk)
+        text = sidecar.read_text(encoding="utf-8")
+        sidecar.write_text(text.replace("1010 kg/m^3", "1020 kg/m^3"), encoding="utf-8")
+        run = stepbot(*command, cwd=tmp_path)
+        if which == "output":
+            assert run.code == 2, run.err
+            assert "error[SB004]" in run.err
+            assert snapshot(folders["output"]) == former
+        else:
+            assert run.code == 0, run.err
+            assert "SB006" in run.err
+            assert snapshot(folders["output"]) != former
+        assert "No space left" in run.err
+
+
+def _fill(disk: Path) -> None:
+    with (disk / "full").open("wb", buffering=0) as file:
+        while True:
+            try:
+                file.write(bytes(4096))
+            except OSError:
+                return
