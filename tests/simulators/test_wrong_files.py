@@ -1,12 +1,15 @@
 """Each number changed in a file is detected by every engine that reports its quantity."""
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
 
-from stepbot.engines.observation import Quantity
+from stepbot.engines.observation import Observation, Quantity, Request
+from tests.mutation.judge import question
 from tests.robots import ROBOTS
 from tests.simulators.conftest import Folder, failures, look, write
 
@@ -123,6 +126,21 @@ CASES = [
 ]
 
 
+Right = Callable[[str, str], tuple[Path, Request, Observation]]
+
+
+@pytest.fixture(scope="module")
+def right(folders: dict[str, Folder]) -> Right:
+    """For a robot and a format the right file, what is asked about it, and what should be observed; made once."""
+
+    @cache
+    def made(robot: str, written_in: str) -> tuple[Path, Request, Observation]:
+        asked = question(folders[robot].request(written_in))
+        return folders[robot].written[written_in].path, asked, folders[robot].expected(written_in, asked)
+
+    return made
+
+
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Folder]:
     """The robots on disk whose files are changed."""
@@ -146,15 +164,13 @@ def test_a_wrong_number_is_noticed(
     pattern: str,
     factor: float,
     quantity: Quantity,
-    folders: dict[str, Folder],
+    right: Right,
 ) -> None:
     """The quantity of the changed number fails; the unchanged file passes (see test_every_robot)."""
-    folder = folders[robot]
-    right = folder.written[written_in].path
-    wrong = right.with_name(f"wrong{right.suffix}")
-    wrong.write_text(damage(right.read_text(encoding="utf-8"), pattern, factor), encoding="utf-8")
-    request = replace(folder.request(written_in), file=str(wrong), simulate=0.0)
-    assert quantity in failures(folder.expected(written_in), look(engine, request))
+    path, asked, expected = right(robot, written_in)
+    wrong = path.with_name(f"wrong{path.suffix}")
+    wrong.write_text(damage(path.read_text(encoding="utf-8"), pattern, factor), encoding="utf-8")
+    assert quantity in failures(expected, look(engine, replace(asked, file=str(wrong))))
 
 
 @pytest.mark.parametrize(
@@ -169,8 +185,8 @@ def test_a_mesh_that_is_another_is_noticed(
     first, second = one.read_bytes(), other.read_bytes()
     one.write_bytes(second)
     other.write_bytes(first)
-    request = replace(folder.request(written_in), simulate=0.0)
-    assert Quantity.MESHES in failures(folder.expected(written_in), look(engine, request))
+    request = question(folder.request(written_in))
+    assert Quantity.MESHES in failures(folder.expected(written_in, request), look(engine, request))
 
 
 @pytest.mark.parametrize(("written_in", "engine"), [("urdf", "pybullet"), ("urdf", "yourdfpy"), ("sdf", "reader")])
@@ -184,5 +200,7 @@ def test_joints_that_change_places_are_noticed(
     swapped = text.replace("left_knee", "@").replace("right_knee", "left_knee").replace("@", "right_knee")
     wrong = right.with_name(f"swapped{right.suffix}")
     wrong.write_text(swapped, encoding="utf-8")
-    request = replace(folder.request(written_in), file=str(wrong), simulate=0.0)
-    assert Quantity.JOINTS in failures(folder.expected(written_in), look(engine, request))
+    asked = question(folder.request(written_in))
+    assert Quantity.JOINTS in failures(
+        folder.expected(written_in, asked), look(engine, replace(asked, file=str(wrong)))
+    )
