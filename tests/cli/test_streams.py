@@ -19,7 +19,9 @@ def run(words: str, redirection: str, folder: Path) -> subprocess.CompletedProce
 
 
 @pytest.mark.parametrize("redirection", [">&-", "2>&-", "<&- >&- 2>&-", "2>/dev/full"])
-@pytest.mark.parametrize("words", COMMANDS)
+@pytest.mark.parametrize(
+    "words", [pytest.param(words, marks=pytest.mark.long if "-" in words else ()) for words in COMMANDS]
+)
 def test_closed_streams(tmp_path: Path, words: str, redirection: str) -> None:
     """A command whose output nobody reads does its work, and ends with its own exit code."""
     result = run(words, redirection, tmp_path)

@@ -7,19 +7,33 @@ from pathlib import Path
 
 import pytest
 
+from tests import command_line
+
 from .conftest import Stepbot
 
 CONVERT = ("convert", "arm2.robot.yaml", "-o", "out/arm2")
 UPTODATE = ("uptodate", "-o", "out/{name}", "--concise")
 
 
+@pytest.fixture(scope="module")
+def converted(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Path:
+    """A folder with a robot, its output without the report, as in a repository, and the cache."""
+    folder = tmp_path_factory.mktemp("converted")
+    for file in ("arm2.robot.yaml", "arm2.step"):
+        shutil.copy(robot_library / "stepbot_arm2" / file, folder)
+    changes = {"STEPBOT_NO_CACHE": "", "STEPBOT_CACHE": str(folder / ".kept")}
+    run = command_line.stepbot(*CONVERT, "--no-verify", cwd=folder, changes=changes)
+    assert run.code == 0, run.err
+    (folder / "out" / "arm2" / "report.json").unlink()
+    return folder
+
+
 @pytest.fixture
-def written(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The output of a robot without its report, as in a repository, with the cache switched on."""
+def written(converted: Path, arm: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of that output in the current folder, with the cache switched on."""
+    shutil.copytree(converted, arm, dirs_exist_ok=True)
     monkeypatch.setenv("STEPBOT_NO_CACHE", "")
     monkeypatch.setenv("STEPBOT_CACHE", str(arm / ".kept"))
-    assert stepbot(*CONVERT, "--no-verify").code == 0
-    (arm / "out" / "arm2" / "report.json").unlink()
     return arm / "out" / "arm2"
 
 
@@ -231,7 +245,8 @@ def test_formats_of_an_earlier_run(written: Path, stepbot: Stepbot) -> None:
     "template", ["{name.foo}", "{name[0]}", "{name!r}", "{name:9}", "{}", "{0}", "{other}", "{", "a}"]
 )
 @pytest.mark.parametrize("command", ["uptodate", "batch"])
-def test_templates_of_folders(written: Path, stepbot: Stepbot, command: str, template: str) -> None:
+@pytest.mark.usefixtures("arm")
+def test_templates_of_folders(stepbot: Stepbot, command: str, template: str) -> None:
     """`batch` and `uptodate` take the same placeholders, and refuse the same others as a wrong option."""
     run = stepbot(command, "arm2.robot.yaml", "-o", f"other/{template}")
     assert run.code == 2
