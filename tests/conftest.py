@@ -21,6 +21,7 @@ gc.disable()
 """Until all tests are collected: what is imported stays."""
 ROOT = Path(__file__).resolve().parents[1]
 os.environ.pop("COLUMNS", None)
+os.environ["STEPBOT_NO_PROGRESS"] = "1"  # a slow machine must not change what a command prints
 """Tests do not depend on the size of the terminal, which readline passes to processes of pytest-xdist."""
 os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))
 """Workers import functions of the tests, and nothing from the current folder unless it is listed here."""

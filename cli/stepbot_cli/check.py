@@ -94,7 +94,7 @@ def command(
     if open_step:
         reject_descriptions("--step" if step is not None else "--fix", sidecars)
     fixes: list[Fixed] = []
-    with progress_bar([str(path) for path in sidecars] if open_step else ()) as progress:
+    with progress_bar([str(path) for path in sidecars] if open_step else (), options) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))
             if fix:

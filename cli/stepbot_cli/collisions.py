@@ -74,7 +74,7 @@ def command(
 
     found = Diagnostics()
     options = options._replace(ignore=ignore)
-    with progress_bar(("read", "self-collision")) as progress:
+    with progress_bar(("read", "self-collision"), options) as progress:
         progress("read")
         robot = search(target, samples, options, found, progress)
     if strict:

@@ -216,7 +216,7 @@ def run_conversion(
     from stepbot.jobs.incremental import convert
 
     driven = None
-    with progress_bar((*CONVERSION, "drive") if drive else CONVERSION) as progress:
+    with progress_bar((*CONVERSION, "drive") if drive else CONVERSION, options) as progress:
         conversion = convert(sidecar, options, progress)
         folder = written_to(conversion, options.output)  # before the drive tests: their findings move no file
         if drive and not conversion.diagnostics.has_errors:

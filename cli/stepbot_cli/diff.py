@@ -67,7 +67,7 @@ def command(options: "Options", old: Path, new: Path, markdown: bool, as_json: b
     """
     found = Diagnostics()
     kind = _kind(old, new)
-    with progress_bar(("read",)) as progress:
+    with progress_bar(("read",), options) as progress:
         progress("read")
         differences = _compared(kind, old, new, options, found)
     say_trouble(options.cache, found)

@@ -85,7 +85,7 @@ def command(
         require_plots()
     chosen = DriveOptions(_known(tests, TESTS, "test"), _known(engines, ENGINES, "engine"), limits)
     found = Diagnostics()
-    with progress_bar(("read", "build", "write", "drive")) as progress:
+    with progress_bar(("read", "build", "write", "drive"), options) as progress:
         driven = drive(target, options, chosen, found, progress)
     say_trouble(options.cache, found)
     drawn = _draw(driven, plots) if driven is not None and plots is not None else []

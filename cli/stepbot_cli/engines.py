@@ -45,13 +45,15 @@ def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
         default=DEFAULT_TIMEOUT,
         show_default=True,
         metavar="SECONDS",
-        help="Time limit for the geometry kernel, more for STEP files above 30 MB, and for each engine.",
+        help="Time limit for the geometry kernel, more for STEP files above 30 MB, for each engine, and for the "
+        "processor time of the command itself.",
     )
     memory = click.option(
         "--memory-limit",
         type=_limit,
         default=_default_limit,
         metavar="SIZE",
-        help="Memory limit for the geometry kernel and for each engine, such as 4G, or none.  [default: 3/4 of RAM]",
+        help="Memory limit for the geometry kernel, each engine and the command itself, such as 4G, or none.  "
+        "[default: 3/4 of RAM]",
     )
     return timeout(memory(command))

@@ -88,7 +88,7 @@ def command(
         return _show_result(None, "", sidecar, step, found, as_json=as_json, display=display)
     answers = _answers(answers_file or sidecar)
     with ExitStack() as bar:
-        progress = bar.enter_context(progress_bar(("read", "joints", "stops")))
+        progress = bar.enter_context(progress_bar(("read", "joints", "stops"), options))
 
         def ask(draft: "Draft", dialogue: "Dialogue | None") -> "Draft":
             bar.close()

@@ -94,7 +94,7 @@ def command(
     if picture is not None:
         require_packages()
     drawn: Picture | None = None
-    with progress_bar(("read", "render")) as progress:
+    with progress_bar(("read", "render"), options) as progress:
         progress("read")
         inspection = inspect(step, options)
         found = inspection.diagnostics

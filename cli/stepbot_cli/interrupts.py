@@ -35,7 +35,7 @@ def interruptible() -> Iterator[Callable[[], None]]:
         end_soon(number, frame)
 
     def end_soon(number: int, frame: FrameType | None) -> None:  # noqa: ARG001 - the signature of handlers
-        if _CAN_WAIT and _is_in_native_module(frame):
+        if _CAN_WAIT and is_in_native_module(frame):
             signal.setitimer(signal.ITIMER_REAL, _AGAIN)
         else:
             again()
@@ -62,7 +62,7 @@ def interruptible() -> Iterator[Callable[[], None]]:
     again()
 
 
-def _is_in_native_module(frame: FrameType | None) -> bool:
+def is_in_native_module(frame: FrameType | None) -> bool:
     """Whether a native module is being initialized in a frame, or in one of its callers."""
     while frame is not None:
         is_loading = frame.f_code.co_name in ("create_module", "exec_module")

@@ -58,7 +58,7 @@ def command(
     written: dict[Path, Snapshot] = {}
     paths = find_sidecars(sidecars or (Path(),), found)
     reject_descriptions("lock", paths)
-    with progress_bar([str(path) for path in paths]) as progress:
+    with progress_bar([str(path) for path in paths], options) as progress:
         for sidecar in paths:
             progress(str(sidecar))
             of_one = Diagnostics()

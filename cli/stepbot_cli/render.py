@@ -117,7 +117,7 @@ def command(
     path = output or Path(target.name.removesuffix(target.suffix).removesuffix(".robot") + ".png")
     sheet = Sheet(*size, samples=samples, view=view, labels=labels)
     found, picture = Diagnostics(), None
-    with progress_bar(("read", "build", "render")) as progress:
+    with progress_bar(("read", "build", "render"), options) as progress:
         subject, positions = _subject(target, options, joints, found, progress)
         progress("render")
         try:

@@ -88,7 +88,7 @@ def command(
     paths = find_sidecars(sidecars or (Path(),), found)
     filled = output_folders(Path()) if output is None else {}
     compared = 0
-    with progress_bar() as progress:
+    with progress_bar(options=options) as progress:
         for path in paths:
             folders = filled.get(resolved(path)) or {
                 _folder(output or "{name}", robot_name(path, variant), path): variant

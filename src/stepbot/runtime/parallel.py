@@ -20,6 +20,7 @@ from typing import BinaryIO, Generic, TypeVar
 
 from .attempts import Attempt
 from .processes import can_fork, core_count, end_with_parent, thread_count
+from .progress import counted
 from .worker import WorkerDied
 
 S = TypeVar("S")
@@ -101,6 +102,7 @@ def run(
     failures: tuple[type[Exception], ...] = (),
     seconds: float = 0.0,
     attempt: Attempt | None = None,
+    work: str = "",
 ) -> dict[int, T | Died | Raised]:
     """Call ``function`` for every number of ``order``, the first ones first.
 
@@ -111,7 +113,27 @@ def run(
         failures: Errors that are results: returned as :class:`Raised`; others end the program.
         seconds: Processor time limit [s] of one input, if processes can be forked; 0 for none.
         attempt: Stops and identifies an input that ends its process, if processes cannot be forked.
+        work: What the inputs are, in words, for whoever watches the run; empty for nothing to watch.
     """
+    with counted(work, len(order)) as done:
+
+        def counting(number: int) -> T:
+            try:
+                return function(number)
+            finally:
+                done()
+
+        return _run(counting, order, processes, failures, seconds, attempt)
+
+
+def _run(
+    function: Callable[[int], T],
+    order: Sequence[int],
+    processes: int | None,
+    failures: tuple[type[Exception], ...],
+    seconds: float,
+    attempt: Attempt | None,
+) -> dict[int, T | Died | Raised]:
     count = min(processes if processes is not None else core_count(), len(order))
     if not can_fork() or (count < 2 and not seconds):
         return {number: _call_here(function, number, failures, attempt) for number in order}
@@ -135,13 +157,14 @@ def run(
     return {number: _expected(results[number]) for number in order}
 
 
-def results_of(function: Callable[[S], T], inputs: Sequence[S], weights: Sequence[float]) -> list[T]:
+def results_of(function: Callable[[S], T], inputs: Sequence[S], weights: Sequence[float], work: str = "") -> list[T]:
     """A function's result for each input, in forked processes where this one has no threads and inputs are several.
 
     Args:
         function: Its results must be picklable, and depend on nothing but the input.
         inputs: The inputs.
         weights: Of each input: the larger, the longer it takes.
+        work: As of :func:`run`.
 
     Raises:
         WorkerDied: A process ended without a result.
@@ -150,7 +173,9 @@ def results_of(function: Callable[[S], T], inputs: Sequence[S], weights: Sequenc
     order = sorted(range(len(inputs)), key=lambda number: -weights[number])
     # Processes with threads cannot fork safely: their children would wait for threads that they do not have.
     processes = None if thread_count() == 1 else 1
-    results = run(lambda number: function(inputs[number]), order, processes=processes, failures=(MemoryError,))
+    results = run(
+        lambda number: function(inputs[number]), order, processes=processes, failures=(MemoryError,), work=work
+    )
     found = []
     for number in range(len(inputs)):
         result = results[number]
@@ -200,6 +225,7 @@ def _work(
     failures: tuple[type[Exception], ...],
     seconds: float,
 ) -> None:
+    signal.signal(signal.SIGPROF, signal.SIG_DFL)  # the limit of a command's own process has a handler
     while head := os.read(numbers, _NUMBER.size):
         number = _NUMBER.unpack(head)[0]
         results.write(head)

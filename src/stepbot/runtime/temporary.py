@@ -39,6 +39,11 @@ def run_folder() -> Path:
             return folder
 
 
+def is_run_folder(folder: Path) -> bool:
+    """Whether it is the folder of a run: that of the process which started this one, in a worker."""
+    return folder.name.startswith(_PREFIX)
+
+
 def _is_taken(folder: Path) -> bool:
     """Lock a folder for the lifetime of this process; False if another run is just removing it as abandoned."""
     if sys.platform == "win32":

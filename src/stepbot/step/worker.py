@@ -146,7 +146,15 @@ class _Bodies:
         processes, seconds = (None, BODY_SECONDS) if thread_count() == 1 else (1, 0.0)
 
         def made(numbers: list[int]) -> dict[int, ReadBody | Died | Raised]:
-            return run(make, numbers, processes=processes, failures=(Exception,), seconds=seconds, attempt=attempt)
+            return run(
+                make,
+                numbers,
+                processes=processes,
+                failures=(Exception,),
+                seconds=seconds,
+                attempt=attempt,
+                work="bodies",
+            )
 
         results = made(order)
         failed.update(

@@ -118,7 +118,7 @@ def collision_sets(all_wanted: Sequence[Wanted]) -> tuple[CollisionSet, ...]:
             use_one_thread()
         return _scored_set(wanted)
 
-    return tuple(results_of(made, all_wanted, weights))
+    return tuple(results_of(made, all_wanted, weights, "collision shapes"))
 
 
 def _scored_set(wanted: Wanted) -> CollisionSet:

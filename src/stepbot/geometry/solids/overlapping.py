@@ -143,7 +143,7 @@ def _intersect(search: Search) -> list[_Found]:
     def common(one: _Found) -> _Common | None:
         return _common(solids, one.group)
 
-    results = list(map(common, wanted)) if spent < _MANY else results_of(common, wanted, weights)
+    results = list(map(common, wanted)) if spent < _MANY else results_of(common, wanted, weights, "overlaps")
     for one, result in zip(wanted, results, strict=True):
         one.common = result
     return found
