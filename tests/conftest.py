@@ -8,12 +8,14 @@ import signal
 import sys
 import tempfile
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
 from stepbot.diagnostics import Diagnostic, Diagnostics
+from stepbot.runtime.temporary import run_folder
 from tests import warm
 from tests.portable import PORTABLE
 
@@ -99,9 +101,18 @@ def without_cache(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("STEPBOT_NO_CACHE", "1")
 
 
+@pytest.fixture
+def brief(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`verify` asks engines about few configurations and a short time: for tests of differences between files."""
+    from stepbot.verification.files import observed
+
+    monkeypatch.setattr("stepbot.verification.files.observed", partial(observed, count=8, seconds=0.01))
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _warm_processes() -> Iterator[None]:
     """Workers of commands inside pytest are forked from processes that have loaded kernel and engines."""
+    run_folder()  # locked before a test pretends that there are no locks: another run would remove it
     with warm.warm_processes():
         yield
 

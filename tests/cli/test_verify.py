@@ -37,6 +37,7 @@ def test_same_robot_in_all_formats(files: list[str], stepbot: Stepbot) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("brief")
 def test_other_mass_in_one_file(files: list[str], stepbot: Stepbot) -> None:
     """A file with another mass is reported, with exit code 1, in JSON and JUnit too."""
     urdf = Path(files[0])

@@ -78,6 +78,7 @@ def test_three_formats_are_the_same_robot(name: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.mujoco
+@pytest.mark.usefixtures("brief")
 def test_a_difference_between_files_is_found(arm: Folder, found: ReadDiagnostics) -> None:
     """Another mass in one file is reported with both files, the quantity, the link and the number."""
     skip_without("mujoco")
@@ -94,6 +95,7 @@ def test_a_difference_between_files_is_found(arm: Folder, found: ReadDiagnostics
     assert found.exit_code == 1
 
 
+@pytest.mark.usefixtures("brief")
 def test_engines_that_disagree_about_one_file(arm: Folder, found: ReadDiagnostics) -> None:
     """A link without ``<inertial>`` has no mass in most engines and 1 kg in PyBullet, which is reported."""
     for engine in ("mujoco", "pybullet"):
@@ -183,6 +185,7 @@ def test_a_file_without_an_engine_is_a_warning(
     assert {check.status for check in report.checks} == {Status.NOT_RUN}
 
 
+@pytest.mark.usefixtures("brief")
 def test_the_same_file_twice_is_one(arm: Folder) -> None:
     """A path given twice is not compared with itself."""
     found = Diagnostics()
@@ -192,6 +195,7 @@ def test_the_same_file_twice_is_one(arm: Folder) -> None:
     assert {check.against for check in report.checks} == {"itself", "reader"} & ({"itself"} | INSTALLED)
 
 
+@pytest.mark.usefixtures("brief")
 def test_names_of_files_are_those_of_the_user(
     arm: Folder, monkeypatch: pytest.MonkeyPatch, found: ReadDiagnostics
 ) -> None:
@@ -220,6 +224,7 @@ def test_names_of_files_are_those_of_the_user(
         pytest.param("sdf", "<ambient>0.9", "<ambient>0.8", "shapes", "ambient colour of visual"),
     ],
 )
+@pytest.mark.usefixtures("brief")
 def test_a_number_that_one_engine_reads_is_compared(
     written_in: str, old: str, new: str, quantity: str, where: str, arm: Folder, found: ReadDiagnostics
 ) -> None:
@@ -227,7 +232,7 @@ def test_a_number_that_one_engine_reads_is_compared(
     skip_without("mujoco")
     skip_without("yourdfpy")
     changed = _copy(arm, written_in, f"changed.{written_in}", (old, new))
-    files = [changed if name == written_in else one.path for name, one in arm.written.items()]
+    files = [changed if name == written_in else arm.written[name].path for name in ("urdf", "sdf", "mjcf")]
     report = verify_files(files, found, timeout=120.0)
     assert quantity in {name for _, name in _failed(report)}
     assert any(where in diagnostic.message + "".join(diagnostic.notes) for diagnostic in found)
@@ -235,6 +240,7 @@ def test_a_number_that_one_engine_reads_is_compared(
 
 @pytest.mark.mujoco
 @pytest.mark.parametrize("side", ["a", pytest.param("b", marks=pytest.mark.long)])
+@pytest.mark.usefixtures("brief")
 def test_where_a_loop_closes_is_compared_with_the_file_that_has_loops(
     side: str, tmp_path: Path, found: ReadDiagnostics
 ) -> None:

@@ -49,12 +49,10 @@ class InThisProcess:
 
 
 @pytest.fixture(autouse=True)
-def _engines_in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
+def _engines_in_this_process(brief: None, monkeypatch: pytest.MonkeyPatch) -> None:
     skip_without("mujoco")
     monkeypatch.setattr("stepbot.verification.probe.Worker", InThisProcess)
     monkeypatch.setattr("stepbot.engines.workers.Worker", InThisProcess)
-    monkeypatch.setattr("stepbot.verification.files.CONFIGURATIONS", 8)
-    monkeypatch.setattr("stepbot.verification.files.SECONDS", 0.01)
     for engine in engines():
         if engine.name not in ENGINES:
             monkeypatch.setattr(engine, "available", lambda: "left out")
