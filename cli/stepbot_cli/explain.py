@@ -37,7 +37,7 @@ def command(code: str | None) -> int:
 
 def _explanation(code: Code) -> str:
     width = text_width(sys.stdout) - 2
-    paragraphs = [("What", code.what), ("Why it matters", code.why), ("How to fix it", code.fix)]
+    paragraphs = [("What it means", code.explanation), ("How to fix it", code.fix)]
     paragraphs += [("Features", ", ".join(code.features.split()))] if code.features else []
     body = "\n\n".join(f"{title}:\n{textwrap.indent(_filled(text, width), '  ')}" for title, text in paragraphs)
     return f"{code.id} ({code.severity}): {code.title}\n\n{body}"

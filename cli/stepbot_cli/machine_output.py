@@ -53,7 +53,7 @@ def sarif(found: Iterable[Diagnostic]) -> str:
         {
             "id": code,
             "shortDescription": {"text": CODES[code].title},
-            "fullDescription": {"text": CODES[code].what},
+            "fullDescription": {"text": CODES[code].explanation},
             "help": {"text": CODES[code].fix},
             "defaultConfiguration": {"level": CODES[code].severity},
         }

@@ -85,15 +85,15 @@ def test_heavy_imports_live_in_one_place() -> None:
 
 @pytest.mark.parametrize("code", CODES.values(), ids=lambda code: code.id)
 def test_code_is_explained(code: object) -> None:
-    """Every code is in its range and has a cause, a reason and a fix in whole sentences."""
+    """Every code is in its range and has an explanation and a fix in whole sentences."""
     assert isinstance(code, type(CODES["SB001"]))
     assert re.fullmatch(r"SB\d{3}", code.id)
     assert code.id[2] in RANGES
     assert code.title
     assert not code.title.endswith(".")
-    for text in (code.what, code.why, code.fix):
+    for text in (code.explanation, code.fix):
         assert text.strip().endswith((".", "`", "?")) or "\n" in text, text
-    assert code.what in diagnostics_page({})
+    assert code.explanation in diagnostics_page({})
 
 
 def test_codes_are_unique() -> None:

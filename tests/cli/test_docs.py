@@ -57,7 +57,7 @@ def test_prints_without_a_site(stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
 
 def test_every_page_that_a_message_names_exists() -> None:
     """No message points to a file that an installed stepbot does not have; `stepbot docs PAGE` finds each page."""
-    code = [code.what + code.why + code.fix for code in CODES.values()]
+    code = [code.explanation + code.fix for code in CODES.values()]
     code += [path.read_text(encoding="utf-8") for path in (ROOT / "src" / "stepbot").rglob("*.py")]
     named = set(re.findall(r"stepbot docs ([a-z-]+)", "\n".join(code)))
     assert named >= {"sidecar", "mapping"}

@@ -7,16 +7,16 @@ CODES = (
         "SB301",
         "error",
         "unknown component",
-        "A path or glob in the sidecar does not match any component of the STEP file.",
-        "The part may have been renamed in CAD, or the path may be misspelled. The setting has no component to apply "
-        "to.",
-        "Look up the path with `stepbot inspect`, which prints every path ready to paste. A glob is matched from the root: `**/M3*` matches screws at any depth.",
+        "A path or glob in the sidecar does not match any component of the STEP file. The part may have been renamed "
+        "in CAD, or the path may be misspelled. The setting has no component to apply to.",
+        "Look up the path with `stepbot inspect`, which prints every path ready to paste. A glob is matched from the "
+        "root: `**/M3*` matches screws at any depth.",
     ),
     Code(
         "SB302",
         "error",
         "ambiguous component path",
-        "A partial path matches several components, or refers to identical siblings where one component is required.",
+        "A partial path matches several components, or refers to identical siblings where one component is required. "
         "stepbot does not guess the intended component.",
         "Use one of the full paths in the notes. The suffix `#n` selects one of several identical siblings.",
     ),
@@ -24,8 +24,7 @@ CODES = (
         "SB303",
         "error",
         "component assigned to two links",
-        "Two links list the same component.",
-        "Its mass and geometry would be counted twice.",
+        "Two links list the same component. Its mass and geometry would be counted twice.",
         "Remove it from one of the links. A link may list a component inside a subassembly of another link; the more "
         "specific path takes precedence.",
     ),
@@ -33,8 +32,8 @@ CODES = (
         "SB304",
         "error",
         "component not assigned to any link",
-        "The STEP file contains components with geometry that do not belong to any link.",
-        "Their mass and geometry would be missing from the robot.",
+        "The STEP file contains components with geometry that do not belong to any link. Their mass and geometry would "
+        "be missing from the robot.",
         "Add them to the `parts` of a link, assign all remaining components to one link with `rest: true`, or exclude "
         "them with `ignore: true` under `parts`.",
     ),
@@ -42,34 +41,33 @@ CODES = (
         "SB305",
         "warning",
         "path depends on sibling order",
-        "Identical siblings without unique names are distinguished by their order in the file.",
-        "If the CAD program inserts or removes a sibling, `#n` silently refers to another part.",
+        "Identical siblings without unique names are distinguished by their order in the file. If the CAD program "
+        "inserts or removes a sibling, `#n` silently refers to another part.",
         "Name the occurrences in CAD, or refer to the whole group if its members are interchangeable.",
     ),
     Code(
         "SB306",
         "warning",
         "path has no effect",
-        "All components that a path matches are ignored, have no geometry, or are assigned by more specific paths.",
-        "The path has no effect on the link.",
+        "All components that a path matches are ignored, have no geometry, or are assigned by more specific paths. The "
+        "path has no effect on the link.",
         "Remove the path, the conflicting `ignore` rule, or the more specific paths.",
     ),
     Code(
         "SB308",
         "warning",
         "no collision geometry",
-        "A component is flat or too thin for a convex hull with a volume.",
-        "Engines reject flat collision geometry, so the component is written without collision geometry and makes no "
-        "contact.",
+        "A component is flat or too thin for a convex hull with a volume. Engines reject flat collision geometry, so "
+        "the component is written without collision geometry and makes no contact.",
         "Set `collision: none` for it under `parts` to suppress the warning, or give the link primitive shapes.",
     ),
     Code(
         "SB309",
         "warning",
         "rule shadowed by earlier rules",
-        "Rules above this one in `parts` set the same field on all components that it matches, to other values.",
-        "Of several rules that set a field of a component, the first one in the file holds. A general glob above specific rules "
-        "turns them off, and the masses of the robot are those of the glob.",
+        "Rules above this one in `parts` set the same field on all components that it matches, to other values. Of "
+        "several rules that set a field of a component, the first one in the file holds. A general glob above specific "
+        "rules turns them off, and the masses of the robot are those of the glob.",
         "Write specific rules above general ones.",
     ),
 )

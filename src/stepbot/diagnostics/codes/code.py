@@ -13,10 +13,8 @@ class Code(NamedTuple):
     severity: Severity
     title: str
     """Noun phrase, without a full stop."""
-    what: str
-    """The condition that is reported."""
-    why: str
-    """Consequence for the robot or the run."""
+    explanation: str
+    """The condition that is reported, and its consequence for the robot or the run."""
     fix: str
     """Remedy."""
     could_not_run: bool = False

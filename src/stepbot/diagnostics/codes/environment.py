@@ -7,8 +7,7 @@ CODES = (
         "SB001",
         "error",
         "file not found",
-        "A named file does not exist or cannot be read.",
-        "stepbot needs every input file to convert a robot.",
+        "A named file does not exist or cannot be read. stepbot needs every input file to convert a robot.",
         "Correct the path. If it is the `step` of a sidecar, it is relative to the sidecar's folder.",
         could_not_run=True,
     ),
@@ -16,8 +15,8 @@ CODES = (
         "SB002",
         "error",
         "system library missing",
-        "The geometry kernel failed to load because a shared system library is missing.",
-        "The kernel's wheel links to libGL, libX11 and libexpat, although stepbot never opens a window.",
+        "The geometry kernel failed to load because a shared system library is missing. The kernel's wheel links to "
+        "libGL, libX11 and libexpat, although stepbot never opens a window.",
         "On Debian or Ubuntu, run `apt-get install libgl1 libx11-6 libexpat1`. `stepbot doctor` shows what is missing.",
         could_not_run=True,
     ),
@@ -25,16 +24,16 @@ CODES = (
         "SB003",
         "error",
         "Python package missing",
-        "The command needs a Python package that is not installed.",
-        "The command cannot do its work without the package.",
-        "Install the extra named in the message; `stepbot doctor` shows what is installed, and the command for the rest.",
+        "The command needs a Python package that is not installed. The command cannot do its work without the package.",
+        "Install the extra named in the message; `stepbot doctor` shows what is installed, and the command for the "
+        "rest.",
         could_not_run=True,
     ),
     Code(
         "SB004",
         "error",
         "output not writable",
-        "The output folder, or a file in it, cannot be written, or a file that stepbot has not written is in the way.",
+        "The output folder, or a file in it, cannot be written, or a file that stepbot has not written is in the way. "
         "Nothing was changed: stepbot writes all files or none, and replaces its own files alone.",
         "Grant write permission, move the file away, or choose another folder, with `-o` where the command has it.",
         could_not_run=True,
@@ -43,37 +42,37 @@ CODES = (
         "SB005",
         "error",
         "required engine not available",
-        "`--require`, or `--engine` of `stepbot drive`, names an engine that is not installed or fails to start; or no engine is "
-        "installed that drives the files.",
-        "A check that did not run does not count as passed.",
-        "Install the engine, or remove the requirement; `stepbot doctor` shows which work here, and the command for the rest.",
+        "`--require`, or `--engine` of `stepbot drive`, names an engine that is not installed or fails to start; or no "
+        "engine is installed that drives the files. A check that did not run does not count as passed.",
+        "Install the engine, or remove the requirement; `stepbot doctor` shows which work here, and the command for "
+        "the rest.",
         could_not_run=True,
     ),
     Code(
         "SB006",
         "note",
         "cache not writable",
-        "Results could not be stored in the cache folder.",
-        "The results are correct, but the next run has to compute them again.",
-        "Make the folder writable or free some disk space. `--cache DIR` selects another folder; `--no-cache` "
-        "disables the cache.",
+        "Results could not be stored in the cache folder. The results are correct, but the next run has to compute "
+        "them again.",
+        "Make the folder writable or free some disk space. `--cache DIR` selects another folder; `--no-cache` disables "
+        "the cache.",
     ),
     Code(
         "SB007",
         "error",
         "output out of date",
         "A file in the output folder differs from what stepbot would write now, or the folder is missing. The proof "
-        "section of `report.json` is excluded from the comparison because it depends on the installed engines.",
-        "The files describe a different robot than the sidecar and the STEP file. Either the output was edited by "
-        "hand, or the sidecar, the STEP file or stepbot has changed since.",
+        "section of `report.json` is excluded from the comparison because it depends on the installed engines. The "
+        "files describe a different robot than the sidecar and the STEP file. Either the output was edited by hand, or "
+        "the sidecar, the STEP file or stepbot has changed since.",
         "Convert again and commit the result. Move manual edits into the sidecar.",
     ),
     Code(
         "SB008",
         "error",
         "output folder collision",
-        "Two sidecars of a batch would be written to the same folder.",
-        "The files of one robot would overwrite those of the other.",
+        "Two sidecars of a batch would be written to the same folder. The files of one robot would overwrite those of "
+        "the other.",
         "Rename one of the sidecars, or the folder that contains it.",
         could_not_run=True,
     ),
@@ -82,8 +81,7 @@ CODES = (
         "error",
         "cluster unavailable",
         "The scheduler given by `--scheduler` does not respond, or one of its workers runs a different version of "
-        "stepbot.",
-        "Robots cannot be converted on this cluster, or the files could differ between workers.",
+        "stepbot. Robots cannot be converted on this cluster, or the files could differ between workers.",
         "Start the scheduler with `dask scheduler` and the workers with `dask worker tcp://host:8786`. Install the "
         "same version of stepbot on every machine.",
         could_not_run=True,
@@ -92,8 +90,8 @@ CODES = (
         "SB010",
         "error",
         "invalid usage",
-        "The command line has an unknown command or option, a missing argument, or an invalid option value.",
-        "Nothing was done. With `--json`, the error is reported as JSON.",
+        "The command line has an unknown command or option, a missing argument, or an invalid option value. Nothing "
+        "was done. With `--json`, the error is reported as JSON.",
         "Run `stepbot COMMAND --help` for the arguments and options, with an example.",
         could_not_run=True,
     ),
@@ -101,7 +99,7 @@ CODES = (
         "SB011",
         "note",
         "output folder not lockable",
-        "The file system of the output folder does not support file locks. Some network file systems do not.",
+        "The file system of the output folder does not support file locks. Some network file systems do not. "
         "Concurrent conversions into this folder do not wait for each other, and the list of written files may become "
         "incomplete. A later run would then leave outdated meshes behind.",
         "Run one conversion per folder at a time, or give each robot its own folder with `-o`.",
@@ -110,58 +108,60 @@ CODES = (
         "SB012",
         "error",
         "sidecar already exists",
-        "`stepbot init` would overwrite an existing sidecar.",
-        "A sidecar contains manual decisions that cannot be recovered. `init` overwrites a file only with `--force`.",
+        "`stepbot init` would overwrite an existing sidecar. A sidecar contains manual decisions that cannot be "
+        "recovered. `init` overwrites a file only with `--force`.",
         "Choose another file with `-o`, or overwrite this one with `--force`.",
     ),
     Code(
         "SB013",
         "error",
         "unusable lock file",
-        "The lock file beside the sidecar is not JSON, a value in it is missing or of a wrong type, or a newer "
-        "stepbot wrote it. Unresolved merge conflicts are a typical cause.",
-        "Without it, changes of the CAD cannot be detected. If stepbot skipped the comparison, the result would look clean.",
-        "Restore it from version control, or upgrade stepbot. If the current STEP file is correct, replace it "
-        "with `stepbot lock`.",
+        "The lock file beside the sidecar is not JSON, a value in it is missing or of a wrong type, or a newer stepbot "
+        "wrote it. Unresolved merge conflicts are a typical cause. Without it, changes of the CAD cannot be detected. "
+        "If stepbot skipped the comparison, the result would look clean.",
+        "Restore it from version control, or upgrade stepbot. If the current STEP file is correct, replace it with "
+        "`stepbot lock`.",
     ),
     Code(
         "SB015",
         "warning",
         "lock file of another robot",
-        "The lock file beside the sidecar was made for a robot of another name. It is ignored.",
-        "Nothing is compared with the earlier revision of the CAD.",
+        "The lock file beside the sidecar was made for a robot of another name. It is ignored. Nothing is compared "
+        "with the earlier revision of the CAD.",
         "Replace the lock file with `stepbot lock`, also if the robot was renamed, or delete it.",
     ),
     Code(
         "SB016",
         "note",
         "outdated lock file",
-        "The sidecar contains joints or component paths that are not in the lock file. They were added after the lock file was written.",
-        "Changes of these joints and components cannot be detected.",
+        "The sidecar contains joints or component paths that are not in the lock file. They were added after the lock "
+        "file was written. Changes of these joints and components cannot be detected.",
         "Check the robot, then update the lock file with `stepbot lock`.",
     ),
     Code(
         "SB017",
         "note",
         "no lock file",
-        "`stepbot check --fix` was called for a sidecar without a lock file.",
-        "Renamed components are found by comparing the STEP file with the lock file. The sidecar was not changed.",
-        "Run `stepbot lock` while the sidecar and the STEP file agree, and put the lock file under version control with the sidecar.",
+        "`stepbot check --fix` was called for a sidecar without a lock file. Renamed components are found by comparing "
+        "the STEP file with the lock file. The sidecar was not changed.",
+        "Run `stepbot lock` while the sidecar and the STEP file agree, and put the lock file under version control "
+        "with the sidecar.",
     ),
     Code(
         "SB018",
         "error",
         "paths cannot be rewritten",
-        "`stepbot check --fix` found renamed components, but replacing their paths would change other values of the sidecar. A path that spans several lines, or a new path that another rule already uses, is the cause.",
-        "The sidecar was not changed.",
+        "`stepbot check --fix` found renamed components, but replacing their paths would change other values of the "
+        "sidecar. A path that spans several lines, or a new path that another rule already uses, is the cause. The "
+        "sidecar was not changed.",
         "Replace the paths by hand, as listed in the help.",
     ),
     Code(
         "SB019",
         "error",
         "port not available",
-        "`stepbot view` could not use the port that `--port` names: another program uses it, or the system does not allow it.",
-        "The page could not be served.",
+        "`stepbot view` could not use the port that `--port` names: another program uses it, or the system does not "
+        "allow it. The page could not be served.",
         "Leave out `--port` to use any free port, or name another one above 1023.",
         could_not_run=True,
     ),
@@ -169,16 +169,16 @@ CODES = (
         "SB020",
         "error",
         "nothing to draw",
-        "No link of the robot has a visual, or no component of the STEP file has a surface.",
-        "The picture would be empty; it was not written.",
-        "Look at the contents of the STEP file with `stepbot inspect`. In the sidecar, `visual: false` hides links and parts.",
+        "No link of the robot has a visual, or no component of the STEP file has a surface. The picture would be "
+        "empty; it was not written.",
+        "Look at the contents of the STEP file with `stepbot inspect`. In the sidecar, `visual: false` hides links and "
+        "parts.",
     ),
     Code(
         "SB021",
         "error",
         "watchfiles not installed",
-        "`stepbot watch` needs the package watchfiles, which reports saved files.",
-        "Nothing could be watched.",
+        "`stepbot watch` needs the package watchfiles, which reports saved files. Nothing could be watched.",
         "Install it with `pip install stepbot[view]`. `stepbot view` shows a robot without it.",
         could_not_run=True,
     ),
@@ -186,8 +186,8 @@ CODES = (
         "SB022",
         "warning",
         "report of another robot replaced",
-        "The output folder has the files of another robot, and its `report.json` was replaced by that of this one.",
-        "The other robot's files have no report any more. `stepbot drive` and `stepbot.close_loops` read closures and "
+        "The output folder has the files of another robot, and its `report.json` was replaced by that of this one. The "
+        "other robot's files have no report any more. `stepbot drive` and `stepbot.close_loops` read closures and "
         "actuators from it.",
         "Convert each robot into a folder of its own.",
     ),
@@ -195,9 +195,9 @@ CODES = (
         "SB023",
         "note",
         "files of an earlier conversion kept",
-        "The output folder has files of the robot in formats that this conversion does not write.",
-        "If the input has changed since, these files are of another state of it than the new ones. `report.json` is about "
-        "the new ones alone.",
+        "The output folder has files of the robot in formats that this conversion does not write. If the input has "
+        "changed since, these files are of another state of it than the new ones. `report.json` is about the new ones "
+        "alone.",
         "Convert to all formats that are needed in one run, or remove the files.",
     ),
 )

@@ -7,8 +7,8 @@ CODES = (
         "SB401",
         "error",
         "no shared axis",
-        "No axis matches the cylindrical faces that the origin requires.",
-        "Without an axis the position of the joint is undefined.",
+        "No axis matches the cylindrical faces that the origin requires. Without an axis the position of the joint is "
+        "undefined.",
         "The notes list axes that nearly coincide, which suggests a misplaced part. Correct the CAD, or define the "
         "origin with `axis_of`, `center`, `component` or coordinates. `stepbot inspect --between A B` lists the axes "
         "shared by two components.",
@@ -17,43 +17,42 @@ CODES = (
         "SB402",
         "error",
         "ambiguous axis",
-        "Several axes match, and none is at least twice as wide as the next.",
-        "Bolt circles resemble bearings. Selecting the wrong axis would misplace the joint.",
+        "Several axes match, and none is at least twice as wide as the next. Bolt circles resemble bearings. Selecting "
+        "the wrong axis would misplace the joint.",
         "Add `radius` or `near` to the origin. The help contains an origin to paste for each axis.",
     ),
     Code(
         "SB403",
         "error",
         "circular frame reference",
-        "The origin of a joint is relative to a link whose own frame depends on that joint.",
-        "The frames depend on each other, so none of them can be computed.",
+        "The origin of a joint is relative to a link whose own frame depends on that joint. The frames depend on each "
+        "other, so none of them can be computed.",
         "Define one of the origins relative to the assembly or to a component.",
     ),
     Code(
         "SB404",
         "error",
         "component has no bounding box",
-        "An origin refers to the center of a component that has no geometry.",
-        "The center is that of the bounding box, which requires geometry.",
+        "An origin refers to the center of a component that has no geometry. The center is that of the bounding box, "
+        "which requires geometry.",
         "Refer to a component that contains a body.",
     ),
     Code(
         "SB405",
         "error",
         "link has no components",
-        "`auto` searches for an axis shared by the components of two links, and one of the links has no components.",
+        "`auto` searches for an axis shared by the components of two links, and one of the links has no components. "
         "There are no faces to search.",
-        "Add `parts` to the link, or define the origin without its faces: `axis_of` a component of the other link, `component`, `center` "
-        "or coordinates.",
+        "Add `parts` to the link, or define the origin without its faces: `axis_of` a component of the other link, "
+        "`component`, `center` or coordinates.",
     ),
     Code(
         "SB406",
         "error",
         "coaxial faces without contact",
         "The two sides have coaxial cylindrical faces, but no shaft fits a bore, and no faces overlap or touch along "
-        "the axis.",
-        "Parts of a straight arm share many axes. A joint on the wrong axis may be far from both parts, and no engine "
-        "detects this, because all files agree.",
+        "the axis. Parts of a straight arm share many axes. A joint on the wrong axis may be far from both parts, and "
+        "no engine detects this, because all files agree.",
         "Check which parts carry the axis: the pin or the bearing often belongs to another link. If one of the listed "
         "axes is correct, paste its origin. An explicitly selected axis is accepted with any gap.",
     ),
@@ -61,9 +60,9 @@ CODES = (
         "SB407",
         "warning",
         "weak evidence for an axis",
-        "The faces on the axis overlap or touch but do not fit, or a wider axis has faces in contact; or `stepbot init` selected "
-        "an axis without a fit, and the joint still has its REVIEW comment.",
-        "The axis may be correct, for example where the CAD omits a bearing, or it may be a coincidence.",
+        "The faces on the axis overlap or touch but do not fit, or a wider axis has faces in contact; or `stepbot "
+        "init` selected an axis without a fit, and the joint still has its REVIEW comment. The axis may be correct, "
+        "for example where the CAD omits a bearing, or it may be a coincidence.",
         "Check the axis in the joint table. Paste the origin of the correct axis into the sidecar to select it "
         "explicitly, and remove the REVIEW comment of a draft.",
     ),
@@ -71,59 +70,59 @@ CODES = (
         "SB408",
         "warning",
         "joint axis moved",
-        "The axis or the origin of a joint differs from that in the lock file.",
-        "The kinematics of the robot change: calibrations, joint limits and motions made for the earlier revision may no longer be valid.",
+        "The axis or the origin of a joint differs from that in the lock file. The kinematics of the robot change: "
+        "calibrations, joint limits and motions made for the earlier revision may no longer be valid.",
         "If the change is intended, accept it with `stepbot lock`, which updates the lock file.",
     ),
     Code(
         "SB411",
         "error",
         "closure does not close",
-        "The two sides of a closure do not meet in the assembled pose (as modelled in CAD).",
-        "A simulator would pull the loop together with a large force at the start.",
+        "The two sides of a closure do not meet in the assembled pose (as modelled in CAD). A simulator would pull the "
+        "loop together with a large force at the start.",
         "Check `zero` of the joints in the loop, and the origin of the closure.",
     ),
     Code(
         "SB414",
         "error",
         "non-finite or excessive number",
-        "A pose, an axis, a mass, a limit or a dimension of the robot is NaN, infinite or beyond 1e30 in SI units, or a position is "
-        "beyond 1e6 m. Only limits may be infinite.",
-        "Engines cannot load the file, or compute with infinite numbers.",
+        "A pose, an axis, a mass, a limit or a dimension of the robot is NaN, infinite or beyond 1e30 in SI units, or "
+        "a position is beyond 1e6 m. Only limits may be infinite. Engines cannot load the file, or compute with "
+        "infinite numbers.",
         "Check the numbers in the named section of the sidecar. If they are correct, please report a bug.",
     ),
     Code(
         "SB415",
         "error",
         "axis or rotation not normalized",
-        "An axis does not have unit length, or a rotation matrix is not orthonormal.",
-        "Engines would scale or shear the links attached to it.",
+        "An axis does not have unit length, or a rotation matrix is not orthonormal. Engines would scale or shear the "
+        "links attached to it.",
         "Check the axis in the sidecar. If it is correct, please report a bug.",
     ),
     Code(
         "SB417",
         "error",
         "unresolved reference",
-        "A joint, closure, frame, actuator or shape refers to an element that the robot does not have.",
-        "Engines cannot load the file.",
+        "A joint, closure, frame, actuator or shape refers to an element that the robot does not have. Engines cannot "
+        "load the file.",
         "Correct the name in the sidecar. If it is correct, please report a bug.",
     ),
     Code(
         "SB418",
         "error",
         "contact sensor without collision geometry",
-        "A contact sensor is mounted on a link that has no collision geometry.",
-        "The link makes no contact in simulation, and the formats require the name of a collision shape.",
+        "A contact sensor is mounted on a link that has no collision geometry. The link makes no contact in "
+        "simulation, and the formats require the name of a collision shape.",
         "Give the link collision geometry, mount the sensor on another link, or remove it.",
     ),
     Code(
         "SB420",
         "warning",
         "robot larger than 20 m",
-        "The robot is larger than 20 m in the assembled pose; for `inspect` and `init`, the assembly in the STEP file.",
+        "The robot is larger than 20 m in the assembled pose; for `inspect` and `init`, the assembly in the STEP file. "
         "Few robots are that large. A wrong length unit in the STEP file scales everything by a factor of 25 or 1000.",
-        "Check the unit of the CAD export, or the dimensions of collision shapes where the message names them. If the size is "
-        "correct, no action is needed.",
+        "Check the unit of the CAD export, or the dimensions of collision shapes where the message names them. If the "
+        "size is correct, no action is needed.",
     ),
     Code(
         "SB421",
@@ -131,29 +130,28 @@ CODES = (
         "assembly probably not z-up",
         "The base of the robot has a large flat face perpendicular to an axis other than z, and a joint on the base is "
         "along that axis. There is no such face perpendicular to z, and the assembly extends along z by at most 1.5 "
-        "times as much as along that axis.",
-        "In robot files z is up. A robot drawn with y up, as many CAD programs do by default, would lie on its side.",
+        "times as much as along that axis. In robot files z is up. A robot drawn with y up, as many CAD programs do by "
+        "default, would lie on its side.",
         "Set the axis that is up: `root: {up: y}`. If z is up, confirm it with `root: {up: z}`.",
     ),
     Code(
         "SB422",
         "warning",
         "axis not along the line of its origin",
-        "The origin of a turning joint or closure was found on the line of cylindrical faces, and its frame has z along "
-        "that line. `axis` names another direction of this frame.",
-        "`axis` is in the joint's frame. The joint turns about a line across the shaft that was found, and every check of "
-        "the files passes, because all have the same axis.",
-        "Write `axis: z` or `axis: -z`. The joint table of `stepbot check --step` has the direction in the STEP's frame; it "
-        "is not a value for `axis`. To turn the frame first, use `offset: {rpy: [...]}`.",
+        "The origin of a turning joint or closure was found on the line of cylindrical faces, and its frame has z "
+        "along that line. `axis` names another direction of this frame. `axis` is in the joint's frame. The joint "
+        "turns about a line across the shaft that was found, and every check of the files passes, because all have the "
+        "same axis.",
+        "Write `axis: z` or `axis: -z`. The joint table of `stepbot check --step` has the direction in the STEP's "
+        "frame; it is not a value for `axis`. To turn the frame first, use `offset: {rpy: [...]}`.",
     ),
     Code(
         "SB423",
         "warning",
         "axis far from the assembly",
-        "The axis of a turning joint is farther from the assembly than the assembly is large.",
-        "The coordinates of its origin are probably in another unit or frame: `xyz: [0, 4, 8]` is 8 m, not 8 inches. The "
-        "joint would swing its link around in a wide arc, and every check of the files passes, because all have the same "
-        "axis.",
+        "The axis of a turning joint is farther from the assembly than the assembly is large. The coordinates of its "
+        "origin are probably in another unit or frame: `xyz: [0, 4, 8]` is 8 m, not 8 inches. The joint would swing "
+        "its link around in a wide arc, and every check of the files passes, because all have the same axis.",
         "Write coordinates with their unit, in the frame of the assembly: `xyz: [0, 4 in, 8 in]`. `stepbot inspect "
         "--features` lists the axes of parts; `axis_of` and `mate` need no coordinates.",
     ),

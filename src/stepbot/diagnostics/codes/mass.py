@@ -7,8 +7,7 @@ CODES = (
         "SB501",
         "error",
         "missing density",
-        "Neither the sidecar nor the STEP file defines a density for a component.",
-        "Its mass cannot be computed.",
+        "Neither the sidecar nor the STEP file defines a density for a component. Its mass cannot be computed.",
         "Set `density`, `material` or a measured `mass` under `parts`, or a default for all components under "
         "`defaults`.",
     ),
@@ -16,9 +15,8 @@ CODES = (
         "SB502",
         "warning",
         "same density on every part",
-        "Every part of the STEP file has the same density.",
-        "This is typically the default of the CAD program: Fusion exports plastic parts with the density of steel, "
-        "which makes a 0.35 kg arm weigh 1.6 kg.",
+        "Every part of the STEP file has the same density. This is typically the default of the CAD program: Fusion "
+        "exports plastic parts with the density of steel, which makes a 0.35 kg arm weigh 1.6 kg.",
         "Set `step_density: ignore` and `defaults: {material: ...}`, with exceptions under `parts`. If the density is "
         "correct, set `defaults: {density: ...}` with `step_density: ignore`.",
     ),
@@ -26,8 +24,7 @@ CODES = (
         "SB503",
         "error",
         "mass assigned to a component without volume",
-        "A `mass` is given for a component that has no volume.",
-        "The mass distribution cannot be computed from surfaces.",
+        "A `mass` is given for a component that has no volume. The mass distribution cannot be computed from surfaces.",
         "Assign the mass to a component with solids, or give the link an `inertial` with com and inertia.",
     ),
     Code(
@@ -35,8 +32,8 @@ CODES = (
         "warning",
         "inconsistent nested masses",
         "A subassembly and some of its parts have a `mass`, and the masses of the parts do not add up to that of the "
-        "subassembly, or leave nothing for the remaining parts.",
-        "The mass of the subassembly is used, and the masses of its parts are ignored.",
+        "subassembly, or leave nothing for the remaining parts. The mass of the subassembly is used, and the masses of "
+        "its parts are ignored.",
         "Weigh the parts again, or remove one of the rules.",
     ),
     Code(
@@ -44,8 +41,8 @@ CODES = (
         "note",
         "exact solid's mass properties used",
         "The volume, centre of mass or inertia of a mesh differs from that of the exact solid by more than a "
-        "thousandth, or the mesh is not closed.",
-        "The exact values are written. The mesh is used for display and collision only.",
+        "thousandth, or the mesh is not closed. The exact values are written. The mesh is used for display and "
+        "collision only.",
         "No action is needed. A finer `mesh` reduces the difference; `mass: mesh` computes mass properties from a "
         "separate fine mesh.",
     ),
@@ -53,8 +50,7 @@ CODES = (
         "SB506",
         "note",
         "surface body has no mass",
-        "A component is a surface without thickness.",
-        "It is visible but has no mass.",
+        "A component is a surface without thickness. It is visible but has no mass.",
         "No action is needed for labels and outlines. If the surface stands for a solid part, thicken it in CAD or "
         "give the link an `inertial`.",
     ),
@@ -62,16 +58,15 @@ CODES = (
         "SB507",
         "error",
         "solid has no volume",
-        "Neither the exact geometry nor the mesh of a solid encloses a volume.",
-        "Its mass would be missing from the robot.",
+        "Neither the exact geometry nor the mesh of a solid encloses a volume. Its mass would be missing from the "
+        "robot.",
         "Repair the solid in CAD, exclude it with `ignore: true`, or give its link an `inertial` with com and inertia.",
     ),
     Code(
         "SB508",
         "error",
         "massless moving link",
-        "A moving link has no mass.",
-        "Engines reject the file, assume 1 kg, or compute infinite accelerations.",
+        "A moving link has no mass. Engines reject the file, assume 1 kg, or compute infinite accelerations.",
         "Assign components to the link or give it an `inertial`. For a reference frame, use a `fixed` joint or an "
         "entry under `frames`.",
     ),
@@ -79,8 +74,8 @@ CODES = (
         "SB509",
         "error",
         "unphysical inertia",
-        "The inertia is not positive definite, or one principal moment exceeds the sum of the other two.",
-        "No mass distribution has such an inertia. Engines diverge or silently change it.",
+        "The inertia is not positive definite, or one principal moment exceeds the sum of the other two. No mass "
+        "distribution has such an inertia. Engines diverge or silently change it.",
         "Correct the numbers. They refer to the centre of mass and the axes of the link, and products of inertia have "
         "the sign of the tensor: ixy is the negative integral of x y.",
     ),
@@ -88,9 +83,9 @@ CODES = (
         "SB510",
         "warning",
         "robot lighter than 1 g",
-        "The total mass of the robot is less than a gram, or a robot that stands still has no mass at all.",
-        "Few robots are that light. A wrong length unit in the STEP file, or a density in g/cm^3 read as kg/m^3, "
-        "makes everything far too light.",
+        "The total mass of the robot is less than a gram, or a robot that stands still has no mass at all. Few robots "
+        "are that light. A wrong length unit in the STEP file, or a density in g/cm^3 read as kg/m^3, makes everything "
+        "far too light.",
         "Check the unit of the CAD export, and the densities.",
     ),
     Code(
@@ -98,18 +93,17 @@ CODES = (
         "warning",
         "mesh accuracy not reached",
         "`mass: mesh` is set, but the volume, centre of mass or inertia of the finest mesh differs from the exact "
-        "value by more than a thousandth.",
-        "The values of the mesh are written, with this error.",
+        "value by more than a thousandth. The values of the mesh are written, with this error.",
         "Use `mass: auto` or `mass: exact`.",
     ),
     Code(
         "SB512",
         "warning",
         "overlapping solids",
-        "Solids of one link overlap, by a thousandth of the mass of the link or more.",
-        "The mass of the overlap is counted once per solid. Where two materials overlap, the lighter one is assumed "
-        "to be displaced. Ignored are overlaps below a thousandth of the smaller solid, overlaps of meshes along "
-        "touching curved faces, and components with a given `mass`.",
+        "Solids of one link overlap, by a thousandth of the mass of the link or more. The mass of the overlap is "
+        "counted once per solid. Where two materials overlap, the lighter one is assumed to be displaced. Ignored are "
+        "overlaps below a thousandth of the smaller solid, overlaps of meshes along touching curved faces, and "
+        "components with a given `mass`.",
         "Subtract one solid from the other in CAD, `ignore` a duplicate part, or give a measured `mass` under `parts` "
         "or an `inertial` on the link.",
     ),
@@ -117,9 +111,8 @@ CODES = (
         "SB513",
         "note",
         "slightly overlapping solids",
-        "Solids of one link overlap, by less than a thousandth of the mass of the link.",
-        "The overlap is counted twice, which changes the mass less than meshing does. Threads modelled as cylinders "
-        "and labels are typical causes.",
+        "Solids of one link overlap, by less than a thousandth of the mass of the link. The overlap is counted twice, "
+        "which changes the mass less than meshing does. Threads modelled as cylinders and labels are typical causes.",
         "No action is needed.",
     ),
     Code(
@@ -127,8 +120,7 @@ CODES = (
         "note",
         "overlaps not checked",
         "Some solids of a link were not checked for overlaps, because a mesh is not closed or the number of pairs and "
-        "faces is too large to check in a few seconds.",
-        "Mass that is counted twice would not be detected.",
+        "faces is too large to check in a few seconds. Mass that is counted twice would not be detected.",
         "Repair open solids. A larger `tolerance` and `angle` under `mesh` gives coarser meshes, which allows more "
         "pairs to be checked.",
     ),
@@ -137,18 +129,17 @@ CODES = (
         "note",
         "material has no density",
         "The STEP file names the material of a part, but neither the STEP file nor `materials` in the sidecar gives "
-        "its density. The density of `defaults` is used.",
-        "A wrong density is not visible in any picture.",
-        "Add the material to `materials` under its name in the STEP file, with its density, or give the part a "
-        "density under `parts`.",
+        "its density. The density of `defaults` is used. A wrong density is not visible in any picture.",
+        "Add the material to `materials` under its name in the STEP file, with its density, or give the part a density "
+        "under `parts`.",
     ),
     Code(
         "SB516",
         "error",
         "mass properties not determined",
-        "Three methods to integrate over a solid differ by more than a tenth: the integration of the geometry "
-        "kernel, that of stepbot, and a sequence of finer meshes.",
-        "Each value may be wrong by more than that, and engines would confirm any of them.",
+        "Three methods to integrate over a solid differ by more than a tenth: the integration of the geometry kernel, "
+        "that of stepbot, and a sequence of finer meshes. Each value may be wrong by more than that, and engines would "
+        "confirm any of them.",
         "Repair the solid in CAD (self-intersecting faces, gaps between faces), ignore it under `parts`, or give its "
         "link an `inertial` with com and inertia.",
     ),
@@ -156,36 +147,38 @@ CODES = (
         "SB517",
         "warning",
         "mass of a component changed",
-        "The mass of a component differs from that in the lock file, because the STEP file gives it another density or material.",
-        "Mass, centre of mass and inertia of its link change.",
-        "Check the material in CAD. If the change is intended, accept it with `stepbot lock`, which updates the lock file.",
+        "The mass of a component differs from that in the lock file, because the STEP file gives it another density or "
+        "material. Mass, centre of mass and inertia of its link change.",
+        "Check the material in CAD. If the change is intended, accept it with `stepbot lock`, which updates the lock "
+        "file.",
     ),
     Code(
         "SB518",
         "warning",
         "inertia too large for the geometry",
         "The `inertial` of a link gives it an inertia that no distribution of its mass within the link's geometry has: "
-        "along the named axis, the mass would have to lie outside.",
-        "Engines accept it, and the robot accelerates and turns too slowly. Typical causes are an inertia about the joint "
-        "instead of the centre of mass, another unit, and estimates in published descriptions.",
-        "Give the inertia about the centre of mass, or omit `inertia` to compute it from the shape. If the value is a maker's, "
-        "or the CAD omits a heavy part, keep it with `ignore_findings: [{code: SB518, reason: ...}]` on the link.",
+        "along the named axis, the mass would have to lie outside. Engines accept it, and the robot accelerates and "
+        "turns too slowly. Typical causes are an inertia about the joint instead of the centre of mass, another unit, "
+        "and estimates in published descriptions.",
+        "Give the inertia about the centre of mass, or omit `inertia` to compute it from the shape. If the value is a "
+        "maker's, or the CAD omits a heavy part, keep it with `ignore_findings: [{code: SB518, reason: ...}]` on the "
+        "link.",
     ),
     Code(
         "SB519",
         "warning",
         "centre of mass outside the geometry",
-        "The `inertial` of a link places its centre of mass outside the convex hull of the link's geometry, by more than a "
-        "hundredth of its diagonal.",
-        "A centre of mass is inside the convex hull of its body. Gravity would act at the wrong place.",
-        "Give `com` in the link's frame, which is that of the joint above it, not in the assembly's. If the CAD omits a heavy part, "
-        "keep it with `ignore_findings: [{code: SB519, reason: ...}]` on the link.",
+        "The `inertial` of a link places its centre of mass outside the convex hull of the link's geometry, by more "
+        "than a hundredth of its diagonal. A centre of mass is inside the convex hull of its body. Gravity would act "
+        "at the wrong place.",
+        "Give `com` in the link's frame, which is that of the joint above it, not in the assembly's. If the CAD omits "
+        "a heavy part, keep it with `ignore_findings: [{code: SB519, reason: ...}]` on the link.",
     ),
     Code(
         "SB520",
         "warning",
         "inertia too small for the mass",
-        "The `inertial` of a link gives it less inertia than a ball of osmium, the densest element, of the same mass.",
+        "The `inertial` of a link gives it less inertia than a ball of osmium, the densest element, of the same mass. "
         "No body is that compact. Typical causes are another unit, such as kg mm^2 or g mm^2 converted twice, and "
         "placeholders. Engines need small time steps for such links, or diverge.",
         "Give the inertia in kg m^2, or omit `inertia` to compute it from the shape. To keep a maker's value, use "
@@ -195,57 +188,58 @@ CODES = (
         "SB521",
         "warning",
         "mass too large for the volume",
-        "A `mass` under `parts`, or in the `inertial` of a link, gives its components a density above 25000 kg/m^3. Osmium, "
-        "the densest element, has 22590 kg/m^3.",
-        "The unit is probably wrong: numbers without a unit are kilograms, and a servo of 55 kg makes the robot a thousand "
-        "times too heavy. Or the mass is that of several components, and each of them gets all of it.",
-        "Write the mass with its unit: `55 g`. A mass is that of each component that the path matches. If a solid stands "
-        "for something heavier, keep the mass with `ignore_findings: [{code: SB521, reason: ...}]` in its rule or link.",
+        "A `mass` under `parts`, or in the `inertial` of a link, gives its components a density above 25000 kg/m^3. "
+        "Osmium, the densest element, has 22590 kg/m^3. The unit is probably wrong: numbers without a unit are "
+        "kilograms, and a servo of 55 kg makes the robot a thousand times too heavy. Or the mass is that of several "
+        "components, and each of them gets all of it.",
+        "Write the mass with its unit: `55 g`. A mass is that of each component that the path matches. If a solid "
+        "stands for something heavier, keep the mass with `ignore_findings: [{code: SB521, reason: ...}]` in its rule "
+        "or link.",
     ),
     Code(
         "SB522",
         "warning",
         "placeholder density",
-        "Components have the density of `defaults: {density: todo}`, the placeholder written by `stepbot init`: 1000 kg/m^3.",
-        "Steel is eight times as dense. Masses and inertias decide which motors suffice, and how a simulated robot moves; every check "
-        "of the files passes, because all have the same masses.",
+        "Components have the density of `defaults: {density: todo}`, the placeholder written by `stepbot init`: 1000 "
+        "kg/m^3. Steel is eight times as dense. Masses and inertias decide which motors suffice, and how a simulated "
+        "robot moves; every check of the files passes, because all have the same masses.",
         "Replace `todo` by the density of the material, or give densities or weighed masses under `parts`.",
     ),
     Code(
         "SB523",
         "note",
         "values in a turned frame",
-        "A link has values in its own frame, an `inertial` with com or inertia or a list of `collision` shapes, and the joint above it "
-        "has a `zero`. The frame of a link is that of its joint at q = 0, and moves with the link: in the drawn pose, where q is "
-        "`zero`, it is turned or shifted by it.",
-        "Values that were read in the drawn pose, in axes of the assembly or of `origin`, are off by `zero`.",
+        "A link has values in its own frame, an `inertial` with com or inertia or a list of `collision` shapes, and "
+        "the joint above it has a `zero`. The frame of a link is that of its joint at q = 0, and moves with the link: "
+        "in the drawn pose, where q is `zero`, it is turned or shifted by it. Values that were read in the drawn pose, "
+        "in axes of the assembly or of `origin`, are off by `zero`.",
         "Give the values in the frame at q = 0, as a URDF does, or leave out `zero`. `ignore: [SB523]` confirms them.",
     ),
     Code(
         "SB524",
         "warning",
         "part is not like its motor",
-        "The bounding box or the mass of the component under `part` differs from that of the actuator's motor.",
-        "It is another motor, or another part.",
+        "The bounding box or the mass of the component under `part` differs from that of the actuator's motor. It is "
+        "another motor, or another part.",
         "Correct `motor` or `part`; `stepbot motors NAME` shows size and mass with their sources.",
     ),
     Code(
         "SB525",
         "error",
         "not as expected",
-        "The sidecar states under `expect` what the robot must be, and a mass, a centre of mass or a reach that is computed from the CAD "
-        "differs by more than its tolerance.",
-        "The CAD, a density or a mass has changed, or the expected value is of another revision.",
+        "The sidecar states under `expect` what the robot must be, and a mass, a centre of mass or a reach that is "
+        "computed from the CAD differs by more than its tolerance. The CAD, a density or a mass has changed, or the "
+        "expected value is of another revision.",
         "Correct the CAD or the masses, or state the new value under `expect`.",
     ),
     Code(
         "SB526",
         "warning",
         "not symmetric",
-        "`expect: {symmetry: y}` says that the drawn robot is its own mirror image, and parts have no twin on the other side, twins differ "
-        "by more than 20 % in mass, or the centre of mass is off the plane by more than 0.5 % of the robot's size.",
-        "A part is missing or displaced, or one twin has another material.",
-        "Compare the parts that are named; a rule of `parts` with a glob gives both the same material. Ignore the finding, with a "
-        "reason, for a robot that is meant to be so.",
+        "`expect: {symmetry: y}` says that the drawn robot is its own mirror image, and parts have no twin on the "
+        "other side, twins differ by more than 20 % in mass, or the centre of mass is off the plane by more than 0.5 % "
+        "of the robot's size. A part is missing or displaced, or one twin has another material.",
+        "Compare the parts that are named; a rule of `parts` with a glob gives both the same material. Ignore the "
+        "finding, with a reason, for a robot that is meant to be so.",
     ),
 )

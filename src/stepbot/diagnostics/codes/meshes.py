@@ -7,16 +7,16 @@ CODES = (
         "SB601",
         "warning",
         "faces without triangles",
-        "The mesher failed on some faces of a body, with all settings tried.",
-        "The mesh has holes. If the exact shape is valid, mass properties are computed from it and are correct.",
+        "The mesher failed on some faces of a body, with all settings tried. The mesh has holes. If the exact shape is "
+        "valid, mass properties are computed from it and are correct.",
         "Repair the faces in CAD, or accept the holes. They affect display and collision only.",
     ),
     Code(
         "SB602",
         "warning",
         "open solid",
-        "Some edges of a solid belong to one face only.",
-        "The solid does not enclose a volume, so its mass cannot be computed.",
+        "Some edges of a solid belong to one face only. The solid does not enclose a volume, so its mass cannot be "
+        "computed.",
         "Close the solid in CAD, or give its mass in the sidecar.",
     ),
     Code(
@@ -24,44 +24,41 @@ CODES = (
         "warning",
         "mesh coarsened",
         "At the requested tolerance, the mesh of a body would exceed the number of faces that engines load in "
-        "reasonable time.",
-        "The mesh is coarser than requested. Mass properties are not affected: they are checked against the exact "
-        "shape.",
+        "reasonable time. The mesh is coarser than requested. Mass properties are not affected: they are checked "
+        "against the exact shape.",
         "Set a larger tolerance or angle under `mesh`, or simplify the body in CAD.",
     ),
     Code(
         "SB604",
         "warning",
         "mesh is not manifold",
-        "Some edges of a mesh do not join exactly two faces.",
-        "The mesh has no well-defined volume. If the exact shape is valid, mass properties are computed from it.",
+        "Some edges of a mesh do not join exactly two faces. The mesh has no well-defined volume. If the exact shape "
+        "is valid, mass properties are computed from it.",
         "Check the body in CAD for overlapping faces and for edges shared by more than two faces.",
     ),
     Code(
         "SB605",
         "warning",
         "volume integration does not converge",
-        "The integration of the geometry kernel, that of stepbot, and a sequence of finer meshes differ by more than "
-        "a thousandth.",
-        "The solid may be invalid, for example because a face intersects itself. Up to a tenth apart, the value of the "
-        "exact solid is used; further apart, stepbot does not build a robot from it (SB516).",
+        "The integration of the geometry kernel, that of stepbot, and a sequence of finer meshes differ by more than a "
+        "thousandth. The solid may be invalid, for example because a face intersects itself. Up to a tenth apart, the "
+        "value of the exact solid is used; further apart, stepbot does not build a robot from it (SB516).",
         "Repair the solid in CAD, ignore it, or give its link an `inertial` with com and inertia.",
     ),
     Code(
         "SB606",
         "warning",
         "measurement mesh too coarse",
-        "With `mass: mesh`, the measurement mesh of a body deviates from the exact shape even at the size limit.",
-        "The mass properties are less accurate than requested. The report contains both values.",
+        "With `mass: mesh`, the measurement mesh of a body deviates from the exact shape even at the size limit. The "
+        "mass properties are less accurate than requested. The report contains both values.",
         "Use `mass: auto` or `mass: exact`.",
     ),
     Code(
         "SB607",
         "warning",
         "self-intersecting solid",
-        "The solid is closed, but its surface intersects itself: lobes overlap, or shells cross.",
-        "Overlapping regions are counted twice or subtracted, by the kernel and by any mesh, so the mass, com and "
-        "inertia are wrong.",
+        "The solid is closed, but its surface intersects itself: lobes overlap, or shells cross. Overlapping regions "
+        "are counted twice or subtracted, by the kernel and by any mesh, so the mass, com and inertia are wrong.",
         "Repair the solid in CAD, or give its mass in the sidecar. Walls thinner than the mesh tolerance intersect in "
         "the mesh only; in this case use a finer `mesh`.",
     ),
@@ -69,33 +66,36 @@ CODES = (
         "SB608",
         "warning",
         "collision setting without effect",
-        "Parts have a `contact`, and their link lists its collision shapes; or a `collision` sets `max_hulls` for shapes that are not convex pieces, or `max_vertices` for shapes that are no "
-        "hulls.",
-        "The setting is ignored: the collision geometry may have more shapes or vertices, or another friction, than intended.",
+        "Parts have a `contact`, and their link lists its collision shapes; or a `collision` sets `max_hulls` for "
+        "shapes that are not convex pieces, or `max_vertices` for shapes that are no hulls. The setting is ignored: "
+        "the collision geometry may have more shapes or vertices, or another friction, than intended.",
         "Set `shape: auto` or `shape: decompose`, or remove the budget. Give the listed shapes a `contact`.",
     ),
     Code(
         "SB609",
         "note",
         "coarse collision geometry",
-        "A link has as many convex pieces as `max_hulls` allows, and its solids fill less than 0.9 of them (0.95 with `decompose`).",
-        "The shapes enclose the link, but reach into hollows: contacts may occur where the parts do not touch.",
+        "A link has as many convex pieces as `max_hulls` allows, and its solids fill less than 0.9 of them (0.95 with "
+        "`decompose`). The shapes enclose the link, but reach into hollows: contacts may occur where the parts do not "
+        "touch.",
         "Raise `max_hulls`, or accept the shapes. `report.json` has how far they reach beyond the solids.",
     ),
     Code(
         "SB610",
         "warning",
         "triangle budget exceeded",
-        "The visual meshes have more triangles than `max_triangles` allows, and no simpler shapes were found: each part needs some.",
-        "The meshes are as simple as possible, hardly resemble the parts, and still exceed the budget.",
+        "The visual meshes have more triangles than `max_triangles` allows, and no simpler shapes were found: each "
+        "part needs some. The meshes are as simple as possible, hardly resemble the parts, and still exceed the "
+        "budget.",
         "Raise `max_triangles`, or hide small parts with `visual: false` under `parts`.",
     ),
     Code(
         "SB611",
         "note",
         "visual meshes simplified",
-        "The visual meshes had more triangles than `max_triangles` allows.",
-        "They deviate from the tessellation by the stated distance. Masses and collision geometry are not affected.",
-        "Raise `max_triangles` if parts look too coarse. `report.json` has the number of triangles and the deviation of every budget.",
+        "The visual meshes had more triangles than `max_triangles` allows. They deviate from the tessellation by the "
+        "stated distance. Masses and collision geometry are not affected.",
+        "Raise `max_triangles` if parts look too coarse. `report.json` has the number of triangles and the deviation "
+        "of every budget.",
     ),
 )

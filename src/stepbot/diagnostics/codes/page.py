@@ -45,8 +45,8 @@ def diagnostics_page(examples: Mapping[str, str]) -> str:
         for code in group:
             exit_code = ", exit code 2" if code.could_not_run else ""
             sections.append(
-                f"### {code.id}: {code.title}\n\n*{code.severity}{exit_code}*\n\n{code.what}\n\n"
-                f"**Why it matters.** {code.why}\n\n**How to fix it.** {code.fix}\n"
+                f"### {code.id}: {code.title}\n\n*{code.severity}{exit_code}*\n\n{code.explanation}\n\n"
+                f"**How to fix it.** {code.fix}\n"
             )
             if code.features:
                 sections.append(f"**Features.** {', '.join(f'`{one}`' for one in code.features.split())}\n")

@@ -7,30 +7,29 @@ CODES = (
         "SB102",
         "error",
         "sidecar cannot be read",
-        "The file is empty, larger than a sidecar can be, not UTF-8 text, or not a single YAML mapping.",
-        "A sidecar is one mapping that starts with `version: 1`, in UTF-8: names of parts would not match the "
-        "STEP file otherwise.",
-        "Check that the path names the sidecar and not the STEP file, and that the editor saved it, as UTF-8. "
-        "Write `key: value` lines without indentation, without `---` separators. Shorten long lists of parts with "
-        "a glob, or with `rest: true`. `stepbot docs sidecar` starts with a minimal example.",
+        "The file is empty, larger than a sidecar can be, not UTF-8 text, or not a single YAML mapping. A sidecar is "
+        "one mapping that starts with `version: 1`, in UTF-8: names of parts would not match the STEP file otherwise.",
+        "Check that the path names the sidecar and not the STEP file, and that the editor saved it, as UTF-8. Write "
+        "`key: value` lines without indentation, without `---` separators. Shorten long lists of parts with a glob, or "
+        "with `rest: true`. `stepbot docs sidecar` starts with a minimal example.",
     ),
     Code(
         "SB104",
         "error",
         "invalid YAML syntax",
-        "The text is not valid YAML at this position. Typical causes are an unclosed bracket or quote, "
-        "inconsistent indentation, a tab, an unquoted colon, and a path that starts with `*`, as an alias does.",
-        "The parser cannot recover the structure after a syntax error. stepbot skips the enclosing top-level "
-        "section and checks the rest.",
-        'Check the marked position and the line above it. Indent with two spaces. Quote paths (`"**/M3x8*"`), and '
-        "text that contains `: ` or ` #` or starts with one of `{}[]&*!|>%@`.",
+        "The text is not valid YAML at this position. Typical causes are an unclosed bracket or quote, inconsistent "
+        "indentation, a tab, an unquoted colon, and a path that starts with `*`, as an alias does. The parser cannot "
+        "recover the structure after a syntax error. stepbot skips the enclosing top-level section and checks the "
+        "rest.",
+        'Check the marked position and the line above it. Indent with two spaces. Quote paths (`"**/M3x8*"`), and text '
+        "that contains `: ` or ` #` or starts with one of `{}[]&*!|>%@`.",
     ),
     Code(
         "SB107",
         "error",
         "duplicate key",
-        "The same key is defined twice in one mapping.",
-        "Only one of the values can apply. Most YAML parsers silently keep the last one.",
+        "The same key is defined twice in one mapping. Only one of the values can apply. Most YAML parsers silently "
+        "keep the last one.",
         "Remove or rename one of the keys. The message gives the position of both.",
     ),
     Code(
@@ -39,19 +38,18 @@ CODES = (
         "YAML that a sidecar may not contain",
         "The file uses a tag such as `!include`, a directive, a list or a mapping as a key, or a merge key of "
         "something other than mappings; a value is missing; or it is nested too deeply or too large after alias "
-        "expansion.",
-        "A sidecar is limited to plain YAML 1.2 data, so that every parser reads the same values. A value that "
-        "begins with `#`, such as a colour, is a comment in YAML, and a few lines of nested aliases can expand to "
+        "expansion. A sidecar is limited to plain YAML 1.2 data, so that every parser reads the same values. A value "
+        "that begins with `#`, such as a colour, is a comment in YAML, and a few lines of nested aliases can expand to "
         "billions of values.",
-        "Write the value directly, and quote it if it is text. Write `{}` for an empty mapping. Merge an anchor "
-        "on a mapping: `<<: *motor`.",
+        "Write the value directly, and quote it if it is text. Write `{}` for an empty mapping. Merge an anchor on a "
+        "mapping: `<<: *motor`.",
     ),
     Code(
         "SB120",
         "error",
         "unknown key",
-        "The sidecar schema does not define this key at this position.",
-        "If stepbot ignored a misspelled key, the robot would be silently wrong.",
+        "The sidecar schema does not define this key at this position. If stepbot ignored a misspelled key, the robot "
+        "would be silently wrong.",
         "Use the suggestion in the help, or look up the key in `stepbot docs sidecar`. Editors complete and check keys "
         "when they use the output of `stepbot schema`.",
     ),
@@ -59,32 +57,30 @@ CODES = (
         "SB121",
         "error",
         "missing key",
-        "A required key is missing.",
-        "stepbot does not assume a default for this key.",
+        "A required key is missing. stepbot does not assume a default for this key.",
         "Add the key. `stepbot docs sidecar` describes it.",
     ),
     Code(
         "SB122",
         "error",
         "wrong type",
-        "The value has the wrong type, such as a number in place of a name, or a string in place of a list.",
-        "YAML derives the type from the notation: `parent: 7` is a number, and `rest: yes` is a string.",
+        "The value has the wrong type, such as a number in place of a name, or a string in place of a list. YAML "
+        "derives the type from the notation: `parent: 7` is a number, and `rest: yes` is a string.",
         "Write the value in the form given in the message.",
     ),
     Code(
         "SB123",
         "error",
         "invalid choice",
-        "The value is not one of the choices of this key.",
-        "stepbot does not guess the intended choice.",
+        "The value is not one of the choices of this key. stepbot does not guess the intended choice.",
         "Use one of the choices listed in the message or its help.",
     ),
     Code(
         "SB124",
         "error",
         "invalid quantity",
-        "The value is not a number with a unit, the unit is unknown, or the unit has the wrong dimension.",
-        "A mass in mm or a length in deg is an error, and an unknown unit could change the value by any factor.",
+        "The value is not a number with a unit, the unit is unknown, or the unit has the wrong dimension. A mass in mm "
+        "or a length in deg is an error, and an unknown unit could change the value by any factor.",
         "Write a number in SI units, or a number with its unit as shown in the help. `stepbot docs sidecar` lists the "
         "units.",
     ),
@@ -92,26 +88,27 @@ CODES = (
         "SB125",
         "error",
         "number out of range",
-        "The number is NaN, infinite, negative or zero where this is not physically possible.",
-        "Engines accept such numbers and compute meaningless results.",
+        "The number is NaN, infinite, negative or zero where this is not physically possible. Engines accept such "
+        "numbers and compute meaningless results.",
         "Correct the number. To exclude a component from the robot, use `ignore: true`.",
     ),
     Code(
         "SB126",
         "error",
         "invalid name",
-        "The name is empty, is too long, contains characters that an output format does not support, that are invisible "
-        "or that change the direction of text, is reserved by a format, or, for a robot, is a device name on Windows.",
-        "A name is the same in the sidecar, in every output file and in client code. stepbot never renames silently.",
-        "Use letters, digits, `_`, `-` and `.`. SDFormat reserves `world`, `::` and names such as `__x__`; the "
-        "sidecar reserves `assembly`; Windows reserves `CON`, `NUL`, `AUX`, `PRN`, `COM1` and `LPT1`.",
+        "The name is empty, is too long, contains characters that an output format does not support, that are "
+        "invisible or that change the direction of text, is reserved by a format, or, for a robot, is a device name on "
+        "Windows. A name is the same in the sidecar, in every output file and in client code. stepbot never renames "
+        "silently.",
+        "Use letters, digits, `_`, `-` and `.`. SDFormat reserves `world`, `::` and names such as `__x__`; the sidecar "
+        "reserves `assembly`; Windows reserves `CON`, `NUL`, `AUX`, `PRN`, `COM1` and `LPT1`.",
     ),
     Code(
         "SB127",
         "error",
         "unsupported sidecar version",
-        "This version of stepbot does not support the `version` of the sidecar.",
-        "Keys may have a different meaning in another version.",
+        "This version of stepbot does not support the `version` of the sidecar. Keys may have a different meaning in "
+        "another version.",
         "Write `version: 1`, or upgrade stepbot.",
     ),
     Code(
@@ -119,91 +116,86 @@ CODES = (
         "error",
         "invalid origin",
         "An origin mixes the keys of two forms, or uses a form that is not valid here: `auto` searches for an axis "
-        "shared by two links.",
-        "Each form defines a complete frame, so only one can apply.",
-        "Keep one of `xyz`, `component`, `center`, `axis_of`, `mate`, `auto`. Frames, sensors and the root belong to "
-        "a single link and accept every form except `auto`.",
+        "shared by two links. Each form defines a complete frame, so only one can apply.",
+        "Keep one of `xyz`, `component`, `center`, `axis_of`, `mate`, `auto`. Frames, sensors and the root belong to a "
+        "single link and accept every form except `auto`.",
     ),
     Code(
         "SB129",
         "warning",
         "name that not every reader takes",
-        "A name has a space, a letter beyond a to z, or a digit at its beginning. Formats allow it, and stepbot writes it; ROS refuses it in "
-        "topics and parameters, xacro evaluates parts of it, and shells and simulators split it.",
+        "A name has a space, a letter beyond a to z, or a digit at its beginning. Formats allow it, and stepbot writes "
+        "it; ROS refuses it in topics and parameters, xacro evaluates parts of it, and shells and simulators split it. "
         "Files with it load in some programs and fail in others.",
-        "Rename it as the message proposes; the rule is the same for all formats. For one reader alone, ignore the finding.",
+        "Rename it as the message proposes; the rule is the same for all formats. For one reader alone, ignore the "
+        "finding.",
     ),
     Code(
         "SB130",
         "error",
         "unknown link",
-        "A link is referenced that is not defined in `links`.",
-        "The joint, frame or sensor cannot be attached.",
+        "A link is referenced that is not defined in `links`. The joint, frame or sensor cannot be attached.",
         "Correct the name or add the link. The help lists similar names.",
     ),
     Code(
         "SB131",
         "error",
         "unknown joint",
-        "A joint is referenced that is not defined in `joints`.",
-        "The mimic, actuator or sensor has no joint to refer to.",
+        "A joint is referenced that is not defined in `joints`. The mimic, actuator or sensor has no joint to refer "
+        "to.",
         "Correct the name or add the joint. The help lists similar names.",
     ),
     Code(
         "SB132",
         "error",
         "unknown material",
-        "A material is referenced that is not defined in `materials`.",
-        "Its density and colour are undefined.",
+        "A material is referenced that is not defined in `materials`. Its density and colour are undefined.",
         "Correct the name or add the material.",
     ),
     Code(
         "SB133",
         "warning",
         "unmatched joint pattern",
-        "A pattern in `joint_defaults` does not match any joint name.",
-        "Its limits and dynamics have no effect. A joint may have been renamed.",
+        "A pattern in `joint_defaults` does not match any joint name. Its limits and dynamics have no effect. A joint "
+        "may have been renamed.",
         "Correct or remove the pattern. Patterns are case-sensitive; `*` matches any sequence of characters.",
     ),
     Code(
         "SB134",
         "error",
         "multiple links with `rest: true`",
-        "More than one link has `rest: true`.",
-        "A component that is not listed explicitly can belong to one link only.",
+        "More than one link has `rest: true`. A component that is not listed explicitly can belong to one link only.",
         "Keep `rest: true` on one link, and list the parts of the others.",
     ),
     Code(
         "SB135",
         "error",
         "duplicate name",
-        "Two links, joints, closures or frames have the same name.",
-        "SDFormat has a single namespace for all of them, URDF represents frames as links, and Pinocchio represents "
-        "links and joints as frames.",
+        "Two links, joints, closures or frames have the same name. SDFormat has a single namespace for all of them, "
+        "URDF represents frames as links, and Pinocchio represents links and joints as frames.",
         "Rename one of them. For example, name the link `elbow` and the joint `elbow_joint`.",
     ),
     Code(
         "SB136",
         "error",
         "invalid sensor mount",
-        "A sensor has neither `link` nor `joint`, has both, or has one that its type does not support.",
-        "The position of the sensor is undefined.",
+        "A sensor has neither `link` nor `joint`, has both, or has one that its type does not support. The position of "
+        "the sensor is undefined.",
         "Set `link`. Sensors of type `joint` require `joint`, and `force_torque` sensors accept it.",
     ),
     Code(
         "SB137",
         "error",
         "key not valid for this type",
-        "A key is not valid for this type of joint, closure, actuator or sensor.",
-        "The key would have no effect.",
+        "A key is not valid for this type of joint, closure, actuator or sensor. The key would have no effect.",
         "Remove the key, or choose a type that supports it.",
     ),
     Code(
         "SB138",
         "error",
         "unit does not match joint type",
-        "An angular unit is used for a prismatic joint, or a unit of length for a rotating joint.",
-        "The value would be interpreted as radians for a prismatic joint, or as metres for a rotating joint.",
+        "An angular unit is used for a prismatic joint, or a unit of length for a rotating joint. The value would be "
+        "interpreted as radians for a prismatic joint, or as metres for a rotating joint.",
         "Use a unit that matches the joint type. If a default applies to rotating and prismatic joints, set the value "
         "on each joint or split the pattern.",
     ),
@@ -212,8 +204,7 @@ CODES = (
         "warning",
         "implausible value without a unit",
         "A number without a unit is interpreted in SI units, and is far outside the usual range: 90 rad, 150 m, 1.2 "
-        "kg/m^3.",
-        "If degrees, millimetres or g/cm^3 were intended, the value is wrong by a factor of 57 or 1000.",
+        "kg/m^3. If degrees, millimetres or g/cm^3 were intended, the value is wrong by a factor of 57 or 1000.",
         "Write the unit: `90 deg`, `150 mm`, `1.2 g/cm^3`. If the value is correct, write its SI unit to suppress the "
         "warning.",
     ),
@@ -222,24 +213,24 @@ CODES = (
         "note",
         "torque in units of mass times length",
         "A torque is written in kg.cm, g.cm, oz-in or lb-in, as in servo data sheets. It is interpreted as kgf*cm, "
-        "gf*cm, ozf*in or lbf*in.",
-        "1 kgf*cm is 0.0980665 N*m. Interpreting the same number in newtons would change the value by a factor of ten.",
+        "gf*cm, ozf*in or lbf*in. 1 kgf*cm is 0.0980665 N*m. Interpreting the same number in newtons would change the "
+        "value by a factor of ten.",
         "Write the unit with the force, as shown in the help, or convert the torque to N*m.",
     ),
     Code(
         "SB141",
         "error",
         "diagnostic cannot be ignored",
-        "`ignore_findings` or `--ignore` names a code that does not exist or that is an error.",
-        "An error means that files would be wrong or missing. Errors cannot be suppressed.",
+        "`ignore_findings` or `--ignore` names a code that does not exist or that is an error. An error means that "
+        "files would be wrong or missing. Errors cannot be suppressed.",
         "Use codes of warnings and notes, as listed by `stepbot explain`.",
     ),
     Code(
         "SB142",
         "note",
         "unused ignore",
-        "`ignore_findings` or `--ignore` names a code that was not reported at this place or anywhere.",
-        "The cause may have been corrected since. An unused rule would hide the next diagnostic with this code.",
+        "`ignore_findings` or `--ignore` names a code that was not reported at this place or anywhere. The cause may "
+        "have been corrected since. An unused rule would hide the next diagnostic with this code.",
         "Remove the entry. A diagnostic that summarizes several places can only be ignored by an entry at the top "
         "level of the sidecar.",
     ),
@@ -247,10 +238,9 @@ CODES = (
         "SB143",
         "warning",
         "density outside the range of all materials",
-        "A density exceeds 25000 kg/m^3, or is below 5 kg/m^3. Osmium, the densest element, has 22590 kg/m^3; foams for "
-        "packaging have 10 to 30.",
-        "The unit is probably wrong. 2700 g/cm^3 is a thousand times the density of aluminium, and makes the robot a "
-        "thousand times too heavy; 1.24 kg/m^3 is a thousandth of that of PLA.",
+        "A density exceeds 25000 kg/m^3, or is below 5 kg/m^3. Osmium, the densest element, has 22590 kg/m^3; foams "
+        "for packaging have 10 to 30. The unit is probably wrong. 2700 g/cm^3 is a thousand times the density of "
+        "aluminium, and makes the robot a thousand times too heavy; 1.24 kg/m^3 is a thousandth of that of PLA.",
         "Write the density in the unit of the data sheet: `2700 kg/m^3` or `2.7 g/cm^3`. If a solid stands for "
         "something heavier, give its `mass`.",
     ),
@@ -258,52 +248,52 @@ CODES = (
         "SB144",
         "error",
         "forward not perpendicular to up",
-        "The directions `up` and `forward` under `root` are along the same axis of the assembly.",
-        "Together they define the axes of the robot's base: z is up and x is forward.",
+        "The directions `up` and `forward` under `root` are along the same axis of the assembly. Together they define "
+        "the axes of the robot's base: z is up and x is forward.",
         "Choose `forward` among the other two axes, or omit it. The default is x, or y if `up` is x or -x.",
     ),
     Code(
         "SB145",
         "warning",
         "actuator limit beyond the limit of its joint",
-        "A limit of an actuator is wider than that of the joint that it drives.",
-        "The limit of the joint applies; that of the actuator has no effect.",
-        "Raise the limit of the joint if the motor has more, or remove the actuator's: it is meant to narrow the joint's.",
+        "A limit of an actuator is wider than that of the joint that it drives. The limit of the joint applies; that "
+        "of the actuator has no effect.",
+        "Raise the limit of the joint if the motor has more, or remove the actuator's: it is meant to narrow the "
+        "joint's.",
     ),
     Code(
         "SB146",
         "warning",
         "excluded pair of links without effect",
-        "A pair in `excluded_contacts` is one link twice, is listed twice, or is of links that a joint or a closure connects, "
-        "directly or through fixed joints.",
-        "It changes nothing: contacts between these are excluded in any case.",
+        "A pair in `excluded_contacts` is one link twice, is listed twice, or is of links that a joint or a closure "
+        "connects, directly or through fixed joints. It changes nothing: contacts between these are excluded in any "
+        "case.",
         "Remove the pair, or correct its names.",
     ),
     Code(
         "SB147",
         "error",
         "unknown or ambiguous motor",
-        "An actuator names a motor that neither the catalogue nor `motors` has, or a family of motors.",
-        "The figures of a similar motor may differ by a factor of ten, and members of a family by a factor of two.",
-        "Choose a name of the help, or one that `stepbot motors` lists. Describe another motor under `motors`, with the "
-        "source of each figure.",
+        "An actuator names a motor that neither the catalogue nor `motors` has, or a family of motors. The figures of "
+        "a similar motor may differ by a factor of ten, and members of a family by a factor of two.",
+        "Choose a name of the help, or one that `stepbot motors` lists. Describe another motor under `motors`, with "
+        "the source of each figure.",
     ),
     Code(
         "SB148",
         "error",
         "motor does not suit its joint",
-        "A motor that turns is on a joint that slides and has no `gear`, a linear drive is on a joint that turns, or no "
-        "source gives the supply that the figures hold at.",
-        "Torque and speed of the joint cannot be computed.",
+        "A motor that turns is on a joint that slides and has no `gear`, a linear drive is on a joint that turns, or "
+        "no source gives the supply that the figures hold at. Torque and speed of the joint cannot be computed.",
         "Give `gear`, in rad/m where the joint slides, remove `voltage`, or choose another motor.",
     ),
     Code(
         "SB149",
         "note",
         "doubtful figures of a motor",
-        "Sources disagree on a figure of a motor that is used, a figure fails a check of the catalogue, or no source gives "
-        "it.",
-        "Effort, speed, inertia or friction of the joint may be wrong.",
-        "Read the sources with `stepbot motors NAME`. Measure the figure, and set it in `limits` or `dynamics` of the joint.",
+        "Sources disagree on a figure of a motor that is used, a figure fails a check of the catalogue, or no source "
+        "gives it. Effort, speed, inertia or friction of the joint may be wrong.",
+        "Read the sources with `stepbot motors NAME`. Measure the figure, and set it in `limits` or `dynamics` of the "
+        "joint.",
     ),
 )

@@ -7,99 +7,99 @@ CODES: tuple[Code, ...] = (
         "SB860",
         "warning",
         "part of the source not converted",
-        "An element or attribute of the converted URDF, SDFormat or MJCF has no counterpart in stepbot's model.",
-        "It is absent from the written files. The note states the physical consequence, where there is one.",
+        "An element or attribute of the converted URDF, SDFormat or MJCF has no counterpart in stepbot's model. It is "
+        "absent from the written files. The note states the physical consequence, where there is one.",
         "Add it to the written files by hand if it matters. `--ignore SB860` confirms that none of them do.",
     ),
     Code(
         "SB861",
         "error",
         "part of the source cannot be converted",
-        "A mesh that a URDF, SDFormat or MJCF names cannot be found or read; or a joint, mimic or closure is of a "
-        "type that stepbot's model does not have, or does not belong to one tree of links.",
-        "A link would lose its shape, or the robot would move differently.",
-        "Put the mesh where the file names it, name the folder of its package with `--package-path`, or convert "
-        "it to STL, OBJ, PLY, Collada or glTF. Express motion by the types of joints and closures in `stepbot "
-        "docs sidecar`.",
+        "A mesh that a URDF, SDFormat or MJCF names cannot be found or read; or a joint, mimic or closure is of a type "
+        "that stepbot's model does not have, or does not belong to one tree of links. A link would lose its shape, or "
+        "the robot would move differently.",
+        "Put the mesh where the file names it, name the folder of its package with `--package-path`, or convert it to "
+        "STL, OBJ, PLY, Collada or glTF. Express motion by the types of joints and closures in `stepbot docs sidecar`.",
     ),
     Code(
         "SB863",
         "warning",
         "actuator or sensor of the source not converted",
-        "An actuator or sensor of the converted file is of a type that stepbot's model does not have, or moves something else than "
-        "one joint; or the range of its force, speed or control is not symmetric; or a position actuator takes inputs beyond the "
-        "limits of its joint.",
-        "The written files lack it, or have the narrower side of the range in both directions, the other if that is 0. Inputs end "
-        "at the limits of the joint: a target beyond them would press the joint harder against its stop.",
+        "An actuator or sensor of the converted file is of a type that stepbot's model does not have, or moves "
+        "something else than one joint; or the range of its force, speed or control is not symmetric; or a position "
+        "actuator takes inputs beyond the limits of its joint. The written files lack it, or have the narrower side of "
+        "the range in both directions, the other if that is 0. Inputs end at the limits of the joint: a target beyond "
+        "them would press the joint harder against its stop.",
         "Add it to the written files by hand, or express it by a position, velocity or motor actuator of a joint.",
     ),
     Code(
         "SB864",
         "note",
         "name changed",
-        "A name in the converted file is reserved or contains characters that a format cannot hold, is missing, or is used twice.",
-        "Controllers and scripts must use the new name.",
+        "A name in the converted file is reserved or contains characters that a format cannot hold, is missing, or is "
+        "used twice. Controllers and scripts must use the new name.",
         "No action is needed. To choose the name, change it in the source.",
     ),
     Code(
         "SB865",
         "note",
         "links rearranged",
-        "The converted file moves a link by several joints, has a joint beside the origin of its link, or has links without a joint "
-        "to the others. The model has one joint above each link, at its frame.",
-        "The written files have additional links without mass, or fixed joints. All links of the source keep their frames.",
+        "The converted file moves a link by several joints, has a joint beside the origin of its link, or has links "
+        "without a joint to the others. The model has one joint above each link, at its frame. The written files have "
+        "additional links without mass, or fixed joints. All links of the source keep their frames.",
         "No action is needed.",
     ),
     Code(
         "SB866",
         "warning",
         "inertia without mass",
-        "A link of the converted file has an inertia, but no mass. No body has that; it is not written.",
-        "Engines differ in what they make of it: some reject it, some ignore it, some add it to the neighbouring link.",
+        "A link of the converted file has an inertia, but no mass. No body has that; it is not written. Engines differ "
+        "in what they make of it: some reject it, some ignore it, some add it to the neighbouring link.",
         "Give the link a mass, or remove its inertia.",
     ),
     Code(
         "SB867",
         "warning",
         "source not confirmed",
-        "No engine could read the converted file, so the written files are compared with stepbot's own reading of it alone; or the "
-        "file does not give the mass properties of a link, and those that its format defines are written; or a URDF has planar or "
-        "floating joints, which engines fix, reject or name differently: they read a copy with several single joints in place of each.",
-        "A misreading would not be noticed.",
-        "Install an engine that reads the format (`pip install stepbot[verify]`), or give the missing values in the source.",
+        "No engine could read the converted file, so the written files are compared with stepbot's own reading of it "
+        "alone; or the file does not give the mass properties of a link, and those that its format defines are "
+        "written; or a URDF has planar or floating joints, which engines fix, reject or name differently: they read a "
+        "copy with several single joints in place of each. A misreading would not be noticed.",
+        "Install an engine that reads the format (`pip install stepbot[verify]`), or give the missing values in the "
+        "source.",
     ),
     Code(
         "SB868",
         "warning",
         "base taken as fixed",
-        "A URDF does not say whether its root link is fixed to the world; the written SDFormat and MJCF must.",
-        "A mobile or legged robot would hang in the air.",
+        "A URDF does not say whether its root link is fixed to the world; the written SDFormat and MJCF must. A mobile "
+        "or legged robot would hang in the air.",
         "State it with `--base floating` or `--base fixed`. A root link named `world` means fixed, too.",
     ),
     Code(
         "SB869",
         "error",
         "output would overwrite the source",
-        "A file to be written has the path of the converted file, or of a mesh that it refers to.",
-        "The source would be lost.",
+        "A file to be written has the path of the converted file, or of a mesh that it refers to. The source would be "
+        "lost.",
         "Choose another folder with `-o`.",
     ),
     Code(
         "SB870",
         "warning",
         "initial position outside the limits",
-        "The initial position of a joint in the converted file, 0 unless the file states another, is outside the joint's limits, or "
-        "is not where its mimic puts it.",
-        "Simulators push the joint into its range in the first steps, or let it pass. The written files start at the nearest limit.",
+        "The initial position of a joint in the converted file, 0 unless the file states another, is outside the "
+        "joint's limits, or is not where its mimic puts it. Simulators push the joint into its range in the first "
+        "steps, or let it pass. The written files start at the nearest limit.",
         "State an initial pose within the limits: in MJCF the keyframe `home`.",
     ),
     Code(
         "SB872",
         "warning",
         "looks of meshes not converted",
-        "A mesh of the converted file has textures, colours of vertices, or materials in a file of its own (MTL), which stepbot "
-        "does not read.",
-        "The visual has the colour that the description gives, or is grey. Colours of materials in Collada and glTF are converted.",
+        "A mesh of the converted file has textures, colours of vertices, or materials in a file of its own (MTL), "
+        "which stepbot does not read. The visual has the colour that the description gives, or is grey. Colours of "
+        "materials in Collada and glTF are converted.",
         "Give the visual a colour in the description, or convert the mesh to Collada or glTF with plain materials.",
     ),
     Code(
@@ -107,48 +107,48 @@ CODES: tuple[Code, ...] = (
         "warning",
         "actuator without gains",
         "A position or velocity actuator of the converted file has no gains: a transmission of ROS 1 has none, and in "
-        "`<ros2_control>` they are optional.",
-        "Without gains it would exert no force in a simulation. They are computed from the inertia and weight that it moves, as by "
-        "`gains: auto` in a sidecar.",
+        "`<ros2_control>` they are optional. Without gains it would exert no force in a simulation. They are computed "
+        "from the inertia and weight that it moves, as by `gains: auto` in a sidecar.",
         "Set parameters `kp` and `kv` of the command interface in the source, or edit the written files.",
     ),
     Code(
         "SB874",
         "warning",
         "position limit missing",
-        "A revolute or prismatic joint of the converted URDF has no `<limit>`, or one without `lower` or `upper`. Without both, the "
-        "joint is unlimited in the written files; in place of one, 0 is taken, as the format defines.",
-        "Readers of URDF differ: without both, PyBullet and MuJoCo let the joint move freely, ROS rejects the file or locks the joint.",
+        "A revolute or prismatic joint of the converted URDF has no `<limit>`, or one without `lower` or `upper`. "
+        "Without both, the joint is unlimited in the written files; in place of one, 0 is taken, as the format "
+        "defines. Readers of URDF differ: without both, PyBullet and MuJoCo let the joint move freely, ROS rejects the "
+        "file or locks the joint.",
         "State `lower` and `upper`, or give a revolute joint that turns without end the type `continuous`.",
     ),
     Code(
         "SB875",
         "warning",
         "mass properties assumed",
-        "`--assume-inertia` is given, and the converted file states no mass properties of a link, or impossible ones. They are "
-        "computed from the link's collisions, or else its visuals, as solids of the density; meshes that are not closed count as "
-        "their convex hulls. A mass and a com that the file states are kept.",
-        "Masses of hollow parts are too large. Simulations move, and controllers act, as for these values.",
+        "`--assume-inertia` is given, and the converted file states no mass properties of a link, or impossible ones. "
+        "They are computed from the link's collisions, or else its visuals, as solids of the density; meshes that are "
+        "not closed count as their convex hulls. A mass and a com that the file states are kept. Masses of hollow "
+        "parts are too large. Simulations move, and controllers act, as for these values.",
         "Measure or compute the mass properties, and state them in the source.",
     ),
     Code(
         "SB877",
         "error",
         "macros cannot be expanded",
-        "The file has macros of ROS (xacro), and one of them cannot be expanded: an expression or an argument is wrong, a package or a "
-        "file is not found, or xacro is not installed. Expressions reach numbers, texts and lists alone; files are read in the "
-        "package of the file, and in packages that it names.",
-        "Nothing is written.",
-        "Correct the place, state arguments with `--xacro NAME:=VALUE`, and name folders of packages with `--package-path DIR`. "
-        "A file that needs more is expanded by ROS first: `xacro robot.urdf.xacro -o robot.urdf`.",
+        "The file has macros of ROS (xacro), and one of them cannot be expanded: an expression or an argument is "
+        "wrong, a package or a file is not found, or xacro is not installed. Expressions reach numbers, texts and "
+        "lists alone; files are read in the package of the file, and in packages that it names. Nothing is written.",
+        "Correct the place, state arguments with `--xacro NAME:=VALUE`, and name folders of packages with "
+        "`--package-path DIR`. A file that needs more is expanded by ROS first: `xacro robot.urdf.xacro -o "
+        "robot.urdf`.",
     ),
     Code(
         "SB876",
         "warning",
         "newer than the version that the file states",
-        "A URDF has what a later version of the format added, a rotation as `quat_xyzw`, a capsule, or a limit of acceleration "
-        "or jerk, and states an earlier version, or none, which means 1.0. stepbot reads it as the later version.",
-        "ROS ignores it: a rotation becomes none, and a link with a capsule loses the shape.",
+        "A URDF has what a later version of the format added, a rotation as `quat_xyzw`, a capsule, or a limit of "
+        "acceleration or jerk, and states an earlier version, or none, which means 1.0. stepbot reads it as the later "
+        "version. ROS ignores it: a rotation becomes none, and a link with a capsule loses the shape.",
         'State the version in the file: `<robot version="1.1">`, or 1.2 for limits of acceleration and jerk.',
     ),
 )
