@@ -7,9 +7,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from click import Context
-from reference import reference_page  # beside this file
+from diagnostics_page import diagnostics_page  # beside this file
+from reference import reference_page
 
-from stepbot.diagnostics.codes.page import diagnostics_page
 from stepbot.driving.limits import LIMITS, UNITS
 from stepbot.formats.mapping import mapping_page
 from stepbot.sidecar.schema import motors_schema_text, schema_text

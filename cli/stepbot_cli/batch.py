@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
+from stepbot_cli.diagnostic_text import counted
 
 from .columns import aligned
 from .command import Command, display_options, ignore_option, json_option
 from .convert import again_format_option, format_names, html_option, no_verify_option, strict_option
-from .counts import counted
 from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import paint, printable
 from .engines import require_option

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import Diagnostics
+from stepbot_cli.diagnostic_text import counted
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
-from .counts import counted
 from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import printable
 from .joint_table import show_joint_rows, show_joint_table

@@ -8,11 +8,11 @@ import click
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.robot.self_collision import DEFAULT_SAMPLES, MOST_SAMPLES
+from stepbot_cli.diagnostic_text import counted
 
 from .caching import say_trouble
 from .columns import table_lines
 from .command import Command, display_options, ignore_option, json_option
-from .counts import counted
 from .descriptions import package_path_option
 from .diagnostic_text import printable
 from .progress import progress_bar

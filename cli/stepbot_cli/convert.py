@@ -11,10 +11,10 @@ import click
 
 from stepbot.diagnostics import did_you_mean
 from stepbot.formats import FORMATS, default_formats, format_named
+from stepbot_cli.diagnostic_text import counted
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option, names_option
-from .counts import counted
 from .descriptions import description_options, reject_descriptions
 from .engines import require_option
 from .joint_table import show_joint_rows, show_joint_table

@@ -10,7 +10,12 @@ from stepbot.diagnostics.codes import CODES
 from stepbot.diagnostics.source_lines import source_lines
 
 from .columns import cells, shortened
-from .counts import counted
+
+
+def counted(number: int, singular: str, plural: str = "") -> str:
+    """``1 link``, ``2 links``, ``2 axes`` where ``plural`` is given."""
+    return f"{number} {singular if number == 1 else plural or singular + 's'}"
+
 
 FRAME_WIDTH = 120
 """Width of a code frame if the width of the screen is unknown."""

@@ -5,7 +5,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .counts import counted
+from stepbot_cli.diagnostic_text import counted
+
 from .diagnostic_text import printable
 
 if TYPE_CHECKING:

@@ -4,7 +4,8 @@ import sys
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
-from .counts import counted
+from stepbot_cli.diagnostic_text import counted
+
 from .diagnostic_text import printable
 from .table import filled, status_lines
 from .terminal import wants_color

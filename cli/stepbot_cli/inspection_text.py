@@ -3,8 +3,13 @@
 import re
 import textwrap
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from io import StringIO
 from math import floor, log10
+
+from rich.console import Console
+from rich.text import Text
+from rich.tree import Tree
 
 from stepbot.assemble.axis_evidence import met
 from stepbot.diagnostics import one_line
@@ -13,10 +18,10 @@ from stepbot.pipeline.stages import Inspection
 from stepbot.step.assembly import Assembly, Body, BodyKind, Component, Quantity
 from stepbot.step.features.axes import AxisLine, axis_faces, lines, millimetres, selectors
 from stepbot.step.structure.paths import plain_name, quoted
+from stepbot_cli.diagnostic_text import counted
 
 from .columns import aligned, cells
 from .contents import Contents, contents
-from .counts import counted
 from .diagnostic_text import printable
 from .inspection_rows import Choice, Row, Rows, listed
 from .shared_axes import SharedAxes
@@ -60,8 +65,6 @@ def inspection_text(
     names = [_telling_names(row.component) for row in rows.rows]
     text = [*_fitted(_head(assembly, sums[0]), width), ""]
     if tree:
-        from .inspection_tree import tree_lines
-
         text += tree_lines(assembly.components, rows.rows, list(map(_facts, cells_of_rows, names)), width)
     else:
         blocks = _blocks(cells_of_rows, names, width)
@@ -327,3 +330,37 @@ def _numbers(point: Vector3) -> str:
 def _volume(value: float) -> str:
     """A volume [m^3] as text."""
     return f"{value * 1e6:.6g} cm^3"
+
+
+_UNLIMITED = 1 << 16
+"""Columns where the output is no terminal: one line per component."""
+
+
+def tree_lines(
+    components: Sequence[Component], rows: Sequence[Row], facts: Sequence[str], width: int | None
+) -> list[str]:
+    """One branch per row, below those of the subassemblies that it is in.
+
+    Args:
+        components: All components; parents come before their children.
+        rows: The components to show. Subassemblies that are not among them are shown by their name alone.
+        facts: For each row its properties in words.
+        width: Width of the screen; None for unlimited.
+    """
+    words_of = {row.component.index: words for row, words in zip(rows, facts, strict=True)}
+    branches: dict[int, Tree] = {}
+
+    def branch(index: int) -> Tree:
+        if index not in branches:
+            component = components[index]
+            words = words_of.get(index, "")
+            label = Text(printable(": ".join(filter(None, (quoted(component.segment), words)))))
+            branches[index] = branch(component.parent).add(label) if component.parent >= 0 else Tree(label)
+        return branches[index]
+
+    for row in rows:
+        branch(row.component.index)
+    text = StringIO()
+    console = Console(file=text, width=width or _UNLIMITED, color_system=None, highlight=False, soft_wrap=False)
+    console.print(branch(0))
+    return [line.rstrip() for line in text.getvalue().splitlines()]

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import Diagnostics
+from stepbot_cli.diagnostic_text import counted
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
-from .counts import counted
 from .descriptions import reject_descriptions
 from .diagnostic_text import printable
 from .progress import progress_bar

@@ -9,11 +9,30 @@ import click
 
 from .caching import cache_options, opened
 from .diagnostic_text import printable
-from .encodings import encoding_option
 from .engines import limit_options
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
+
+
+def _code_page(name: str) -> str:
+    if not name:
+        return ""
+    from stepbot.sidecar.codepages import UnknownCodePage, code_page
+
+    try:
+        return code_page(name)
+    except UnknownCodePage as failure:
+        raise click.BadParameter("; ".join((str(failure), *failure.hints))) from None
+
+
+encoding_option = click.option(
+    "--encoding",
+    type=_code_page,
+    default="",
+    metavar="CODEPAGE",
+    help="Code page of names in the STEP file that are neither ASCII nor UTF-8, such as cp1251 or gbk.",
+)
 
 
 def working_options(command: Callable[..., int]) -> Callable[..., int]:

@@ -4,26 +4,51 @@ A body that MJCF moves by several joints, or by a joint beside its origin, gets 
 model cannot hold is listed, never left out in silence.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stepbot.engines.description import Description, half_size
-from stepbot.engines.observation import Observation, ObservedLink, Quantity
+from stepbot.engines.observation import Observation, ObservedClosure, ObservedLink, Quantity
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.spatial import ZERO3, ZERO33, Pose
+from stepbot.geometry.spatial import ZERO3, ZERO33, Pose, perpendicular_frame
 from stepbot.robot.kinematics import MOVING, complete, neighbours, without_contacts
 from stepbot.robot.mesh_files import share_meshes
-from stepbot.robot.model import Base, Frame, JointKind, Link, Robot
+from stepbot.robot.model import Base, Frame, JointKind, Link, LoopClosure, Robot
 
-from .closures import closures_of
 from .devices import actuators_of, sensors_of
 from .finding import DROPPED_INERTIA, LOST, MOVED, REARRANGED, UNSUPPORTED, Finding
 from .names import Names, with_valid_names
 from .shapes import Shapes
 from .tree import tree_of, without_broken_mimics
+
+"""Kinds of closures that the loop solver has."""
+
+
+def closures_of(seen: Iterable[ObservedClosure], links: set[str], found: list[Finding]) -> Iterator[LoopClosure]:
+    """The closures; those of other kinds are listed."""
+    for number, one in enumerate(seen, start=1):
+        name = one.name or f"closure {number}"
+        kind = JointKind(one.kind) if one.kind in set(JointKind) else None
+        X_AF, X_BF, axis = one.X_AF, one.X_BF, one.axis or (0.0, 0.0, 1.0)
+        if kind is None and one.points is not None:
+            kind = JointKind.BALL if one.axes is None else JointKind.REVOLUTE
+            directions = one.axes or (axis, axis)
+            X_AF, X_BF = (Pose.of(perpendicular_frame(d), p) for d, p in zip(directions, one.points, strict=True))
+            axis = (0.0, 0.0, 1.0)
+        if (
+            kind is None
+            or not (kind.closes or kind.is_hinge)
+            or X_AF is None
+            or X_BF is None
+            or not {one.link_a, one.link_b} <= links
+        ):
+            found.append(Finding(UNSUPPORTED, f"closure '{name}' of type '{one.kind}' is not supported"))
+            continue
+        yield LoopClosure(name, kind, one.link_a, X_AF, one.link_b, X_BF, axis)
+
 
 _WORLD = "world"
 _BASES = {JointKind.FIXED: Base.FIXED, JointKind.FLOATING: Base.FLOATING}

@@ -11,16 +11,30 @@ from .located import Sidecar
 from .magnitudes import check_densities, check_magnitudes, check_weights_as_forces
 from .mechanics import check_closures, check_mimics, check_turned_frames
 from .names import check_names
-from .orientation import check_orientation
 from .own_part import own_part
 from .references import check_references
 from .text import file_name
 from .unit_rules import check_joint_units
 
+
+def _check_orientation(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report SB144: forward is along up."""
+    root = sidecar.document.root
+    if root is None or root.axes is None:
+        return
+    up, forward = root.axes
+    if up[-1] == forward[-1]:
+        others = [axis for axis in "xyz" if axis != up[-1]]
+        directions = " or ".join(f"`{sign}{axis}`" for axis in others for sign in ("", "-"))
+        keys = ("root", "forward")
+        message = f"root: `forward: {forward}` is not perpendicular to `up: {up}`"
+        found.add("SB144", message, sidecar.span(*keys), help=[f"write {directions}"])
+
+
 _OF_OWN_LINKS = (check_references, check_connections)
 _CHECKS = (
     check_names,
-    check_orientation,
+    _check_orientation,
     check_joints,
     check_joint_units,
     check_mimics,

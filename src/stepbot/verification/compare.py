@@ -6,7 +6,7 @@ does not report is not compared, and recorded as not run, never as passed.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from math import inf, isfinite, nan
+from math import dist, inf, isfinite, nan
 
 import numpy as np
 
@@ -16,11 +16,56 @@ from stepbot.robot.mesh_names import SCOPE
 
 from .deviation import Deviations
 from .devices import compare_actuators, compare_sensors
-from .gravity_settings import compare_gravity_settings, has_gravity_settings
-from .links import link_pairs
 from .motion import compare_closures, compare_gravity, compare_inverse_dynamics, compare_mass_matrix, compare_poses
-from .shapes import compare_contacts, compare_meshes, compare_shapes
+from .shapes import compare_contacts, compare_meshes, compare_shapes, link_pairs
 from .tolerances import tolerance
+
+EARTH = (9.76, 9.84)
+"""Acceleration of gravity [m/s^2] on the ground anywhere on Earth: 9.764 on Huascaran, 9.834 on the Arctic Ocean.
+https://doi.org/10.1002/grl.50838"""
+_SIDEWAYS = 1e-9
+"""Maximum horizontal gravity [m/s^2] if the other file leaves gravity to the simulator."""
+
+
+def has_gravity_settings(observation: Observation) -> bool:
+    """Whether a file changes gravity: its own acceleration, or links with gravity compensation."""
+    return bool(observation.gravity) or any(link.gravity_compensation for link in observation.links)
+
+
+def compare_gravity_settings(deviations: Deviations, reference: Observation, observed: Observation) -> None:
+    """Compare the acceleration of gravity, and its share that acts on each link.
+
+    A file without an acceleration of gravity leaves it to the simulator; the other file must then have Earth's.
+    """
+    if reference.gravity is not None and observed.gravity is not None:
+        _compare_acceleration(deviations, reference.gravity, observed.gravity)
+    for a, b in link_pairs(reference, observed):
+        if a.gravity_compensation is None or b.gravity_compensation is None or not (a.mass or b.mass):
+            continue
+        where = f"gravity compensation of link '{a.name}'"
+        deviations.near(b.gravity_compensation, a.gravity_compensation, where, "of its weight")
+
+
+def _compare_acceleration(deviations: Deviations, expected: tuple[float, ...], found: tuple[float, ...]) -> None:
+    if expected and found:
+        deviations.off(
+            dist(expected, found), f"acceleration of gravity {_text(found)}, {_text(expected)} expected", "m/s^2"
+        )
+        return
+    for given in filter(None, (expected, found)):
+        there = "here" if given is found else "in the file that it is compared with"
+        words = f"acceleration of gravity {_text(given)} {there}; the other file leaves it to the simulator: Earth's"
+        deviations.equal(_is_earths(given), f"{words} is expected, {EARTH[0]:g} to {EARTH[1]:g} m/s^2 downwards")
+
+
+def _is_earths(gravity: tuple[float, ...]) -> bool:
+    x, y, z = gravity
+    return max(abs(x), abs(y)) <= _SIDEWAYS and EARTH[0] <= -z <= EARTH[1]
+
+
+def _text(gravity: tuple[float, ...]) -> str:
+    return f"({', '.join(f'{one:.10g}' for one in gravity)})"
+
 
 Comparison = Callable[[Deviations, Observation, Observation], None]
 

@@ -9,8 +9,14 @@ from stepbot.engines.observation import Observation, ObservedLink, ObservedShape
 from stepbot.robot.surfaces import SURFACE_FIELDS, Surface
 
 from .deviation import Deviations
-from .links import link_pairs
 from .tolerances import COLOR, SURFACE
+
+
+def link_pairs(reference: Observation, observed: Observation) -> list[tuple[ObservedLink, ObservedLink]]:
+    """Links of the same name on both sides, in the order of the reference."""
+    theirs = {link.name: link for link in observed.links}
+    return [(link, theirs[link.name]) for link in reference.links if link.name in theirs]
+
 
 _RENAMED = re.compile(r"(_geom)+(_\d+)?$")
 """Suffixes of formats that require different names of visuals and collisions."""

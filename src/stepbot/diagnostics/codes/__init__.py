@@ -2,21 +2,17 @@
 
 SB0xx files and environment, SB1xx sidecar syntax and schema, SB2xx STEP, SB3xx component paths, SB4xx kinematics,
 SB5xx mass and inertia, SB6xx meshes, SB7xx format limitations, SB8xx verification in engines, SB9xx internal errors.
-A code is never renumbered or reused.
+A code is never reused; ``renamed.py`` has those of earlier versions.
 """
 
 from bisect import bisect
 from collections.abc import Iterator, Mapping
 from functools import cache, cached_property
 from importlib import import_module
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
+from .code import Code, Severity
 from .renamed import RENAMED
-from .severity import Severity
-
-if TYPE_CHECKING:
-    from .code import Code
-
 
 _RANGES = {
     "SB0": "environment",
@@ -29,20 +25,18 @@ _RANGES = {
     "SB45": "mechanism",
     "SB5": "mass",
     "SB6": "meshes",
-    "SB62": "self_collision",
-    "SB64": "packages",
     "SB7": "formats",
     "SB8": "simulators",
     "SB86": "sources",
-    "SB9": "internal",
+    "SB9": "environment",
 }
 """The module of each range, by the start of its first code, in order; a range ends where the next one starts."""
 
 
-class _Codes(Mapping[str, "Code"]):
+class _Codes(Mapping[str, Code]):
     """All codes. Their texts take about 100 kB: looking up a code imports those of its range."""
 
-    def __getitem__(self, code: str) -> "Code":
+    def __getitem__(self, code: str) -> Code:
         index = bisect(self._starts, code)
         if not index:
             raise KeyError(code)
@@ -61,18 +55,18 @@ class _Codes(Mapping[str, "Code"]):
     _starts = tuple(_RANGES)
 
     @cached_property
-    def _codes(self) -> "dict[str, Code]":
-        return {name: code for module in _RANGES.values() for name, code in _codes_of(module).items()}
+    def _codes(self) -> dict[str, Code]:
+        return {name: code for module in dict.fromkeys(_RANGES.values()) for name, code in _codes_of(module).items()}
 
 
 @cache
-def _codes_of(module: str) -> "Mapping[str, Code]":
+def _codes_of(module: str) -> Mapping[str, Code]:
     """The codes of one module."""
-    codes = cast("tuple[Code, ...]", import_module(f"{__name__}.{module}").CODES)
+    codes = cast(tuple[Code, ...], import_module(f"{__name__}.{module}").CODES)
     return {code.id: code for code in codes}
 
 
-CODES: Mapping[str, "Code"] = _Codes()
+CODES: Mapping[str, Code] = _Codes()
 
 
 def current(code: str) -> tuple[str, ...]:

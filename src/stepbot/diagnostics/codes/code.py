@@ -1,8 +1,8 @@
 """One diagnostic code with its explanation."""
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
-from .severity import Severity
+Severity = Literal["error", "warning", "note"]
 
 
 class Code(NamedTuple):

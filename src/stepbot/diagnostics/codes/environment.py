@@ -1,4 +1,4 @@
-"""SB0xx: files, environment, missing extras."""
+"""SB0xx: files, environment, missing extras; SB9xx: internal errors."""
 
 from .code import Code
 
@@ -199,5 +199,25 @@ CODES = (
         "changed since, these files are of another state of it than the new ones. `report.json` is about the new ones "
         "alone.",
         "Convert to all formats that are needed in one run, or remove the files.",
+    ),
+    Code(
+        "SB901",
+        "error",
+        "internal error",
+        "stepbot reached a state that earlier checks should have prevented. The result would not be reliable, so none "
+        "is written.",
+        "Please report a bug with the sidecar and the STEP file, or a minimal part of them that reproduces the error.",
+        could_not_run=True,
+    ),
+    Code(
+        "SB902",
+        "error",
+        "worker process failed",
+        "A worker process ended without a result: it crashed, was killed, or exceeded its memory or time limit. The "
+        "geometry kernel and some engines crash on some input. stepbot runs them in separate processes to report such "
+        "failures.",
+        "The notes contain the signal and the last lines of output. Try the file in another CAD program. Raise "
+        "`--timeout` or `--memory-limit` if a limit was exceeded.",
+        could_not_run=True,
     ),
 )

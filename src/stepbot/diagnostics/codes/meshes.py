@@ -1,4 +1,4 @@
-"""SB6xx: meshes and tessellation."""
+"""SB6xx: meshes and tessellation, collisions between links, and packages for ROS 2."""
 
 from .code import Code
 
@@ -97,5 +97,55 @@ CODES = (
         "stated distance. Masses and collision geometry are not affected.",
         "Raise `max_triangles` if parts look too coarse. `report.json` has the number of triangles and the deviation "
         "of every budget.",
+    ),
+    Code(
+        "SB620",
+        "warning",
+        "links always overlap",
+        "The collision shapes of two links without a common joint penetrate each other in every sampled pose. A "
+        "simulator would push the links apart without end, and a planner would find no path, so contacts of the pair "
+        "are excluded. That hides an overlap of the parts, or of collision shapes that are larger than the parts.",
+        "Convex hulls fill concave regions. Choose a closer `collision` for one of the links. If the parts overlap, "
+        "correct the CAD. If both links are meant to be one body, connect them with a fixed joint.",
+    ),
+    Code(
+        "SB621",
+        "note",
+        "fewer poses than requested",
+        "The robot has fewer poses in which self-collision can be searched: it cannot move, or its loops jam. What "
+        "never happens in a few poses may happen in others.",
+        "Check the limits of the joints in the loops, and that the loops can move (SB819).",
+    ),
+    Code(
+        "SB640",
+        "warning",
+        "package without maintainer or licence",
+        "The manifest of a ROS 2 package must state a maintainer and a licence, and the sidecar has none; or the "
+        "maintainer's address is in a domain for examples, such as example.com, as in the sidecars of stepbot's robot "
+        "library. `package.xml` has `unknown` in place of what is missing: colcon builds the package, but nobody may "
+        "use or publish it without asking, and `rosdep` and release tools report it. Nobody receives what users write "
+        "to a placeholder.",
+        "State both in the sidecar: `metadata: {maintainer: Ada Lovelace <ada@example.com>, license: Apache-2.0}`, "
+        "with your own name and address. For a URDF, SDFormat or MJCF, or a sidecar that is not yours, use the options "
+        "`--maintainer` and `--license`.",
+    ),
+    Code(
+        "SB641",
+        "note",
+        "package without controllers",
+        "The robot has no actuators, so its ROS 2 package has neither `<ros2_control>` nor `controllers.yaml`. RViz "
+        "moves the joints by sliders and MoveIt plans, but nothing carries a motion out. In Gazebo the joints move "
+        "freely.",
+        "Add actuators to the sidecar: `actuators: {elbow_motor: {joint: elbow, kind: position, gains: auto}}`.",
+    ),
+    Code(
+        "SB642",
+        "note",
+        "gripper found by its name",
+        "The last joint of an arm, or the link that it moves, is named like a jaw, and its range is at most 2.5 rad or "
+        "m. In the SRDF it is an end effector with a group of its own, and the arm's group ends at the link before. "
+        "MoveIt plans for the arm without this joint. If the joint is part of the arm, its inverse kinematics lack one "
+        "joint.",
+        "If the joint is no jaw, rename it, or add it to the arm's group in the SRDF.",
     ),
 )

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from itertools import groupby
 
-from . import CODES, RENAMED
+from stepbot.diagnostics.codes import CODES, RENAMED
 
 RANGES = {
     "0": "Files and environment",
@@ -26,9 +26,9 @@ INTRODUCTION = """\
 
 A diagnostic has the form `file:line:column: severity[CODE]: message`. Errors end the run with exit code 1, or with 2 if
 stepbot could not run at all (marked below). Warnings and notes do not change the exit code, unless `--strict` turns
-warnings into errors. `stepbot explain CODE` prints the text of this page. Some codes have a feature after a colon, as in `SB760:armature`: `--ignore SB760`
-suppresses all of them, `--ignore SB760:armature` one. Codes are never reused; those of earlier versions below still work in `explain`,
-`--ignore` and `ignore_findings`.
+warnings into errors. `stepbot explain CODE` prints the text of this page. Some codes have a feature after a colon, as
+in `SB760:armature`: `--ignore SB760` suppresses all of them, `--ignore SB760:armature` one. Codes are never
+reused; those of earlier versions below still work in `explain`, `--ignore` and `ignore_findings`.
 """
 
 
