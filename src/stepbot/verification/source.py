@@ -45,8 +45,8 @@ def _effective(actuator: ObservedActuator, limit: Limit) -> ObservedActuator:
         control = _within(_within(actuator.control, _symmetric(limit.effort / gear)), force)
         return replace(actuator, control=control, force=_within(force, control))
     if actuator.kind == ActuatorKind.POSITION:
-        low, high = sorted((limit.lower * gear, limit.upper * gear))
-        return replace(actuator, control=_within(actuator.control, (low, high)), force=force)
+        ends = (limit.lower * gear, limit.upper * gear)
+        return replace(actuator, control=_within(actuator.control, ends if gear > 0.0 else ends[::-1]), force=force)
     if actuator.kind == ActuatorKind.VELOCITY:
         return replace(actuator, control=_within(actuator.control, _symmetric(limit.velocity * gear)), force=force)
     return actuator

@@ -1,7 +1,7 @@
 """Physically impossible properties are reported once, with their code; valid robots pass without diagnostics."""
 
 from dataclasses import replace
-from math import inf, nan
+from math import cos, inf, nan, pi, sin
 
 import numpy as np
 import pytest
@@ -15,8 +15,11 @@ from stepbot.robot.model import (
     ActuatorKind,
     Base,
     Box,
+    Capsule,
     Collision,
+    Cylinder,
     Frame,
+    Geometry,
     Joint,
     JointKind,
     Limit,
@@ -26,6 +29,7 @@ from stepbot.robot.model import (
     MeshRef,
     Mimic,
     Robot,
+    Sphere,
     Visual,
 )
 from stepbot.robot.validity import check_robot, inertia_fault
@@ -211,6 +215,36 @@ def test_a_size_due_to_collision_shapes_is_no_doubt_of_the_unit() -> None:
     (warning,) = found
     assert (warning.code, warning.span) == ("SB420", place)
     assert warning.message == "robot 'pair': size of 25 m, 0.3 m without the collision shapes of 'b'"
+
+
+@pytest.mark.parametrize(
+    ("geometry", "size"),
+    [
+        (Sphere(12.0), (24.0, 24.0, 24.0)),
+        (Cylinder(1.0, 22.0), (2.0, 2.0, 22.0)),
+        (Cylinder(11.0, 2.0), (22.0, 22.0, 2.0)),
+        (Capsule(2.0, 19.0), (4.0, 4.0, 23.0)),
+        (Box((3.0, 21.0, 4.0)), (3.0, 21.0, 4.0)),
+    ],
+    ids=lambda one: type(one).__name__,
+)
+def test_size_of_primitive_shapes(geometry: Geometry, size: tuple[float, float, float]) -> None:
+    """A robot of one shape, turned by 30 degrees, is as large as the closed form of its box."""
+    turned = Pose.from_xyz_rpy((1.0, 2.0, 3.0), (pi / 6, 0.0, 0.0))
+    robot = Robot("one", (Link("a", SOLID, collisions=(Collision("c", geometry, turned),)),))
+    found = Diagnostics()
+    check_robot(robot, found)
+    (x, y, z), c, s = size, cos(pi / 6), sin(pi / 6)
+    largest = max(x, c * y + s * z, s * y + c * z)
+    (warning,) = (one for one in found if one.code == "SB420")
+    assert f"size of {largest:.3g} m" in warning.message
+
+
+@pytest.mark.parametrize(("size", "mass", "codes"), [(20.0, 1e-3, set()), (20.1, 0.99e-3, {"SB420", "SB510"})])
+def test_limits_of_size_and_mass(size: float, mass: float, codes: set[str]) -> None:
+    """Robots up to 20 m and from 1 g are no doubt of the unit."""
+    link = Link("a", SOLID.scaled(mass), collisions=(Collision("c", Box((size, 1.0, 1.0))),))
+    assert set(_codes(Robot("one", (link,)))) & {"SB420", "SB510"} == codes
 
 
 def test_faults_are_reported_where_their_element_is_described() -> None:

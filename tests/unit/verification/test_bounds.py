@@ -1,11 +1,17 @@
 """Stand-ins for a missing mass, and numbers that only resemble them."""
 
+from dataclasses import replace
+from math import inf
+
 import numpy as np
 import pytest
 
-from stepbot.engines.observation import Observation, ObservedLink, Quantity
+from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, Quantity
+from stepbot.formats.lowering.joints import UNLIMITED
 from stepbot.formats.lowering.masses import LEAST_MASS, LEAST_MOMENT, STAND_IN_MASS, STAND_IN_MOMENT
 from stepbot.geometry.spatial import ZERO3, matrix3
+from stepbot.robot.kinematics import NO_BOUND
+from stepbot.robot.model import Limit
 from stepbot.verification.bounds import without_stand_ins
 from stepbot.verification.compare import compare
 from stepbot.verification.normalized import normalized
@@ -34,3 +40,18 @@ def test_other_inertia_of_the_same_mass_is_compared(mass: float, moment: float) 
     pair = normalized(seen(mass, 5.0 * moment), seen(mass, 7.0 * moment))
     failed = {one.quantity for one in compare(*pair) if one.deviations.failures}
     assert failed == {Quantity.INERTIA}
+
+
+def test_unreachable_limits_are_none() -> None:
+    """Limits from 1e9 mean none, in each direction and for each joint of one body; lower ones stay as they are."""
+    least = Limit(lower=-NO_BOUND, upper=NO_BOUND, velocity=UNLIMITED, effort=UNLIMITED)
+    kept = Limit(lower=-0.999 * NO_BOUND, upper=0.999 * NO_BOUND, velocity=0.999 * UNLIMITED, effort=0.999 * UNLIMITED)
+    step = ObservedJoint("x", "revolute", "base", "dust", limit=least)
+    joints = (
+        ObservedJoint("free", "ball", "base", "dust", limit=kept, steps=(step,)),
+        ObservedJoint("a", "b", "c", "d"),
+    )
+    free, other = without_stand_ins(replace(seen(1.0, None), joints=joints)).joints
+    assert free.limit == kept
+    assert free.steps[0].limit == Limit(-inf, inf, inf, inf)
+    assert other.limit is None
