@@ -58,8 +58,8 @@ def command(
     The page is served on this machine only (127.0.0.1), at an address with a random token; it loads nothing from a
     network. A STEP file is shown with the joints that `stepbot init` would draft. Ctrl-C ends it.
 
-    With --edit the page writes to the sidecar, each change checked before, and undone with one click. Otherwise nothing
-    is written.
+    With --edit the page writes to the sidecar, each change checked before, and undone with one click. Its Convert
+    button writes the files, as `stepbot convert` does. Otherwise nothing is written.
     """
     from stepbot.pipeline.warm import warm_processes
     from stepbot.serving.session import Session
@@ -73,7 +73,8 @@ def command(
     if found.has_errors:
         return _say(found, "", as_json, display)
     try:
-        session = Session(target, options._replace(verify=not no_verify), port=port, edits=edit)
+        output = default_output(target, options.variant)
+        session = Session(target, options._replace(verify=not no_verify, output=output), port=port, edits=edit)
     except OSError as error:
         found.add("SB019", f"port {port}: {error.strerror}", Span("stepbot"))
         return _say(found, "", as_json, display)

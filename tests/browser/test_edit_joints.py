@@ -143,6 +143,7 @@ def test_review_marks_are_those_of_the_sidecar(page: Page, edited: Callable[[str
 def test_typed_positions(page: Page, edited: Callable[[str], Session]) -> None:
     """A position has a unit; what is no position, or beyond a limit, is said, and the box shows where the robot is."""
     edited(PARTS_OF_THE_ROOT)
+    page.tab("joints")
     box = page.element("[data-value=crank_turn]")
 
     def typed(text: str) -> tuple[float, str, str]:
@@ -167,6 +168,7 @@ def test_typed_positions(page: Page, edited: Callable[[str], Session]) -> None:
 def test_as_drawn_moves_the_slider_back(page: Page, edited: Callable[[str], Session]) -> None:
     """The thumb that was dragged last follows `as drawn`."""
     edited(PARTS_OF_THE_ROOT)
+    page.tab("joints")
     page.slide("crank_turn", 40.0)
     page.element("#reset").click()
     assert page.positions()["crank_turn"] == 0.0

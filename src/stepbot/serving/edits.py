@@ -13,18 +13,26 @@ from stepbot.sidecar.located import Sidecar
 from .joint_edits import KINDS, WITH_LIMITS, change_type, choose_line, confirm, flip, set_limits
 from .local_server import Refused
 from .questions import Json, limits, origin, paths, text
-from .renaming import rename, require_free
+from .renaming import rename, require_free, require_portable
+from .tree_edits import make_root, merge
+from .value_edits import append, confirm_marks, ignore, set_value
 
 _CLOSING = kinds_with(closes=True)
 
 
 def changes_of(sidecar: Sidecar, question: Json) -> list[Change]:
-    """The changes of a question ``{action, ...}``.
+    """The changes of a question ``{action, ...}``; ``{action: all, edits}`` is several, as one step.
 
     Raises:
         Refused: There is no such action, link, joint or value.
     """
-    action = _ACTIONS.get(text(question, "action"))
+    name = text(question, "action")
+    if name == "all":
+        edits = question.get("edits")
+        if not isinstance(edits, list) or not all(isinstance(one, dict) and one.get("action") != name for one in edits):
+            raise Refused("a list of edits is expected")
+        return [change for one in edits for change in changes_of(sidecar, one)]
+    action = _ACTIONS.get(name)
     if action is None:
         raise Refused("no such action")
     return action(sidecar, question)
@@ -56,8 +64,9 @@ def _add_joint(sidecar: Sidecar, question: Json) -> list[Change]:
     document = sidecar.document
     name, kind = text(question, "name").strip(), text(question, "kind")
     parent, child = text(question, "parent"), text(question, "child").strip()
-    if not name or not child:
-        raise Refused("the joint and its child link need names")
+    require_portable(name)
+    if child not in document.links:
+        require_portable(child)
     require_free(document, "joints", name)
     if kind not in KINDS:
         raise Refused(f"no joints of type '{kind}' here; edit the sidecar")
@@ -75,8 +84,7 @@ def _add_joint(sidecar: Sidecar, question: Json) -> list[Change]:
 def _add_closure(sidecar: Sidecar, question: Json) -> list[Change]:
     """``{name, kind, parent, child, origin}``: a joint between two links that closes a loop."""
     name, kind = text(question, "name").strip(), text(question, "kind")
-    if not name:
-        raise Refused("the closure needs a name")
+    require_portable(name)
     require_free(sidecar.document, "closures", name)
     if kind not in _CLOSING:
         raise Refused(f"no closures of type '{kind}' here; edit the sidecar")
@@ -115,4 +123,10 @@ _ACTIONS: dict[str, Callable[[Sidecar, Json], list[Change]]] = {
     "add_joint": _add_joint,
     "add_closure": _add_closure,
     "remove_joint": _remove_joint,
+    "merge": merge,
+    "root": make_root,
+    "set": set_value,
+    "append": append,
+    "settle": confirm_marks,
+    "ignore": ignore,
 }

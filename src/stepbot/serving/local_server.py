@@ -1,5 +1,7 @@
 """HTTP on 127.0.0.1 for one page: a random token in every path, requests from other sites refused, no files served.
 
+What a conversion made is served from memory.
+
 Another program or site on this machine can reach the port, but not what is behind the token. The Host header must name
 this machine, which keeps out sites whose name is made to point here (DNS rebinding).
 """
@@ -14,6 +16,7 @@ from math import isfinite
 from queue import Empty, SimpleQueue
 from threading import Lock, Thread
 from typing import Any
+from urllib.parse import unquote
 
 Json = dict[str, Any]
 Answer = Callable[[Json], Json]
@@ -36,7 +39,12 @@ class LocalServer:
     """Serves one page, its scene, its events, and answers to its questions."""
 
     def __init__(
-        self, page: Callable[[], str], scene: Callable[[], bytes], answers: Mapping[str, Answer], port: int = 0
+        self,
+        page: Callable[[], str],
+        scene: Callable[[], bytes],
+        answers: Mapping[str, Answer],
+        port: int = 0,
+        made: Callable[[], Mapping[str, bytes]] = dict,
     ):
         """Bind the port; :meth:`start` serves.
 
@@ -45,12 +53,13 @@ class LocalServer:
             scene: Makes the scene as JSON, UTF-8.
             answers: By name, functions that answer questions of the page.
             port: The port; 0 for any free one.
+            made: Files that the page may load, by name: held in memory, not read from a disk.
 
         Raises:
             OSError: The port is in use, or not allowed.
         """
         self.token = secrets.token_urlsafe(_TOKEN_BYTES)
-        self._page, self._scene, self._answers = page, scene, answers
+        self._page, self._scene, self._answers, self._made = page, scene, answers, made
         self._listeners: list[SimpleQueue[bytes | None]] = []
         self._last: dict[str, bytes] = {}
         self._lock = Lock()
@@ -140,6 +149,8 @@ class _Handler(BaseHTTPRequestHandler):
                 self._stream()
             case None:
                 self._refuse(HTTPStatus.FORBIDDEN)
+            case place if (made := self.server.local._made().get(unquote(place.removeprefix("files/")))) is not None:
+                self._send(made, "application/octet-stream")
             case _:
                 self._refuse(HTTPStatus.NOT_FOUND)
 

@@ -1,5 +1,6 @@
 """A new name for a joint, closure or link, in every place of the sidecar that refers to it."""
 
+import re
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
 
@@ -13,7 +14,8 @@ from stepbot.sidecar.tree import Keys
 from .local_server import Refused
 from .questions import Json, text
 
-_NAMED = ("links", "joints", "closures", "frames")
+_PORTABLE = re.compile(r"[A-Za-z_][\w.-]{0,199}", re.ASCII)
+NAMED = ("links", "joints", "closures", "frames")
 """Sections of the sidecar whose entries need different names."""
 
 
@@ -28,15 +30,28 @@ def rename(sidecar: Sidecar, question: Json) -> list[Change]:
     section = next((one for one in sections if former in getattr(document, one)), None)
     if section is None:
         raise Refused(f"no {question['what']} '{former}'")
-    if not new:
-        raise Refused("a name is missing")
+    require_portable(new)
     require_free(document, section, new)
     changes: list[Change] = []
     if section == "joints":
         changes += _patterns(document, former, new)
-    references = _links if section == "links" else _joints
+    references = references_to_links if section == "links" else _joints
     changes += [Put(keys, new) for keys, name in references(document) if name == former]
     return [*changes, Rename((section, former), new)]
+
+
+def require_portable(name: str) -> None:
+    """Check that every format, ROS and xacro accept a new name.
+
+    Raises:
+        Refused: They do not; the message has a name that they accept.
+    """
+    if not name:
+        raise Refused("a name is missing")
+    if _PORTABLE.fullmatch(name) is None:
+        other = re.sub(r"[^\w.-]+", "_", name, flags=re.ASCII).strip("_.-")
+        hint = f"; try '{other if other[:1].isalpha() else f'n_{other}'}'" if other else ""
+        raise Refused(f"'{name}' is not a portable name: start with a letter, go on with a-z, 0-9, '_', '-', '.'{hint}")
 
 
 def require_free(document: Document, section: str, name: str) -> None:
@@ -45,13 +60,13 @@ def require_free(document: Document, section: str, name: str) -> None:
     Raises:
         Refused: A link, joint, closure or frame has it; the message has a free one.
     """
-    taken = next((one for one in _NAMED if name in getattr(document, one)), None)
+    taken = next((one for one in NAMED if name in getattr(document, one)), None)
     if taken is None:
         return
     kind, other = section.removesuffix("s"), taken.removesuffix("s")
     if section == taken:
         raise Refused(f"there is a {kind} '{name}' already")
-    known = {one for names in _NAMED for one in getattr(document, names)}
+    known = {one for names in NAMED for one in getattr(document, names)}
     free = free_name(f"{name}_{kind}", "_2", known)
     raise Refused(f"a {kind} and a {other} cannot have one name; try '{free}'")
 
@@ -65,7 +80,7 @@ def _joints(document: Document) -> Iterator[tuple[Keys, str | None]]:
     yield from ((("sensors", name, "joint"), one.joint) for name, one in document.sensors.items())
 
 
-def _links(document: Document) -> Iterator[tuple[Keys, str | None]]:
+def references_to_links(document: Document) -> Iterator[tuple[Keys, str | None]]:
     """Keys and names of all references to links."""
     if document.root is not None:
         yield ("root", "link"), document.root.link

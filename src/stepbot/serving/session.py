@@ -1,7 +1,7 @@
 """What one page shows and asks: a scene, its verification, faces that were clicked."""
 
 import threading
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
@@ -10,6 +10,8 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.jobs.incremental import convert, produce
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.scenes import Shown, guessed, show
+from stepbot.runtime.file import resolved
+from stepbot.runtime.output import failed_output
 from stepbot.viewing.faces import clicked_face
 from stepbot.viewing.findings import diagnostic_documents, proof_document
 from stepbot.viewing.page import page_html
@@ -17,6 +19,7 @@ from stepbot.viewing.scene import scene_text
 
 from .axis_questions import axes_between, axes_of_joint
 from .contacts import Contacts
+from .decisions import vocabulary, written
 from .editor import Editor
 from .local_server import LocalServer, Refused
 
@@ -56,6 +59,9 @@ class Session:
         self._scene = b"null"
         self._shown: Shown | None = None
         self._revision = 0
+        self._made: Mapping[str, bytes] = {}
+        """Files of the last conversion that the page asked for."""
+        self._converting = threading.Lock()
         self.on_edit: Callable[[], None] = lambda: None
         """Called after an edit was shown."""
         self._editor: Editor | None = None
@@ -72,9 +78,12 @@ class Session:
                 "undo": lambda question: self._revised(editor.undo(question)),
                 "redo": lambda question: self._revised(editor.redo(question)),
                 "between": lambda question: axes_between(self._shown, question),
+                "convert": lambda question: self._convert(),
+                "written": lambda question: self._written(editor),
+                "vocabulary": lambda question: vocabulary(),
                 "lines": lambda question: axes_of_joint(self._shown, editor.sidecar(), question),
             }
-        self.server = LocalServer(self._page, lambda: self._scene, answers, port)
+        self.server = LocalServer(self._page, lambda: self._scene, answers, port, lambda: self._made)
 
     def load(self) -> Shown:
         """Read the target and show it; after errors the page keeps the last robot, if there was one."""
@@ -129,6 +138,10 @@ class Session:
         with self._lock:
             return {**answer, "revision": self._revision}
 
+    def _written(self, editor: Editor) -> Json:
+        shown = self._shown
+        return written(editor.sidecar(), {} if shown is None or shown.scene is None else shown.scene)
+
     def prove(self) -> Conversion | None:
         """Convert the sidecar that is shown, verify the files, and show the result; None for other targets."""
         shown = self._shown
@@ -140,6 +153,23 @@ class Session:
         if shown is self._shown:
             self._send_proof(conversion)
         return conversion
+
+    def _convert(self) -> Json:
+        """Do what `stepbot convert` does: ``{folder, files, written}``; the page hears of each stage."""
+        if not self._converting.acquire(blocking=False):
+            raise Refused("a conversion is running")
+        try:
+            options = self._options._replace(verify=True)
+            conversion = convert(self.target, options, lambda stage: self.server.send("converting", {"stage": stage}))
+        finally:
+            self._converting.release()
+            self.server.forget("converting")
+        is_written = not conversion.diagnostics.has_errors
+        folder = options.output if is_written else failed_output(options.output)
+        self._made = conversion.files
+        self._send_proof(conversion)
+        files = sorted(conversion.files, key=lambda name: ("/" in name, name))
+        return {"folder": resolved(folder).as_posix(), "files": files, "written": is_written}
 
     def _send_proof(self, conversion: Conversion) -> None:
         found: Diagnostics = conversion.diagnostics

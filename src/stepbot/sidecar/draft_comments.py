@@ -8,6 +8,8 @@ from math import isfinite, radians
 _EVIDENCE = re.compile(r" *# (score \d|limits: |stop found by collision |stops: |REVIEW: )")
 _CONTINUED = re.compile(r" *#   \S")
 _REVIEW = re.compile(r" *# REVIEW: (.*)")
+_BESIDE = re.compile(r"(?<=[\w}\]\"'])  # REVIEW: .*$")
+"""A REVIEW comment behind a value."""
 _STOP = re.compile(r" *# stop found by collision at (.*)")
 _POSITION = re.compile(r"(\S+) (deg|rad|mm): (.*?)(?:; a limit may be closer)?$")
 _UNITS = {"deg": radians(1.0), "rad": 1.0, "mm": 1e-3}
@@ -50,6 +52,17 @@ def drafted_reviews(text: str) -> dict[str, str]:
     return {name: "; ".join(_texts(written, _REVIEW)) for name, written in _drafted(text)}
 
 
+def reviews(text: str) -> Iterator[tuple[int, str]]:
+    """The line, from 1, of each entry with REVIEW comments above or beside it, and what they say."""
+    lines = text.split("\n")
+    for index, line in enumerate(lines):
+        if line.strip() and not line.lstrip(" ").startswith("#"):
+            beside = [found[0].partition("REVIEW: ")[2] for found in _BESIDE.finditer(line)]
+            words = [*_texts([lines[at] for at in above(lines, index)], _REVIEW), *beside]
+            if words:
+                yield index + 1, "; ".join(words)
+
+
 def drafted_stops(text: str) -> dict[str, tuple[DraftedStop, ...]]:
     """The stops of each joint that still has its score from the draft, in the order of their comments."""
     return {
@@ -63,12 +76,12 @@ def drafted_stops(text: str) -> dict[str, tuple[DraftedStop, ...]]:
 
 
 Rewrite = Callable[[Sequence[str]], Sequence[str | None]]
-"""Gives the new text of each line of the draft's comments above an entry; None removes the line."""
+"""Gives the new text of each line of the draft's comments above an entry and of its own; None removes the line."""
 
 
 def without_reviews(lines: Sequence[str]) -> Sequence[str | None]:
     """Comments without REVIEW."""
-    return _without(lines, _REVIEW)
+    return [line if line is None else _BESIDE.sub("", line) for line in _without(lines, _REVIEW)]
 
 
 def without_stops(lines: Sequence[str]) -> Sequence[str | None]:

@@ -4,6 +4,7 @@ The text is spliced at the positions of YAML nodes, because a YAML writer would 
 read again and must hold the former values with exactly these changes.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,10 +16,11 @@ from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 
 from stepbot.diagnostics import Diagnostics
 
+from .compose import TooMuchError, compose
 from .draft_comments import Rewrite, above, below
 from .load import parse_sidecar
 from .starter import scalar
-from .tree import plain_data
+from .tree import Mapping, plain_data
 
 Keys = tuple[str | int, ...]
 
@@ -89,6 +91,22 @@ def edited(text: str, changes: Sequence[Change]) -> str:
     if _values(text) != expected:
         raise CannotEdit("the sidecar is written in a way that this change does not fit; edit it in an editor")
     return text
+
+
+def value_of(text: str) -> Any:
+    """The value that a text on one line is in a sidecar.
+
+    Raises:
+        CannotEdit: It is not YAML, or YAML that a sidecar may not have.
+    """
+    found = Diagnostics()
+    try:
+        tree = compose(f"value: {text}", "value", found)
+    except (YAMLError, TooMuchError) as error:
+        raise CannotEdit(f"'{text}' is not a value of YAML; put a text in double quotes") from error
+    if found.has_errors or not isinstance(tree, Mapping) or list(tree.entries) != ["value"]:
+        raise CannotEdit(next((one.message for one in found), f"'{text}' is not a value"))
+    return _copied(plain_data(tree))["value"]
 
 
 def _values(text: str) -> Any:
@@ -223,7 +241,7 @@ def _annotated(text: str, nodes: Sequence[Node], rewrite: Rewrite) -> str:
         raise CannotEdit("an item of a list has no comments of the draft")
     lines: list[str | None] = list(text.split("\n"))
     start = next(key for key, value in parent.value if value is node).start_mark.line
-    places = above([str(line) for line in lines], start)
+    places = (*above([str(line) for line in lines], start), start)
     for at, line in zip(places, rewrite([str(lines[at]) for at in places]), strict=True):
         lines[at] = line
     return "\n".join(line for line in lines if line is not None)
@@ -296,8 +314,9 @@ def _is_quantity(text: str) -> bool:
         float(number)
     except ValueError:
         return False
-    return unit in _UNITS
+    return _UNIT.fullmatch(unit) is not None
 
 
 _AXES = frozenset(("x", "y", "z", "-x", "-y", "-z"))
-_UNITS = frozenset(("deg", "rad", "mm", "cm", "m", "in", "kg/m^3"))
+_UNIT = re.compile(r"[A-Za-z%°][\w^*/.%°-]*")
+"""Of these characters a plain scalar of YAML may be."""

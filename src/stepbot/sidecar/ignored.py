@@ -10,7 +10,7 @@ from stepbot.diagnostics.codes import CODES, current
 
 from .section import Section
 from .subjects import subject
-from .tree import Keys, Listing, Mapping, Tree
+from .tree import Keys, Listing, Mapping, Tree, last_line
 
 FindingCode = Annotated[str, Field(max_length=40, json_schema_extra={"pattern": "^SB[0-9]{3}(:[a-z-]+)?$"})]
 """A code of a warning or a note, some with a feature, as in `SB760:armature`; `stepbot explain` lists them."""
@@ -41,6 +41,11 @@ _SECTIONS = ("parts", "links", "joints")
 """Top-level keys whose entries have the key too."""
 
 
+def can_ignore(keys: Keys) -> bool:
+    """Whether the element at keys has the key itself."""
+    return len(keys) > 1 and keys[0] in _SECTIONS
+
+
 def check_ignored(root: Tree, found: Diagnostics) -> None:
     """Report unknown codes and codes of errors (SB141)."""
     for _, code, place in _entries(root):
@@ -61,7 +66,7 @@ def ignores(root: Tree) -> Iterator[Ignore]:
             continue
         entry = _below(root, keys)
         pattern = str(keys[1]) if keys[0] == "parts" else ""
-        yield Ignore(code, place, subject(keys), entry.span.line, _last_line(entry), pattern)
+        yield Ignore(code, place, subject(keys), entry.span.line, last_line(entry), pattern)
 
 
 def _entries(root: Tree) -> Iterator[tuple[Keys, str, Any]]:
@@ -83,12 +88,3 @@ def _below(root: Tree, keys: Keys) -> Any:
     for key in keys:
         value = value.entries[str(key)].value if isinstance(value, Mapping) and key in value.entries else None
     return value
-
-
-def _last_line(tree: Tree) -> int:
-    """The last line on which a value of the tree begins."""
-    if isinstance(tree, Mapping):
-        return max([tree.span.line, *(_last_line(entry.value) for entry in tree.entries.values())])
-    if isinstance(tree, Listing):
-        return max([tree.span.line, *map(_last_line, tree.values)])
-    return tree.span.line

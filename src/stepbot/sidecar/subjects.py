@@ -15,6 +15,8 @@ _SUBJECTS = {
     "sensors": "sensor",
 }
 
+SECTIONS = tuple(_SUBJECTS)
+"""Sections of members by name."""
 
 ELEMENTS = ("links", "joints", "closures", "frames", "actuators", "sensors")
 """Sections whose members are elements of the robot."""

@@ -103,6 +103,15 @@ def span(root: Tree, keys: Keys) -> Span:
     return values[-1].span if len(values) == len(keys) + 1 else key_span(root, keys)
 
 
+def last_line(tree: Tree) -> int:
+    """The last line on which a value of the tree begins."""
+    if isinstance(tree, Mapping):
+        return max([tree.span.line, *(last_line(entry.value) for entry in tree.entries.values())])
+    if isinstance(tree, Listing):
+        return max([tree.span.line, *map(last_line, tree.values)])
+    return tree.span.line
+
+
 def plain_data(tree: Tree) -> Any:
     """The tree as dictionaries, lists and scalars; aliases become the same object."""
     return _plain_data(tree, {})

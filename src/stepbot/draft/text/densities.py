@@ -4,7 +4,7 @@ import re
 import tomllib
 from functools import cache
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 _COATING = re.compile(r"\b[\w-]+[ -](plated|coated|clad|galvani[sz]ed|painted|verzinkt)\b")
 """A material that is only on the surface of another one: copper-plated steel."""
@@ -30,14 +30,23 @@ def typical_density(material: str) -> TypicalDensity | None:
     return None
 
 
+def typical_densities() -> dict[str, float]:
+    """The typical density [kg/m^3] of each material."""
+    return {name: float(entry["density"]) for name, entry in _entries().items()}
+
+
+@cache
+def _entries() -> dict[str, Any]:
+    return tomllib.loads(Path(__file__).with_name("densities.toml").read_text(encoding="utf-8"))
+
+
 @cache
 def _vocabulary() -> tuple[tuple[tuple[re.Pattern[str], TypicalDensity], ...], ...]:
     """Patterns of words, and of numbers that other materials have as well."""
-    entries = tomllib.loads(Path(__file__).with_name("densities.toml").read_text(encoding="utf-8"))
     return tuple(
         tuple(
             (re.compile(rf"(?<![^\W_])(?:{pattern})(?![^\W_])"), TypicalDensity(float(entry["density"]), name))
-            for name, entry in entries.items()
+            for name, entry in _entries().items()
             for pattern in entry.get(key, ())
         )
         for key in ("words", "numbers")

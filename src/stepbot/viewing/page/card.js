@@ -21,7 +21,7 @@ export function card(state, node, extras = () => []) {
     if (focused && !node.contains(document.activeElement)) node.querySelector(`[${focused.name}="${CSS.escape(focused.value)}"]`)?.focus();
   };
   state.listen((what) => {
-    if (what === "selection" || what === "scene") update();
+    if (["selection", "scene", "written"].includes(what)) update();
   });
 }
 

@@ -5,7 +5,11 @@ import { byId, element } from "./dom.js";
 import { button, choice, field } from "./form.js";
 import { jointForm } from "./jointform.js";
 import { jointTools, nameField } from "./jointtools.js";
+import { converted } from "./convert.js";
 import { app } from "./main.js";
+import { decisionsPanel } from "./decisions.js";
+import { extras } from "./proof.js";
+import { robotPanel, selectedSheets } from "./settings.js";
 
 const { state } = app;
 let picking = false;
@@ -17,10 +21,20 @@ const picked = (selection) => selection.picked ?? [selection.component];
 function linkTools(selection) {
   if (form?.about !== selection) {
     const name = nameField("link", "name", () => form.about.link);
-    form = { about: selection, name, nodes: [element("h3", {}, "Edit"), element("div.form", {}, name.node)] };
+    form = { about: selection, name, nodes: [element("h3", {}, "Edit"), element("div.form", {}, name.node, linkActs(() => selection.link))] };
   }
   form.name.update();
   return form.nodes;
+}
+
+function linkActs(link) {
+  const joint = () => state.scene.connections.find(({ closes, child }) => !closes && child === link())?.name;
+  if (!joint()) return null;
+  const merge = button("merge into its parent", () => edit("merge", () => ({ joint: joint() })));
+  const root = button("make it the root", () => edit("root", () => ({ link: link() })));
+  Object.assign(merge.dataset, { edit: "merge" });
+  Object.assign(root.dataset, { edit: "root" });
+  return element("div.acts", {}, merge, root);
 }
 
 function partTools(selection) {
@@ -57,9 +71,21 @@ state.picking = (selection) => {
   return { ...selection, picked: paths, triangle: null, line: null };
 };
 app.extras.push((selection) => {
-  if (selection.connection) return jointTools(selection);
-  return selection.component ? partTools(selection) : linkTools(selection);
+  const tools = selection.connection ? jointTools : selection.component ? partTools : linkTools;
+  return [...tools(selection), ...selectedSheets(selection)];
 });
+extras.push(converted);
+const { section, reveal } = robotPanel();
+app.add("robot", "Robot", section, 2);
+app.add("todo", "To do", decisionsPanel(), 0);
+app.reveal = (key) => {
+  app.open("robot");
+  reveal(key);
+};
+state.listen((what) => {
+  if (what === "written") Object.assign(app.counts.get("todo"), { textContent: String(state.written.decisions.length || ""), className: "count warn" });
+});
+app.open("todo");
 byId("toolbar").after(element("p", { id: "hint" }, "This page edits the sidecar. Click a part to move it or to put a joint on it, or a joint in the list to change it."));
 state.listen((what) => {
   if (what === "selection" && state.selection) byId("hint").hidden = true;

@@ -10,15 +10,16 @@ export function findingsPanel(state) {
   state.listen((what) => {
     if (what !== "scene" && what !== "proof") return;
     const found = [...state.scene.diagnostics].sort((a, b) => ORDER.indexOf(a.severity) - ORDER.indexOf(b.severity));
-    section.replaceChildren(...(found.length ? found.map(finding) : [element("p.quiet", {}, "No findings.")]));
+    section.replaceChildren(...(found.length ? found.map((one) => finding(state, one)) : [element("p.quiet", {}, "No findings.")]));
   });
   return section;
 }
 
-function finding(one) {
+function finding(state, one) {
+  const about = state.mentioned(one.message);
   const place = one.line ? `${one.file}:${one.line}` : one.file;
   return element("div.finding", { "data-code": one.code },
     element("div", {}, element("b." + TONES[one.severity], {}, `${one.severity} ${one.code}`), " ", element("span.quiet", {}, place)),
-    element("div", {}, one.message),
+    about ? element("button.about", { type: "button", onclick: () => state.select(about) }, one.message) : element("div", {}, one.message),
     one.help.map((text) => element("div.help", {}, text)));
 }

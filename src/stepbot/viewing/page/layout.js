@@ -31,23 +31,26 @@ export function dock() {
   return toggle;
 }
 
-// Tabs: one has the focus, arrow keys go to the others.
-export function tabs(panels, opened = () => {}) {
-  const buttons = panels.map(([id, label, section]) => {
+// Tabs: one has the focus, arrow keys go to the others. `add` puts a panel last, or at a place.
+export function tabs() {
+  const buttons = [];
+  const counts = new Map();
+  function add(id, label, section, at = buttons.length) {
     for (const [name, value] of [["id", id], ["role", "tabpanel"], ["aria-labelledby", `tab-${id}`]]) section.setAttribute(name, value);
     const count = element("span.count");
     const button = element("button", { type: "button", role: "tab", id: `tab-${id}`, "aria-controls": id, onclick: () => open(id) }, label, count);
-    byId("tabs").append(button);
+    byId("tabs").insertBefore(button, buttons[at]?.button ?? null);
     byId("sections").append(section);
-    return { id, button, section, count };
-  });
+    buttons.splice(at, 0, { id, button, section });
+    counts.set(id, count);
+    open(buttons[0].id);
+  }
   function open(chosen) {
     for (const { id, button, section } of buttons) {
       button.setAttribute("aria-selected", String(id === chosen));
       button.tabIndex = id === chosen ? 0 : -1;
       section.hidden = id !== chosen;
     }
-    opened(chosen);
   }
   byId("tabs").addEventListener("keydown", ({ key }) => {
     const at = buttons.findIndex(({ button }) => button === document.activeElement);
@@ -57,8 +60,7 @@ export function tabs(panels, opened = () => {}) {
     open(id);
     button.focus();
   });
-  open(panels[0][0]);
-  return { open, counts: new Map(buttons.map(({ id, count }) => [id, count])) };
+  return { add, open, counts };
 }
 
 export const isTyping = ({ target }) => target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement || (target instanceof HTMLInputElement && target.type !== "range");

@@ -49,6 +49,10 @@ function connect() {
     state.proving = proving;
     state.tell("proof");
   });
+  on("converting", ({ stage }) => {
+    state.converting = stage;
+    state.tell("proof");
+  });
   on("findings", ({ diagnostics }) => {
     Object.assign(state.scene, { diagnostics });
     state.tell("proof");

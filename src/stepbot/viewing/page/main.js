@@ -71,13 +71,14 @@ function start() {
   const toggle = dock();
   const extras = [];
   card(state, byId("card"), (selection) => extras.flatMap((extra) => extra(selection)));
-  const { open, counts } = tabs([
-    ["joints", "Joints", jointsPanel(state)], ["parts", "Parts", partsPanel(state)],
-    ["proof", "Verification", proofPanel(state)], ["findings", "Findings", findingsPanel(state)],
-  ]);
+  const { add, open, counts } = tabs();
+  add("joints", "Joints", jointsPanel(state));
+  add("parts", "Parts", partsPanel(state));
+  add("proof", "Proof", proofPanel(state));
+  add("findings", "Findings", findingsPanel(state));
   state.listen((what) => {
     if (what === "scene") title(state);
-    if (["scene", "proof", "contacts"].includes(what)) for (const [id, count] of counts) Object.assign(count, badge(state, id));
+    if (["scene", "proof", "contacts"].includes(what)) for (const id of ["joints", "proof", "findings"]) Object.assign(counts.get(id), badge(state, id));
   });
   addEventListener("keydown", (event) => {
     if (event.key === "Escape" && !document.querySelector("dialog[open]")) state.select(null);
@@ -99,7 +100,7 @@ function start() {
   globalThis.stepbot = { state, view };
   const text = byId("scene").textContent.trim();
   if (text) state.load(JSON.parse(text));
-  return { state, view, extras, keys, open };
+  return { state, view, extras, keys, add, open, counts };
 }
 
 export const app = start();

@@ -1,14 +1,17 @@
 // The verification table and links that overlap.
 
-import { element } from "./dom.js";
+import { element, place } from "./dom.js";
 import { millimetres, short } from "./numbers.js";
+
+// Functions whose nodes stand above the table.
+export const extras = [];
 
 export function proofPanel(state) {
   const section = element("section");
   const update = () => {
     const { proof } = state.scene;
-    const rows = proof?.rows.length ? table(proof.rows) : element("p.quiet", {}, !proof && state.proving ? "Engines are running." : "Not verified.");
-    section.replaceChildren(rows, ...overlaps(state));
+    const rows = proof?.rows.length ? table(state, proof.rows) : element("p.quiet", {}, !proof && state.proving ? "Engines are running." : "Not verified.");
+    place(section, [...extras.flatMap((extra) => extra()), rows, ...overlaps(state)]);
   };
   state.listen((what) => {
     if (["scene", "proof", "contacts"].includes(what)) update();
@@ -18,8 +21,13 @@ export function proofPanel(state) {
 
 const WORDS = { passed: ["good", "✓"], failed: ["bad", "✗"], "not run": ["quiet", "–"] };
 
-function table(rows) {
-  return element("table", {}, element("tbody", {}, rows.map((row) => {
+// What failed is first, what did not run is last.
+const ORDER = ["failed", "passed", "not run"];
+
+function table(state, rows) {
+  const sorted = [...rows].sort((a, b) => ORDER.indexOf(a.status) - ORDER.indexOf(b.status));
+  return element("table", {}, element("tbody", {}, sorted.map((row) => {
+    const about = row.status === "failed" ? state.mentioned(row.worst?.where ?? "") ?? state.mentioned(row.why) : null;
     const [tone, mark] = WORDS[row.status];
     const worst = row.worst && row.worst.deviation !== null
       ? `largest deviation ${short(row.worst.deviation, 2)} ${row.worst.unit} in ${row.worst.quantity}, tolerance ${short(row.worst.tolerance, 2)}` : "";
@@ -28,6 +36,7 @@ function table(rows) {
       element("td", {},
         element("div", {}, row.file || "robot", " ", element("span.quiet", {}, [row.engine, row.version].filter(Boolean).join(" "))),
         row.compared.length ? element("div.quiet", {}, `${row.compared.length} quantities compared${worst ? `, ${worst}` : ""}`) : null,
+        about ? element("button.place", { type: "button", onclick: () => state.select(about) }, `show ${about.connection ?? about.link}`) : null,
         row.why ? element("details", { open: row.status === "failed" }, element("summary", {}, row.status === "failed" ? "what failed" : "not covered"), element("p", {}, row.why)) : null));
   })));
 }

@@ -131,6 +131,15 @@ export class State {
     return this.link.get(selection.link);
   }
 
+  // The joint, closure or link that a text is about, as a selection: `joint 'elbow': ...`; null for none.
+  mentioned(text) {
+    for (const [, , name] of text.matchAll(/(^|[\s(:,])'([^']+)'/g)) {
+      const found = [{ connection: name }, { link: name }].find((one) => this.find(one));
+      if (found) return found;
+    }
+    return this.link.has(text) ? { link: text } : this.find({ connection: text }) ? { connection: text } : null;
+  }
+
   set(name, value) {
     this.show[name] = value;
     this.tell("show");
