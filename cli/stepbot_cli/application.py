@@ -25,6 +25,7 @@ COMMANDS = {
     "watch": "Show robots in a browser, again after each save.",
     "render": "Draw a robot or a STEP file.",
     "collisions": "Show which links can overlap; write an SRDF.",
+    "datasheet": "Show reach, payload, inertias and limits.",
     "check": "Check sidecars without writing anything.",
     "lock": "Record shapes, poses and axes, to find CAD changes.",
     "uptodate": "Check that output files are up to date.",

@@ -29,6 +29,7 @@ from stepbot.formats.urdf.ros2.package import ros2_package
 from stepbot.formats.urdf.ros2.xacro import GAZEBO_HARDWARE
 from stepbot.formats.urdf.writer import render
 from stepbot.geometry.spatial import Pose
+from stepbot.robot.datasheet import accelerations
 from stepbot.robot.metadata import Metadata
 from stepbot.robot.model import Joint, JointKind, Limit, Link, Mimic, Robot
 from stepbot.robot.standing import standing_height
@@ -78,7 +79,7 @@ def plain(element: ET.Element) -> Any:
 def written(robot: Robot, folder: Path) -> tuple[Robot, ET.Element]:
     """The robot as URDF has it, and its URDF; the files of the package are in the folder."""
     lowered = lower(robot, URDF, Diagnostics())
-    for path, data in ros2_package(lowered, "the_package").items():
+    for path, data in ros2_package(lowered, "the_package", accelerations(robot)).items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_bytes(data)
     urdf = render(lowered).decode().replace('filename="meshes/', 'filename="package://the_package/meshes/')

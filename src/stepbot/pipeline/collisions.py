@@ -31,15 +31,11 @@ def search(
         progress: Called at the start of each stage.
     """
     found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
-    wanted: SelfCollisionSection | None = None
     try:
-        if target.suffix.lower() in SIDECAR_SUFFIXES:
-            robot, wanted = _built(target, options, found)
-        else:
-            described = described_robot(target, options, found, drawn=False)
-            if described is None:
-                return None
-            robot = described
+        read = robot_of(target, options, found)
+        if read is None:
+            return None
+        robot, wanted = read
         progress("self-collision")
         wanted = wanted or SelfCollisionSection()
         if samples is not None:
@@ -54,6 +50,18 @@ def search(
             message = f"links '{pair.link_a}' and '{pair.link_b}' overlap{by_depth(pair)} in the drawn pose"
             found.add("SB810", message, Span(robot.source or robot.name))
     return None if robot.self_collision is None else robot
+
+
+def robot_of(target: Path, options: Options, found: Diagnostics) -> tuple[Robot, SelfCollisionSection | None] | None:
+    """The robot of a sidecar or a description, and what a sidecar requests; None after an error of a description.
+
+    Raises:
+        StepbotError: There are errors.
+    """
+    if target.suffix.lower() in SIDECAR_SUFFIXES:
+        return _built(target, options, found)
+    described = described_robot(target, options, found, drawn=False)
+    return None if described is None else (described, None)
 
 
 def _built(path: Path, options: Options, found: Diagnostics) -> tuple[Robot, SelfCollisionSection | None]:

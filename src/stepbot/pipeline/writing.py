@@ -21,6 +21,7 @@ from stepbot.formats.urdf.srdf import report_guesses
 from stepbot.report.document import report_bytes
 from stepbot.report.robot import Content, Report, WrittenFile
 from stepbot.robot.closures import degrees_of_freedom, driven_joints
+from stepbot.robot.datasheet import accelerations
 from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import content_digest
@@ -126,7 +127,7 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
         urdf = main_file(lowered[URDF.name], URDF)
         by_format[URDF.name][urdf] = with_package(by_format[URDF.name][urdf], options.package)
         if options.ros2:
-            by_format[URDF.name].update(ros2_package(lowered[URDF.name], options.package))
+            by_format[URDF.name].update(ros2_package(lowered[URDF.name], options.package, accelerations(robot)))
             report_gaps(lowered[URDF.name], found)
     if any(path.endswith(".srdf") for path in by_format.get(URDF.name, ())):
         report_guesses(lowered[URDF.name], found)

@@ -99,16 +99,22 @@ def kinematics(found: Sequence[Chain]) -> str:
     return yaml_text({chain.name: solver for chain in found})
 
 
-def joint_limits(robot: Robot) -> str:
-    """``joint_limits.yaml``: velocities, and accelerations and jerks where the robot limits them."""
+def joint_limits(robot: Robot, allowed: Mapping[str, float]) -> str:
+    """``joint_limits.yaml``: velocities, jerks where the robot limits them, and accelerations.
+
+    Args:
+        robot: The robot.
+        allowed: Accelerations of joints that the robot does not limit, since MoveIt plans no trajectory without.
+    """
     limits = {}
     for joint in (joint for joint in robot.joints if joint.kind in MOVING and joint.mimic is None):
         bounded = joint.limit.velocity < UNLIMITED
+        acceleration = joint.limit.acceleration if isfinite(joint.limit.acceleration) else allowed.get(joint.name, 0.0)
         limits[joint.name] = {
             "has_velocity_limits": bounded,
             "max_velocity": joint.limit.velocity if bounded else 0.0,
-            "has_acceleration_limits": isfinite(joint.limit.acceleration),
-            "max_acceleration": joint.limit.acceleration if isfinite(joint.limit.acceleration) else 0.0,
+            "has_acceleration_limits": acceleration > 0.0,
+            "max_acceleration": acceleration,
             **_further(joint.limit),
         }
     return yaml_text({"joint_limits": limits})

@@ -1,5 +1,6 @@
 """All files of the package beside the URDF, its SRDF and its meshes."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from stepbot.diagnostics import Diagnostics, Span
@@ -62,12 +63,14 @@ _REMEDIES = {
 """What a package must state: in a sidecar, and as an option."""
 
 
-def ros2_package(robot: Robot, package: str) -> dict[str, bytes]:
+def ros2_package(robot: Robot, package: str, allowed: Mapping[str, float]) -> dict[str, bytes]:
     """The files by path relative to the package's folder.
 
     Args:
         robot: The robot as URDF expresses it.
         package: Name of the package.
+        allowed: The acceleration [rad/s^2] or [m/s^2] that the efforts of the whole robot, with its armatures and
+            loops, allow each joint.
     """
     found, _ = groups(robot)
     texts = {
@@ -77,7 +80,7 @@ def ros2_package(robot: Robot, package: str) -> dict[str, bytes]:
         "launch/gazebo.launch.py": gazebo_launch(robot, package),
         "rviz/view.rviz": rviz(robot),
         "config/kinematics.yaml": kinematics(found),
-        "config/joint_limits.yaml": joint_limits(robot),
+        "config/joint_limits.yaml": joint_limits(robot, allowed),
     }
     if robot.actuators:
         texts["config/controllers.yaml"] = controllers(robot)

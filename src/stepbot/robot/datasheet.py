@@ -1,0 +1,308 @@
+"""The data sheet of a robot: what its geometry, masses and limits allow, over postures in the range of its joints."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import floor, inf, isfinite, log10, pi, sqrt
+
+import numpy as np
+
+from stepbot.geometry.spatial import Array
+from stepbot.geometry.sums import exact_sum
+
+from .bounding_boxes import robot_bounds
+from .dh import DhTable, dh_table
+from .dynamics import GRAVITY, equations_of_motion
+from .gains import actuator_limit
+from .kinematics import Tree, complete, initial_configuration, leader_range, link_poses, rigid_bodies
+from .model import ActuatorKind, Base, Frame, JointKind, Robot
+from .multi_dof import unfolded
+from .sampling import sampled
+from .standing import standing_height
+
+POSTURES = 96
+"""Number of postures, the drawn one and random ones, in which forces are computed."""
+_STRETCHES = 4
+"""Share of the reach by which payloads are told apart: quarters."""
+_DIGITS = 4
+"""Significant digits: more would depend on the last bits of the linear algebra."""
+_SHORTEST = 3
+"""Number of joints of a chain that is an arm."""
+_TOUCHING = 0.005
+"""Height [m] over the floor up to which the lowest point of a link stands on it."""
+_GRID = 24
+"""Positions of each joint in the search for the farthest posture."""
+_ROUNDS = 3
+
+
+@dataclass(frozen=True)
+class JointFigures:
+    """What moves a joint, and what it moves, over all postures; None without the limits or gains for it."""
+
+    name: str
+    lower: float
+    upper: float
+    velocity: float
+    effort: float
+    """[N m] or [N], of the joint and its actuators; infinite without a limit."""
+    gravity: float
+    """Largest effort [N m] or [N] that holds it."""
+    inertia: tuple[float, float]
+    """Least and largest inertia [kg m^2] or mass [kg], armature included."""
+    acceleration: float | None
+    """Acceleration [rad/s^2] or [m/s^2] that efforts allow it in every posture at rest, the others held."""
+    frequency: tuple[float, float] | None
+    """Natural frequencies [Hz] of a position actuator, with the largest and the least inertia."""
+
+
+@dataclass(frozen=True)
+class ArmFigures:
+    """An arm, by the end of its chain of joints."""
+
+    tip: str
+    joints: tuple[str, ...]
+    reach: float
+    """Largest horizontal distance [m] of the tip from the axis of the first joint, or from its origin."""
+    payloads: tuple[tuple[float, float], ...]
+    """Up to a distance [m] of the tip, the mass [kg] there that efforts hold in every posture; empty without limits."""
+    dh: DhTable | None
+    """Denavit-Hartenberg parameters; None for joints that have none."""
+
+
+@dataclass(frozen=True)
+class DataSheet:
+    """The figures of a robot."""
+
+    name: str
+    mass: float
+    links: tuple[tuple[str, float], ...]
+    """Mass [kg] of each link."""
+    motors: tuple[tuple[str, str], ...]
+    """Actuators with a motor of the catalogue, and its name."""
+    size: tuple[float, float, float] | None
+    """Extent [m] in the drawn pose; None without shapes."""
+    standing: tuple[float, float | None] | None
+    """Height [m] of the base over the floor, and how far [m] the com is inside the support; None for a fixed base."""
+    joints: tuple[JointFigures, ...]
+    arms: tuple[ArmFigures, ...]
+
+
+def data_sheet(robot: Robot) -> DataSheet:
+    """The data sheet of a robot; closures are ignored where forces are computed, and joints of loops are left out.
+
+    Raises:
+        DoesNotClose: The loops do not close in the drawn pose.
+    """
+    drawn = initial_configuration(robot)
+    around = robot_bounds(robot, drawn)
+    low, high = around or ((0.0,) * 3, (0.0,) * 3)
+    x, y, z = (_rounded(b - a) for a, b in zip(low, high, strict=True))
+    forces = None if robot.closures else _Forces(robot)
+    return DataSheet(
+        robot.name,
+        exact_sum(link.mass_properties.mass for link in robot.links),
+        tuple((link.name, link.mass_properties.mass) for link in robot.links),
+        tuple((one.name, one.motor.name) for one in robot.actuators if one.motor is not None),
+        (x, y, z) if around else None,
+        _standing(robot, drawn) if robot.base is Base.FLOATING else None,
+        forces.joints() if forces else (),
+        tuple(_arm(forces, tip) for tip in _tips(forces.robot)) if forces else (),
+    )
+
+
+def accelerations(robot: Robot) -> dict[str, float]:
+    """For each joint without closures whose motors have an effort limit, :attr:`JointFigures.acceleration`."""
+    if robot.closures or not any(isfinite(joint.limit.effort) for joint in robot.joints):
+        return {}
+    return {one.name: one.acceleration for one in _Forces(robot, 24).joints() if one.acceleration is not None}
+
+
+class _Forces:
+    """Mass matrices and gravity forces of the independent joints in all postures."""
+
+    def __init__(self, robot: Robot, postures: int = POSTURES) -> None:
+        self.robot = unfolded(robot)
+        self.tree = tree = Tree(self.robot)
+        joints = self.robot.joint_by_name
+        armature = (
+            np.diag([joints[name].dynamics.armature for name in tree.joints]) if tree.joints else np.zeros((0, 0))
+        )
+        self.q = sampled(robot, postures) if tree.joints else np.zeros((1, 0))
+        found = [equations_of_motion(self.robot, self.named(q), tree=tree) for q in self.q]
+        self.M = np.array([tree.B.T @ (one.mass_matrix + armature) @ tree.B for one in found])
+        self.g = np.array([one.gravity @ tree.B for one in found])
+        self.efforts = np.array([self._effort(name) for name in tree.independent])
+
+    def named(self, q: Array) -> dict[str, float]:
+        return dict(zip(self.tree.joints, q.tolist(), strict=True))
+
+    def _effort(self, name: str) -> float:
+        """Effort that moves a joint: that of its actuators, else the limit of the joint; infinite without one."""
+        joint = self.robot.joint_by_name[name]
+        drives = [actuator_limit(one, joint).effort for one in self.robot.actuators if one.joint == name]
+        return min(joint.limit.effort, exact_sum(drives) if drives else inf)
+
+    def joints(self) -> tuple[JointFigures, ...]:
+        left = np.maximum(self.efforts - np.abs(self.g), 0.0)
+        found = []
+        for j, name in enumerate(self.tree.independent):
+            joint, own = self.robot.joint_by_name[name], self.M[:, j, j]
+            across = np.abs(self.M[:, :, j])
+            with np.errstate(divide="ignore", invalid="ignore"):
+                allowed = np.where(across > 1e-9 * own[:, None], left / across, inf)
+            least, most = float(own.min()), float(own.max())
+            kp = max((a.kp * a.gear**2 for a in self.robot.actuators if a.joint == name and a.kp), default=0.0)
+            servo = any(a.joint == name and a.kind is ActuatorKind.POSITION for a in self.robot.actuators)
+            rates = (
+                tuple(_rounded(sqrt(kp / one) / (2.0 * pi)) for one in (most, least)) if servo and least > 0.0 else ()
+            )
+            limit = float(allowed.min())
+            found.append(
+                JointFigures(
+                    name,
+                    *(joint.limit.lower, joint.limit.upper, joint.limit.velocity, float(self.efforts[j])),
+                    _rounded(float(np.abs(self.g[:, j]).max())),
+                    (_rounded(least), _rounded(most)),
+                    _rounded_down(limit) if isfinite(limit) and isfinite(self.efforts[j]) else None,
+                    (rates[0], rates[1]) if rates else None,
+                )
+            )
+        return tuple(found)
+
+
+def _rounded(value: float) -> float:
+    return round(value, _DIGITS - 1 - floor(log10(abs(value)))) if abs(value) > 1e-9 else 0.0
+
+
+def _rounded_down(value: float) -> float:
+    """The value to three digits, never more than it is."""
+    if value <= 0.0:
+        return 0.0
+    unit = 10.0 ** (floor(log10(value)) - 2)
+    return round(floor(value / unit * (1.0 + 1e-9)) * unit, 9)
+
+
+def _tips(robot: Robot) -> list[Frame]:
+    """The ends of chains of three or more joints: the farthest frame of the last body, or of that with the fingers."""
+    bodies = rigid_bodies(robot.root.name, robot.joints)
+    moving = [joint for joint in robot.joints if joint.kind is not JointKind.FIXED]
+    below: dict[str, list[str]] = {}
+    for joint in moving:
+        below.setdefault(bodies[joint.parent], []).append(bodies[joint.child])
+    ends: dict[str, None] = {}
+    for joint in moving:
+        body = bodies[joint.child]
+        leaves = [one for one in below.get(body, []) if not below.get(one)]
+        inner = [one for one in below.get(body, []) if below.get(one)]
+        if (not below.get(body) and len(below[bodies[joint.parent]]) == 1) or (not inner and len(leaves) > 1):
+            ends[body] = None
+    X = link_poses(robot, initial_configuration(robot))
+    tips = []
+    for body in ends:
+        if len(_chain(robot, body)) < _SHORTEST:
+            continue
+        places = [frame for frame in robot.frames if bodies[frame.link] == body]
+        places = places or [Frame(link.name, link.name) for link in robot.links if bodies[link.name] == body]
+        tips.append(max(places, key=lambda one: float(np.linalg.norm((X[body].inverse() @ X[one.link] @ one.X_LF).p))))
+    return tips
+
+
+def _chain(robot: Robot, link: str) -> list[str]:
+    """The moving joints from the root to a link."""
+    above, found = {joint.child: joint for joint in robot.joints}, list[str]()
+    while link in above:
+        if above[link].kind is not JointKind.FIXED:
+            found.append(above[link].name)
+        link = above[link].parent
+    return found[::-1]
+
+
+def _arm(forces: _Forces, tip: Frame) -> ArmFigures:
+    """An arm's reach, payload and parameters."""
+    robot, tree = forces.robot, forces.tree
+    names = _chain(robot, tip.link)
+    first = robot.joint_by_name[names[0]]
+    ranges = {name: leader_range(forces.robot, name) for name in tree.independent if name in names}
+
+    def distance(q: dict[str, float]) -> float:
+        X = link_poses(forces.robot, complete(forces.robot, q), tree)
+        apart = (X[tip.link] @ tip.X_LF).p - X[first.child].p
+        return float(np.linalg.norm(apart[:2]))
+
+    home = {**initial_configuration(forces.robot)}
+    q = {name: float(np.clip(home[name], *ranges[name])) if name in ranges else home[name] for name in tree.independent}
+    for _ in range(_ROUNDS):
+        for name, (low, high) in ranges.items():
+            q = max(({**q, name: float(value)} for value in (*np.linspace(low, high, _GRID), q[name])), key=distance)
+    width = {name: (high - low) / _GRID for name, (low, high) in ranges.items()}
+    for scale in (0.5, 0.25, 0.1, 0.03, 0.01):
+        for name, (low, high) in ranges.items():
+            near = np.clip([q[name] - scale * width[name], q[name], q[name] + scale * width[name]], low, high)
+            q = max(({**q, name: float(value)} for value in near), key=distance)
+    reach = distance(q)
+    limited = np.isfinite(forces.efforts)
+    payloads: list[tuple[float, float]] = []
+    if limited.any():
+        postures = [*map(forces.named, forces.q), complete(forces.robot, q)]
+        held = [
+            (distance({name: one[name] for name in tree.independent}), _payload(forces, tip, one)) for one in postures
+        ]
+        for part in range(1, _STRETCHES + 1):
+            edge = reach * part / _STRETCHES
+            within = [mass for far, mass in held if far <= edge * (1.0 + 1e-9)]
+            if within and isfinite(min(within)):
+                payloads.append((_rounded(edge), _rounded(max(min(within), 0.0))))
+    return ArmFigures(tip.name, tuple(names), _rounded(reach), tuple(payloads), dh_table(forces.robot, names, tip))
+
+
+def _payload(forces: _Forces, tip: Frame, q: dict[str, float]) -> float:
+    """The mass [kg] at the tip that the efforts hold in one posture; negative if they do not hold the arm."""
+    tree = forces.tree
+    X = tree.frames(np.array([q[name] for name in tree.joints]))
+    i = tree.link_index[tip.link]
+    p = X[i, :3, 3] + X[i, :3, :3] @ tip.X_LF.p
+    lever = -(tree.jacobian(X, i, p)[3:].T @ np.array(GRAVITY)) @ tree.B
+    own = equations_of_motion(forces.robot, q, tree=tree).gravity @ tree.B
+    masses = [
+        (effort - own_ * np.sign(arm)) / abs(arm)
+        for effort, own_, arm in zip(forces.efforts, own, lever, strict=True)
+        if isfinite(effort) and abs(arm) > 1e-9
+    ]
+    return float(min(masses, default=inf))
+
+
+def _standing(robot: Robot, drawn: dict[str, float]) -> tuple[float, float | None]:
+    """Height of the base, and how far the com is inside the polygon of the links that stand on the floor.
+
+    A link stands at the centre of its bounding box: exact for wheels and round feet.
+    """
+    height, X = standing_height(robot, drawn), link_poses(robot, drawn)
+    feet = []
+    for link in robot.links:
+        box = robot_bounds(robot, drawn, [link.name])
+        if box is not None and box[0][2] + height <= _TOUCHING:
+            feet.append([0.5 * (box[0][0] + box[1][0]), 0.5 * (box[0][1] + box[1][1])])
+    total = exact_sum(link.mass_properties.mass for link in robot.links)
+    weighted = [link.mass_properties.mass * X[link.name].apply(link.mass_properties.com)[:2] for link in robot.links]
+    com = np.sum(weighted, axis=0) / total if total else np.zeros(2)
+    return height, _margin(feet, com)
+
+
+def _margin(points: Sequence[Sequence[float]], com: Array) -> float | None:
+    """Distance [m] of a point to the nearest edge of the convex hull of others, negative outside; None for a line."""
+    order = sorted(map(tuple, points))
+    hull: list[Array] = []
+    for row in (order, order[::-1]):
+        half: list[Array] = []
+        for point in map(np.array, row):
+            while len(half) > 1 and _turn(half[-2], half[-1], point) <= 1e-12:
+                half.pop()
+            half.append(point)
+        hull += half[:-1]
+    if len(hull) < 3:
+        return None
+    edges = zip(hull, [*hull[1:], hull[0]], strict=True)
+    return _rounded(min(_turn(a, b, com) / float(np.linalg.norm(b - a)) for a, b in edges))
+
+
+def _turn(a: Array, b: Array, c: Array) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
