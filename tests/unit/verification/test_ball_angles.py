@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from stepbot.geometry.spatial import Array, Pose, cross_matrix, rotation_about, unit
 from stepbot.verification.ball_angles import BallAngles
-from stepbot.verification.twists import common_point, direction, pitch_of, twist_of
+from stepbot.verification.twists import common_point, direction, foot, pitch_of, twist_of
 
 X, Y, Z = np.eye(3)
 STEP = 1e-6
@@ -67,13 +67,16 @@ def test_slant_is_how_far_axes_are_from_normal() -> None:
     assert (first, second) == (pytest.approx(np.arctan(0.01)), 0.0)
 
 
-def test_the_twist_of_a_screw_motion() -> None:
+@pytest.mark.parametrize("angle", [1e-3, 0.4, 1.0, 2.5])
+def test_the_twist_of_a_screw_motion(angle: float) -> None:
     """Axis, pitch and a point of the axis follow from a screw motion; a translation has no axis."""
-    axis, point, angle, pitch = unit([1.0, -2.0, 2.0]), np.array([0.3, 0.1, -0.7]), 1.0, 0.05
+    axis, point, pitch = unit([1.0, -2.0, 2.0]), np.array([0.3, 0.1, -0.7]), 0.05
     R = rotation_about(axis, angle)
     twist = twist_of(Pose.of(R, point - R @ point + pitch * angle * axis))
     assert np.abs(twist[:3] - angle * axis).max() < 1e-15
-    assert pitch_of(twist) == pytest.approx(pitch, abs=1e-15)
+    assert np.abs(twist[3:] - angle * (np.cross(point, axis) + pitch * axis)).max() < 1e-12
+    assert pitch_of(twist) == pytest.approx(pitch, abs=1e-11)
+    assert np.abs(foot(twist) - (point - axis * (axis @ point))).max() < 1e-11
     slide = twist_of(Pose.of(np.eye(3), (0.0, 2.0, 0.0)))
     assert slide.tolist() == [0.0, 0.0, 0.0, 0.0, 2.0, 0.0]
     assert direction(slide) == (0.0, 1.0, 0.0)
