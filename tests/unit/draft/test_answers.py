@@ -92,5 +92,6 @@ def test_answer_is_a_fact_about_two_parts() -> None:
     other = known_joint(joint, turn)
     assert (other.a, other.b, other.type, other.point) == ("x", "y", JointKind.BALL, (0.0, 0.0, 0.01))
     assert other.why == "stated by the user; a ball"
+    assert known_joint(joint, replace(turn, point=None)).point == HINGE.point
     facts = Facts().with_joint(known_fixed(joint)).with_joint(other)
     assert (facts.rigid, facts.joints) == ((HINGE.parts,), (other,))

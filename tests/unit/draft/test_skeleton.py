@@ -33,7 +33,9 @@ def test_closures_are_joints_at_their_points() -> None:
     closures = (
         ObservedClosure("one_point", "connect", "a", "b", points=(point, point)),
         ObservedClosure("no_length", "connect", "a", "b", points=(point, point), axes=((0.0, 0.0, 0.0),) * 2),
-        ObservedClosure("two_points", "connect", "a", "b", points=(point, point), axes=((0.0, 0.5, 0.0),) * 2),
+        ObservedClosure(
+            "two_points", "connect", "a", "b", points=(point, point), axes=((0.0, 0.5, 0.0), (0.0, 0.0, 0.5))
+        ),
         ObservedClosure("slide", "prismatic", "a", "b", points=(point, point), axes=((0.0, 0.0, 1.0),) * 2),
         ObservedClosure("weld", "weld", "a", "b"),
         ObservedClosure("elsewhere", "connect", "a", "nobody", points=(point, point)),
@@ -47,6 +49,7 @@ def test_closures_are_joints_at_their_points() -> None:
         "two_points": JointKind.REVOLUTE,
         "slide": JointKind.PRISMATIC,
     }
+    assert [None if one.axis is None else one.axis.tolist() for one in found.closures][2:] == [[0, 0.5, 0], [0, 0, 1]]
     for closure in found.closures:  # the frame of link a is at its joint
         assert np.allclose(closure.point, (0.1, 0.1, 0.3), atol=1e-15)
 
