@@ -66,9 +66,8 @@ class Subject:
 
 def subjects(corpus: Path | None) -> Iterator[Subject]:
     """The library, then the available part of the corpus."""
-    for sidecar in sorted((ROOT / "robot_library").glob("*/*.robot.yaml")):
-        (step,) = sidecar.parent.glob("*.step")
-        yield Subject(sidecar.parent.name, "library", step, sidecar)
+    for step in sorted((ROOT / "robot_library").glob("*/*.step")):
+        yield Subject(step.parent.name, "library", step, step.with_suffix(".robot.yaml"))
     if corpus is None:
         return
     for sidecar in sorted((corpus / "joints").glob("*.robot.yaml")):

@@ -27,8 +27,8 @@ _PAGE = "README.md"
 
 
 def folders(names: Iterable[str] = ()) -> list[Path]:
-    """The folders of the robots, or of the named ones."""
-    found = sorted(path.parent for path in LIBRARY.glob("*/*.robot.yaml"))
+    """The folders of the robots that are drawn, or of the named ones."""
+    found = sorted(path.parent for path in LIBRARY.glob("*/build.py"))
     wanted = set(names)
     unknown = wanted - {path.name for path in found}
     if unknown:
@@ -123,7 +123,7 @@ def fresh_gallery() -> str:
     """The library's README with pictures and table of all robots, from their pages."""
     from stepbot.runtime.robot_library import LibraryRobot
 
-    robots = [LibraryRobot(sidecar.parent, sidecar) for sidecar in sorted(LIBRARY.glob("*/*.robot.yaml"))]
+    robots = [LibraryRobot(folder, next(folder.glob("*.robot.yaml"))) for folder in folders()]
     return pages.with_part((LIBRARY / _PAGE).read_text(encoding="utf-8"), pages.gallery(robots))
 
 

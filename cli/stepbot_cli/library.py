@@ -66,11 +66,9 @@ def show(name: str, as_json: bool) -> int:
     width = screen_width(sys.stdout)
     blocks = [robot.name, textwrap.fill(robot.overview(), text_width(sys.stdout)), robot.facts()]
     blocks += ["\n".join(table_lines(rows, width)) for rows in (robot.table("Joints"), robot.table("Links")) if rows]
-    files = (
-        ("sidecar", str(robot.sidecar)),
-        ("STEP", str(robot.step)),
-        ("page", f"{robot.page} (sources, verification, licence)"),
-    )
+    files = [("sidecar", str(robot.sidecar)), ("page", f"{robot.page} (sources, verification, licence)")]
+    if not robot.is_composed:
+        files.insert(1, ("STEP", str(robot.step)))
     blocks += ["\n".join(aligned(files)), f"stepbot library export {robot.name} -o {robot.short_name}"]
     write_result("\n\n".join(filter(None, blocks)))
     return 0
@@ -180,6 +178,6 @@ def _described(robot: "LibraryRobot") -> dict[str, object]:
         "summary": robot.summary(),
         "facts": robot.facts(),
         "sidecar": robot.sidecar.as_posix(),
-        "step": robot.step.as_posix(),
+        "step": None if robot.is_composed else robot.step.as_posix(),
         "page": robot.page.as_posix(),
     }

@@ -52,7 +52,8 @@ def test_wheel_holds_both_packages_and_no_more(wheel: zipfile.ZipFile) -> None:
 def test_wheel_holds_of_every_robot_what_it_is_made_from(wheel: zipfile.ZipFile) -> None:
     """The wheel has drawing, sidecar and page of each robot, and the notices; no scripts, no pictures; and is small."""
     library = ROOT / "robot_library"
-    kept = [file for kind in ("*.step", "*.robot.yaml", "README.md") for file in library.glob(f"*/{kind}")]
+    kinds = ("*.step", "*.robot.yaml", "README.md", "cell_*.urdf", "cell_*.xml")
+    kept = [file for kind in kinds for file in library.glob(f"*/{kind}")]
     kept.append(library / "NOTICES.md")
     content = {name for name in wheel.namelist() if name.startswith("stepbot/robots/")}
     assert content == {f"stepbot/robots/{file.relative_to(library).as_posix()}" for file in kept}
@@ -98,7 +99,8 @@ def test_installed_wheel_exports_a_robot(built: Path, tmp_path: Path) -> None:
         return done.stdout
 
     run("python", "-m", "pip", "install", "--quiet", str(built))
-    names = {path.parent.name for path in (ROOT / "robot_library").glob("*/*.robot.yaml")}
+    names = {path.parent.name for path in (ROOT / "robot_library").glob("*/build.py")}
+    names |= {path.name.partition(".")[0] for path in (ROOT / "robot_library" / "composed").glob("*.robot.yaml")}
     assert {line.split()[0] for line in run("stepbot", "library", "list").splitlines()} == names
     shown = run("stepbot", "library", "show", "ur5e")
     assert str(tmp_path / "venv") in shown

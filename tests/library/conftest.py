@@ -8,8 +8,8 @@ import pytest
 from tests.command_line import Conversion, convert_once
 
 LIBRARY = Path(__file__).resolve().parents[2] / "robot_library"
-ROBOTS = tuple(sorted(path.name for path in LIBRARY.iterdir() if path.is_dir() and not path.name.startswith("_")))
-"""Names of the robots' folders."""
+ROBOTS = tuple(sorted(path.parent.name for path in LIBRARY.glob("*/build.py")))
+"""Names of the folders of the robots that are drawn; those composed of others are tested in tests/composition."""
 SHORT = ("stepbot_arm2", "stepbot_four_bar", "universal_robots_ur5e")
 """Robots converted by `make test`: a tree with a mimic, a loop, an industrial arm. `make all` converts all."""
 

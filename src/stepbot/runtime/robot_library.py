@@ -16,6 +16,10 @@ SCHEMA = "robot-1.schema.json"
 """Name of the file with the JSON Schema of sidecars."""
 _SCHEMA_LINE = "# yaml-language-server: $schema="
 _SIDECAR = ".robot.yaml"
+_COMPOSED = "composed"
+"""Folder of all composed robots, with one page."""
+_NAMED = re.compile(r"\b(?:step|file): ([\w./-]+)")
+"""A file that a sidecar of the library names; `library:` names come in quotation marks."""
 _FACTS = re.compile(r"^(\d+ links?, .*\bkg)$", re.MULTILINE)
 _PICTURE = re.compile(r"!\[[^\]]*\]\([^)]*\)")
 _LINK = re.compile(r"\[([^\]]+)\]\([^)]*\)")
@@ -26,13 +30,18 @@ class LibraryRobot:
     """A robot of the library."""
 
     folder: Path
-    """``<maker>_<robot>``, with all its files."""
+    """``<maker>_<robot>``, with all its files, or ``composed``."""
     sidecar: Path
 
     @property
     def name(self) -> str:
-        """Its name among all robots, ``<maker>_<robot>``."""
-        return self.folder.name
+        """Its name among all robots, ``<maker>_<robot>``; of a composed robot that of its files."""
+        return self.short_name if self.is_composed else self.folder.name
+
+    @property
+    def is_composed(self) -> bool:
+        """Whether it is composed of others, without a drawing of its own."""
+        return self.folder.name == _COMPOSED
 
     @property
     def short_name(self) -> str:
@@ -41,7 +50,7 @@ class LibraryRobot:
 
     @property
     def step(self) -> Path:
-        """Its drawing."""
+        """Its drawing; a composed robot has none."""
         return self.folder / f"{self.short_name}.step"
 
     @property
@@ -50,11 +59,24 @@ class LibraryRobot:
         return self.folder / "README.md"
 
     def source(self) -> dict[str, bytes]:
-        """Its drawing, its sidecar and the sidecar's schema, by their names in a common folder."""
-        lines = self.sidecar.read_text(encoding="utf-8").splitlines(keepends=True)
-        text = "".join(f"{_SCHEMA_LINE}{SCHEMA}\n" if line.startswith(_SCHEMA_LINE) else line for line in lines)
-        files = {self.step.name: self.step.read_bytes(), self.sidecar.name: text.encode()}
-        return {**files, SCHEMA: schema_file().read_bytes()}
+        """Its sidecar, the files that it names and the sidecar's schema, by their names in a common folder."""
+        files: dict[str, bytes] = {}
+        waiting = [self.sidecar]
+        while waiting:
+            path = waiting.pop()
+            content = path.read_bytes()
+            if path.name.endswith(_SIDECAR):
+                lines = content.decode().splitlines(keepends=True)
+                text = "".join(f"{_SCHEMA_LINE}{SCHEMA}\n" if line.startswith(_SCHEMA_LINE) else line for line in lines)
+                waiting += [path.parent / name for name in _NAMED.findall(text)]
+                content = _NAMED.sub(
+                    lambda found: found[0].replace(found[1], found[1].rpartition("/")[2]), text
+                ).encode()
+            files[path.name] = content
+        return {
+            **dict(sorted(files.items(), key=lambda file: file[0].endswith(_SIDECAR))),
+            SCHEMA: schema_file().read_bytes(),
+        }
 
     def overview(self) -> str:
         """The first paragraph of its page, on one line."""
@@ -78,7 +100,12 @@ class LibraryRobot:
         return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines if "---" not in line]
 
     def _text(self) -> str:
-        return self.page.read_text(encoding="utf-8")
+        """Its page, or its section of the page of composed robots."""
+        page = self.page.read_text(encoding="utf-8")
+        if not self.is_composed:
+            return page
+        _, _, section = page.partition(f"\n## {self.name}\n")
+        return f"# {self.name}\n" + section.partition("\n## ")[0]
 
 
 def schema_file() -> Path:

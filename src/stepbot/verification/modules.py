@@ -59,13 +59,15 @@ def module_deviations(robot: Robot, modules: Sequence[Alone]) -> Iterator[Module
         The deviation of each module.
     """
     configurations: list[dict[str, float]] = [{} for _ in range(_CONFIGURATIONS)]
+    joints = {joint.child: joint.name for joint in robot.joints}
     robots = {id(one.robot): one.robot for one in modules}
     poses_alone = {key: [(q, link_poses(one, q)) for q in _configurations(one)] for key, one in robots.items()}
     for module, alone, flips in modules:
+        inside = {joints[link] for link in module.links if link in joints}
         for whole, (q, _) in zip(configurations, poses_alone[id(alone)], strict=True):
-            whole |= {module.prefix + name: -v if _any(name, flips) else v for name, v in q.items()}
-    joints = robot.joint_by_name
-    poses = [link_poses(robot, {name: v for name, v in q.items() if name in joints}) for q in configurations]
+            of_module = {module.prefix + name: -v if _any(name, flips) else v for name, v in q.items()}
+            whole |= {name: v for name, v in of_module.items() if name in inside}
+    poses = [link_poses(robot, q) for q in configurations]
     for one in modules:
         yield _deviation(robot, one, poses, [there for _, there in poses_alone[id(one.robot)]])
 
@@ -75,7 +77,7 @@ def _deviation(
 ) -> ModuleDeviation:
     module, alone, _ = one
     M: Array = np.diag(_NORMALS[module.mirror]) if module.mirror else np.eye(3)
-    there = robot.link_by_name
+    there = {name: robot.link_by_name[name] for name in module.links}
     links = [link for link in alone.links if module.prefix + link.name in there]
     pose = 0.0
     for X_W, X in zip(poses, poses_alone, strict=True):
@@ -97,7 +99,9 @@ def _deviation(
 def _other_settings(robot: Robot, one: Alone) -> Iterator[str]:
     """Names of the joints and actuators whose numbers are not those of the module alone."""
     module, alone, flips = one
-    joints, actuators = robot.joint_by_name, {each.name: each for each in robot.actuators}
+    inside = set(module.links)  # another module may have a name of what was left out of this one
+    joints = {joint.name: joint for joint in robot.joints if joint.child in inside}
+    actuators = {each.name: each for each in robot.actuators if each.joint in joints}
     for joint in alone.joints:
         here = joints.get(module.prefix + joint.name)
         if here is not None and _numbers(here, "", ()) != _numbers(joint, module.prefix, flips, bool(module.mirror)):
