@@ -7,8 +7,19 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol, cast
 if TYPE_CHECKING:
     from stepbot.robot.model import Robot
 
-    from .companion import Companion
     from .features import Feature, Support
+
+
+class Companion(NamedTuple):
+    """A file beside the main one, for a reader that cannot use the main file."""
+
+    path: str
+    """Relative to the output folder."""
+    format: str
+    """The name of its format, for the engines that read it; empty if none does."""
+    robot: "Robot"
+    """Its content."""
+    content: bytes
 
 
 class Writer(Protocol):
@@ -23,7 +34,7 @@ class Writer(Protocol):
     def render(self, robot: "Robot") -> bytes:
         """The main file of a robot lowered to ``EXPRESSES``, as bytes; deterministic and without side effects."""
 
-    def companions(self, robot: "Robot") -> "tuple[Companion, ...]":
+    def companions(self, robot: "Robot") -> tuple[Companion, ...]:
         """Additional files of a lowered robot, for readers that cannot use the main file alone."""
 
     def scenes(self, robot: "Robot") -> "Mapping[str, bytes]":

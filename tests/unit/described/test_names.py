@@ -3,7 +3,7 @@
 import pytest
 
 from stepbot.described.finding import Finding
-from stepbot.described.names import valid_file_name, valid_name, with_valid_names
+from stepbot.described.robot import valid_file_name, valid_name, with_valid_names
 from stepbot.robot.model import Joint, JointKind, Link, Mimic, Robot
 
 

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from stepbot.geometry.spatial import Array, Pose, cross_matrix, rotation_about, unit
-from stepbot.verification.ball_angles import BallAngles
+from stepbot.verification.pairing import BallAngles
 from stepbot.verification.twists import common_point, direction, foot, pitch_of, twist_of
 
 X, Y, Z = np.eye(3)

@@ -33,8 +33,8 @@ from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.standing import standing_height
 from stepbot.robot.tuning import Integrator
 
-from ..companion import Companion
 from ..features import Feature, altered, exact, lowered, refused, reported
+from ..format import Companion
 from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, Value, document, element, root
 from . import FORMAT, constraints, contacts, devices

@@ -31,8 +31,8 @@ from stepbot.robot.model import (
 from stepbot.robot.standing import standing_height
 from stepbot.robot.surfaces import Surface
 
-from ..companion import Companion
 from ..features import Feature, altered, deferred, exact, lowered, refused, reported
+from ..format import Companion
 from ..lowering.rerooted_loops import reroot_loops
 from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, document, element, root, text_of

@@ -25,8 +25,8 @@ from stepbot.robot.model import (
     Visual,
 )
 
-from ..companion import Companion
 from ..features import Feature, altered, deferred, exact, lowered, refused, reported
+from ..format import Companion
 from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, document, element, root
 from .extensions import contact, extensions

@@ -11,8 +11,8 @@ from stepbot.robot.kinematics import initial_configuration, link_poses, without_
 from stepbot.robot.model import Base, Frame, Link, Robot
 from stepbot.robot.standing import floor_height, standing_height
 
-from ..companion import Companion
 from ..features import Feature, altered, deferred, exact, lowered, reported
+from ..format import Companion
 from . import FORMAT
 from .isaac import mark_link, mark_robot, mark_site, marked_joints
 from .joints import joints

@@ -18,8 +18,8 @@ from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.standing import extent, floor_height, standing_height
 from stepbot.version import __version__
 
-from ..companion import Companion
 from ..features import Feature, altered, deferred, exact, lowered, reported
+from ..format import Companion
 from ..xml import number, text_of
 from . import FORMAT
 from .devices import joint_devices, sensor_nodes, stops

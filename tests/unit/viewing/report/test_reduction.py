@@ -9,7 +9,7 @@ import trimesh
 from stepbot.geometry.mesh import TriMesh
 from stepbot.report.robot import Check, Report, Status
 from stepbot.robot.model import Link, MeshAsset, MeshRef, Robot, Visual
-from stepbot.viewing.report.reduction import clustered, reduced
+from stepbot.viewing.report.page import clustered, reduced
 from stepbot.viewing.report.result_tables import deviations_plot
 
 
