@@ -60,7 +60,7 @@ def test_changes_are_drawn_alike_and_have_tests() -> None:
     assert drawn(60, 1)[:40] == some
     assert drawn(40, 2) != some
     assert {change.path.split("/")[2] for change in some} <= {*ROOMS}
-    for change in some:
+    for change in some[:8]:
         tests = selected(change.path)
         assert all((ROOT / test).exists() for test in tests), change.path
     assert selected("src/stepbot/robot/loop_followers.py")[0] == "tests/unit/robot/test_loop_followers.py"
