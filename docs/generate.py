@@ -8,7 +8,7 @@ from pathlib import Path
 
 from click import Context
 from diagnostics_page import diagnostics_page  # beside this file
-from reference import reference_page
+from reference import REFERENCE, reference_page
 
 from stepbot.driving.limits import LIMITS, UNITS
 from stepbot.formats.mapping import mapping_page
@@ -77,6 +77,12 @@ def drive() -> str:
     return _LIMITS.sub(lambda match: match[1] + "\n" + "\n".join(rows) + "\n\n" + match[2], text)
 
 
+def api() -> str:
+    """docs/api.md with the reference at its end."""
+    examples = (ROOT / "docs" / "api.md").read_text(encoding="utf-8").partition(REFERENCE)[0].rstrip()
+    return f"{examples}\n\n{reference_page()}"
+
+
 GENERATED: dict[str, Callable[[], str]] = {
     "docs/architecture.md": architecture,
     "schemas/robot-1.schema.json": schema_text,
@@ -85,7 +91,7 @@ GENERATED: dict[str, Callable[[], str]] = {
     "docs/mapping.md": mapping_page,
     "docs/drive.md": drive,
     "docs/commands.md": commands,
-    "docs/api-reference.md": reference_page,
+    "docs/api.md": api,
 }
 
 

@@ -1,4 +1,4 @@
-"""The page docs/api-reference.md, from the signatures and docstrings of what ``import stepbot`` offers."""
+"""The reference in docs/api.md, from the signatures and docstrings of what ``import stepbot`` offers."""
 
 import ast
 import inspect
@@ -32,15 +32,16 @@ RECORDS = (
     "stepbot.robot.model:LoopClosure",
 )
 """The records that the functions return, and what these consist of."""
-_HEAD = """\
-# API reference
+REFERENCE = "## Reference\n"
+_HEAD = f"""\
+{REFERENCE}
+**Stable** within a minor version are the names that `import stepbot` offers, their arguments, and the fields below.
+Fields and arguments may be added; modules below `stepbot.` may move, so import from `stepbot` alone, except for
+`stepbot.gym`.
+`report.json` and the output of `--json` follow the same rule.
 
-Generated from the code; [api.md](api.md) has examples. **Stable** within a minor version are the names that
-`import stepbot` offers, their arguments, and the fields below. Fields and arguments may be added; modules below
-`stepbot.` may move, so import from `stepbot` alone, except for `stepbot.gym`. `report.json` and the output of `--json`
-follow the same rule.
-
-Lengths are in m, angles in rad, masses in kg. `X_AB` is the pose of frame B in frame A ([conventions](conventions.md)).
+Lengths are in m, angles in rad, masses in kg. `X_AB` is the pose of frame B in frame A
+([conventions](architecture.md#conventions)).
 """
 _SECTION = re.compile(r"^(Args|Returns|Raises|Yields):$", re.MULTILINE)
 

@@ -20,9 +20,9 @@ PAGES, SITE, REPORTS = (ROOT / "build" / name for name in ("pages", "site", "rep
 TOP = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "LICENSE")
 NAV = {
     "Learn": ("first-hour", "authoring", "view"),
-    "Do": ("use-it-in", "convert-from", "drive", "collision", "revisions", "learning", "api"),
-    "Look up": ("sidecar", "commands", "diagnostics", "mapping", "reading", "performance", "api-reference"),
-    "Why": ("verification", "mutation", "reliability", "architecture", "conventions"),
+    "Do": ("use-it-in", "convert-from", "drive", "collision", "revisions", "compose", "learning", "api"),
+    "Look up": ("sidecar", "commands", "diagnostics", "mapping", "reading", "performance"),
+    "Why": ("verification", "mutation", "reliability", "architecture"),
 }
 """Sections and pages, in the order of docs/README.md."""
 _WORKER = "iframe-worker.js"

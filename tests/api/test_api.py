@@ -16,7 +16,9 @@ from tests.architecture.test_imports import HEAVY
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "api.md").read_text(encoding="utf-8")
-EXAMPLES = re.findall(r"^## (.*?)\n.*?^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+EXAMPLES = re.findall(
+    r"^## (.*?)\n.*?^```python\n(.*?)^```$", PAGE.partition("## Reference\n")[0], re.MULTILINE | re.DOTALL
+)
 PRINTED = {
     "Convert": r"\['arm2.scene.xml', 'arm2.urdf', 'arm2.xml', 'report.json'\]\nshoulder revolute base -> upper_arm\n",
     "Draft": r"(?m)^revolute base -> \S+ 0\.\d+$",
