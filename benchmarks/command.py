@@ -8,6 +8,7 @@ python -m benchmarks memory DIR|LIST                    memory of a batch of 1,0
 python -m benchmarks cores SIDECAR...                   the bare script twice, in turn and at once: what two cores give
 python -m benchmarks scaling                            ever more definitions, ever more occurrences
 python -m benchmarks gate --against REVISION            processor time of the working tree against a tag's
+python -m benchmarks users STEP... --against REVISION   the table of docs/performance.md
 python -m benchmarks report                             tables in benchmarks/NOTES.md from the results of ``--keep``
 python -m benchmarks inference                          links and joints from plain STEP files, against the known ones
 python -m benchmarks drafts                             drafts of published assemblies by `stepbot init`, against labels
@@ -39,7 +40,7 @@ from stepbot.step.assembly import ReadOptions
 from stepbot.step.reader import read_assembly
 
 from . import contenders as who
-from . import gate
+from . import gate, users
 from .assemblies import ASSEMBLIES, Assembly, generate
 from .calibration import print_calibration
 from .collision import compare_pieces, shapes_of
@@ -53,7 +54,7 @@ from .inference_time import drafting_time
 from .many_robots import batch_memory, distinct_copies, memory_table
 from .named_step import NAMED
 from .report import write_report
-from .results import keep, table
+from .results import keep, machine, table
 from .stepping import compare_steps
 from .timing import CommandFailed, timed
 
@@ -124,6 +125,9 @@ def _parser() -> argparse.ArgumentParser:
     gated.add_argument("--against", metavar="REVISION", help="[default: the last tag]")
     gated.add_argument("--calibrate", type=int, metavar="N", help="instead, N rounds of HEAD against itself")
     gated.set_defaults(run=_gate)
+    waited = commands.add_parser("users", help="what users wait for: the table of docs/performance.md")
+    users.add_options(waited)
+    waited.set_defaults(run=_users)
     commands.add_parser("report", help="update the tables in benchmarks/NOTES.md").set_defaults(run=_report)
     drafted = commands.add_parser("inference", help="how many joints are found, how many drafted ones are right")
     drafted.add_argument("--only", default="", metavar="TEXT", help="robots whose name contains this")
@@ -289,6 +293,17 @@ def _drafting(options: argparse.Namespace, _: Path) -> None:
     assembly = read_for_inference(options.step)
     for copies in options.copies:
         print(drafting_time(assembly, copies), flush=True)
+
+
+def _users(options: argparse.Namespace, folder: Path) -> None:
+    sidecar = with_collision(drafted(options.files[0], folder / "drafts"), "hull", folder)
+    robot = options.files[0].name
+    measured = users.lines(
+        *(sidecar, options.files[1:], options.instances, options.against, options.rounds, folder),
+        lambda file, place: case_of(file, None, place),
+    )
+    conditions = f"{machine()}; the robot is `{robot}`, before is `{options.against}`."
+    users.publish(measured, conditions, write=options.write)
 
 
 def _gate(options: argparse.Namespace, folder: Path) -> int:

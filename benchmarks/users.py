@@ -1,0 +1,167 @@
+"""The table of docs/performance.md: processor time of what users wait for, relative to what anybody can run.
+
+Each line is the median of the ratios of rounds, with the least and the largest, for the working tree and for an earlier
+revision, which run in turn on the same files.
+"""
+
+import argparse
+import re
+import shutil
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from statistics import median
+
+from . import contenders as who
+from .assemblies import SIDECAR
+from .comparison import alternate
+from .contenders import ROOT, STEPBOT, Case, Contender
+from .gate import Source, source_of
+from .instances import write_instances
+from .timing import peak_memory, timed
+
+PAGE = ROOT / "docs" / "performance.md"
+_PART = re.compile(r"(<!-- table -->\n).*?(<!-- end -->)", re.DOTALL)
+_ROWS = (
+    (who.BARE, who.COLD, "first conversion to three formats, not verified (`--no-verify`)"),
+    (who.BARE, who.VERIFIED, "the same, verified in all installed engines"),
+    (who.BARE, who.EDITED, "after an edit of the sidecar, not verified"),
+    (who.BARE, who.EDITED_VERIFIED, "the same, verified"),
+    (who.CLICK, who.CHECK, "`check` of an unchanged sidecar"),
+)
+CaseOf = Callable[[Path, Path], Case]
+"""The case of a sidecar, in a folder."""
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line of the table: ratios of the working tree and of the revision."""
+
+    what: str
+    reference: str
+    now: Sequence[float]
+    before: Sequence[float]
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """The options of the command."""
+    parser.add_argument("files", nargs="+", type=Path, metavar="STEP", help="the robot, and others for one line")
+    parser.add_argument("--against", required=True, metavar="REVISION", help="an earlier stepbot")
+    parser.add_argument("-n", "--rounds", type=int, default=5, metavar="N", help="[default: 5]")
+    parser.add_argument("--instances", type=int, default=60, metavar="N", help="0 for none [default: 60]")
+    parser.add_argument("--write", action="store_true", help="update the page")
+
+
+def lines(
+    sidecar: Path, others: Sequence[Path], instances: int, revision: str, rounds: int, folder: Path, case_of: CaseOf
+) -> Iterator[Line]:
+    """Measure all lines, one after the other.
+
+    Args:
+        sidecar: The robot of most lines.
+        others: Further STEP files, for the first conversion.
+        instances: Number of instances in the line of many; 0 for no such line.
+        revision: The earlier revision.
+        rounds: Of most lines; those of several files and of many instances have one.
+        folder: For copies and results.
+        case_of: Makes the case of a sidecar.
+    """
+    sources = (Source("now", ROOT), source_of(revision, folder / "earlier"))
+    case = case_of(sidecar, folder / "robot")
+    for reference, contender, what in _ROWS:
+        yield _line(what, case, reference, contender, sources, rounds)
+    bare = peak_memory(who.BARE.command(case), case.folder, case.environment)
+    peaks = [peak_memory(who.COLD.command(case), case.folder, one.environment(case)) / bare for one in sources]
+    yield Line("memory of the first conversion", who.BARE.name, peaks[:1], peaks[1:])
+    ofs = [_line("", _plain(step, folder, case_of), who.BARE, who.COLD, sources, 1) for step in others]
+    if ofs:
+        now, before = ([one for line in ofs for one in of(line)] for of in (lambda a: a.now, lambda a: a.before))
+        yield Line(f"first conversion of {len(ofs)} assemblies with one link", who.BARE.name, now, before)
+    if instances:
+        yield from _many(case.step, instances, sources, folder, case_of)
+
+
+def _line(
+    what: str, case: Case, reference: Contender, contender: Contender, sources: Sequence[Source], rounds: int
+) -> Line:
+    # What a cache shortens needs a round that fills it, of each revision.
+    is_kept = contender.before_all is not who.BARE.before_all
+    each = [
+        replace(
+            contender,
+            name=one.name,
+            environment={"PYTHONPATH": one.environment(case)["PYTHONPATH"]},
+            before_all=who.BARE.before_all,
+        )
+        for one in sources
+    ]
+    costs = alternate(case, [reference, *each], rounds, warm_up=is_kept)
+    now, before = (
+        [cost.cpu / other.cpu for cost, other in zip(costs[one.name], costs[reference.name], strict=True)]
+        for one in sources
+    )
+    return Line(what, reference.name, now, before)
+
+
+def _plain(step: Path, folder: Path, case_of: CaseOf) -> Case:
+    """A STEP file whose parts are one link."""
+    place = folder / "plain" / step.stem
+    place.mkdir(parents=True)
+    shutil.copy(step, place)
+    sidecar = place / f"{step.stem}.robot.yaml"
+    sidecar.write_text(SIDECAR.format(step=step.name), encoding="utf-8", newline="\n")
+    return case_of(sidecar, folder / "cases")
+
+
+def _many(step: Path, count: int, sources: Sequence[Source], folder: Path, case_of: CaseOf) -> Iterator[Line]:
+    """Conversion and draft of many instances, relative to those of one."""
+    cases = []
+    for number in (1, count):
+        path = folder / f"instances{number}.step"
+        write_instances(step, number, path)
+        cases.append(_plain(path, folder, case_of))
+    for what, arguments in (("first conversion", ("convert", "-o", "out", "--no-verify")), ("`init`", ("init",))):
+        ratios = []
+        for one in sources:
+            costs = [_cost(case, arguments, one.environment(case)) for case in cases]
+            ratios.append([costs[1] / costs[0]])
+        yield Line(f"{what} of {count} instances of the robot", "one instance", *ratios)
+
+
+def _cost(case: Case, arguments: Sequence[str], environment: Mapping[str, str]) -> float:
+    name, *options = arguments
+    given = [case.sidecar.name] if name == "convert" else [case.step.name, "-o", "drafted.robot.yaml", "--force"]
+    return timed([*STEPBOT, name, *given, *options, "--no-cache"], case.folder, environment).cpu
+
+
+def publish(found: Iterable[Line], conditions: str, *, write: bool) -> None:
+    """Print each line when it is there; then update the page."""
+    kept = []
+    for line in found:
+        print(row(line), flush=True)
+        kept.append(line)
+    if write:
+        page = page_with(PAGE.read_text(encoding="utf-8"), table(kept, conditions))
+        PAGE.write_text(page, encoding="utf-8", newline="\n")
+
+
+def row(line: Line) -> str:
+    """A line in Markdown."""
+    return f"| {line.what} | {line.reference} | {_spread(line.now)} | {_spread(line.before)} |"
+
+
+def table(found: Sequence[Line], conditions: str) -> str:
+    """The table in Markdown."""
+    heads = ("| | relative to | now | before |", "| --- | --- | --: | --: |")
+    return "\n".join([conditions, "", *heads, *map(row, found), ""])
+
+
+def page_with(text: str, made: str) -> str:
+    """The page with another table."""
+    return _PART.sub(lambda match: match[1] + made + match[2], text)
+
+
+def _spread(values: Sequence[float]) -> str:
+    if len(values) < 2:
+        return f"{values[0]:.2f}"
+    return f"{median(values):.2f} ({min(values):.2f}–{max(values):.2f})"
