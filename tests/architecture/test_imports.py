@@ -36,7 +36,19 @@ links:
 """
 
 
-UNCHANGED = (["convert", "arm2.robot.yaml", "--no-verify", "-o", "out"], ["check", "arm2.robot.yaml"])
+COMPOSED = """\
+version: 1
+robot: two
+modules:
+  first: {file: arm2.robot.yaml}
+  second: {file: arm2.robot.yaml, at: first/tool0}
+"""
+
+UNCHANGED = (
+    ["convert", "arm2.robot.yaml", "--no-verify", "-o", "out"],
+    ["convert", "two.robot.yaml", "--no-verify", "-o", "two"],
+    ["check", "arm2.robot.yaml"],
+)
 
 SLOW = {
     "bz2",
@@ -93,6 +105,7 @@ def converted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     robot = Path(__file__).parents[2] / "robot_library" / "stepbot_arm2"
     for file in (robot / "arm2.step", robot / "arm2.robot.yaml"):
         (folder / file.name).write_bytes(file.read_bytes())
+    (folder / "two.robot.yaml").write_text(COMPOSED, encoding="utf-8")
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STEPBOT_CACHE", str(folder / "cache"))
         for arguments in UNCHANGED:
