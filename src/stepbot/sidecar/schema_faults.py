@@ -10,6 +10,7 @@ from pydantic_core import ErrorDetails
 from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.robot.model import JointKind
 
+from .contact import ContactMaterial
 from .fields import descriptions, is_origin, keys_below, keys_of, sections_at, top_level_keys_with
 from .joint_settings import position_dimension, settings_of
 from .origins import FORMS
@@ -115,7 +116,10 @@ def _unknown_key(loc: tuple[str | int, ...], place: Keys, root: Tree) -> _Fault:
         form = next((name for name in FORMS if name in sections[0].model_fields), "xyz")
         help = ["keep one of " + ", ".join(("xyz", *FORMS)) + "; radius and near are valid with axis_of, mate and auto"]
         return _Fault("SB128", f"'{key}' cannot be combined with '{form}'", tuple(help), of_key=True, above=True)
-    help = _where_a_key_belongs(place, value, root, keys, keys_below(sections, key))
+    below = keys_below(sections, key)
+    if key == "material" and getattr(value, "text", "") not in {*ContactMaterial}:  # that of a part, not of a contact
+        below = tuple(section for section in below if section != "contact")
+    help = _where_a_key_belongs(place, value, root, keys, below)
     return _Fault("SB120", f"unknown key '{key}'", tuple(help or ["keys here: " + ", ".join(keys)]), True, True)
 
 
