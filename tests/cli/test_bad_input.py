@@ -256,8 +256,9 @@ def test_file_that_is_not_there(desk: Desk, arguments: tuple[str, ...], place: s
 # The kernel
 
 
-def test_kernel_that_takes_too_long(desk: Desk) -> None:
+def test_kernel_that_takes_too_long(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     """A kernel that exceeds --timeout is stopped; the message names the option; exit code 2."""
+    monkeypatch.setattr("stepbot.pipeline.prestart.KERNEL", "tests.unit.runtime.isolated_functions:hang")
     run = desk.run("convert", SIDECAR, "-o", "out", "--timeout", "0.02")
     assert run.code == 2
     place, message = error(run, "SB902")
