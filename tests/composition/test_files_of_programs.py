@@ -1,0 +1,105 @@
+"""What ROS, Gazebo and Drake get of two arms with one gripper each: names, blocks and groups of each module."""
+
+import subprocess
+import sys
+from pathlib import Path
+from textwrap import dedent
+from xml.etree import ElementTree as ET
+
+import pytest
+
+from stepbot.pipeline.conversion import Options
+from stepbot.pipeline.stages import convert
+from stepbot.runtime.cache import Cache
+from tests.command_line import stepbot
+
+from .described import composing
+
+TWO = """
+    version: 1
+    robot: two
+    modules:
+      left: {file: "library:arm2"}
+      right: {file: "library:arm2", at: left/base, offset: {xyz: [0, 400 mm, 0]}}
+      grip: {file: "library:2f85", at: right/tool0}
+    """
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory, cache: Cache) -> Path:
+    """The robot, with a ROS 2 package."""
+    folder = tmp_path_factory.mktemp("programs")
+    (folder / "two.robot.yaml").write_text(dedent(TWO), encoding="utf-8")
+    options = ("--ros2", "two_description", "--no-verify", "-f", "urdf,sdf", "--cache", str(cache.folder))
+    run = stepbot("convert", "two.robot.yaml", "-o", "out", *options, cwd=folder)
+    assert run.code in (0, 1), run.err
+    return folder / "out"
+
+
+def test_plugins_of_gazebo_name_joints_that_exist(folder: Path) -> None:
+    """Each drive has one plugin, on a joint of its own and with a topic of its own."""
+    top = ET.parse(folder / "two.sdf").getroot()
+    joints = {joint.get("name") for joint in top.iter("joint")}
+    named = [one.text for plugin in top.iter("plugin") for one in plugin.iter("joint_name")]
+    assert len(named) > 4
+    assert set(named) <= joints
+    topics = [one.text for one in top.iter("topic")]
+    assert len(topics) == len(set(topics))
+
+
+def test_loops_for_drake_have_the_names_of_the_module(folder: Path) -> None:
+    """The closures of the gripper are between links of this instance."""
+    top = ET.parse(folder / "two.drake.sdf").getroot()
+    links = {link.get("name") for link in top.iter("link")}
+    ends = [one.text for one in top.iter() if one.tag.endswith(("_body_A", "_body_B"))]
+    assert any(name and name.startswith("grip_") for name in links)
+    assert ends
+    assert all(name in links and name.startswith("grip_") for name in ends if name is not None)
+
+
+def test_the_macro_can_be_used_twice(folder: Path, tmp_path: Path) -> None:
+    """Two instances in one file have no link, joint, material or system of the same name."""
+    macro = folder / "urdf/two.macro.xacro"
+    name = ET.parse(macro).getroot().find("{http://www.ros.org/wiki/xacro}macro")
+    assert name is not None
+    text = macro.read_text(encoding="utf-8")
+    calls = "".join(f'<xacro:{name.get("name")} prefix="{prefix}"/>' for prefix in ("a_", "b_"))
+    both = tmp_path / "both.xacro"
+    both.write_text(text.rpartition("</robot>")[0] + f'<link name="world"/>{calls}</robot>', encoding="utf-8")
+    program = "import xml.parsers.expat, xacro; xacro.main()"
+    run = subprocess.run([sys.executable, "-c", program, str(both)], capture_output=True, check=False)
+    assert run.returncode == 0, run.stderr.decode()
+    top = ET.fromstring(run.stdout)
+    for tag in ("link", "joint", "ros2_control"):
+        names = [one.get("name") for one in top.findall(tag)]
+        assert len(names) == len(set(names)), tag
+    assert len(top.findall("ros2_control")) == 6
+
+
+def test_groups_are_the_modules(folder: Path) -> None:
+    """An arm with a gripper at its end is the parent group of the gripper, whose joints are its own."""
+    top = ET.parse(folder / "two.srdf").getroot()
+    links = {link.get("name") for link in ET.parse(folder / "two.urdf").getroot().iter("link")}
+    joints = {joint.get("name") for joint in ET.parse(folder / "two.urdf").getroot().iter("joint")}
+    groups = {group.get("name") for group in top.findall("group")}
+    ends = {end.get("group"): end.get("parent_group") for end in top.findall("end_effector")}
+    assert "grip" in groups
+    assert set(ends) <= groups
+    assert set(ends.values()) <= groups
+    assert all(one.get("base_link") in links and one.get("tip_link") in links for one in top.iter("chain"))
+    assert all(one.get("name") in joints for one in top.iter("joint"))
+
+
+def test_computed_gains_follow_the_load(tmp_path: Path, cache: Cache) -> None:
+    """`gains: auto` of the last joints grow with the gripper on them; its own given numbers stay bit for bit."""
+    arm, hand = 'arm: {file: "library:ur5e", prefix: ""}', 'hand: {file: "library:2f85", prefix: "", at: arm/tool0}'
+    gains = []
+    for modules in ((arm,), (arm, hand), (hand.replace(", at: arm/tool0", ""),)):
+        (tmp_path / "r.robot.yaml").write_text(composing(*modules), encoding="utf-8")
+        made = convert(tmp_path / "r.robot.yaml", Options(tmp_path / "out", ("mjcf",), verify=False, cache=cache))
+        assert made.robot is not None
+        gains.append({one.name: (one.kp, one.kv) for one in made.robot.actuators})
+    alone, together, gripper = gains
+    for drive in ("elbow_drive", "wrist_1_drive", "wrist_2_drive", "wrist_3_drive"):
+        assert together[drive] > alone[drive], drive
+    assert gripper.items() <= together.items()
