@@ -174,3 +174,40 @@ def test_a_batch_takes_modules_and_the_robots_of_them(tmp_path: Path, write: Wri
     status = {one["name"]: one["status"] for one in json.loads(run.out)["robots"]}
     assert status == {**dict.fromkeys(("a", "b", "z", "zz"), "converted"), "b_gone": "failed"}, run.out
     assert run.code == 1
+
+
+def test_an_arm_on_a_slide_moves_as_its_mass(tmp_path: Path, write: Write) -> None:
+    """Prismatic mount: the mass matrix has the mass of all that slides, and the coupling with the tool's own slide."""
+    more = "joints: {axis: {type: prismatic, parent: arm/tip, child: tool, axis: x, "
+    more += "limits: {lower: 0, upper: 1, effort: 9, velocity: 1}}}\n"
+    write({"r.robot.yaml": composing("arm: {file: arm.urdf, prefix: ''}", "tool: {file: tool.urdf}", more=more)})
+    write({"arm.urdf": ARM, "tool.urdf": TOOL})
+    _converted(tmp_path / "r.robot.yaml", ("mjcf",))
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out/whole.xml"))
+    data = mujoco.MjData(model)
+    data.qpos[:] = 0.1, 0.2, 0.3
+    mujoco.mj_forward(model, data)
+    matrix = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, matrix)
+    slide, jaw = (model.joint(name).dofadr[0] for name in ("axis", "tool_jaw"))
+    assert matrix[slide, slide] == pytest.approx(3.0, rel=1e-12)
+    assert matrix[jaw, jaw] == pytest.approx(1.0, rel=1e-12)
+    assert matrix[slide, jaw] == pytest.approx(0.0, abs=1e-12)  # the plate is turned by 90 degrees
+
+
+def test_a_hand_is_left_out(composed: Compose) -> None:
+    """YuMi without its right gripper: its links, joints and drive are gone with their mass, and the left one stays."""
+    whole, bare = (
+        composed({"r.robot.yaml": composing(f"yumi: {{file: 'library:yumi', prefix: ''{less}}}")}, Diagnostics())
+        for less in ("", ", without: [gripper_r_base]")
+    )
+    gone = {one.name for one in whole.links} - {one.name for one in bare.links}
+    assert "gripper_r_base" in gone
+    assert len(gone) == 3
+    assert all(name.startswith("gripper_r") for name in gone)
+    assert len(whole.joints) - len(bare.joints) == 3
+    assert len(whole.actuators) - len(bare.actuators) == 1
+    masses = [sum(one.mass_properties.mass for one in robot.links) for robot in (whole, bare)]
+    assert masses[0] - masses[1] == pytest.approx(sum(whole.link_by_name[one].mass_properties.mass for one in gone))
+    for name, link_of_both in bare.link_by_name.items():
+        assert link_of_both.mass_properties == whole.link_by_name[name].mass_properties, name
