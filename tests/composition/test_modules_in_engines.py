@@ -115,8 +115,8 @@ def test_pybullet_reads_the_module(alone: str, prefix: str, folder: Path) -> Non
                 of_module[link] = np.array(numbers)
             seen.append(of_module)
     assert len(seen[0]) > 2
-    for link, numbers in seen[0].items():
-        assert np.allclose(seen[1][link], numbers, rtol=1e-9, atol=1e-12), link
+    for link, expected in seen[0].items():
+        assert np.allclose(seen[1][link], expected, rtol=1e-9, atol=1e-12), link
 
 
 def owner(name: str) -> str:
