@@ -82,7 +82,7 @@ def _is_step(argument: str) -> bool:
 
 def names_option(*declarations: str, **attributes: Any) -> Callable[..., Any]:
     """An option that may be repeated and accepts a comma-separated list."""
-    return click.option(*declarations, multiple=True, callback=_split, **attributes)
+    return click.option(*declarations, multiple=True, callback=split_names, **attributes)
 
 
 def full_code(given: str) -> str:
@@ -94,7 +94,7 @@ def full_code(given: str) -> str:
 
 def _codes(context: click.Context, option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
     """Codes of diagnostics to suppress."""
-    codes = tuple(map(full_code, _split(context, option, given)))
+    codes = tuple(map(full_code, split_names(context, option, given)))
     for code in codes:
         known = current(code)
         if not known:
@@ -114,7 +114,8 @@ ignore_option = click.option(
 )
 
 
-def _split(context: click.Context, option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:  # noqa: ARG001
+def split_names(context: click.Context, option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:  # noqa: ARG001
+    """The names in an option that may be repeated and accepts comma-separated lists."""
     return tuple(name.strip() for several in given for name in several.split(","))
 
 

@@ -14,7 +14,7 @@ from stepbot.formats import FORMATS, default_formats, format_named
 from stepbot_cli.diagnostic_text import counted
 
 from .caching import say_trouble
-from .command import Command, display_options, ignore_option, json_option, names_option
+from .command import Command, display_options, ignore_option, json_option, names_option, split_names
 from .descriptions import description_options, reject_descriptions
 from .engines import require_option
 from .joint_table import show_joint_rows, show_joint_table
@@ -88,6 +88,30 @@ gazebo_option = click.option(
     is_flag=True,
     help="Make the output folder a Gazebo model: model.config, model.sdf, and mesh paths as model://DIR/meshes/...",
 )
+
+
+def _programs(context: click.Context, option: click.Parameter, given: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of programs for learning."""
+    names = split_names(context, option, given)
+    if not names:
+        return ()
+    from stepbot.formats.learning import program_names
+
+    try:
+        return program_names(names)
+    except ValueError as error:
+        raise click.BadParameter(str(error)) from None
+
+
+for_option = click.option(
+    "--for",
+    "programs",
+    multiple=True,
+    callback=_programs,
+    metavar="PROGRAM,...",
+    help="Also write a Python file that loads the robot in mjlab, maniskill, genesis or isaaclab, with its gains and "
+    "initial pose; implies their formats.",
+)
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 
 
@@ -121,6 +145,7 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 @ros2_option
 @metadata_options
 @gazebo_option
+@for_option
 @junit_option
 @json_option
 @display_options
@@ -140,6 +165,7 @@ def command(
     package: str,
     ros2: str,
     gazebo: bool,
+    programs: tuple[str, ...],
     junit: Path | None,
     as_json: bool,
     display: Display,
@@ -155,11 +181,12 @@ def command(
         raise click.UsageError("--require and --no-verify cannot be combined")
     if step is not None:
         reject_descriptions("--step", [sidecar])
+    formats = formats_with(programs, formats)
     package = package_name(package, ros2, formats)
     output = output or default_output(sidecar, options.variant)
     options = options._replace(
         output=output,
-        formats=format_names(formats),
+        formats=formats,
         step=step,
         verify=not no_verify,
         strict=strict,
@@ -169,8 +196,19 @@ def command(
         package=package,
         ros2=bool(ros2),
         gazebo=model_of(output, formats) if gazebo else "",
+        programs=programs,
     )
     return run_conversion(sidecar, options, junit=junit, drive=drive, as_json=as_json, display=display)
+
+
+def formats_with(programs: tuple[str, ...], given: tuple[str, ...]) -> tuple[str, ...]:
+    """The formats to write: those of `-f`, and those that the programs of `--for` load."""
+    formats = format_names(given)
+    if not programs:
+        return formats
+    from stepbot.formats.learning import formats_for
+
+    return formats_for(programs, formats)
 
 
 def package_name(package: str, ros2: str, formats: tuple[str, ...]) -> str:

@@ -12,7 +12,8 @@ from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
 from .convert import (
     again_format_option,
-    format_names,
+    for_option,
+    formats_with,
     gazebo_option,
     model_of,
     package_name,
@@ -46,6 +47,7 @@ if TYPE_CHECKING:
 @package_option
 @ros2_option
 @gazebo_option
+@for_option
 @click.option("--exclude", multiple=True, metavar="GLOB", help="Do not compare matching files; may be repeated.")
 @click.option("--strict", is_flag=True, help="Same as for `convert`.")
 @ignore_option
@@ -63,6 +65,7 @@ def command(
     package: str,
     ros2: str,
     gazebo: bool,
+    programs: tuple[str, ...],
     exclude: tuple[str, ...],
     strict: bool,
     ignore: tuple[str, ...],
@@ -77,12 +80,14 @@ def command(
     from stepbot.jobs.discovery import find_sidecars, robot_name, variants_of
     from stepbot.jobs.uptodate import check_up_to_date, output_folders
 
+    formats = formats_with(programs, formats)
     options = options._replace(
-        formats=format_names(formats),
+        formats=formats,
         package=package_name(package, ros2, formats),
         ros2=bool(ros2),
         strict=strict,
         ignore=ignore,
+        programs=programs,
     )
     found = Diagnostics()
     paths = find_sidecars(sidecars or (Path(),), found)

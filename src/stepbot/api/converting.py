@@ -34,6 +34,7 @@ def convert(
     maintainer: str = "",
     license: str = "",
     gazebo: bool = False,
+    programs: str | Iterable[str] = (),
     base: str = "",
     package_path: AnyPath | Iterable[AnyPath] = (),
     xacro: Mapping[str, str] | None = None,
@@ -60,6 +61,8 @@ def convert(
         maintainer: Name and address for packages, ``Ada Lovelace <ada@example.com>``; empty for the sidecar's.
         license: Licence for packages; empty for the sidecar's.
         gazebo: Make ``output`` a Gazebo model, found by the name of the folder.
+        programs: Program for learning, or several, that get a Python file which loads the robot; their formats are
+            written, too.
         base: ``fixed`` or ``floating``, for a URDF, which does not say; empty for fixed, with a warning.
         package_path: Folder, or several, of the packages that a URDF, SDFormat or MJCF names in ``package://`` and ``model://``.
         xacro: Values of the arguments of a xacro, by name.
@@ -71,16 +74,18 @@ def convert(
             ``output`` are unchanged.
 
     Raises:
-        ValueError: A name in ``formats`` is not a format, or ``package`` or ``ros2`` not the name of a package; both
-            are given, or URDF is not written. ``maintainer`` is not a name and an address. For ``gazebo``, SDFormat is
-            not written, or the folder's name cannot be that of a model.
+        ValueError: A name in ``formats`` is not a format, in ``programs`` not a program, or ``package`` or ``ros2`` not
+            the name of a package; both are given, or URDF is not written. ``maintainer`` is not a name and an address.
+            For ``gazebo``, SDFormat is not written, or the folder's name cannot be that of a model.
     """
+    from stepbot.formats.learning import formats_for, program_names
     from stepbot.jobs.incremental import convert as convert_unless_unchanged
     from stepbot.robot.metadata import is_maintainer
 
     if maintainer and not is_maintainer(maintainer):
         raise ValueError(f"'{maintainer}' is not a name and an address: Ada Lovelace <ada@example.com>")
-    path, written = Path(sidecar), format_names(formats)
+    loaded_by = program_names(several(programs))
+    path, written = Path(sidecar), formats_for(loaded_by, format_names(formats))
     name = path.name.removesuffix(path.suffix).removesuffix(".robot")
     folder = Path(output) if output is not None else Path(name)
     options = Options(
@@ -101,6 +106,7 @@ def convert(
         maintainer=maintainer,
         license=license,
         gazebo=model_name(folder, written) if gazebo else "",
+        programs=loaded_by,
         base=base,
         package_path=tuple(map(Path, several(package_path))),
         xacro=tuple((xacro or {}).items()),

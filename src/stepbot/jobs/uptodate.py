@@ -104,6 +104,8 @@ def _command(sidecar: Path, options: Options) -> list[str]:
         command += ["--ros2", options.package]
     elif options.package:
         command += ["--package", options.package]
+    if options.programs:
+        command += ["--for", ",".join(options.programs)]
     return command + (["--gazebo"] if options.gazebo else [])
 
 

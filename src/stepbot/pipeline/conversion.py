@@ -65,6 +65,8 @@ class Options(NamedTuple):
     """Name and address of the maintainer of packages, overriding the sidecar's; empty for the sidecar's."""
     license: str = ""
     """Licence of packages, as ``maintainer``."""
+    programs: tuple[str, ...] = ()
+    """Programs for learning that get a Python file which loads the robot."""
     gazebo: str = ""
     """Name of the Gazebo model that the SDFormat names in the paths of its meshes; empty for relative paths."""
 

@@ -10,6 +10,7 @@ from stepbot.diagnostics.source_lines import source_lines
 from stepbot.engines.observation_cache import ObservationCache
 from stepbot.formats import default_formats, format_named
 from stepbot.formats.format import Format
+from stepbot.formats.learning import program_files
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import files_of, joined, main_file
 from stepbot.formats.sdformat import FORMAT as SDFORMAT
@@ -131,6 +132,8 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
             report_gaps(lowered[URDF.name], found)
     if any(path.endswith(".srdf") for path in by_format.get(URDF.name, ())):
         report_guesses(lowered[URDF.name], found)
+    for name, files in program_files(options.programs, lowered).items():
+        by_format[name] |= files
     if options.gazebo and SDFORMAT.name in by_format:
         by_format[SDFORMAT.name] = gazebo_model(lowered[SDFORMAT.name], by_format[SDFORMAT.name], options.gazebo)
     return Rendered(robot, lowered, by_format, listed, losses)

@@ -1,0 +1,294 @@
+"""Python files that load a robot in programs for learning, beside its description: ``convert --for mjlab``.
+
+Each has the joints, gains, limits and the initial pose of the robot as that program takes them, and prints the joints
+when it is run. ``docs/use-it-in.md`` states what each was run with.
+"""
+
+import json
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from math import inf
+from typing import NamedTuple
+
+from stepbot.robot.kinematics import initial_configuration
+from stepbot.robot.model import Actuator, ActuatorKind, Base, JointKind, Robot
+from stepbot.robot.simulation_settings import settings_of
+from stepbot.robot.standing import standing_height
+from stepbot.robot.tuning import Integrator
+
+from . import FORMATS
+from .lowering.devices import gears_at_joints
+from .rendering import main_file
+
+
+class Program(NamedTuple):
+    """A program that robots are trained in."""
+
+    format: str
+    """The format of the file that it loads."""
+    write: Callable[[Robot, str], str]
+    """The Python file of a robot lowered for the format, whose description has that name."""
+
+
+def program_names(given: Iterable[str]) -> tuple[str, ...]:
+    """Names of programs, each once, in the order of :data:`PROGRAMS`.
+
+    Raises:
+        ValueError: A name is not known.
+    """
+    names = {name.lower() for name in given}
+    if unknown := sorted(names - set(PROGRAMS)):
+        raise ValueError(f"no program '{unknown[0]}'; there are {', '.join(PROGRAMS)}")
+    return tuple(name for name in PROGRAMS if name in names)
+
+
+def formats_for(programs: Sequence[str], formats: Sequence[str]) -> tuple[str, ...]:
+    """The formats, and those that programs load."""
+    return tuple(dict.fromkeys((*formats, *(PROGRAMS[name].format for name in programs))))
+
+
+def program_files(programs: Sequence[str], lowered: Mapping[str, Robot]) -> dict[str, dict[str, bytes]]:
+    """For each format, the files of programs that load it, by path relative to the output folder.
+
+    Args:
+        programs: Names of :data:`PROGRAMS`.
+        lowered: For each format, the robot as that format expresses it.
+    """
+    files: dict[str, dict[str, bytes]] = {}
+    for name in programs:
+        program = PROGRAMS[name]
+        robot = lowered[program.format]
+        text = program.write(gears_at_joints(robot), main_file(robot, FORMATS[program.format]))
+        path = f"{re.sub(r'[^A-Za-z0-9_]', '_', robot.name)}_{name}.py"
+        files.setdefault(program.format, {})[path] = text.encode()
+    return files
+
+
+def _mjlab(robot: Robot, file: str) -> str:
+    settings = settings_of(robot)
+    integrator = "euler" if settings.integrator is Integrator.EULER else "implicitfast"  # mjlab has no others
+    driven = tuple(re.escape(one.joint) for one in robot.actuators)
+    actuators = f"(XmlActuatorCfg(target_names_expr={_literal(driven)}),)" if driven else "()"
+    has_ball = any(joint.kind is JointKind.BALL for joint in robot.joints)
+    positions = "None" if has_ball else "{re.escape(name): q for name, q in HOME.items()}"  # None: the file's keyframe
+    return f'''"""{robot.name} in mjlab: the entity `ROBOT`, and `MUJOCO`, the options that attaching drops."""
+
+import re
+from pathlib import Path
+
+import mujoco
+from mjlab.actuator import XmlActuatorCfg
+from mjlab.entity import EntityArticulationInfoCfg, EntityCfg
+from mjlab.sim import MujocoCfg
+
+MODEL = Path(__file__).with_name({_literal(file)})
+HOME = {_table(_home(robot))}
+
+ROBOT = EntityCfg(
+    spec_fn=lambda: mujoco.MjSpec.from_file(str(MODEL)),
+    init_state=EntityCfg.InitialStateCfg(
+        pos=(0.0, 0.0, {_height(robot)!r}),
+        joint_pos={positions},
+    ),
+    articulation=EntityArticulationInfoCfg(actuators={actuators}),
+)
+MUJOCO = MujocoCfg(timestep={settings.timestep!r}, integrator="{integrator}", cone="elliptic", impratio=10.0)
+
+if __name__ == "__main__":
+    from mjlab.scene import Scene, SceneCfg
+
+    scene = Scene(SceneCfg(num_envs=1, entities={{"robot": ROBOT}}), device="cpu")
+    print(scene.compile().nu, "actuators;", *scene["robot"].joint_names)
+'''
+
+
+def _isaaclab(robot: Robot, file: str) -> str:
+    rows = "".join(
+        f"        {_literal(one.name)}: ImplicitActuatorCfg(\n"
+        f"            joint_names_expr=[{_literal(re.escape(one.joint))}],\n"
+        f"            stiffness={one.kp!r},\n            damping={one.kv!r},\n"
+        + "".join(f"            {key}={value!r},\n" for key, value in _bounds(robot, one).items())
+        + "        ),\n"
+        for one in robot.actuators
+    )
+    return f'''"""{robot.name} in Isaac Lab: the articulation `ROBOT`."""
+
+from pathlib import Path
+
+import isaaclab.sim as sim_utils
+from isaaclab.actuators import ImplicitActuatorCfg
+from isaaclab.assets import ArticulationCfg
+
+MODEL = Path(__file__).with_name({_literal(file)})
+
+ROBOT = ArticulationCfg(
+    spawn=sim_utils.UsdFileCfg(usd_path=str(MODEL)),
+    init_state=ArticulationCfg.InitialStateCfg(
+        pos=(0.0, 0.0, {_height(robot)!r}),
+        joint_pos={_table(_home(robot), 8)},
+    ),
+    actuators={{
+{rows}    }},
+)
+'''
+
+
+def _bounds(robot: Robot, actuator: Actuator) -> dict[str, float]:
+    """Isaac Lab's keys for what a joint states."""
+    joint = robot.joint_by_name[actuator.joint]
+    effort = min(actuator.limit.effort, joint.limit.effort)
+    velocity = min(actuator.limit.velocity, joint.limit.velocity)
+    found = {"effort_limit_sim": effort, "velocity_limit_sim": velocity, "armature": joint.dynamics.armature}
+    return {key: value for key, value in found.items() if value not in (0.0, inf)}
+
+
+def _maniskill(robot: Robot, file: str) -> str:
+    name = "".join(word.capitalize() for word in re.findall(r"[A-Za-z0-9]+", robot.name)) or "Robot"
+    controllers = "".join(
+        f"            {_literal(key)}: {control}(\n                {_literal(joints)},\n{arguments}            ),\n"
+        for key, control, joints, arguments in _controllers(robot)
+    )
+    return f'''"""{robot.name} in ManiSkill: the agent `{robot.name}`, as `robot_uids` of an environment."""
+
+from pathlib import Path
+
+import numpy as np
+import sapien
+from mani_skill.agents.base_agent import BaseAgent, Keyframe
+from mani_skill.agents.controllers import (
+    PassiveControllerConfig,
+    PDJointPosControllerConfig,
+    PDJointVelControllerConfig,
+)
+from mani_skill.agents.registration import register_agent
+
+HOME = {_table(_home(robot))}
+
+
+@register_agent()
+class {name if not name[0].isdigit() else f"Robot{name}"}(BaseAgent):
+    """{robot.name}, with position targets [rad, m], velocity targets [rad/s, m/s], and joints without a drive."""
+
+    uid = {_literal(robot.name)}
+    urdf_path = str(Path(__file__).with_name({_literal(file)}))
+    fix_root_link = {robot.base is not Base.FLOATING!r}
+
+    @property
+    def keyframes(self):
+        """The drawn pose."""
+        qpos = np.array([HOME.get(joint.name, 0.0) for joint in self.robot.active_joints])
+        return {{"home": Keyframe(qpos=qpos, pose=sapien.Pose([0.0, 0.0, {_height(robot)!r}]))}}
+
+    @property
+    def _controller_configs(self):
+        configs = {{
+{controllers}        }}
+        driven = {{name for config in configs.values() for name in config.joint_names}}
+        free = [joint.name for joint in self.robot.active_joints if joint.name not in driven]
+        if free:
+            configs["free"] = PassiveControllerConfig(free, damping=0.0)
+        return {{"stepbot": configs}}
+
+
+if __name__ == "__main__":
+    import gymnasium
+
+    options = {{"control_mode": "stepbot", "render_backend": "none"}}  # without a graphics card
+    agent = gymnasium.make("Empty-v1", robot_uids={_literal(robot.name)}, **options).unwrapped.agent
+    print(agent.action_space.shape, *(joint.name for joint in agent.robot.active_joints))
+'''
+
+
+def _controllers(robot: Robot) -> list[tuple[str, str, list[str], str]]:
+    """For each kind of actuator its key, class, joints and further arguments; motors have no controller."""
+    found = []
+    for kind, control in (
+        (ActuatorKind.POSITION, "PDJointPosControllerConfig"),
+        (ActuatorKind.VELOCITY, "PDJointVelControllerConfig"),
+    ):
+        group = [one for one in robot.actuators if one.kind is kind]
+        if not group:
+            continue
+        effort = [min(one.limit.effort, robot.joint_by_name[one.joint].limit.effort) for one in group]
+        rows = {
+            "lower": None,
+            "upper": None,
+            **({"stiffness": [one.kp for one in group]} if kind is ActuatorKind.POSITION else {}),
+            "damping": [one.kv for one in group],
+            "force_limit": [1e10 if one == inf else one for one in effort],
+            "normalize_action": False,
+        }
+        arguments = "".join(f"                {key}={_literal(value)},\n" for key, value in rows.items())
+        found.append((kind.value, control, [one.joint for one in group], arguments))
+    return found
+
+
+def _genesis(robot: Robot, file: str) -> str:
+    return f'''"""{robot.name} in Genesis: `add(scene)`, and after `scene.build()` `go_home(robot)`."""
+
+from pathlib import Path
+
+import genesis as gs
+
+MODEL = Path(__file__).with_name({_literal(file)})
+HOME = {_table(_home(robot))}
+
+
+def add(scene):
+    """The entity of the robot, with the gains and force limits of the MJCF."""
+    return scene.add_entity(gs.morphs.MJCF(file=str(MODEL), pos=(0.0, 0.0, {_height(robot)!r})))
+
+
+def go_home(robot):
+    """Put the joints into the drawn pose, and hold them there."""
+    joints = [robot.get_joint(name) for name in HOME]
+    places = [index for joint in joints for index in joint.dofs_idx_local]
+    robot.set_dofs_position(list(HOME.values()), places)
+    robot.control_dofs_position(list(HOME.values()), places)
+
+
+if __name__ == "__main__":
+    gs.init(backend=gs.cpu)
+    scene = gs.Scene(show_viewer=False)
+    robot = add(scene)
+    scene.build()
+    go_home(robot)
+    print(robot.n_dofs, "degrees of freedom;", *HOME)
+'''
+
+
+def _home(robot: Robot) -> dict[str, float]:
+    """The drawn position of each joint with one coordinate."""
+    drawn = initial_configuration(robot)
+    return {joint.name: drawn[joint.name] for joint in robot.joints if joint.name in drawn}
+
+
+def _height(robot: Robot) -> float:
+    """Height [m] of the root link above the floor that a floating robot stands on."""
+    return standing_height(robot, initial_configuration(robot)) if robot.base is Base.FLOATING else 0.0
+
+
+def _table(values: Mapping[str, float], indent: int = 0) -> str:
+    """A dictionary, one row per line."""
+    space = " " * indent
+    rows = "".join(f"{space}    {_literal(name)}: {value!r},\n" for name, value in values.items())
+    return f"{{\n{rows}{space}}}"
+
+
+def _literal(value: object) -> str:
+    """A value as formatters of Python write it: with double quotes."""
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, list | tuple):
+        inner = ", ".join(map(_literal, value))
+        return f"[{inner}]" if isinstance(value, list) else f"({inner}{',' * (len(value) == 1)})"
+    return repr(value)
+
+
+PROGRAMS = {
+    "mjlab": Program("mjcf", _mjlab),
+    "maniskill": Program("urdf", _maniskill),
+    "genesis": Program("mjcf", _genesis),
+    "isaaclab": Program("usd", _isaaclab),
+}
+"""By name in commands."""

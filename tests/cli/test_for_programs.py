@@ -1,0 +1,105 @@
+"""``stepbot convert --for``: Python files that load a robot in programs for learning."""
+
+import ast
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import stepbot as api
+from stepbot.formats.learning import PROGRAMS
+from tests.command_line import convert_once
+
+from .conftest import Stepbot
+
+MODULES = {"mjlab": "mjlab", "maniskill": "mani_skill", "genesis": "genesis", "isaaclab": "isaaclab"}
+NAMES = ",".join(PROGRAMS)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Path:
+    """The arm with a gripper, with a file for each program."""
+    sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
+    return convert_once(tmp_path_factory, "arm2 for programs", sidecar, "--no-verify", "--for", NAMES).folder
+
+
+def tree(folder: Path, program: str) -> ast.Module:
+    """The file of a program."""
+    return ast.parse((folder / f"arm2_{program}.py").read_text(encoding="utf-8"))
+
+
+def calls(folder: Path, program: str, name: str) -> list[dict[str, Any]]:
+    """The literal keywords of each call of a name."""
+    found = []
+    for node in ast.walk(tree(folder, program)):
+        if isinstance(node, ast.Call) and getattr(node.func, "id", getattr(node.func, "attr", "")) == name:
+            keywords = {keyword.arg or "": keyword.value for keyword in node.keywords}
+            found.append({key: _value(value) for key, value in keywords.items()})
+    return found
+
+
+def _value(node: ast.expr) -> Any:
+    try:
+        return ast.literal_eval(node)
+    except ValueError:
+        return ast.unparse(node)
+
+
+def test_each_file_loads_a_description_beside_it(folder: Path) -> None:
+    """The formats that programs load are written, too, and no name is one of a file that is missing."""
+    for program in PROGRAMS:
+        (named,) = (
+            _value(node.args[0])
+            for node in ast.walk(tree(folder, program))
+            if isinstance(node, ast.Call) and getattr(node.func, "attr", "") == "with_name"
+        )
+        assert (folder / named).is_file(), program
+
+
+def test_numbers_are_those_of_the_robot(folder: Path, robot_library: Path) -> None:
+    """Gains, limits and the initial pose, of the sidecar."""
+    shoulder, *_ = calls(folder, "isaaclab", "ImplicitActuatorCfg")
+    assert shoulder["joint_names_expr"] == ["shoulder"]
+    assert (shoulder["effort_limit_sim"], shoulder["velocity_limit_sim"]) == (6.0, pytest.approx(1.5707963267948966))
+    (state,) = calls(folder, "isaaclab", "InitialStateCfg")
+    home = {"shoulder": 0.0, "elbow": pytest.approx(0.5235987755982988), "finger": 0.015, "finger_mirror": 0.015}
+    assert state["joint_pos"] == home
+    (control,) = calls(folder, "maniskill", "PDJointPosControllerConfig")
+    assert control["stiffness"][0] == shoulder["stiffness"] > 0.0
+    assert control["damping"][0] == shoulder["damping"] > 0.0
+    assert control["force_limit"][0] == 6.0
+
+
+def test_uptodate_and_python_expect_the_same_files(
+    folder: Path, robot_library: Path, tmp_path: Path, stepbot: Stepbot
+) -> None:
+    """`uptodate --for` passes on the folder, reports the files without the option, and Python writes the same."""
+    sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
+    asked = ("uptodate", str(sidecar), "-o", str(folder))
+    assert stepbot(*asked, "--for", NAMES).code == 0
+    assert "no longer written" in stepbot(*asked, "-f", "urdf,sdf,mjcf,usd").out
+    result = api.convert(sidecar, output=tmp_path, programs=["mjlab"], formats="mjcf", verify=False)
+    assert result.files["arm2_mjlab.py"] == (folder / "arm2_mjlab.py").read_bytes()
+
+
+@pytest.mark.parametrize("given", ["mjlab,isaac", "gym"])
+def test_unknown_program_is_a_usage_error(given: str, stepbot: Stepbot) -> None:
+    """The message lists the programs."""
+    run = stepbot("convert", "any.yaml", "--for", given)
+    assert run.code == 2
+    assert f"no program '{given.rsplit(',', maxsplit=1)[-1]}'; there are {', '.join(PROGRAMS)}" in run.err
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_program_loads_the_robot(program: str, folder: Path) -> None:
+    """Where it is installed, the program prints the joints of the robot."""
+    if importlib.util.find_spec(MODULES[program]) is None:
+        pytest.skip(f"{MODULES[program]} is not installed")
+    command = [sys.executable, f"arm2_{program}.py"]
+    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=900, check=False)
+    assert run.returncode == 0, run.stderr
+    assert {"shoulder", "elbow"} <= set(run.stdout.split())
