@@ -84,7 +84,7 @@ class ContactSearch:
     """A worker that compares the links of one robot in one configuration after the other."""
 
     def __init__(self, robot: Robot, memory_limit: int | None = None) -> None:
-        self._worker = Worker(f"{_ROOM}.contacts:contacts", memory_limit=memory_limit)
+        self._worker = Worker(f"{_ROOM}.worker:contacts", memory_limit=memory_limit)
         self._robot: Robot | None = only_collisions(robot)
 
     @staticmethod
