@@ -34,6 +34,8 @@ class Node:
     shape: Any = None
     children: Sequence["Node"] = ()
     X: Pose = field(default_factory=Pose)
+    has_bodies: bool = False
+    """Whether its children are bodies of one part."""
 
 
 def part(name: str, solid: Solid | Any, x: float = 0.0, y: float = 0.0, z: float = 0.0, rpy: Any = (0, 0, 0)) -> Node:
@@ -56,7 +58,9 @@ def assembled(*nodes: Node) -> Assembly:
     return Assembly("made.step", "AP242", "", "mm", 1e-3, tuple(components), bodies)
 
 
-def _add(node: Node, parent: int, X_WP: Pose, components: list[Component], shapes: list[Any]) -> None:
+def _add(
+    node: Node, parent: int, X_WP: Pose, components: list[Component], shapes: list[Any], *, is_body: bool = False
+) -> None:
     """Add a node and everything below it; the first shape is that of subassemblies, which have none."""
     number = next((n for n, shape in enumerate(shapes) if shape is node.shape), len(shapes))
     if number == len(shapes):
@@ -64,9 +68,10 @@ def _add(node: Node, parent: int, X_WP: Pose, components: list[Component], shape
     index, X_WC = len(components), X_WP @ node.X
     path = f"{components[parent].path}/{node.name}" if parent else node.name
     definition = number or 1000 + index
-    components.append(Component(index, parent, node.name, path, node.name, "", 1, X_WC, number - 1, definition))
+    product = "" if is_body else node.name
+    components.append(Component(index, parent, node.name, path, product, "", 1, X_WC, number - 1, definition))
     for child in node.children:
-        _add(child, index, X_WC, components, shapes)
+        _add(child, index, X_WC, components, shapes, is_body=node.has_bodies)
 
 
 def inferred(*nodes: Node, sources: Sources = ALL_SOURCES) -> Inferred:

@@ -59,7 +59,7 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
     joints = [
         {
             "name": name,
-            "type": joint.type.value,
+            "type": joint.written.value,
             "parent": names.links[joint.parent],
             "child": names.links[joint.child],
             **_geometry(joint),
@@ -77,6 +77,7 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
             **_geometry(closure),
         }
         for closure, name in zip(draft.closures, names.closures, strict=True)
+        if closure.written is closure.type
     ]
     return {
         "root": names.links[draft.root],
@@ -147,7 +148,7 @@ def _connection(one: "DraftJoint | DraftClosure", name: str, ends: str, *, verbo
     facts = "; ".join(filter(None, (one.review, weak, *one.confidence.evidence)))
     if not verbose and len(facts) > _LONGEST_FACTS:
         facts = f"{facts[: _LONGEST_FACTS - 1].rstrip()}…"
-    lines = [f"  {printable(name)}: {one.type}, {printable(ends)}, score {one.confidence.score:.2f}{mark}"]
+    lines = [f"  {printable(name)}: {one.written}, {printable(ends)}, score {one.confidence.score:.2f}{mark}"]
     return [*lines, f"    {printable(facts)}"] if facts else lines
 
 
@@ -191,10 +192,7 @@ def _reviews(text: str) -> int:
 
 
 def _todo(draft: "Draft") -> int:
-    return sum(
-        joint.limits is None and joint.type in ("revolute", "prismatic") and joint.confidence.is_chosen
-        for joint in draft.joints
-    )
+    return sum(joint.limits is None and joint.written in ("revolute", "prismatic") for joint in draft.joints)
 
 
 def _questions(draft: "Draft", text: str) -> list[str]:

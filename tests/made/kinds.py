@@ -9,14 +9,14 @@ import numpy as np
 from robot_library.moments import Array
 from tests.solids import Solid, box, cylinder
 
+from . import machines
+from .devices import butt_hinges, drawers, neck, stage, tube_stand, turntable
 from .kit import SCREWS, Kit, at, drilled, rot
 from .still import board, frame
 
-Point = tuple[float, float]
 X, Y, Z = np.eye(3)
 HERE = np.eye(4)
-
-
+Point = tuple[float, float]
 EARS = [(x, y) for x in (-23.5, 23.5) for y in (-5.0, 5.0)]
 RING = [(10 + 7 * cos(a), 7 * sin(a)) for a in np.arange(4) * pi / 2]
 
@@ -384,12 +384,18 @@ def scara(kit: Kit) -> None:
     kit.joint("prismatic", "fore", "quill", (U @ at(b, 0, 0))[:3, 3], Z)
 
 
-KINDS: dict[str, Callable[[Kit], None]] = {
-    one.__name__: one
-    for one in (
-        *(servo_arm, pan_tilt, servo_legs, pin_arm, four_bar, walker, slider_crank, gear_gripper, wheeled, quadruped),
-        *(rods, profile_rail, telescope, hinged_lid, belt, scara, frame, board),
-    )
-}
-ASIDE = frozenset(Random(20261124).sample(sorted(KINDS), len(KINDS) // 3))
-"""By lot, before any of these was drafted."""
+_FIRST = (
+    *(servo_arm, pan_tilt, servo_legs, pin_arm, four_bar, walker, slider_crank, gear_gripper, wheeled, quadruped),
+    *(rods, profile_rail, telescope, hinged_lid, belt, scara, frame, board),
+)
+_FURTHER = (
+    *(machines.cheek_quadruped, machines.box_hexapod, machines.harmonic_arm, machines.forked_wheels, drawers, neck),
+    *(machines.side_by_side, stage, machines.five_bar, machines.excavator, turntable, butt_hinges),
+    *(machines.rocker_bogie, tube_stand),
+)
+KINDS: dict[str, Callable[[Kit], None]] = {one.__name__: one for one in (*_FIRST, *_FURTHER)}
+ASIDE = frozenset(Random(20261124).sample(sorted(one.__name__ for one in _FIRST), len(_FIRST) // 3))
+ASIDE_LATER = frozenset(Random(112420262).sample(sorted(one.__name__ for one in _FURTHER), 4))
+"""Of the first kinds and of the further ones, by lot, before any of these was drafted."""
+VARIED = frozenset(one.__name__ for one in _FURTHER)
+"""Kinds in further styles: one coordinate system, bodies of one product, subassemblies of what is bought."""

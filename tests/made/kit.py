@@ -2,12 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import cos, pi, sin
 from random import Random
 from typing import Any
 
 import numpy as np
 
 from robot_library.moments import Array, pose, turn
+from robot_library.step_file import moved
 from stepbot.geometry.spatial import Pose
 from stepbot.step.assembly import Assembly
 from tests.assembled import Node, assembled
@@ -39,6 +41,18 @@ _WORDS: dict[str, tuple[str, str, str, str]] = {
     "pulley": ("pulley", "Riemenscheibe", "带轮", "polea"),
     "leg": ("leg", "Bein", "腿", "pata"),
     "crank": ("crank", "Kurbel", "曲柄", "manivela"),
+    "body": ("chassis", "Rumpf", "机身", "cuerpo"),
+    "fork": ("fork", "Gabel", "叉", "horquilla"),
+    "flange": ("flange", "Flansch", "法兰", "brida"),
+    "gearbox": ("CSF-17 unit", "Getriebe HFUS", "谐波减速器", "reductor"),
+    "drawer": ("drawer", "Schublade", "抽屉", "cajon"),
+    "cabinet": ("cabinet", "Korpus", "柜体", "mueble"),
+    "ball": ("stud", "Bolzen", "球头", "rotula"),
+    "spindle": ("lead screw", "Spindel", "丝杠", "husillo"),
+    "cylinder": ("hydraulic cylinder", "Zylinder", "液压缸", "cilindro"),
+    "rod": ("piston rod", "Kolbenstange", "活塞杆", "vastago"),
+    "leaf": ("hinge leaf", "Lappen", "合页", "hoja"),
+    "ring": ("slewing ring", "Drehkranz", "转盘轴承", "corona"),
 }
 SCREWS = "_screws"
 """The link of what may be anywhere."""
@@ -60,6 +74,8 @@ class Kit:
     """One assembly while it is drawn [mm]."""
 
     rng: Random
+    is_varied: bool = False
+    """Whether it has the further styles: everything in one coordinate system, several bodies in one product, units."""
     joints: list[Truth] = field(default_factory=list)
     root: str = "base"
 
@@ -72,8 +88,18 @@ class Kit:
         self.whole = pose((self.rng.uniform(-300, 300), self.rng.uniform(-300, 300), 0.0))
         if self.rng.random() < 0.5:
             self.whole = self.whole @ pose(rotation=turn("z", self.rng.uniform(-3, 3)))
+        self.gap, self.is_baked, self.has_bodies, self.has_units = 0.0, False, False, False
+        """Play along axes, and whether all is drawn in one coordinate system, the parts of a link are bodies of one
+        product, and the pieces of what is bought are in one subassembly."""
+        if self.is_varied:
+            self.clearance, self.gap = (
+                self.rng.choice((0.0, 0.05, 0.1, 0.2, 0.3)),
+                self.rng.choice((0, 0, 0.05, 0.2, 0.5)),
+            )
+            self.is_baked, self.has_bodies = self.rng.random() < 0.25, self.rng.random() < 0.2
+            self.has_units = self.rng.random() < 0.4
         self._nodes: dict[str, list[Node]] = {}
-        self._links: dict[str, list[str]] = {}
+        self._units: dict[str, list[tuple[str, Node]]] = {}
         self._count: dict[str, int] = {}
 
     def name(self, word: str) -> str:
@@ -85,13 +111,17 @@ class Kit:
         number = self._count[text] = self._count.get(text, 0) + 1
         return text if number == 1 else f"{text} {number}"
 
-    def add(self, link: str, word: str, solid: Solid, X: Array | None = None) -> None:
-        """Add a part of a link at a pose (4, 4)."""
+    def add(self, link: str, word: str, solid: Solid, X: Array | None = None, unit: str = "") -> None:
+        """Add a part of a link at a pose (4, 4); pieces of one ``unit`` may be in one subassembly."""
         placed = self.whole @ (np.eye(4) if X is None else X)
+        shape = moved(solid.shape, placed) if self.is_baked else solid.shape
+        placed = np.eye(4) if self.is_baked else placed
         placed[:3, 3] *= 1e-3
-        name = self.name(word)
-        self._nodes.setdefault(link, []).append(Node(name, solid.shape, X=Pose.from_matrix(placed)))
-        self._links.setdefault(link, []).append(name)
+        node = Node(self.name(word), shape, X=Pose.from_matrix(placed))
+        if unit and self.has_units:
+            self._units.setdefault(unit, []).append((link, node))
+        else:
+            self._nodes.setdefault(link, []).append(node)
 
     def joint(self, kind: str, a: str, b: str, point: Any, direction: Any) -> None:
         """Note a joint with a line [mm] in the frame of the drawing."""
@@ -108,10 +138,14 @@ class Kit:
         """The assembly, and the link of each path."""
         nodes: list[Node] = []
         link_of: dict[str, str] = {}
+        for unit, pieces in self._units.items():
+            group = f"Asm {len(nodes)}" if self.language < 0 else unit
+            nodes.append(Node(group, children=tuple(piece for _, piece in pieces)))
+            link_of.update({f"{group}/{piece.name}": link for link, piece in pieces})
         for link, parts in self._nodes.items():
-            if self.nested and link != SCREWS and len(parts) > 1:
+            if (self.nested or self.has_bodies) and link != SCREWS and len(parts) > 1:
                 group = f"Asm {len(nodes)}" if self.language < 0 else f"{link} assembly"
-                nodes.append(Node(group, children=tuple(parts)))
+                nodes.append(Node(group, children=tuple(parts), has_bodies=self.has_bodies))
                 link_of.update({f"{group}/{part.name}": link for part in parts})
             else:
                 nodes += parts
@@ -138,3 +172,26 @@ def at(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Array:
 def rot(axis: str, angle: float) -> Array:
     """A rotation."""
     return pose(rotation=turn(axis, angle))
+
+
+TO_X, TO_Y = rot("y", pi / 2), rot("x", -pi / 2)
+"""Turn z to x, and z to y."""
+
+
+def circle(count: int, radius: float, size: float) -> list[tuple[float, float, float]]:
+    """Holes in a circle: x, y, radius of each."""
+    return [(radius * cos(a), radius * sin(a), size) for a in np.linspace(0, 2 * pi, count, endpoint=False).tolist()]
+
+
+def across(radius: float, width: float, x: float = 0.0, z: float = 0.0) -> Solid:
+    """A cylinder along y, centred there."""
+    return cylinder(radius, width).at(0, 0, -width / 2).moved(at(x, 0, z) @ TO_Y)
+
+
+def bolt(kit: Kit, T: Array, radius: float, length: float) -> None:
+    """A screw along y of a pose, with a nut."""
+    start = T @ at(0, -length / 2, 0) @ TO_Y
+    kit.screw(start, radius, length)
+    if kit.fasteners:
+        nut = cylinder(2 * radius, 1.5 * radius) - cylinder(radius, 1.5 * radius)
+        kit.add(SCREWS, "nut", nut, start)

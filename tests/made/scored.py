@@ -11,7 +11,7 @@ from stepbot.draft.inference import Inferred, infer_mechanism
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
 
-from .kinds import KINDS
+from .kinds import KINDS, VARIED
 from .kit import SCREWS, Kit, Truth
 
 _DISTANCE, _ANGLE = 4e-4, 0.02
@@ -50,7 +50,7 @@ class Result:
 
 def drawn(kind: str, seed: int) -> Kit:
     """A mechanism of a kind."""
-    kit = Kit(Random(f"{kind} {seed}"))
+    kit = Kit(Random(f"{kind} {seed}"), is_varied=kind in VARIED)
     KINDS[kind](kit)
     return kit
 
@@ -118,7 +118,9 @@ def _match(
 
 
 def _on(axis: Axis, kind: str, joint: Truth) -> bool:
-    if axis.direction is None or not Axis(joint.point, joint.direction).is_along(axis.d, _ANGLE):
+    if axis.direction is None:
+        return kind == joint.kind == "ball" and float(np.linalg.norm(axis.point - joint.point)) < _DISTANCE
+    if not Axis(joint.point, joint.direction).is_along(axis.d, _ANGLE):
         return False
     slides = kind == joint.kind == "prismatic"
     return slides or float(np.linalg.norm(np.cross(axis.point - joint.point, joint.direction))) < _DISTANCE

@@ -168,6 +168,11 @@ class DraftConnection:
     """Why the faces on its axis are weak evidence, as `check` reports it (SB407); empty if they are strong."""
 
     @property
+    def written(self) -> JointKind:
+        """The type that the sidecar states: below the score for drafting, its type is a guess in a comment."""
+        return self.type if self.confidence.is_chosen else JointKind.FIXED
+
+    @property
     def is_reviewed(self) -> bool:
         """Whether its line has a REVIEW mark."""
         return self.is_open or bool(self.doubt)

@@ -26,6 +26,7 @@ from stepbot.draft.draft import (
 from stepbot.draft.evidence.evidence import JointEvidence
 from stepbot.draft.evidence.gears import Mesh, mesh_between, meshes
 from stepbot.draft.evidence.motor_models import models
+from stepbot.draft.evidence.wheels import is_wheel, wheels
 from stepbot.draft.inference import Inferred, infer_from
 from stepbot.draft.link_claims import LinkClaims
 from stepbot.draft.mechanism.loops import TreeJoint
@@ -33,7 +34,6 @@ from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
 from stepbot.draft.text.draft_names import readable_name
 from stepbot.geometry.spatial import ZERO3, Array, Vector3, perpendicular_frame, rpy_from_rotation, vector3
-from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import Base, JointKind, Mimic
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.axes import AxisFaces, AxisLine, axis_faces, is_parallel, lines, mates, selectors
@@ -125,8 +125,8 @@ def _numbers(point: Array, R: Array) -> OriginSnippet:
 _OFFERED = 0.3
 """Score from which an undrafted axis is offered as a comment."""
 _KNOWN_LINK, _GUESSED_LINK = 0.9, 0.6
-_OF_WHEEL, _ROUGHLY = 0.2, 3.0
-"""Share of a link's volume from which a part named a wheel makes it one, and how far a tread may be from symmetric."""
+_ROUGHLY = 3.0
+"""How far a screw may be from turned, in tolerances of a turned part."""
 _SCREW = 2e-3
 """Share of the volume below which a part that turns about its own axis of symmetry is taken for a fastener."""
 _TURNING = (JointKind.REVOLUTE, JointKind.CONTINUOUS)
@@ -162,6 +162,7 @@ class _Drafting:
         self._origins = Origins(assembly)
         self._link_of = {i: n for n, members in enumerate(found.links) for i in members}
         self._claims = LinkClaims(assembly, found.links, found.root)
+        self._wheels = wheels(found.survey)
         self._drawn: list[str] = []
         self._names = self._link_names()
 
@@ -196,15 +197,10 @@ class _Drafting:
         return sum(arc.parent == self._found.root and self._is_wheel(arc) for arc in tree) > 1
 
     def _is_wheel(self, arc: TreeJoint) -> bool:
-        """Whether a joint turns a body named a wheel about its axis of symmetry."""
+        """Whether a joint turns a wheel, by its name or its shape, about its axis of symmetry."""
         if arc.evidence.type != JointKind.REVOLUTE or arc.evidence.score < CHOSEN:
             return False
-        parts = [self._found.survey.parts[i] for i in self._found.links[arc.child]]
-        least = _OF_WHEEL * exact_sum(part.volume for part in parts)
-        return any(
-            Role.WHEEL in part.roles and part.volume >= least and part.is_balanced(arc.evidence.axis, _ROUGHLY)
-            for part in parts
-        )
+        return is_wheel(self._found.survey, self._wheels, self._found.links[arc.child], arc.evidence.axis)
 
     def _fused(self, h: JointEvidence) -> Alternative:
         """A joint within a link, with the part that it would free and what holds that part."""

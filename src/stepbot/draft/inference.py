@@ -4,9 +4,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from stepbot.draft.answers import NO_FACTS, Facts, fact_evidence
+from stepbot.draft.contacts.relations import Via
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.draft import CHOSEN
-from stepbot.draft.evidence.bearings import bearing_evidence
+from stepbot.draft.evidence.bearings import bearing_evidence, ring_evidence
 from stepbot.draft.evidence.captured import captured_evidence
 from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvidence, Verdict, Weld
 from stepbot.draft.evidence.fingers import finger_evidence
@@ -20,7 +21,8 @@ from stepbot.draft.evidence.pairs import PairEvidence, several_axes
 from stepbot.draft.evidence.repetition import repeated_joints
 from stepbot.draft.evidence.rollers import roller_evidence
 from stepbot.draft.evidence.subassemblies import Structure, body_welds
-from stepbot.draft.evidence.twins import twin_evidence
+from stepbot.draft.evidence.twins import column_evidence, twin_evidence
+from stepbot.draft.evidence.wheels import wheel_evidence
 from stepbot.draft.mechanism import locked
 from stepbot.draft.mechanism.decide import Decision, adopt, decide
 from stepbot.draft.mechanism.gaps import tie_by_seams
@@ -103,16 +105,19 @@ def _infer(
     motor_evidence(survey, motors, evidence)
     knuckle_evidence(survey, evidence)
     twin_evidence(survey, evidence)
+    column_evidence(survey, evidence)
     linkage_evidence(survey, motors, evidence)
     structure = Structure(survey, evidence.mechanisms)
     structure.welds(evidence)
     PairEvidence(survey, structure, evidence).collect(motors)
     cross_evidence(survey, structure, evidence)
     bearing_evidence(survey, evidence)
+    ring_evidence(survey, evidence)
     guide_evidence(survey, evidence)
     captured_evidence(survey, motors, structure, evidence)
     finger_evidence(survey, evidence)
     gear_evidence(survey, evidence)
+    wheel_evidence(survey, motors, evidence)
     roller_evidence(survey, evidence)
     several_axes(structure, evidence)
     for hinge in repeats:
@@ -145,8 +150,11 @@ def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: 
     used = {id(arc.evidence) for arc in arcs}
     offered = [h for h in mechanism.offered if id(h) not in used]
     for arc in arcs:
-        if arc.evidence.score < CHOSEN:
-            arc.evidence.review = arc.evidence.review or ONLY_CONNECTION
+        h = arc.evidence
+        if h.score < CHOSEN:
+            h.review = h.review or ONLY_CONNECTION
+            # Sides that end beside each other about one axis turn; a face on a face may be a foot.
+            h.score = CHOSEN if h.relation is not None and h.relation.via == Via.SEAM else h.score
     links = list(groups.values())
     welds = [weld for weld in made.evidence.welds if weld.verdict is Verdict.TAKEN]
     return Inferred(made.survey, links, number[made.clusters.find(root)], arcs, offered, motors, made.guesses, welds)

@@ -154,10 +154,11 @@ def test_fingers_slide_towards_each_other() -> None:
 
 
 def test_two_wheels_make_a_floating_base() -> None:
-    """Wheels turn without limits, and nothing fixes a base that stands on them; other round links keep limits."""
-    hub = box(10, 60, 10) + cylinder(4, 120).at(0, 0, -60)
+    """Wheels, by name or since all stands on them, turn without limits, and their base floats; other links do not."""
     tyre = cylinder(30, 12) - cylinder(4.05, 12)
-    for name, kind, base in (("wheel", JointKind.CONTINUOUS, Base.FLOATING), ("disc", JointKind.REVOLUTE, Base.FIXED)):
+    rolls, stays = (JointKind.CONTINUOUS, Base.FLOATING), (JointKind.REVOLUTE, Base.FIXED)
+    for name, width, (kind, base) in (("wheel", 80, rolls), ("disc", 50, rolls), ("disc", 80, stays)):
+        hub = box(width, width, 10) + cylinder(4, 120).at(0, 0, -60)
         nodes = [group("chassis", part("plate", hub)), group("a", part(f"{name} left", tyre, z=45))]
         draft = infer(assembled(*nodes, group("b", part(f"{name} right", tyre, z=-57))), "cart")
         assert [joint.type for joint in draft.joints] == [kind, kind]

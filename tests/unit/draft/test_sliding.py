@@ -28,6 +28,8 @@ def test_rod_between_two_balls_gets_one_universal_joint() -> None:
     """The end nearer to the root becomes universal, with both axes across the rod."""
     near, far = joint(JointKind.BALL, 0, 1), joint(JointKind.BALL, 1, 2, x=0.3)
     stop_spinning_rods([near, far], 0)
+    assert near.evidence.type == JointKind.BALL, "a ball in a chain, as in a neck, is a ball"
+    stop_spinning_rods([near, far, joint(JointKind.REVOLUTE, 0, 2, direction=np.array([0.0, 0.0, 1.0]))], 0)
     assert (near.evidence.type, far.evidence.type) == (JointKind.UNIVERSAL, JointKind.BALL)
     assert near.evidence.axis2 is not None
     assert near.evidence.axis.d @ X == pytest.approx(0.0)

@@ -124,7 +124,9 @@ def round_share(patches: Sequence[Patch], axis: Axis) -> float:
         radii = axis.distances(ring)
         chords = np.linalg.norm(np.diff(ring, axis=0), axis=1)
         even = np.abs(np.diff(radii)) < _CIRCLE
-        arcs = even & (radii[1:] > _SMALLEST_ARC) & (chords < _LONGEST_CHORD * radii[1:])
+        even &= (radii[1:] > _SMALLEST_ARC) & (chords < _LONGEST_CHORD * radii[1:])
+        # A lone chord is an edge across from the axis.
+        arcs = even & (np.roll(even, 1) | np.roll(even, -1))
         total += float(chords.sum())
         about += float(chords[arcs].sum())
     return about / total if total else 0.0

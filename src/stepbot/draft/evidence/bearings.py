@@ -5,9 +5,15 @@ from dataclasses import dataclass
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
+from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import Part
 from stepbot.robot.model import JointKind
+
+_RINGS = 0.93
+"""Score of two rings that are each bolted to another part: above that of a bearing in its seat."""
+_BOLTS, _SAME_AXIS = 3, 5e-5
+"""Fewest holes in a circle; distance [m] up to which its axis is that of the rings."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,10 +33,30 @@ def bearing_evidence(survey: Survey, found: Evidence) -> None:
             _say(survey, i, found)
 
 
+def ring_evidence(survey: Survey, found: Evidence) -> None:
+    """Two rings in each other, of which each is bolted to another part about their axis, turn: a slewing ring."""
+    for (a, b), r in survey.pairs():
+        if r.via == Via.PIN and r.axis is not None and _are_bolted(survey, a, _Seat(b, r, r.length)):
+            why = "rings in each other, each bolted to another part"
+            found.joint(JointEvidence(_RINGS, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True))
+
+
+def _are_bolted(survey: Survey, part: int, seat: _Seat) -> bool:
+    """Whether of two parts, one in the other, each has a circle of holes about their axis with a part of its own."""
+    one, two = (_bolted_to(survey, i, seat.relation.turns) for i in (part, seat.part))
+    return bool(one - two - {seat.part}) and bool(two - one - {part})
+
+
+def _bolted_to(survey: Survey, i: int, axis: Axis | None) -> set[int]:
+    """The parts with a circle of bolts about an axis in common with a part."""
+    rings = [(other, r.turns) for other, r in survey.around(i) if r.via == Via.RING and r.ring >= _BOLTS]
+    return {other for other, about in rings if axis and about and about.same(axis, _SAME_AXIS)}
+
+
 def _say(survey: Survey, bearing: int, found: Evidence) -> None:
     inner, outer = _seats(survey, bearing)
     held = next((seat for seat in outer if seat.part not in survey.small), None)
-    if held is None:
+    if held is None or _are_bolted(survey, bearing, held):
         return
     found.weld(0.93, bearing, held.part, "bearing in its seat")
     turning = [x for x in _turning(survey, bearing, held, inner) if x != held.part]

@@ -5,14 +5,15 @@ from dataclasses import dataclass
 from itertools import combinations
 
 from stepbot.draft.contacts.survey import Survey
-from stepbot.draft.evidence.evidence import Evidence, JointEvidence
+from stepbot.draft.evidence.evidence import Apart, Evidence, JointEvidence
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role, is_belt
 from stepbot.draft.parts.parts import box_gap
 from stepbot.robot.model import JointKind
 
 _REVIEW = "a gear that meshes with another one; no shaft is drawn"
-_SCORE = 0.7
+_SCORE, _APART = 0.7, 0.8
+"""Scores of a joint of a gear, and of the fact that two gears that mesh are not one."""
 _BEYOND = 6e-3
 """Gap [m] along its axis from a gear to a round face, up to which an undrawn shaft may be in both."""
 _MESHED = 0.8
@@ -89,7 +90,11 @@ def _gears(survey: Survey) -> Iterator[Gear]:
 def gear_evidence(survey: Survey, found: Evidence) -> None:
     """Add a joint for each gear that meshes and has no shaft: on the part with a round face on its line nearby."""
     held = {i for h in found.joints for i in (h.a, h.b) if h.drives}
-    for gear in {mesh.part: mesh for pair in meshes(survey) for mesh in (pair.one, pair.two)}.values():
+    found_meshes = meshes(survey)
+    for mesh in found_meshes:
+        a, b = sorted((mesh.one.part, mesh.two.part))
+        found.apart.append(Apart(_APART, a, b))
+    for gear in {gear.part: gear for mesh in found_meshes for gear in (mesh.one, mesh.two)}.values():
         on_axis = any(r.turns is not None and r.turns.same(gear.axis) for r in survey.near.get(gear.part, ()))
         host = None if on_axis or gear.part in held else _host(survey, gear)
         if host is not None:

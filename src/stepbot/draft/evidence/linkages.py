@@ -8,17 +8,17 @@ those that cannot are no joints.
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 
 import numpy as np
 
-from stepbot.draft.contacts.contacts import CoaxialLine, FitKind, Pair
 from stepbot.draft.contacts.freedom import FreedomKind
-from stepbot.draft.contacts.relations import Relation, merged
+from stepbot.draft.contacts.relations import Relation, Via, merged
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Apart, Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
+from stepbot.draft.evidence.pivots import Pivot, find_pivots, held_by_faces
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
@@ -38,8 +38,6 @@ _APART = 0.785
 """Score from which bodies that move in a loop are kept apart."""
 _CHAIN = 3
 """Number of joints from which connected ones are a linkage."""
-_AXLE = 0.05
-"""Share of the assembly's volume up to which a turned part on a line is its pin, spacer or bearing."""
 _AXLE_HELD = 0.78
 """Score of the weld that keeps a pin on one side of its joint."""
 _TAG_OF_HOST = 0.05
@@ -53,19 +51,9 @@ _MOST = 150
 _NULL = 1e-4
 _METRES = 10.0
 """Twists are in decimetres, so that rotations and translations have similar magnitudes."""
+_GUIDED = 3.0
+"""Engaged length of a shaft in radii, from which it may slide in a loop that could not move otherwise."""
 _TURNS = (FreedomKind.REVOLUTE, FreedomKind.CYLINDRICAL)
-
-
-@dataclass(frozen=True, eq=False)
-class _Pivot:
-    """Parts that are held on one line, in their order along it."""
-
-    axis: Axis
-    hosts: tuple[int, ...]
-    axles: tuple[int, ...] = ()
-    """Pins, spacers and bearings on the line."""
-    turns: bool = True
-    """Whether they are fitted on the line; a seal between two faces only holds them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,58 +71,13 @@ class _Hinge:
 
 def linkage_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
     """Add the joints of all linkages."""
-    fitted: dict[int, list[Pair]] = defaultdict(list)
-    for pair, fits in survey.contacts.fits.items():
-        for fit in fits:
-            if fit.kind != FitKind.FLUSH and fit.full:
-                fitted[id(fit.axis.direction)].append(pair)  # which all fits on a line share
-    pivots = [
-        pivot
-        for line in survey.contacts.lines
-        for pivot in _pivots(survey, line, fitted.get(id(line.axis.direction), ()))
-    ]
+    pivots = find_pivots(survey)
     if pivots:
-        _Linkages(survey, motors, found, [*pivots, *_held_by_faces(survey)]).add()
-
-
-def _pivots(survey: Survey, line: CoaxialLine, fitted: Sequence[Pair]) -> Iterator[_Pivot]:
-    """The groups of parts that are fitted on each other on a line, by the pairs of them."""
-    touching = Clusters(sorted({i for pair in fitted for i in pair}))
-    for a, b in fitted:
-        touching.join(a, b)
-    for members in touching.groups().values():
-        hosts = [i for i in members if not _is_axle(survey, i, line.axis)]
-        if len(hosts) >= 2:
-            middle = {i: min(f.low for f in line.faces[i]) + max(f.high for f in line.faces[i]) for i in hosts}
-            ordered = sorted(hosts, key=lambda i: (round(middle[i], 6), i))
-            at = 0.25 * (middle[ordered[0]] + middle[ordered[-1]])
-            axles = tuple(i for i in members if i not in hosts)
-            yield _Pivot(Axis(line.axis.point + line.axis.d * at, line.axis.d), tuple(ordered), axles)
-
-
-def _held_by_faces(survey: Survey) -> Iterator[_Pivot]:
-    """Parts that a disk or seal between them, which is on no pin itself, touches about one axis."""
-    for i in survey.parts:
-        if any(r.fits for r in survey.near.get(i, ())):
-            continue
-        about = [(other, r.turns) for other, r in survey.around(i) if r.turns is not None]
-        for n, (a, axis) in enumerate(about):
-            yield from (_Pivot(axis, (a, b), turns=False) for b, other in about[n + 1 :] if axis.same(other))
-
-
-def _is_axle(survey: Survey, i: int, axis: Axis) -> bool:
-    """Whether a part is a pin, a screw, a washer or a bearing on a line, and not what turns on it."""
-    part = survey.parts[i]
-    if i in survey.small or Role.BEARING in part.roles:
-        return True
-    fits = (fit for r in survey.near.get(i, ()) for fit in r.fits if fit.kind != FitKind.FLUSH and fit.full)
-    if any(not fit.axis.same(axis) for fit in fits):
-        return False  # what something else is held on is no pin
-    return 0.0 < part.volume < _AXLE * survey.volume and part.is_balanced(axis)
+        _Linkages(survey, motors, found, [*pivots, *held_by_faces(survey)]).add()
 
 
 class _Linkages:
-    def __init__(self, survey: Survey, motors: Sequence[Motor], found: Evidence, pivots: Sequence[_Pivot]) -> None:
+    def __init__(self, survey: Survey, motors: Sequence[Motor], found: Evidence, pivots: Sequence[Pivot]) -> None:
         self._survey, self._found, self._pivots = survey, found, pivots
         self._in_motor = {i for motor in motors for i in motor.parts}
         larger = [i for i in survey.parts if i not in survey.small]
@@ -151,6 +94,11 @@ class _Linkages:
         for group in self._connected(hinges):
             tree = [h for h in group if not h.is_extra]
             turning, looped = self._turning(tree)
+            pistons = [replace(h, slides=True) if self._is_piston(h) else h for h in tree]
+            if len(turning) < len(tree) and any(h.slides for h in pistons):
+                freed = self._turning(pistons)
+                if len(freed[0]) > len(turning):
+                    tree, (turning, looped) = pistons, freed
             for n, h in enumerate(tree):
                 if h.slides and n not in turning & looped:
                     continue
@@ -162,6 +110,12 @@ class _Linkages:
                 if h.is_extra and any(tree[n].axis.same(h.axis) for n in turning):
                     self._joint(h, len(turning), is_looped=False)
             self._keep_axles([tree[n].axis for n in turning if not tree[n].slides])
+
+    def _is_piston(self, h: _Hinge) -> bool:
+        """Whether one side is a long shaft in the other, free along it: what locks a loop if it only turns."""
+        r = self._survey.relation(h.a, h.b)
+        is_free = r is not None and r.via == Via.PIN and r.freedom.kind == FreedomKind.CYLINDRICAL
+        return is_free and r is not None and r.length > _GUIDED * r.radius
 
     def _keep_axles(self, axes: Sequence[Axis]) -> None:
         """Weld each pin of a joint to the part that it fits most tightly: it is no link that turns in both."""

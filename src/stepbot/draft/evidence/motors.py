@@ -7,13 +7,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepbot.draft.contacts.relations import Via
+from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.roles import spoken_names
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, roles
 from stepbot.draft.parts.parts import largest
+from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.step.assembly import Component
 
 _LARGEST = 0.6
@@ -38,6 +39,11 @@ _JOURNAL = 0.1
 """Radius of a journal, as a share of the size of a part, from which it is a bearing block and no motor with a screw."""
 _AS_WIDE = 0.95
 """Ratio of radii from which two axes of a part are used alike."""
+_PIN, _RIM = 4.0, 0.45
+"""Width in radii of its fit, up to which what turns in a part is a pin; share of a part's width, from which the radius
+of what is around it is that of a tyre or a clamp.
+"""
+_ABOUT = (Via.RING, Via.FACE, Via.PIN)
 
 
 @dataclass(eq=False)
@@ -202,6 +208,19 @@ def _fill(survey: Survey, part: int) -> float:
     return survey.parts[part].volume / max(float(np.prod(extent)), 1e-18)
 
 
+def _is_worn(survey: Survey, case: int, other: int, r: Relation) -> bool:
+    """Whether a fit is that of a pin in a bar, or of a tyre on its rim: the output of neither."""
+    if r.via != Via.PIN or r.axis is None:
+        return False
+    across = perpendicular_frame(r.axis.d)[:, 0]
+    widths = {k: float(np.ptp(survey.scene.span(k, across))) for k in (case, other)}
+    is_turned = survey.parts[other].is_balanced(r.axis)
+    return any(
+        is_turned and widths[other] < _PIN * fit.radius if fit.shaft == other else fit.radius > _RIM * widths[case]
+        for fit in r.shafts
+    )
+
+
 def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
     """Whether most members turn something about one axis of their definition, and are held off it."""
     votes: list[_Vote] = []
@@ -211,12 +230,13 @@ def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
         others = [
             (other, r) for other, r in survey.around(i) if survey.parts[other].definition != survey.parts[i].definition
         ]
-        on = [r for _, r in others if r.via in (Via.RING, Via.FACE, Via.PIN) and r.axis is not None]
+        about = [(other, r) for other, r in others if r.via in _ABOUT and r.axis is not None]
         least = _JOURNAL * survey.parts[i].size
-        if any(fit.shaft != i and fit.radius > least for r in on for fit in r.journals):
+        if any(fit.shaft != i and fit.radius > least for _, r in about for fit in r.journals):
             return False  # a shaft runs in it: a bearing block
         if any(fit.shaft == other and survey.parts[other].volume > volume for other, r in others for fit in r.shafts):
             return False  # what is in it is heavier: a clamp around a motor
+        on = [r for other, r in about if not _is_worn(survey, i, other, r)]
         off = any(r.turns is None and (r.is_rigid or r.patches) for _, r in others)
         held += off and bool(on)
         for r in on:

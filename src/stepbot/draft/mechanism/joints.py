@@ -12,6 +12,8 @@ from math import hypot
 import numpy as np
 
 from stepbot.draft.contacts.freedom import FreedomKind
+from stepbot.draft.contacts.relations import Via
+from stepbot.draft.draft import SURE
 from stepbot.draft.evidence.evidence import JointEvidence, Priority, Verdict
 from stepbot.draft.evidence.subassemblies import Structure
 from stepbot.draft.mechanism.decide import Decision
@@ -71,16 +73,18 @@ class Mechanism:
         self.joints: list[Joint] = []
         self.offered: list[JointEvidence] = []
         self._volumes: dict[tuple[int, int], float] = {}
-        self._gather()
+        while self._gather():
+            pass
         self._drop_repeated()
-        while self._drop_spinner():
+        while self._drop_spinner() or self._unite_locked():
             pass
         while self._unite_two_sides():
             pass
 
-    def _gather(self) -> None:
-        """One joint per pair of clusters: the strongest."""
+    def _gather(self) -> bool:
+        """One joint per pair of clusters: the strongest; True if lines apart were found to lock a pair, now one."""
         taken: dict[tuple[int, int], Joint] = {}
+        self.offered = []
         for h in sorted(self._made.evidence.joints, key=lambda h: (-round(h.score, 6), h.a, h.b)):
             if h.a not in self._clusters or h.b not in self._clusters:
                 continue
@@ -94,10 +98,24 @@ class Mechanism:
                 first = taken[a, b].evidence
                 first.drives = first.drives or h.drives
                 first.motor = first.motor or h.motor
+            elif _is_plain(h) and _is_plain(taken[a, b].evidence):
+                # Shafts in bores on two lines hold each other.
+                self._clusters.allow(a, b)
+                return self._clusters.join(a, b)
             else:
                 h.review = "a second axis between two links"
                 self.offered.append(h)
         self.joints = list(taken.values())
+        return False
+
+    def _unite_locked(self) -> bool:
+        """Unite two bodies that shafts in bores on two lines lock, as pins that were united with either side show."""
+        plain = [j for j in self.joints if _is_plain(j.evidence)]
+        for n, j in enumerate(plain):
+            for k in plain[n + 1 :]:
+                if {j.a, j.b} == {k.a, k.b} and not j.axis.same(k.axis, _SAME_AXIS):
+                    return self._unite(k, k.a, k.b)
+        return False
 
     def _drop_repeated(self) -> None:
         """Leave out joints between bodies that others on the same line connect: three plates on a pin have two."""
@@ -265,6 +283,13 @@ class Mechanism:
         return any(Role.WHEEL in self._survey.parts[i].roles for i in self._clusters.members(root))
 
 
+def _is_plain(h: JointEvidence) -> bool:
+    """Whether a joint is that of a shaft in a bore, without a motor, a linkage or a bearing that says that it turns."""
+    is_pin = h.relation is not None and h.relation.via == Via.PIN
+    is_stronger = h.drives or h.by_role or h.of_linkage or h.priority != Priority.FOUND
+    return is_pin and h.type == JointKind.REVOLUTE and h.score < SURE and not is_stronger
+
+
 def _same_joint(one: JointEvidence, two: JointEvidence) -> bool:
     if one.type == two.type == JointKind.PRISMATIC:
         return are_parallel(one.axis.d, two.axis.d)
@@ -277,14 +302,14 @@ _SWIVELS = (JointKind.BALL, JointKind.UNIVERSAL)
 
 
 def stop_spinning_rods(joints: Sequence[Joint], root: int) -> None:
-    """Make one end of each rod between two ball joints a universal joint; each is to be reviewed."""
+    """Make one end of each rod of a loop between two ball joints a universal joint; each is to be reviewed."""
     of = _by_cluster(joints)
     depth = _depths(of, root)
     for rod in sorted(of):
         ends = of[rod]
         if rod == root or len(ends) != 2 or any(j.evidence.type != JointKind.BALL for j in ends):
             continue
-        if any(j.evidence.priority == Priority.STATED for j in ends):
+        if any(j.evidence.priority == Priority.STATED for j in ends) or not _is_in_loop(of, rod, ends):
             continue
         near, far = sorted(ends, key=lambda j: (depth.get(j.other(rod), len(of)), j.evidence.a, j.evidence.b))
         along = far.evidence.axis.point - near.evidence.axis.point
@@ -295,6 +320,12 @@ def stop_spinning_rods(joints: Sequence[Joint], root: int) -> None:
         h.type, h.axis2 = JointKind.UNIVERSAL, Axis(h.axis.point, across[:, 1])
         h.axis = Axis(h.axis.point, across[:, 0])
         h.review = "universal instead of ball, to keep the rod from spinning; could also be the other end"
+
+
+def _is_in_loop(of: dict[int, list[Joint]], rod: int, ends: Sequence[Joint]) -> bool:
+    """Whether both ends of a rod are connected without it: a ball in a chain, as in a neck, is a ball."""
+    rest = {root: [j for j in joints if j not in ends] for root, joints in of.items() if root != rod}
+    return ends[1].other(rod) in _depths(rest, ends[0].other(rod))
 
 
 def slide_in_struts(joints: Sequence[Joint]) -> None:

@@ -1,0 +1,96 @@
+"""Pivots: the lines that parts are held on, each with the pins, screws, washers and bearings on it."""
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from stepbot.draft.contacts.contacts import CoaxialLine, FitKind, Pair
+from stepbot.draft.contacts.shafts import HALF_ROUND
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.clusters import Clusters
+from stepbot.draft.parts.names import Role
+
+_AXLE = 0.05
+"""Share of the assembly's volume up to which a turned part on a line is its pin, spacer or bearing."""
+_HOLE, _WIDEST_HOLE = 0.17, 7e-3
+"""Clearance of the medium hole for a screw (ISO 273), as a share of its radius; the radius [m] of the widest."""
+
+
+@dataclass(frozen=True, eq=False)
+class Pivot:
+    """Parts that are held on one line, in their order along it."""
+
+    axis: Axis
+    hosts: tuple[int, ...]
+    axles: tuple[int, ...] = ()
+    """Pins, spacers and bearings on the line."""
+    turns: bool = True
+    """Whether they are fitted on the line; a seal between two faces only holds them."""
+
+
+def find_pivots(survey: Survey) -> list[Pivot]:
+    """The lines that two parts or more are fitted on, which pins and screws may join."""
+    fitted: dict[int, list[Pair]] = defaultdict(list)
+    for pair, fits in survey.contacts.fits.items():
+        for fit in fits:
+            if fit.kind != FitKind.FLUSH and fit.full:
+                fitted[id(fit.axis.direction)].append(pair)  # which all fits on a line share
+    return [
+        pivot
+        for line in survey.contacts.lines
+        for pivot in _pivots(survey, line, fitted.get(id(line.axis.direction)) or list(_loose_pins(survey, line)))
+    ]
+
+
+def _loose_pins(survey: Survey, line: CoaxialLine) -> Iterator[Pair]:
+    """Pairs of a pin and what it is in with the clearance of a bolt's hole, wider than that of a fit.
+
+    Screws have such holes where they clamp, too.
+    """
+    bores = [(f, i) for i, faces in line.faces.items() for f in faces if f.bore and not f.cone and f.span > HALF_ROUND]
+    pins = {
+        i: faces for i, faces in line.faces.items() if i not in survey.small and survey.parts[i].is_balanced(line.axis)
+    }
+    shafts = [(f, i) for i, faces in pins.items() for f in faces if not f.bore and not f.cone]
+    for bore, i in bores:
+        for shaft, j in shafts if bore.radius < _WIDEST_HOLE else ():
+            slack = (bore.radius - shaft.radius) / bore.radius
+            if i != j and 0.0 < slack < _HOLE and min(bore.high, shaft.high) - max(bore.low, shaft.low) > bore.radius:
+                yield min(i, j), max(i, j)
+
+
+def _pivots(survey: Survey, line: CoaxialLine, fitted: Sequence[Pair]) -> Iterator[Pivot]:
+    """The groups of parts that are fitted on each other on a line, by the pairs of them."""
+    touching = Clusters(sorted({i for pair in fitted for i in pair}))
+    for a, b in fitted:
+        touching.join(a, b)
+    for members in touching.groups().values():
+        hosts = [i for i in members if not _is_axle(survey, i, line.axis)]
+        if len(hosts) >= 2:
+            middle = {i: min(f.low for f in line.faces[i]) + max(f.high for f in line.faces[i]) for i in hosts}
+            ordered = sorted(hosts, key=lambda i: (round(middle[i], 6), i))
+            at = 0.25 * (middle[ordered[0]] + middle[ordered[-1]])
+            axles = tuple(i for i in members if i not in hosts)
+            yield Pivot(Axis(line.axis.point + line.axis.d * at, line.axis.d), tuple(ordered), axles)
+
+
+def held_by_faces(survey: Survey) -> Iterator[Pivot]:
+    """Parts that a disk or seal between them, which is on no pin itself, touches about one axis."""
+    for i in survey.parts:
+        if any(r.fits for r in survey.near.get(i, ())):
+            continue
+        about = [(other, r.turns) for other, r in survey.around(i) if r.turns is not None]
+        for n, (a, axis) in enumerate(about):
+            yield from (Pivot(axis, (a, b), turns=False) for b, other in about[n + 1 :] if axis.same(other))
+
+
+def _is_axle(survey: Survey, i: int, axis: Axis) -> bool:
+    """Whether a part is a pin, a screw, a washer or a bearing on a line, and not what turns on it."""
+    part = survey.parts[i]
+    if i in survey.small or Role.BEARING in part.roles:
+        return True
+    fits = (fit for r in survey.near.get(i, ()) for fit in r.fits if fit.kind != FitKind.FLUSH and fit.full)
+    if any(not fit.axis.same(axis) for fit in fits):
+        return False  # what something else is held on is no pin
+    return 0.0 < part.volume < _AXLE * survey.volume and part.is_balanced(axis)

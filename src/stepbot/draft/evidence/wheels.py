@@ -1,0 +1,133 @@
+"""Wheels: round bodies that an assembly stands on, by their shape, or that are named so; and what they turn in.
+
+Two equal turned bodies or more, whose axes are parallel to the ground and whose rims touch it, while all else is above,
+are wheels. A wheel on an axle, a bolt or a shaft touches its fork about that line alone: by itself such a line could be
+clamped, but a wheel turns.
+"""
+
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Sequence
+from itertools import product
+
+import numpy as np
+
+from stepbot.draft.contacts.freedom import FreedomKind
+from stepbot.draft.contacts.relations import Relation
+from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.evidence.evidence import Evidence, JointEvidence
+from stepbot.draft.evidence.motors import Motor
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.names import Role
+from stepbot.geometry.spatial import Array, perpendicular_frame
+from stepbot.robot.model import JointKind
+
+REVIEW = "a wheel that one line holds: it may be clamped"
+"""What to review of each such joint."""
+_SCORE = 0.79
+_TREAD = 3.0
+"""How far a tread may be from symmetric, in tolerances of a turned part."""
+_FLAT, _EQUAL = 0.01, 0.01
+"""Shares of the radius: how far a rim may be from the ground, and from the radius of another one."""
+_WIDEST = 3.0
+"""Width in radii up to which a round body is a wheel, not a roll or a shaft."""
+_SLIGHT = 0.02
+"""Share of the assembly's volume up to which what is on the ground beside wheels is a skid or a ball."""
+_ROLLERS = 4
+"""Number of wheels in several directions on one part, from which they are rollers around a hub."""
+_SHARE = 0.2
+"""Share of a link's volume from which a wheel in it makes it one."""
+_LEAST = 1e-3
+"""Share of the assembly's volume from which a round body may be a wheel."""
+
+
+def wheels(survey: Survey) -> dict[int, Axis]:
+    """The axes of all wheels, by name or by shape."""
+    found = dict(_by_shape(survey))
+    for i, part in survey.parts.items():
+        if Role.WHEEL in part.roles and i not in survey.small and i not in found:
+            axis = _turned_about(survey, i)
+            if axis is not None:
+                found[i] = axis
+    return found
+
+
+def is_wheel(survey: Survey, known: Collection[int], members: Sequence[int], axis: Axis) -> bool:
+    """Whether a considerable part of a link is a wheel that is turned about an axis."""
+    parts = [survey.parts[i] for i in members if survey.parts[i].volume >= _SHARE * survey.total_volume(members)]
+    return any(part.index in known and part.is_balanced(axis, _TREAD) for part in parts)
+
+
+def wheel_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
+    """Add a joint for each wheel that is held about its axis alone by what is not turned about it."""
+    driven = {h.b for h in found.joints if h.drives} | {i for motor in motors for i in motor.parts}
+    of, hinges = wheels(survey), defaultdict(list)
+    for i, axis in of.items():
+        for other, r in survey.around(i) if i not in driven else ():
+            part = survey.parts[other]
+            if other not in of and not part.is_balanced(axis, _TREAD) and _turns_about(r, axis):
+                a, b = sorted((i, other))
+                why = "a wheel on one line"
+                hinges[other].append(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, axis, why, r, review=REVIEW))
+    for on_host in hinges.values():
+        several = any(not h.axis.is_along(on_host[0].axis.d) for h in on_host)
+        for h in on_host:
+            h.of_roller = several and len(on_host) >= _ROLLERS
+            found.joint(h)
+
+
+def _turns_about(r: Relation, axis: Axis) -> bool:
+    """Whether all that holds two parts is fitted on a line, or faces that are normal to it."""
+    if not r.fits or not all(fit.axis.same(axis) for fit in r.fits):
+        return False
+    free = r.freedom
+    return free.kind in (FreedomKind.REVOLUTE, FreedomKind.CYLINDRICAL) and all(
+        axis.is_along(p.normal) for p in r.patches
+    )
+
+
+def _turned_about(survey: Survey, i: int) -> Axis | None:
+    """The axis of a part that is as wide as a wheel may be, about which it is turned."""
+    part = survey.parts[i]
+    for axis in survey.turned.get(i, ())[:3]:
+        if part.is_balanced(axis, _TREAD):
+            low, high = survey.scene.span(i, axis.d)
+            return axis if high - low < _WIDEST * _radius(survey, i, axis) else None
+    return None
+
+
+def _radius(survey: Survey, i: int, axis: Axis) -> float:
+    """Half of the width [m] of a part across an axis, the least of two directions."""
+    frame = perpendicular_frame(axis.d)
+    return 0.5 * min(high - low for low, high in (survey.scene.span(i, frame[:, k]) for k in (0, 1)))
+
+
+def _by_shape(survey: Survey) -> Iterator[tuple[int, Axis]]:
+    drawn = [i for i, part in survey.parts.items() if part.size and i not in survey.small]
+    if len(drawn) < 3:
+        return
+    round_ones = {
+        i: axis for i in drawn if survey.parts[i].volume > _LEAST * survey.volume and (axis := _turned_about(survey, i))
+    }
+    boxes = np.array([survey.parts[i].box for i in drawn])
+    for k, sign in product((2, 1, 0), (1, -1)):
+        heights = boxes[:, 0, k] if sign > 0 else -boxes[:, 1, k]
+        ground, up = float(heights.min()), sign * np.eye(3)[k]
+        rolling = [i for i in round_ones if _rolls(survey, i, round_ones[i], up, ground)]
+        radii = {i: _radius(survey, i, round_ones[i]) for i in rolling}
+        equal = [i for i in rolling if any(j != i and abs(radii[i] - radii[j]) < _EQUAL * radii[i] for j in rolling)]
+        if len(equal) < 2:
+            continue
+        near = _FLAT * max(radii[i] for i in equal)
+        others = [
+            i for i, height in zip(drawn, heights.tolist(), strict=True) if height < ground + near and i not in equal
+        ]
+        if survey.total_volume(others) <= _SLIGHT * survey.volume:
+            yield from ((i, round_ones[i]) for i in equal)
+            return
+
+
+def _rolls(survey: Survey, i: int, axis: Axis, up: Array, ground: float) -> bool:
+    """Whether the rim of a round body touches the ground, and its axis is parallel to it."""
+    radius = _radius(survey, i, axis)
+    height = float(axis.point @ up) - ground
+    return abs(float(axis.d @ up)) < _FLAT and abs(height - radius) < _FLAT * radius
