@@ -21,7 +21,7 @@ from stepbot.draft.evidence.pairs import PairEvidence, several_axes
 from stepbot.draft.evidence.repetition import repeated_joints
 from stepbot.draft.evidence.rollers import roller_evidence
 from stepbot.draft.evidence.subassemblies import Structure, body_welds
-from stepbot.draft.evidence.twins import column_evidence, twin_evidence
+from stepbot.draft.evidence.twins import twin_evidence
 from stepbot.draft.evidence.wheels import wheel_evidence
 from stepbot.draft.mechanism import locked
 from stepbot.draft.mechanism.decide import Decision, adopt, decide
@@ -105,7 +105,6 @@ def _infer(
     motor_evidence(survey, motors, evidence)
     knuckle_evidence(survey, evidence)
     twin_evidence(survey, evidence)
-    column_evidence(survey, evidence)
     linkage_evidence(survey, motors, evidence)
     structure = Structure(survey, evidence.mechanisms)
     structure.welds(evidence)

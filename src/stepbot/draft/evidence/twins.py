@@ -7,16 +7,11 @@ torso are drawn on the same lines, too; they are farther apart than twins, and n
 from collections import defaultdict
 from itertools import combinations
 
-import numpy as np
-
 from stepbot.draft.contacts.contacts import CoaxialLine, Pair
-from stepbot.draft.contacts.freedom import FreedomKind
-from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence
 from stepbot.draft.parts.axis import are_parallel
 from stepbot.draft.parts.names import Role
-from stepbot.geometry.spatial import perpendicular_frame
 
 _SCORE = 0.88
 _BESIDE, _OF_SIZE = 4.0, 0.5
@@ -25,10 +20,6 @@ _THIN, _PATTERN = 0.35, 0.2
 """Shares of the size: thickness of a bar; distance of two lines up to which they are of one pattern of bolts."""
 _GUIDED = 3.0
 """Length of a bore in radii, from which it may be a guide."""
-_COLUMN, _COLUMNS = 0.72, 3
-"""Score and fewest number of equal columns."""
-_ROUND, _LONG = 2.2, 3.0
-"""Width of a column in radii of its fit, and its length in widths."""
 _MOST = 24
 """Number of equal parts on a line above which they are chain links or laminations."""
 
@@ -48,33 +39,6 @@ def twin_evidence(survey: Survey, found: Evidence) -> None:
     for (a, b), shared in sorted(lines.items()):
         if len(shared) > 1 and _are_twins(survey, a, b, shared):
             found.weld(_SCORE, a, b, "equal bars on the same lines")
-
-
-def column_evidence(survey: Survey, found: Evidence) -> None:
-    """Weld equal round columns to the part that three of them or more end in, such as the legs of a table."""
-    columns: dict[tuple[int, float], list[Relation]] = defaultdict(list)
-    for (a, b), r in survey.pairs():
-        for i, host in ((a, b), (b, a)):
-            if r.via == Via.PIN and r.axis is not None and _is_column(survey, i, r):
-                columns[host, round(survey.parts[i].volume / survey.volume, 4)].append(r)
-    for relations in columns.values():
-        alike = [
-            r
-            for r in relations
-            if r.axis is not None and relations[0].axis is not None and r.axis.is_along(relations[0].axis.d)
-        ]
-        if len(alike) >= _COLUMNS:
-            for r in alike:
-                found.weld(_COLUMN, r.a, r.b, f"one of {len(alike)} equal columns")
-
-
-def _is_column(survey: Survey, i: int, r: Relation) -> bool:
-    """Whether a part is a long round bar or tube in a bore that is too short to guide it."""
-    fit, axis = max(r.shafts, key=lambda f: f.length), r.axis
-    if axis is None or fit.shaft != i or r.length > _GUIDED * r.radius or r.freedom.kind != FreedomKind.CYLINDRICAL:
-        return False
-    across, along = (float(np.ptp(survey.scene.span(i, d))) for d in (perpendicular_frame(axis.d)[:, 0], axis.d))
-    return survey.parts[i].is_balanced(axis) and across < _ROUND * r.radius and along > _LONG * across
 
 
 def _are_twins(survey: Survey, a: int, b: int, shared: list[CoaxialLine]) -> bool:
