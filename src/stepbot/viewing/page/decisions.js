@@ -1,8 +1,9 @@
 // What is left to decide, the most decisive first: each with its places on the robot, and the answers that settle it.
 
 import { edit } from "./changes.js";
-import { element } from "./dom.js";
+import { element, place } from "./dom.js";
 import { button } from "./form.js";
+import { ask } from "./live.js";
 import { app } from "./main.js";
 import { settingField } from "./settings.js";
 import { subject, valueAt } from "./written.js";
@@ -15,6 +16,7 @@ export function decisionsPanel() {
   const words = element("span.quiet");
   const list = element("ol");
   section.append(element("div.line.progress", {}, bar, words), list);
+  let entries = new Map();
   let most = 0; // decisions that were open at once
   state.listen((what) => {
     if (what !== "written") return;
@@ -22,7 +24,10 @@ export function decisionsPanel() {
     most = Math.max(most, open.length);
     Object.assign(bar, { max: Math.max(1, most), value: most ? most - open.length : 1 });
     words.textContent = open.length ? `${most - open.length} of ${most} decided` : "Nothing is left to decide.";
-    list.replaceChildren(...open.map(entry));
+    // An entry that stays keeps its node: it may have the focus, or a press of a button in it is not over.
+    const former = entries;
+    entries = new Map(open.map((one) => [JSON.stringify(one), one]).map(([key, one]) => [key, former.get(key) ?? entry(one)]));
+    place(list, [...entries.values()]);
   });
   return section;
 }
@@ -45,11 +50,17 @@ function entry(one) {
 
 const all = (one, question, words) => edit("all", { edits: one.keys.map(question) }, words);
 
+// The axis of a joint as it is: the line that it lies on is selected explicitly.
+async function confirmed([, joint]) {
+  const { radius, near } = (await ask("lines", { joint })).lines.find(({ chosen }) => chosen) ?? {};
+  return { action: "confirm", joint, radius, near };
+}
+
 function answers(one) {
   const many = one.keys.length > 1 ? `, all ${one.keys.length}` : "";
   if (one.kind === "axis") {
     return [
-      act("right", `right${many}`, () => all(one, ([, joint]) => ({ action: "confirm", joint }))),
+      act("right", `right${many}`, () => edit("all", async () => ({ edits: await Promise.all(one.keys.map(confirmed)) }))),
       one.keys[0][0] === "joints" ? act("merge", `it does not move${many}`, () => all(one, ([, joint]) => ({ action: "merge", joint }))) : null,
       act("other", "another axis or type", () => state.select(subject(one.keys[0]))),
     ];

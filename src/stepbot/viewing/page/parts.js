@@ -20,7 +20,7 @@ export function partsPanel(state) {
   } });
   section.append(search, body);
   state.listen((what) => {
-    if (what !== "motion") update();
+    if (["scene", "selection", "show"].includes(what)) update();
   });
   return section;
 }

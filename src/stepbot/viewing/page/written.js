@@ -11,9 +11,11 @@ let asked = 0;
 state.listen(async (what) => {
   if (what !== "scene") return;
   const mine = (asked += 1);
+  const { scene } = state;
   const found = await Promise.all([ask("written", {}), state.vocabulary ?? ask("vocabulary", {})]).catch(() => null); // with errors in the file the last good one stays
   if (!found || mine !== asked) return;
   [state.written, state.vocabulary] = found;
+  state.writtenOf = scene;
   state.tell("written");
 });
 
