@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+import click
+
 from .interrupts import interruptible
 from .limits import bounded
 from .terminal import wants_color
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
 
 NO_PROGRESS = "STEPBOT_NO_PROGRESS"
-"""Variable that, if set to anything, leaves out the lines in a log."""
+"""Variable that, if set to anything, leaves out the lines in a log, as `-q` does."""
 BETWEEN_LINES = 10.0
 """Seconds between two lines in a log, and before the first."""
 BAR_WIDTH = 20
@@ -110,7 +112,9 @@ def _lines() -> Iterator[Callable[[str], None]]:
             seconds = f"{time.monotonic() - start:.0f} s"
             print(f"stepbot: {', '.join(filter(None, (stage[0], seconds, how_far())))}", file=sys.stderr, flush=True)
 
-    if os.environ.get(NO_PROGRESS):
+    context = click.get_current_context(silent=True)
+    display = context.params.get("display") if context else None
+    if os.environ.get(NO_PROGRESS) or getattr(display, "quiet", False):
         yield begin
         return
     thread = threading.Thread(target=write, name="stepbot-progress", daemon=True)

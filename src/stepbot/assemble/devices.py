@@ -94,7 +94,7 @@ def build_mesh_formats(document: Document) -> MeshFormats:
 
 def build_versions(document: Document) -> FormatVersions:
     """The versions of formats to write."""
-    return FormatVersions(urdf=document.urdf.version)
+    return FormatVersions(urdf=document.urdf.version, mjcf=document.mjcf.version)
 
 
 def build_sensors(binder: Binder, frames: Frames) -> tuple[Sensor, ...] | None:

@@ -61,10 +61,12 @@ class MeshFormats:
 
 @dataclass(frozen=True)
 class FormatVersions:
-    """The versions of formats to write; each default is what all readers of the format read."""
+    """The versions of formats to write; each default is what today's readers of the format read."""
 
     urdf: float = 1.0
     """1.1 has quaternions and capsules, 1.2 also limits of acceleration and jerk."""
+    mjcf: float = 3.7
+    """The oldest MuJoCo that reads it: 3.3 has no contact sensors, intervals of sensors and damping of actuators."""
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from .contact import Contact
 from .devices import ActuatorSection, FrameSection, SensorSection
 from .expected import ExpectSection
 from .ignored import IgnoredFinding, IgnoredFindings
-from .metadata import Line, MetadataSection, UrdfSection
+from .metadata import Line, MetadataSection, MjcfSection, UrdfSection
 from .modules import ModuleSection
 from .motion import DynamicsSection, JointLimits, LimitsSection, MimicSection
 from .motor_sections import Motors
@@ -288,6 +288,8 @@ class Document(Section):
     """Tolerance, triangle budget and format of the written meshes."""
     urdf: UrdfSection = UrdfSection()
     """Settings of the written URDF."""
+    mjcf: MjcfSection = MjcfSection()
+    """Settings of the written MJCF."""
     parts: dict[ComponentPath, PartRule] = Field(default_factory=dict)
     """Material, mass and geometry of components, by path or glob. For each field, the first matching rule applies."""
     links: Annotated[dict[Name, LinkSection], Field(min_length=1)]

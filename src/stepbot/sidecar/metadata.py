@@ -10,7 +10,6 @@ from stepbot.robot.metadata import MAINTAINER, is_maintainer
 from .quantities import described, fault
 from .section import Section
 
-_URDF_VERSIONS = (1.0, 1.1, 1.2)
 _VERSION = r"^[0-9]+\.[0-9]+\.[0-9]+$"
 
 
@@ -28,13 +27,17 @@ def _version(value: Any) -> str:
     return value
 
 
-def _urdf_version(value: Any) -> float:
-    """A version of URDF, as a number or as text."""
-    for version in _URDF_VERSIONS:
-        if not isinstance(value, bool) and value in (version, f"{version:g}", f"{version:.1f}"):
-            return version
-    known = ", ".join(f"{version:.1f}" for version in _URDF_VERSIONS)
-    raise fault("SB123", f"no such version of URDF: {described(value)}", f"versions: {known}")
+def _version_of(title: str, versions: tuple[float, ...]) -> tuple[PlainValidator, WithJsonSchema]:
+    """What pydantic needs for one of the versions, as a number or as text."""
+
+    def read(value: Any) -> float:
+        for version in versions:
+            if not isinstance(value, bool) and value in (version, f"{version:g}", f"{version:.1f}"):
+                return version
+        known = ", ".join(f"{version:.1f}" for version in versions)
+        raise fault("SB123", f"no such version of {title}: {described(value)}", f"versions: {known}")
+
+    return PlainValidator(read), WithJsonSchema({"enum": list(versions), "type": "number"})
 
 
 Maintainer = Annotated[
@@ -45,9 +48,8 @@ Maintainer = Annotated[
 Version = Annotated[
     str, PlainValidator(_version), WithJsonSchema({"type": "string", "pattern": _VERSION, "examples": ["1.0.0"]})
 ]
-UrdfVersion = Annotated[
-    float, PlainValidator(_urdf_version), WithJsonSchema({"enum": list(_URDF_VERSIONS), "type": "number"})
-]
+UrdfVersion = Annotated[float, *_version_of("URDF", (1.0, 1.1, 1.2))]
+MjcfVersion = Annotated[float, *_version_of("MuJoCo", (3.3, 3.7))]
 Line = Annotated[str, Field(min_length=1, max_length=1000)]
 
 
@@ -70,3 +72,11 @@ class UrdfSection(Section):
     version: UrdfVersion = 1.0
     """Version of the format: 1.0 (the default), which all programs read, 1.1 with quaternions and capsules, or 1.2 with
     limits of acceleration, deceleration and jerk, too."""
+
+
+class MjcfSection(Section):
+    """Settings of the written MJCF."""
+
+    version: MjcfVersion = 3.7
+    """The oldest MuJoCo that must read it: 3.7 (the default), or 3.3, without contact sensors and rates of sensors,
+    and with the damping of actuators within their force range."""

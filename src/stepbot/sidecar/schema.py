@@ -93,12 +93,12 @@ def motors_schema_text() -> str:
         "additionalProperties": False,
         "$defs": {"Name": whole["$defs"]["Name"], **{name: used[name] for name in sorted(used) if name != "Name"}},
     }
-    return json.dumps(schema, indent=0, ensure_ascii=False) + "\n"
+    return json.dumps(schema, indent=2, ensure_ascii=False) + "\n"
 
 
 def schema_text() -> str:
     """The content of ``schemas/robot-1.schema.json``."""
-    return json.dumps(json_schema(), indent=0, ensure_ascii=False) + "\n"
+    return json.dumps(json_schema(), indent=2, ensure_ascii=False) + "\n"
 
 
 def _describe(definition: Json, meanings: dict[str, str]) -> None:

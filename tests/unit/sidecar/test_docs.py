@@ -23,7 +23,7 @@ PAGE = (Path(__file__).parents[3] / "docs" / "sidecar.md").read_text(encoding="u
 COMPOSE = (Path(__file__).parents[3] / "docs" / "compose.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"^```yaml\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
 WHOLE = [text for text in EXAMPLES if text.startswith("version:")]
-WHOLE += re.findall(r"^```yaml\n(.*?)^```$", COMPOSE, re.DOTALL | re.MULTILINE)
+WHOLE += [text for text in re.findall(r"^```yaml\n(.*?)^```$", COMPOSE, re.DOTALL | re.MULTILINE) if text[0] != "#"]
 FRAGMENTS = [text for text in EXAMPLES if not text.startswith("version:")]
 
 REST_OF_A_ROBOT: dict[str, Any] = {

@@ -32,6 +32,8 @@ _READINGS = {
     SensorKind.FORCE_TORQUE: {"force": "force", "torque": "torque"},
 }
 """For each kind of sensor at a site, the names of its readings, and their elements."""
+NEW = 3.7
+"""The first version of MuJoCo that is known to read contact sensors, intervals of sensors and damping of actuators."""
 AT_SITES = frozenset({*_READINGS, SensorKind.LIDAR})
 """Kinds of sensors that have sites."""
 
@@ -41,16 +43,16 @@ def actuators(top: Element, robot: Robot) -> None:
     if robot.actuators:
         xml = element(top, "actuator")
         for actuator in robot.actuators:
-            _actuator(xml, actuator, robot.joint_by_name[actuator.joint])
+            _actuator(xml, actuator, robot.joint_by_name[actuator.joint], has_damping=robot.versions.mjcf >= NEW)
 
 
-def _actuator(parent: Element, actuator: Actuator, joint: Joint) -> None:
+def _actuator(parent: Element, actuator: Actuator, joint: Joint, *, has_damping: bool) -> None:
     """An actuator; its control and force are on the actuator's side of the gear, its joint's limits on the other."""
     optional: dict[str, Value] = {"gear": actuator.gear} if actuator.gear != 1.0 else {}
     if actuator.kind is ActuatorKind.POSITION:
         optional["kp"] = actuator.kp
     # The part of kv that the effort limit does not cut off: at the velocity limit it uses up the effort.
-    line = min(line_damping(actuator, joint) / actuator.gear**2, actuator.kv)
+    line = min(line_damping(actuator, joint) / actuator.gear**2, actuator.kv) if has_damping else 0.0
     if line:
         optional["damping"] = line
     if actuator.kind is ActuatorKind.VELOCITY or actuator.kv > line:

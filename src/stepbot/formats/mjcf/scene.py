@@ -34,7 +34,7 @@ def scene(robot: Robot, main: str) -> bytes:
     _floor_material(element(top, "asset"))
     world = element(top, "worldbody")
     above = (center[0], center[1], center[2] + 4.0 * size)
-    element(world, "light", pos=_rounded(above), dir=(0.0, 0.0, -1.0), type="directional")
+    element(world, "light", pos=_rounded(above), dir=(0.0, 0.0, -1.0), directional="true")
     shapes = {visual.name for link in robot.links for visual in link.visuals}
     shapes |= {collision.name for link in robot.links for collision in link.collisions}
     floor = {"name": free_name(_FLOOR, "_plane", shapes), "material": _FLOOR}

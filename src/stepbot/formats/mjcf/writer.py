@@ -38,7 +38,7 @@ from ..format import Companion
 from ..lowering.shapes import look, upright
 from ..xml import Element, Patterns, Value, document, element, root
 from . import FORMAT, constraints, contacts, devices
-from .devices import MARK, mjcf_pose
+from .devices import MARK, NEW, mjcf_pose
 from .scene import keyframe, scene
 
 EXPRESSES = {
@@ -85,7 +85,7 @@ EXPRESSES = {
     Feature.EFFORT: exact("`actuatorfrcrange`, `forcerange`"),
     Feature.VELOCITY: lowered(
         "velocity limits are `<numeric>` data, which MuJoCo does not enforce; up to effort / velocity limit, kv of a "
-        "position actuator is its `damping`, beside its force range",
+        "position actuator is its `damping`, beside its force range (not in version 3.3)",
     ),
     Feature.ACCELERATION: reported("limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`damping`, `frictionloss`"),
@@ -113,10 +113,10 @@ EXPRESSES = {
     Feature.CAMERA: exact("`<camera>`"),
     Feature.OPTICAL: exact("`<camera>`, which has no other frame"),
     Feature.LIDAR: exact("`<rangefinder>` at a site for each ray"),
-    Feature.CONTACT: exact("`<contact>` of a body"),
+    Feature.CONTACT: reported("contact sensors are omitted", NEW, "`<contact>` of a body"),
     Feature.SENSOR_PLACE: exact("`<site>`, `<camera>`"),
-    Feature.SENSOR_RATE: exact("`interval`, with a buffer of one reading"),
-    Feature.ENCODER_RATE: exact("`interval`, with a buffer of one reading"),
+    Feature.SENSOR_RATE: reported("sensors measure in every step", NEW, "`interval`, with a buffer of one reading"),
+    Feature.ENCODER_RATE: reported("sensors measure in every step", NEW, "`interval`, with a buffer of one reading"),
     Feature.CAMERA_EXTRAS: reported("MuJoCo renders on demand, with one near and one far plane for all cameras"),
     Feature.LIDAR_NEAREST: reported("`<rangefinder>` has no minimum range"),
     Feature.OPEN_VIEW: exact("no `cutoff`"),

@@ -1,6 +1,6 @@
 // Edits of one joint or closure: its name, type, axis, limits.
 
-import { edit, rename, say } from "./changes.js";
+import { edit, rename } from "./changes.js";
 import { element } from "./dom.js";
 import { bound, button, choice, field, options } from "./form.js";
 import { limitTools } from "./limittools.js";
@@ -120,7 +120,7 @@ function lineField(current) {
       words.textContent = lines[Number(chosen())]?.words ?? "";
       node.hidden = lines.length < 2;
     } catch (error) {
-      say(error.message);
+      words.textContent = error.message; // here, and not as a message: the joint may have been removed meanwhile
     }
   };
   // Those of the line that it has.
