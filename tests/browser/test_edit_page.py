@@ -1,5 +1,6 @@
 """``stepbot view --edit``: what the page says, and where things are in it."""
 
+import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from threading import Event, Thread
@@ -56,12 +57,22 @@ def test_saves_of_other_programs_are_shown(page: Page, followed: tuple[Session, 
     assert page.element("#notice").is_displayed()
 
 
+def settled_rect(page: Page) -> object:
+    """Place and size of the card, once what it asks the server for has arrived."""
+    page.wait("return stepbot.state.writtenOf === stepbot.state.scene")
+    last = None
+    while (now := page.element("#card").rect) != last:
+        last = now
+        time.sleep(0.5)
+    return now
+
+
 def test_messages(page: Page, opened: Session) -> None:
     """The page says that it edits; a refusal moves nothing in the card and does not stay on the next one."""
     assert "edits the sidecar" in page.text("#hint")
     page.run("stepbot.state.select({connection: 'crank_turn'})")
     assert not page.element("#hint").is_displayed()
-    before = page.element("#card").rect
+    before = settled_rect(page)
     press(page, "remove")
     assert page.text("#notice").startswith(("checking", "'coupler_turn' needs"))  # an answer may be faster
     page.wait("return document.querySelector('#notice').className === 'bad'")
