@@ -6,7 +6,7 @@ is raised again for as long as something catches it.
 
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from types import FrameType
@@ -26,30 +26,32 @@ _SOON = 0.01
 
 
 @contextmanager
-def bounded(options: "Options | None") -> Iterator[None]:
+def bounded(options: "Options | None") -> Iterator[Callable[[], None]]:
     """Within the block this process has the limits of workers; None for none.
+
+    Yields a function that starts the time anew, for the next of many inputs or the next stage.
 
     Raises:
         StepbotError: SB902, where it needs more.
     """
     if options is None:
-        yield
+        yield lambda: None
         return
     with ExitStack() as limits:
-        limits.enter_context(_within_time(options.timeout))
+        restart = limits.enter_context(_within_time(options.timeout))
         if options.memory_limit is not None:
             limits.enter_context(_within_memory(options.memory_limit))
         try:
-            yield
+            yield restart
         except MemoryError:
             raise _exceeded("out of memory", "raise `--memory-limit`") from None
 
 
 @contextmanager
-def _within_time(seconds: float) -> Iterator[None]:
+def _within_time(seconds: float) -> Iterator[Callable[[], None]]:
     """End this process's work after so much processor time [s], where the system has such a timer."""
     if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
-        yield
+        yield lambda: None
         return
 
     def end(number: int, frame: FrameType | None) -> None:  # noqa: ARG001 - the signature of handlers
@@ -59,10 +61,13 @@ def _within_time(seconds: float) -> Iterator[None]:
         signal.setitimer(signal.ITIMER_PROF, _AGAIN)
         raise _exceeded(f"{seconds:g} s of processor time exceeded", f"allow more time: `--timeout {4 * seconds:g}`")
 
+    def start() -> None:
+        signal.setitimer(signal.ITIMER_PROF, seconds)
+
     before = signal.signal(signal.SIGPROF, end)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
+    start()
     try:
-        yield
+        yield start
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.signal(signal.SIGPROF, before)

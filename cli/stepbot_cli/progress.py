@@ -50,13 +50,14 @@ def progress_bar(
 
     Args:
         stages: Stages to expect, of :data:`STAGES`.
-        options: Their limits of time and memory hold for this process, too.
+        options: Their limits of time, for each stage, and of memory hold for this process, too.
     """
     if not sys.stderr.isatty():
-        with interruptible() as end_if_interrupted, _lines() as line, bounded(options):
+        with interruptible() as end_if_interrupted, _lines() as line, bounded(options) as restart:
 
             def begin_line(stage: str) -> None:
                 end_if_interrupted()
+                restart()
                 line(stage)
 
             yield begin_line
@@ -77,11 +78,12 @@ def progress_bar(
 
     columns = (SpinnerColumn(), bar_column(color), TextColumn("{task.description}"), How(), TimeElapsedColumn())
     shown = Progress(*columns, console=console, transient=True)
-    with interruptible() as end_if_interrupted, shown as bar, bounded(options):
+    with interruptible() as end_if_interrupted, shown as bar, bounded(options) as restart:
         task = bar.add_task("starting", total=len(stages))
 
         def begin(stage: str) -> None:
             end_if_interrupted()
+            restart()
             done = stages.index(stage) if stage in stages else None
             bar.update(task, description=STAGES.get(stage, stage), completed=done)
 

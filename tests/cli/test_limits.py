@@ -4,6 +4,7 @@ import io
 import sys
 import tempfile
 import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -37,6 +38,23 @@ def test_work_that_never_ends_is_stopped(monkeypatch: pytest.MonkeyPatch) -> Non
     with pytest.raises(StepbotError, match=r"SB902.*processor time"), bounded(Options(Path(), timeout=0.05)):
         work()
     assert len(caught) == 2
+
+
+def test_each_stage_has_the_whole_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A command with many inputs may take longer than the limit, one of them may not."""
+    monkeypatch.setenv(NO_PROGRESS, "1")
+
+    def work(seconds: float) -> None:
+        end = time.process_time() + seconds
+        while time.process_time() < end:
+            pass
+
+    with progress_bar(options=Options(Path(), timeout=0.5)) as begin:
+        for stage in ("one", "two", "three"):
+            begin(stage)
+            work(0.25)
+        with pytest.raises(StepbotError, match="SB902"):
+            work(5.0)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="limits of address space, and its size, are Linux's")
