@@ -73,6 +73,8 @@ def write(robot: Robot, format_: str, folder: Path) -> tuple[Path, Robot]:
 )
 def test_engines_read_back_what_is_stated(format_: str, engine: str, read: tuple[str, ...], tmp_path: Path) -> None:
     """Each property that a format has arrives in an engine, and another value is a failure of the comparison."""
+    if engine == "usd":
+        pytest.importorskip("pxr", reason="usd-core is not installed")
     path, lowered = write(chain(), format_, tmp_path)
     request = Request(str(path), format_, simulate=0.0)
     seen = engine_of(engine).observer.observe(request)
