@@ -59,6 +59,7 @@ def scored(kit: Kit) -> Result:
     """Infer a drawn mechanism and compare it with its truth."""
     assembly, by_path = kit.assembly()
     found = infer_mechanism(assembly)
+    assert {found.root, *(arc.child for arc in found.arcs)} == set(range(len(found.links))), "a link is not connected"
     link_of = {i: by_path[part.path] for i, part in found.survey.parts.items() if by_path[part.path] != SCREWS}
     one = list(range(len(found.links)))
     for arc in found.arcs:

@@ -47,3 +47,12 @@ def test_a_geared_gripper_closes_with_one_motor() -> None:
     """The gear beside that of the servo follows it, and none of both is a closure."""
     draft = infer(drawn("gear_gripper", 1).assembly()[0], "gripper")
     assert [joint.mimic.multiplier for joint in draft.joints if joint.mimic is not None] == [-1.0]
+
+
+def test_a_gear_that_nothing_holds_is_kept_apart_and_jointed() -> None:
+    """It is not one link with the gear that it meshes with; a placeholder connects it, so that the draft is a tree."""
+    plate = box(120, 60, 10).at(40, 0, -5) + cylinder(21, 8)
+    lever = part("lever", box(100, 10, 5).at(40, 0, 0), 80, 0, 60)
+    draft = infer(assembled(part("big gear", plate), part("small gear", cylinder(11, 8), 30, 0, 0.2), lever), "loose")
+    assert [(joint.parent, joint.child, joint.type) for joint in draft.joints] == [("big_gear", "small_gear", "fixed")]
+    assert len(draft.links) == 2

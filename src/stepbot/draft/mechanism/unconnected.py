@@ -62,9 +62,10 @@ class LooseEnds:
         for r in loose:
             if r not in jointed:
                 target = self._nearest_cluster(groups[r], root)
-                self._made.guess(groups[r], "not connected: assigned to the nearest part")
-                if target not in jointed or not self._clusters.join(target, r):
-                    self._clusters.join(root, r)
+                if (target in jointed and self._clusters.join(target, r)) or self._clusters.join(root, r):
+                    self._made.guess(groups[r], "not connected: assigned to the nearest part")
+                else:  # kept apart, as gears that mesh are
+                    self._mechanism.joints.append(self._placeholder(groups, root, r))
         self._find_again()
 
     def _join_bases(self, root: int) -> int:
