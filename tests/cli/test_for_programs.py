@@ -4,14 +4,16 @@ import ast
 import importlib.util
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 import stepbot as api
-from stepbot.formats.learning import PROGRAMS
+from stepbot.formats.learning import PROGRAMS, program_files
 from tests.command_line import convert_once
+from tests.robots import two_link_arm
 
 from .conftest import Stepbot
 
@@ -83,6 +85,19 @@ def test_uptodate_and_python_expect_the_same_files(
     assert "no longer written" in stepbot(*asked, "-f", "urdf,sdf,mjcf,usd").out
     result = api.convert(sidecar, output=tmp_path, programs=["mjlab"], formats="mjcf", verify=False)
     assert result.files["arm2_mjlab.py"] == (folder / "arm2_mjlab.py").read_bytes()
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_no_name_becomes_code(program: str) -> None:
+    """Names of a foreign description, with quotes, backslashes and braces, stay in strings and docstrings."""
+    plain, name = two_link_arm(), 'x"""\n{boom()}\nboom()\n"""'
+    joints = tuple(replace(one, name=one.name + name) for one in plain.joints)
+    actuators = tuple(replace(one, name=name, joint=one.joint + name) for one in plain.actuators)
+    foreign = replace(plain, name=name, joints=joints, actuators=actuators)
+    ((_, content),) = program_files([program], {PROGRAMS[program].format: foreign})[PROGRAMS[program].format].items()
+    nodes = list(ast.walk(ast.parse(content)))
+    assert not [node for node in nodes if isinstance(node, ast.Name) and node.id == "boom"]
+    assert any(isinstance(node, ast.Constant) and "boom()" in str(node.value) for node in nodes)
 
 
 @pytest.mark.parametrize("given", ["mjlab,isaac", "gym"])

@@ -71,7 +71,7 @@ def _mjlab(robot: Robot, file: str) -> str:
     actuators = f"(XmlActuatorCfg(target_names_expr={_literal(driven)}),)" if driven else "()"
     has_ball = any(joint.kind is JointKind.BALL for joint in robot.joints)
     positions = "None" if has_ball else "{re.escape(name): q for name, q in HOME.items()}"  # None: the file's keyframe
-    return f'''"""{robot.name} in mjlab: the entity `ROBOT`, and `MUJOCO`, the options that attaching drops."""
+    return f'''"""{_words(robot)} in mjlab: the entity `ROBOT`, and `MUJOCO`, the options that attaching drops."""
 
 import re
 from pathlib import Path
@@ -111,7 +111,7 @@ def _isaaclab(robot: Robot, file: str) -> str:
         + "        ),\n"
         for one in robot.actuators
     )
-    return f'''"""{robot.name} in Isaac Lab: the articulation `ROBOT`."""
+    return f'''"""{_words(robot)} in Isaac Lab: the articulation `ROBOT`."""
 
 from pathlib import Path
 
@@ -148,7 +148,7 @@ def _maniskill(robot: Robot, file: str) -> str:
         f"            {_literal(key)}: {control}(\n                {_literal(joints)},\n{arguments}            ),\n"
         for key, control, joints, arguments in _controllers(robot)
     )
-    return f'''"""{robot.name} in ManiSkill: the agent `{robot.name}`, as `robot_uids` of an environment."""
+    return f'''"""{_words(robot)} in ManiSkill: the agent `{_words(robot)}`, as `robot_uids` of an environment."""
 
 from pathlib import Path
 
@@ -167,7 +167,7 @@ HOME = {_table(_home(robot))}
 
 @register_agent()
 class {name if not name[0].isdigit() else f"Robot{name}"}(BaseAgent):
-    """{robot.name}, with position targets [rad, m], velocity targets [rad/s, m/s], and joints without a drive."""
+    """{_words(robot)}, with position targets [rad, m], velocity targets [rad/s, m/s], and joints without a drive."""
 
     uid = {_literal(robot.name)}
     urdf_path = str(Path(__file__).with_name({_literal(file)}))
@@ -224,7 +224,7 @@ def _controllers(robot: Robot) -> list[tuple[str, str, list[str], str]]:
 
 
 def _genesis(robot: Robot, file: str) -> str:
-    return f'''"""{robot.name} in Genesis: `add(scene)`, and after `scene.build()` `go_home(robot)`."""
+    return f'''"""{_words(robot)} in Genesis: `add(scene)`, and after `scene.build()` `go_home(robot)`."""
 
 from pathlib import Path
 
@@ -273,6 +273,11 @@ def _table(values: Mapping[str, float], indent: int = 0) -> str:
     space = " " * indent
     rows = "".join(f"{space}    {_literal(name)}: {value!r},\n" for name, value in values.items())
     return f"{{\n{rows}{space}}}"
+
+
+def _words(robot: Robot) -> str:
+    """The robot's name in a docstring, which nothing in a foreign name may end."""
+    return re.sub(r"[^\w .-]", "_", robot.name)
 
 
 def _literal(value: object) -> str:
