@@ -12,6 +12,7 @@ from stepbot.robot.model import JointKind
 from stepbot.robot.sensors import SensorKind
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.compose import compose
+from stepbot.sidecar.contact import MATERIALS, ContactMaterial
 from stepbot.sidecar.document import CollisionShape
 from stepbot.sidecar.fields import section_classes
 from stepbot.sidecar.load import parse_sidecar
@@ -92,3 +93,13 @@ def test_links_lead_somewhere() -> None:
         for heading in re.findall(r"^#+ (.*)$", PAGE, re.MULTILINE)
     }
     assert set(re.findall(r"\]\(#([^)]+)\)", PAGE)) <= headings
+
+
+@pytest.mark.parametrize("material", MATERIALS)
+def test_figures_of_materials_have_their_source(material: ContactMaterial) -> None:
+    """The page states the friction of each pair, and the publication it is from."""
+    friction = MATERIALS[material]
+    publisher, title = friction.source.split(", ")[:2]
+    assert f"`{material}` ({friction.sliding:g})" in PAGE
+    assert publisher in PAGE
+    assert f"*{title}*" in PAGE
