@@ -72,7 +72,6 @@ def contents(
     """Totals of each component.
 
     Args:
-        assembly: The assembly.
         measures: Mass properties of the mesh of each body.
         tolerance: That of the meshes.
     """

@@ -47,8 +47,6 @@ def full(
     """Each diagnostic with its source line, notes and help.
 
     Args:
-        diagnostics: What to show.
-        color: Whether to use the terminal's colours.
         width: Width of a code frame.
         most_notes: Number of notes to show of each; None for all.
     """
@@ -68,9 +66,7 @@ def screen(
     """The default output: findings of one cause as one, the first of each code in full, and the counts; no notes.
 
     Args:
-        diagnostics: What to show.
         ignored: Number of suppressed diagnostics.
-        color: Whether to use the terminal's colours.
         width: Width of the screen; None if unknown, for lines that are not truncated.
         counts: Whether to end with the number of each severity.
     """

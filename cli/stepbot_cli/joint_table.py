@@ -33,7 +33,6 @@ def joint_lines(table: "JointTable", width: int) -> list[str]:
     """The joint table as lines.
 
     Args:
-        table: Its texts.
         width: Width of the screen, at least 60; only a word longer than a line exceeds it.
     """
     width = max(width, _NARROWEST)

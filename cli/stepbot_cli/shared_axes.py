@@ -38,7 +38,6 @@ def shared_axes(assembly: Assembly, links: Mapping[str, tuple[int, ...]], a: str
     """Compare two components or links.
 
     Args:
-        assembly: The assembly.
         links: Indices of the components of each link; empty without a sidecar.
         a: Name of a link, or path of a component.
         b: Name of a link, or path of a component.

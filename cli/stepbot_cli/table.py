@@ -48,7 +48,6 @@ def status_lines(texts: Sequence[Sequence[str]], statuses: Sequence[str], width:
         texts: The headings, and the cells of each row.
         statuses: The result of each row, in the column of that heading.
         width: Width of the screen; None for unlimited.
-        color: Whether to use the terminal's colours.
     """
     result = texts[0].index(RESULT)
     head, *body = wrapped_rows(texts, width)

@@ -84,7 +84,6 @@ def show_diagnostics(found: Iterable[Diagnostic], display: Display = _DEFAULT, *
 
     Args:
         found: What to print.
-        display: The verbosity.
         as_result: Whether they are the command's result, and go to standard output.
     """
     diagnostics = [one for one in found if not (display.quiet and one.severity == "note")]

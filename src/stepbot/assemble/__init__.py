@@ -93,7 +93,6 @@ def build_robot(
     """Build the robot that the sidecar describes; None if there are errors, all of which are in ``found``.
 
     Args:
-        assembly: The content of the STEP file.
         sidecar: A sidecar that passed its own check without errors.
         measures: Called when needed: trimesh's mass properties of the mesh of each of ``assembly.bodies``; None for a
             mesh that encloses no volume.

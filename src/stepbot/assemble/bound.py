@@ -54,7 +54,6 @@ def bind(
     """The resolvable parts of a sidecar; errors are reported by :func:`build_robot`.
 
     Args:
-        assembly: The content of the STEP.
         sidecar: A sidecar whose own check found no error.
         measures: For each of ``assembly.bodies`` what trimesh measures on its mesh.
         revised: Components that a revision of the CAD has changed.

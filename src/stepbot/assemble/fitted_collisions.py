@@ -58,7 +58,6 @@ class FittedCollisions:
         """Look the sets up in the cache or start to compute them; returns at once.
 
         Args:
-            binder: The assembly and the sidecar.
             claims: The link of each component.
             of: The sidecar's settings for each component.
             bodies: Each body of the assembly, measured.

@@ -25,7 +25,6 @@ def measured_bodies(
     """Each body of the assembly, measured on its mesh and exactly, and which of the two is used.
 
     Args:
-        assembly: The content of the STEP file.
         measures: trimesh's mass properties of the mesh of each of ``assembly.bodies``.
         mode: Which mass properties the sidecar selects.
     """

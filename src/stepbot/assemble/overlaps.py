@@ -49,7 +49,6 @@ class OverlapSearch:
         """Look the overlaps up in the cache or start to search; returns at once.
 
         Args:
-            assembly: The content of the STEP file.
             parts: Indices of the components of each link.
             masses: Mass of every component that has a volume; components without a mass or without triangles are left
                 out.

@@ -40,7 +40,6 @@ class ScoredCollisions:
         Args:
             binder: The assembly and the sidecar; its collector receives SB902.
             claims: The link of each component.
-            robot: The robot.
             X_WL: Frame of each link as drawn.
             bodies: Each body of the assembly, measured.
             fitted: The sets of shapes that were fitted, with their scores.

@@ -24,11 +24,8 @@ def report_shared_parts(
     """Report SB166: a part of a module that the other side of its mount has, too, at the same place.
 
     Args:
-        sidecar: The composing file.
         robot: The composed robot.
-        parts: Its modules.
         mounts: The joint above each root link.
-        found: Receives the diagnostics.
     """
     body, poses = rigid_bodies(robot.root.name, robot.joints), link_poses(robot, {})
     mounted = {

@@ -53,7 +53,6 @@ def composed(sidecar: Sidecar, own: Robot | None, robots: Mapping[str, Robot], f
     """The robot of a sidecar with modules; None after errors.
 
     Args:
-        sidecar: The composing file.
         own: The robot of :func:`stepbot.sidecar.own_part.own_part`; None if it has no links.
         robots: The robot of each module that names a file, as it is alone.
         found: Receives SB152 to SB169.
@@ -243,8 +242,6 @@ def rebased(robot: Robot, link: str, X_LN: Pose) -> Robot:
     """The same robot with another frame of one link; its joint above is not moved, since it is about the new frame.
 
     Args:
-        robot: The robot.
-        link: The link.
         X_LN: The new frame in the old one.
     """
     if X_LN.is_identity:

@@ -54,7 +54,6 @@ def mirrored(robot: Robot, normal: str) -> Robot:
     """The mirror image; a mesh that is the same shape as its image, perhaps moved, keeps its asset.
 
     Args:
-        robot: Any robot.
         normal: Normal of the plane: ``x``, ``y`` or ``z`` of the root link's frame.
     """
     m = np.array(NORMALS[normal])

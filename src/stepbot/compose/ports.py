@@ -88,7 +88,6 @@ class Ports:
         """Where an element is that is fixed to a link of a module, with an explicit origin; None after a diagnostic.
 
         Args:
-            reference: The link.
             origin: Its origin; None for the frame of the link.
             keys: The place of the element: its `link` and `origin` are below.
         """

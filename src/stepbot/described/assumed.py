@@ -100,7 +100,6 @@ def with_assumed(robot: Robot, solids: Mapping[str, MassProperties], density: fl
     """The robot with assumed mass properties; each is listed.
 
     Args:
-        robot: The robot.
         solids: For each link that lacks them, those of its geometry at 1 kg/m^3 (:func:`solids_of`).
         density: [kg/m^3].
         found: Receives what was assumed.

@@ -155,7 +155,6 @@ def robot_of_description(
     """The robot of a description with at least one link.
 
     Args:
-        description: The content of the file.
         name: Name of the robot if the file has none.
         source: File name.
         base: Whether the base is fixed, for files that do not tell; None for the default, fixed.

@@ -37,7 +37,6 @@ def draft_of_mechanism(mechanism: Mechanism, assembly: Assembly, robot: str) -> 
 
     Args:
         mechanism: Links and pairs of the file.
-        assembly: Its components.
         robot: Name of the robot.
     """
     members = [_members(link, assembly) for link in mechanism.links]

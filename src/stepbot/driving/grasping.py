@@ -50,9 +50,6 @@ def find_grasp(file: str, mechanism: Mechanism, fingers: Fingers, mass: float) -
     """The grasp of two groups of links, or why they are not fingers.
 
     Args:
-        file: The MJCF.
-        mechanism: The robot.
-        fingers: The links.
         mass: Mass [kg] of the cube.
     """
     room = _Room(file, mechanism, fingers)

@@ -99,8 +99,6 @@ def find_jaw_grasp(file: str, mechanism: Mechanism, fingers: Fingers, mass: floa
     """The grasp of a jaw and the link that carries it, or why they are none.
 
     Args:
-        file: The MJCF.
-        mechanism: The robot.
         fingers: The jaw, and the hand as the other side.
         mass: Mass [kg] of the cube.
     """

@@ -57,7 +57,6 @@ def judge(
         engine: Name of the engine.
         file: The file that it drove, for diagnostics.
         results: Results, or names of tests in which the simulation diverged.
-        demands: The limits.
         found: Receives SB830.
         facts: What the robot's report says about remedies.
     """

@@ -67,7 +67,6 @@ def mechanism_of(robot: Robot, constraints: tuple[Mapping[str, Any], ...]) -> Me
     """A robot as simulations need it.
 
     Args:
-        robot: The robot.
         constraints: The list ``robot.pybullet`` of ``report.json``.
     """
     motors = tuple(
@@ -209,7 +208,6 @@ def jaw_candidates(mechanism: Mechanism, pairs: Iterable[Fingers]) -> tuple[Fing
     loops are parts of a mechanism, no jaws.
 
     Args:
-        mechanism: The robot.
         pairs: The pairs of links that may be fingers.
     """
     robot = mechanism.robot

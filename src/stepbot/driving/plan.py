@@ -16,10 +16,7 @@ def reasons(
     """For each test why it does not apply; an empty string for those that do.
 
     Args:
-        mechanism: The robot.
         survey: Its poses and grasps.
-        wheels: Its wheels.
-        limbs: Its limbs.
         mjcf: Whether MuJoCo drives an MJCF, in which grasps are found.
     """
     kinds = {motor.kind for motor in mechanism.motors}

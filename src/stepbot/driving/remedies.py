@@ -44,12 +44,7 @@ class Facts:
 
 
 def facts_of(document: Mapping[str, Any], robot: Robot) -> Facts:
-    """The facts of a report.
-
-    Args:
-        document: The parsed ``report.json``.
-        robot: Its robot.
-    """
+    """The facts of a report."""
     actuators = document["robot"]["actuators"]
     shapes = document.get("collision_shapes", [])
     driven = {one["joint"] for one in actuators}

@@ -97,7 +97,6 @@ def survey(file: str, mechanism: Mechanism, fingers: tuple[Fingers, ...], mass: 
 
     Args:
         file: The MJCF; empty for a robot without one, whose contacts are not known and that grips nothing.
-        mechanism: The robot.
         fingers: Links that may be fingers or jaws.
         mass: Mass [kg] of the cube to grip.
     """

@@ -39,7 +39,6 @@ def inner_joints(file: Path, kinds: Collection[str] = ("planar", "floating")) ->
     A floating joint below a root link ``world`` is the base of a floating robot, which engines read alike.
 
     Args:
-        file: The URDF.
         kinds: The kinds that the engine does not read.
 
     Raises:

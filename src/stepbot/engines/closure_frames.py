@@ -22,9 +22,7 @@ def turned_as_expected(
     second link, both positions and the axis show whether it is the expected one.
 
     Args:
-        name: Its name.
         kind: A :class:`stepbot.robot.model.JointKind` value.
-        ends: Its links.
         frames: Its frame in both links.
         axis: In these frames; None for types without one.
         loops: The expected closures.

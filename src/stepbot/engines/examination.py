@@ -28,10 +28,8 @@ def examine(file: str, written_in: str, opened: str, copy: str, packages: Iterab
 
     Args:
         file: Path of the description, for messages.
-        written_in: Its format.
         opened: Its path in UTF-8.
         copy: Path of the copy with absolute paths of meshes; empty to look for no meshes.
-        packages: Folders of packages.
         stated: Whether to return what the file says.
     """
     refused = refusals(file, written_in)

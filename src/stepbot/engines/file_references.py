@@ -59,7 +59,6 @@ def refusals(file: str, written_in: str) -> tuple[Refusal, ...]:
 
     Args:
         file: Path of the description.
-        written_in: Its format.
     """
     given, main = Path(file), resolved(Path(file))  # engines resolve symbolic links
     found = _layer_refusals(main) if written_in == "usd" else ()

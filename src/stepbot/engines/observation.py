@@ -183,9 +183,7 @@ class ObservedClosure:
         """A closure given by a frame on each link.
 
         Args:
-            name: Its name.
             kind: A :class:`stepbot.robot.model.JointKind` value, or the format's word.
-            ends: The links.
             frames: X_AF and X_BF.
             axis: In the frames; None for types without one.
         """

@@ -32,7 +32,6 @@ def with_motion(
         observation: The links and joints of the file.
         frames: The frames of its joints.
         gravity: Acceleration of gravity [m/s^2] in the frame of the root, by its name.
-        request: The configurations.
 
     Raises:
         EngineRefused: A joint refers to a link that does not exist.

@@ -49,8 +49,6 @@ def observe_robot(robot: Robot, request: Request, *, dynamics: bool = True) -> O
     """Everything that an engine should report for a file of this robot.
 
     Args:
-        robot: The robot.
-        request: What to observe.
         dynamics: Whether to compute the equations of motion, whose cost grows with the cube of the number of joints.
 
     Raises:

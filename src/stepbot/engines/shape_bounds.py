@@ -28,7 +28,6 @@ def mesh_file_bounds(
 
     Args:
         uri: The mesh file, as in the description.
-        file: The description.
         X_LG: Pose of the mesh in its link.
         scale: Factors of the coordinates.
     """

@@ -27,7 +27,6 @@ def located_copy(file: str, copy: str, packages: Iterable[Path]) -> tuple[Missin
     Args:
         file: A URDF or SDFormat.
         copy: Path of the copy.
-        packages: Folders of packages.
 
     Returns:
         The meshes that were not found, each once, with the first line that names it; empty for a file that is not XML,
@@ -61,9 +60,7 @@ def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[
     Engines do not search folders of packages. A mesh that is not found keeps its name.
 
     Args:
-        file: The description.
         copy: Path of the copy.
-        packages: Folders of packages.
         chains: Planar and floating joints of a URDF, and the names of what replaces each.
     """
     from lxml import etree

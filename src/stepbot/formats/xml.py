@@ -123,10 +123,8 @@ def root(tag: str, source: str, namespaces: Mapping[str, str] | None = None, /, 
     """The root element of a document, below a comment that names the generator and the STEP file.
 
     Args:
-        tag: Its tag.
         source: Name of the STEP file; empty if there is none.
         namespaces: Namespace of each prefix in the document.
-        attributes: Its attributes.
     """
     origin = f" from {source}" if source else ""
     remark = f" Written by stepbot {__version__}{origin}. "

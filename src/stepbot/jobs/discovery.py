@@ -80,8 +80,6 @@ def output_folder(template: str, name: str, sidecar: Path) -> Path:
 
     Args:
         template: Path in which ``{name}`` is the robot and ``{folder}`` the folder of its sidecar.
-        name: The robot.
-        sidecar: Its sidecar.
 
     Raises:
         ValueError: The template has another placeholder, or a single brace.

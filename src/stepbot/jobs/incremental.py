@@ -132,7 +132,6 @@ def conversion_key(sidecar: Path, content: str, step: Path, geometry: str, optio
         content: Hash of its bytes.
         step: Path of the STEP, as in messages.
         geometry: Hash of its bytes, and of the files that it refers to.
-        options: Conversion options.
     """
     digest = Digest("conversion").add(environment(), sidecar.as_posix(), content, str(step), geometry)
     digest.add(file_digest(lock_path(sidecar, options.variant)) or "no lock")

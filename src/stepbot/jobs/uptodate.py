@@ -61,11 +61,8 @@ def check_up_to_date(
     """Compare the files in ``options.output`` with those of a conversion; writes nothing.
 
     Args:
-        sidecar: The sidecar.
-        options: Conversion options.
         found: Receives faults of the input, and SB007 for each file that differs, or for a missing folder.
         exclude: Globs of files that are not compared, relative to the folder.
-        progress: Called at each stage.
     """
     excluded = tuple(exclude)
     folder = options.output

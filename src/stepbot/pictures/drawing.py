@@ -103,7 +103,6 @@ class Drawing:
         """``text`` in ``width`` pixels, with an ellipsis for its middle: the end often has a number.
 
         Args:
-            text: The text.
             width: [px].
             tail_share: Share of the end in the characters that are kept.
         """

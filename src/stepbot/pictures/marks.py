@@ -29,10 +29,8 @@ def draw_axis(drawing: Drawing, renderer: Renderer, camera: Camera, axis: Axis, 
     """Draw the axis of a joint; what is behind a surface is faint.
 
     Args:
-        drawing: The picture.
         renderer: The scene, which hides parts of the axis.
         camera: That the picture is taken with.
-        axis: The axis.
         size: Of the scene [m].
     """
     middle, direction = np.array(axis.point), np.array(axis.direction)

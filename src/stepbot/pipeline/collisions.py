@@ -27,8 +27,6 @@ def search(
         target: The sidecar, or the description.
         samples: Number of poses; None for the sidecar's, or the default.
         options: Cache and limits.
-        found: Receives the diagnostics.
-        progress: Called at the start of each stage.
     """
     found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     try:

@@ -34,7 +34,6 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
     """The content of a URDF, SDFormat or MJCF; None after a diagnostic.
 
     Args:
-        path: The description.
         options: Time and memory limits.
         found: Takes SB001, SB814, SB820, SB823 and SB902.
     """
@@ -145,7 +144,6 @@ def described_robot(path: Path, options: Options, found: Diagnostics, *, drawn: 
     Args:
         path: The description, or a folder with the files of one robot, as `stepbot convert` writes it.
         options: Time and memory limits.
-        found: Receives the diagnostics.
         drawn: Whether it is for a picture, where shapes and joints that are not shown are reported as SB825; otherwise
             they are errors.
     """

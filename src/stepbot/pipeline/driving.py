@@ -48,8 +48,6 @@ def drive(
         target: Sidecar, output folder, or MJCF or URDF in one.
         options: Options of the conversion of a sidecar; limits of the engines.
         chosen: Tests, engines, limits.
-        found: Receives the diagnostics.
-        progress: Called at the start of each stage.
     """
     if not exists(target):
         report_missing(target, found)

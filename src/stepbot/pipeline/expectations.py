@@ -27,10 +27,7 @@ def check_expected(sidecar: Sidecar, robot: Robot, matches: _MATCHES, found: Dia
     """Report what a robot is not as expected (SB525), and asymmetry (SB526).
 
     Args:
-        sidecar: The sidecar.
-        robot: Its robot.
         matches: Finds components.
-        found: Receives the diagnostics.
     """
     if sidecar.document.expect is not None:
         _Comparison(sidecar, robot, matches, found).run()

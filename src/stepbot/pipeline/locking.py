@@ -40,11 +40,9 @@ def compared_with_lock(
 
     Args:
         sidecar: The sidecar, without errors of its own.
-        assembly: The current content of the STEP.
         measures: Gives for each of ``assembly.bodies`` what trimesh measures on its mesh.
         digest: Hash of the STEP's bytes; empty if unknown.
         options: Whether another STEP was given than the one that the sidecar names.
-        found: Receives the diagnostics.
 
     Returns:
         The comparison; None where there is no lock, or it was made of the same STEP.
@@ -110,7 +108,6 @@ def fix_renamed_paths(sidecar: Path, options: Options, found: Diagnostics) -> Fi
 
     Args:
         sidecar: The sidecar. Its errors, and those of its STEP, are left to `check`.
-        options: Limits and cache.
         found: Receives SB017 if there is no lock, and SB018 if the text cannot be rewritten.
     """
     elsewhere = Diagnostics()

@@ -91,7 +91,6 @@ def robot_subject(robot: Robot, q: Configuration) -> Subject:
     """The visuals of a robot's links at a complete configuration, and the axes of its joints.
 
     Args:
-        robot: The robot.
         q: Positions [rad] or [m].
     """
     poses = link_poses(robot, q)
@@ -146,7 +145,6 @@ def part_labels(assembly: Assembly, chosen: Iterable[int], *, folded: bool) -> l
     """Labels for components.
 
     Args:
-        assembly: The assembly.
         chosen: Indices of the components to name; bodies without a name of their own are left to their part.
         folded: Whether occurrences of one part share a label, anywhere in the assembly.
     """
@@ -173,7 +171,6 @@ def assembly_subject(assembly: Assembly, labels: Sequence[Label], apart: float =
     An assembly of a single colour is drawn with a colour for each label.
 
     Args:
-        assembly: The assembly.
         labels: Names of components; a body belongs to the nearest labelled component above it, else to the root.
         apart: How far to move labelled components, relative to their distance from the middle of what they belong to.
     """

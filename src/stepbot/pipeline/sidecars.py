@@ -24,9 +24,7 @@ def load(
     """Load and check a sidecar, and suppress the diagnostics that it and the options ignore.
 
     Args:
-        path: The sidecar.
         options: Codes to ignore, and the variant.
-        found: Receives the diagnostics.
         text: Text to take in place of the file's, before it is written; with line feeds at line ends.
         changes: Values that another file merges into it.
 

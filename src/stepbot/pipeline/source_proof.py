@@ -58,9 +58,6 @@ def compared_with_source(
     """The report with the comparison of each written file with the description that it came from.
 
     Args:
-        path: The file.
-        description: Its content.
-        described: Its robot.
         written: The converted robot.
         report: The report on the written files.
         options: Limits.

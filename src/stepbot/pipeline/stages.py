@@ -68,8 +68,6 @@ def produce(
 
     Args:
         sidecar: The sidecar, or the description.
-        options: Conversion options.
-        progress: Called at the start of each stage.
         kernel: A process started in advance; None to start one if needed.
         server: A process started in advance to start the engines; None to start one if needed.
     """

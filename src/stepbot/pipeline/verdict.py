@@ -20,8 +20,6 @@ def summary_of(robot: Robot, results: Results, source: str) -> Summary:
     """What the default output prints about a conversion.
 
     Args:
-        robot: The robot that was written.
-        results: Its results.
         source: What the files are compared with, in words: ``the CAD``.
     """
     words = robot_words(robot, results.degrees_of_freedom)

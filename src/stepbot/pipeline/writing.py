@@ -43,7 +43,6 @@ class Proof:
 
         Args:
             formats: The formats to write.
-            options: Conversion options.
             server: A process started in advance to start them; None to start one.
         """
         self._options = options

@@ -13,7 +13,6 @@ def joint_table_of(rows: Sequence[JointRow], *, verbose: bool = False) -> JointT
     """The joint table.
 
     Args:
-        rows: The joints.
         verbose: Whether to name the components whose faces were found, and the other lines.
     """
     from_file = all(row.evidence.basis is Basis.FILE for row in rows)

@@ -69,11 +69,8 @@ def rebind(old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly, doc
     """Find the paths that a revision has broken.
 
     Args:
-        old: The lock.
         new: The parts of the assembly.
         matched: Corresponding parts.
-        assembly: The current content of the STEP.
-        document: The sidecar.
     """
     binding = _Binding(old, new, matched, assembly)
     places: dict[str, list[PathPlace]] = {}

@@ -67,7 +67,6 @@ def revised(
 
     Args:
         sidecar: The sidecar, without errors of its own.
-        assembly: The current content of the STEP.
         lock: The locked content.
         measures: trimesh's mass properties of each of ``assembly.bodies``.
         digest: Hash of the STEP's bytes.

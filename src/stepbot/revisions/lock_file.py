@@ -48,9 +48,7 @@ def read_lock(path: Path, robot: str, found: Diagnostics) -> Snapshot | None:
     """The lock at a path; None if it is missing or unusable, which is reported (SB013 to SB015).
 
     Args:
-        path: The file.
         robot: Name of the expected robot.
-        found: Receives the diagnostics.
     """
     span = Span(path.as_posix())
     remedy = [f"restore '{path.name}' from version control, or replace it with `stepbot lock`"]

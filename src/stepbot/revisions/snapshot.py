@@ -144,7 +144,6 @@ def snapshot(assembly: Assembly, digest: str, measures: Sequence[VolumePropertie
     """The fingerprints of an assembly.
 
     Args:
-        assembly: The content of the STEP.
         digest: Hash of the bytes of the file.
         measures: trimesh's mass properties of each of ``assembly.bodies``.
     """

@@ -37,7 +37,6 @@ def robot_bounds(robot: Robot, q: Configuration, links: Iterable[str] | None = N
     """Lowest and highest corner [m] of links in the frame of the root: of their collisions, or else of their visuals.
 
     Args:
-        robot: The robot.
         q: Positions [rad] or [m].
         links: Names of links; None for all.
 

@@ -79,7 +79,6 @@ def constraint_rows(closure: LoopClosure, X_FG: Array, J_F: Array, J_G: Array) -
     A, as far as the closure's kind constrains them.
 
     Args:
-        closure: The closure.
         X_FG: Homogeneous pose of G in F, shape (..., 4, 4).
         J_F: Jacobian of F, shape (..., 6, n), along the axes of F.
         J_G: Jacobian of G, shape (..., 6, n), along the axes of F.

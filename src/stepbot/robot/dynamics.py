@@ -41,7 +41,6 @@ def equations_of_motion(
     """Mass matrix, gravity forces and inverse dynamics at one configuration.
 
     Args:
-        robot: The robot.
         q: Positions [rad] or [m]; completed first.
         rates: Velocities [rad/s], [m/s] and accelerations [rad/s^2], [m/s^2].
         gravity: Acceleration of gravity [m/s^2].

@@ -127,7 +127,6 @@ def tuned(robot: Robot, too_weak: Callable[[Actuator, float, float], None]) -> R
     """The robot with the gains of all actuators that have a :class:`Tuning`.
 
     Args:
-        robot: The robot.
         too_weak: Called for each of these actuators whose effort limit does not hold its joint in the drawn pose, with
             the limit and the weight [N m] or [N]; its gains ignore the limit.
     """

@@ -161,7 +161,6 @@ class Tree:
         """Jacobian of a point Q (3,) of a link over all joints, mimics not resolved.
 
         Args:
-            X: The result of :meth:`frames`.
             link: Index of the link.
             p_WQ: The point [m] in the world, of each configuration of ``X``.
 
@@ -181,7 +180,6 @@ class Tree:
         """Accelerations of links at constant joint speeds: the time derivative of J, times v.
 
         Args:
-            X: The result of :meth:`frames`.
             v: Speed of every joint (n,).
 
         Returns:
@@ -221,7 +219,6 @@ def link_poses(robot: Robot, q: Configuration, tree: Tree | None = None) -> dict
     """X_WL of every link, in tree order; ``q`` is completed first.
 
     Args:
-        robot: The robot.
         q: Positions [rad] or [m].
         tree: The robot's tree, if already computed.
 
@@ -305,7 +302,6 @@ def rigid_bodies(root: str, joints: Iterable[Joint]) -> dict[str, str]:
     """For each link the link nearest to the root that fixed joints connect it to, in the order of the links.
 
     Args:
-        root: The root link.
         joints: Parents before their children.
     """
     body = {root: root}

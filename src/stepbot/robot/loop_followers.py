@@ -122,7 +122,6 @@ def loop_sensitivity(robot: Robot, configurations: Sequence[Configuration], driv
     leaves room for a large motion.
 
     Args:
-        robot: The robot.
         configurations: Closed configurations.
         driven: The joints that do not move with the gaps.
     """

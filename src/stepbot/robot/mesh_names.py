@@ -37,7 +37,6 @@ def portable_name(name: str, kind: str) -> str:
     without a digit at the beginning.
 
     Args:
-        name: Any name.
         kind: What it names, to begin a name with: ``link``.
     """
     if _PORTABLE.fullmatch(name):

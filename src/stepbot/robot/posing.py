@@ -36,7 +36,6 @@ def posed(robot: Robot, given: Configuration) -> dict[str, float]:
     joints that can be driven keep their positions if the loops allow.
 
     Args:
-        robot: The robot.
         given: Positions [rad] or [m] by coordinate; not of mimics.
 
     Raises:

@@ -27,7 +27,6 @@ def reach(robot: Robot, to: str, start: str) -> float:
     squared distance is a sine, whose maximum is known, and along a sliding one a parabola, largest at an end.
 
     Args:
-        robot: The robot.
         to: Name of a link or a frame.
         start: Likewise.
     """

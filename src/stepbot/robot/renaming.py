@@ -29,11 +29,8 @@ def renamed(
     """The robot with other names; the name of the robot itself and those of its meshes stay.
 
     Args:
-        robot: Any robot.
         link: New name of a link; further ones for the other kinds. Each must map different names to different names.
         joint: Joints of the tree.
-        closure: Joints that close loops.
-        frame: Named frames.
         actuator: Actuators.
         sensor: Sensors.
         visual: Visuals, in the order of the links.

@@ -27,7 +27,6 @@ def check_scale(robot: Robot, report: Callable[..., None], unit: str, *, massles
     Primitive collision shapes have their dimensions from elsewhere, so that a size due to them is no doubt of the unit.
 
     Args:
-        robot: Any robot.
         report: Reports a code, a message, its remedies and what it is about.
         unit: Length unit of the robot's source.
         massless: Whether nothing has a mass, and no error has reported that.

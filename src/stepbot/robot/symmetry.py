@@ -67,7 +67,6 @@ def mirrored(robot: Robot, axis: str) -> Symmetry:
     """The parts of a robot in its drawn pose that have a twin beyond the plane through the root's origin, or none.
 
     Args:
-        robot: The robot.
         axis: Normal of the plane in the frame of the root link: x, y or z.
     """
     k, found = AXES.index(axis), tuple(parts(robot))

@@ -77,9 +77,7 @@ def write_file(path: Path, content: bytes, found: Diagnostics, *, replaces: byte
     The file keeps its mode; where ``path`` is a symbolic link, the file that it leads to is written.
 
     Args:
-        path: The file.
         content: Its new content.
-        found: Receives the error.
         replaces: The content that the new one was made from: a file with another one was saved meanwhile, and is kept.
     """
     try:

@@ -47,7 +47,6 @@ def _reason_to_keep(target: Path, content: bytes, written: Collection[str] | Non
     """Why a file must stay; empty if it may be replaced, or need not be.
 
     Args:
-        target: The file.
         content: New content.
         written: SHA-256 of what stepbot wrote there; None if the list does not have the file.
         may_be_ours: Whether a file that is not in the list counts as one of stepbot's, even without its mark.

@@ -36,7 +36,6 @@ def locked(folder: Path, seconds: float) -> Iterator[bool]:
         Whether the lock is held: some network file systems do not support locks.
 
     Args:
-        folder: The folder.
         seconds: How long to wait for another process.
 
     Raises:
@@ -174,7 +173,6 @@ def list_document(manifest: Manifest, owners: Owners, replaced: Mapping[str, lis
     """The list as JSON data: its entries, and what is known about the files at the top.
 
     Args:
-        manifest: The entries.
         owners: Sidecars and robots.
         replaced: While files are moved: see :func:`replaced_in`.
     """

@@ -162,7 +162,6 @@ def results_of(function: Callable[[S], T], inputs: Sequence[S], weights: Sequenc
 
     Args:
         function: Its results must be picklable, and depend on nothing but the input.
-        inputs: The inputs.
         weights: Of each input: the larger, the longer it takes.
         work: As of :func:`run`.
 

@@ -38,8 +38,6 @@ class Editor:
         """Edit a sidecar.
 
         Args:
-            sidecar: The file.
-            options: Limits and cache.
             show: Shows what was written.
         """
         self._sidecar, self._options, self._show = sidecar, options, show

@@ -39,7 +39,6 @@ class Session:
         """Bind the port; :meth:`load` shows the target.
 
         Args:
-            target: What to show.
             options: Limits and cache; formats and engines for verification.
             port: The port; 0 for any free one.
             edits: Whether the page may change the target, a sidecar.

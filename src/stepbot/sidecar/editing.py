@@ -79,7 +79,6 @@ def edited(text: str, changes: Sequence[Change]) -> str:
 
     Args:
         text: With line feeds at line ends; without syntax errors.
-        changes: The changes.
 
     Raises:
         CannotEdit: The result would be no sidecar, or not have exactly these changes.

@@ -27,8 +27,6 @@ def load_sidecar(path: Path, found: Diagnostics, variant: str = "", changes: Tre
     :func:`stepbot.sidecar.check.check_sidecar`.
 
     Args:
-        path: The sidecar.
-        found: Receives the diagnostics.
         variant: One of its variants; empty for the sidecar as it is.
         changes: Values that another file merges into it.
     """

@@ -108,7 +108,6 @@ def find_motor(name: str, own: Mapping[str, MotorSection] = {}) -> Found:
 
     Args:
         name: Its name, in any case, with any separators.
-        own: The user's own motors.
 
     Raises:
         AmbiguousMotor: It is the name of a family.
@@ -171,7 +170,6 @@ def fitted(found: Found, joint: JointKind, voltage: float | None, gear: float, p
     """What a motor gives an actuator.
 
     Args:
-        found: The motor.
         joint: The type of the joint.
         voltage: The supply [V]; None for that of the catalogue.
         gear: Position of the motor's output / position of the joint; [rad/m] of a motor that turns, on a joint that

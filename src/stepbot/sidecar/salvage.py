@@ -51,11 +51,8 @@ def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, fo
     """Check the parts of a document that are not affected by schema errors.
 
     Args:
-        root: The tree of the file.
         faults: The places of the schema errors.
         path: The user's path of the file.
-        text: Its text.
-        found: Receives the diagnostics.
     """
     data = _copy(root)
     cuts: list[Keys] = []

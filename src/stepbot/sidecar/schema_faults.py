@@ -53,7 +53,6 @@ def report_schema_faults(failure: ValidationError, root: Tree, whole: bool, foun
         failure: The validation error of pydantic.
         root: The validated tree.
         whole: Whether the tree is the whole file; if not, missing top-level keys are not reported.
-        found: Where to report.
     """
     places = []
     for error in failure.errors(include_url=False):

@@ -99,7 +99,6 @@ def _untabbed(lines: list[str], mark: StringMark | None, file: str, found: Diagn
     Args:
         lines: The text; changed in place.
         mark: The tab that the parser rejected.
-        file: The name of the file.
         found: Receives SB104 for each line.
     """
     tabbed = set()

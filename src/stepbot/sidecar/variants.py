@@ -38,7 +38,6 @@ def with_variant(root: Mapping, name: str, found: Diagnostics) -> Mapping | None
     """The sidecar as its variant; None after SB162.
 
     Args:
-        root: The sidecar.
         name: The variant. The robot of ``arm`` is named ``arm_<name>`` if the variant does not name it.
         found: Receives SB162: an unknown variant, a circular ``like``, an unknown name in ``without``.
     """

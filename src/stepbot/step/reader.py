@@ -128,7 +128,6 @@ def start_reading(
 
     Args:
         path: The file; diagnostics use this path.
-        options: What to compute.
         memory_limit: Address space [bytes] of the kernel's process; None for no limit.
         kernel: A process started in advance; None to start one.
     """

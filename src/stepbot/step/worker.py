@@ -44,7 +44,6 @@ def read(
 
     Args:
         files: Its STEP file, and then the files that this one refers to.
-        options: What to compute.
         attempt: Records the current body for the case that this process ends, if bodies have no processes of their own.
 
     Returns:

@@ -136,7 +136,6 @@ def chain(edge: Edge, naming: Naming, poses: Mapping[str, Pose], X_PC: Pose) -> 
     """The chain of an edge.
 
     Args:
-        edge: The edge.
         naming: The coordinates of its file.
         poses: X_PC with each coordinate at 1 and all others at 0.
         X_PC: With all coordinates at 0.

@@ -93,10 +93,8 @@ def verify(
     """Verify that the written files match the robot; a failure is a diagnostic, and a failed check of the report.
 
     Args:
-        robot: The robot.
         written: The main file of each format.
         provers: Processes, started for these formats.
-        found: Receives the diagnostics.
         require: Engines whose absence is an error.
         timeout: Time limit [s] of each engine.
         observations: Cached observations.

@@ -76,7 +76,6 @@ def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Pat
     """The request to the engines, for each format.
 
     Args:
-        robot: The robot.
         lowered: The robot as each format expresses it.
         files: Path of each format's file.
 

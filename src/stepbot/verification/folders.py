@@ -57,7 +57,6 @@ def is_robot_file(path: Path, found: Diagnostics) -> bool:
     """Whether a path is a file that may be a robot description.
 
     Args:
-        path: The path.
         found: Receives SB001 with the robot files in the folder, or beside the missing file; SB814 for a sidecar or
             STEP.
     """

@@ -65,8 +65,6 @@ def judge(outcomes: Sequence[Outcome], asked: Asked, found: Diagnostics) -> tupl
 
     Args:
         outcomes: The outcomes of all engines, for all files.
-        asked: The requests.
-        found: Receives the diagnostics.
     """
     by_file = {key: [outcome for outcome in outcomes if outcome.key == key] for key in asked.requests}
     checks: list[Check] = []
@@ -134,7 +132,6 @@ def compared_with_first(ours: Gathered, theirs: Gathered, asked: Asked) -> tuple
     Args:
         ours: The first file.
         theirs: The other file.
-        asked: The requests.
     """
     return _compared_across(ours, theirs, asked, first=True, whole=True)
 

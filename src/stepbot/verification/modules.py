@@ -53,7 +53,6 @@ def module_deviations(robot: Robot, modules: Sequence[Alone]) -> Iterator[Module
 
     Args:
         robot: The composed robot.
-        modules: Its modules.
 
     Yields:
         The deviation of each module.

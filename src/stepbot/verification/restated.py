@@ -27,7 +27,6 @@ def normalized_joints(
     Args:
         a: Observation of the first file.
         b: Observation of the other file.
-        by: Their correspondence.
         configurations: Configurations of the first file; dynamics are given at each.
     """
     ours, theirs = list[ObservedJoint](), list[ObservedJoint]()

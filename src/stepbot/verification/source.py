@@ -97,7 +97,6 @@ def verify_against_source(
     Args:
         source: The file that was converted, or a copy of it.
         span: It, for messages; its last part is its name in the report.
-        files: The files that were written.
         lost: Quantities with declared losses, each with the reason not to compare it.
         names: Names that the conversion changed.
         found: Receives differences, and SB867 if no engine reads the source.

@@ -35,7 +35,6 @@ def clicked_face(assembly: Assembly, component: int, triangle: Sequence[Sequence
     """The face that a triangle belongs to; None if the face has no axis.
 
     Args:
-        assembly: The assembly.
         component: Index of the component.
         triangle: Corners (3, 3) [m] in the component's frame, to the accuracy of a drawing.
     """

@@ -71,7 +71,6 @@ def shared_lines(assembly: Assembly, a: int, b: int, link: Iterable[int] = ()) -
     """The lines that two components share, everything below them included; the strongest first.
 
     Args:
-        assembly: The assembly.
         a: Index of a component.
         b: Index of another one.
         link: Components of the first one's link; if ``a`` and ``b`` share no line, those of the link and ``b``, or
@@ -96,7 +95,6 @@ def lines_of_origin(
     """The lines among which an origin selects, the strongest first.
 
     Args:
-        assembly: The assembly.
         a: Components of one side.
         b: Those of the other; None for an origin on the faces of one component.
         wanted: The selectors of the origin.

@@ -70,7 +70,6 @@ def scene_document(
         evidence: For each joint and closure, how it was found (:func:`.connections.evidence_of_rows`).
         assembly: The STEP file that it was built from, for the tree of components.
         report: Results of verification, if it has run.
-        found: Diagnostics.
     """
     poses = link_poses(robot, initial_configuration(robot))
     index = {asset.name: number for number, asset in enumerate(robot.meshes)}

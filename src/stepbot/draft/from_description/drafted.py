@@ -43,7 +43,6 @@ def draft_of_description(description: Description, assembly: Assembly, robot: st
     """The draft of a description; None without evidence that it is of this assembly.
 
     Args:
-        description: The description.
         assembly: Read with its faces (``ReadOptions.faces``).
         robot: Name of the robot.
         source: Name of the description for messages.

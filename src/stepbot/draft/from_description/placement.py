@@ -73,8 +73,6 @@ def find_placement(
     """The best placement; None without evidence that the description is of this assembly.
 
     Args:
-        described: The robot.
-        assembly: The STEP.
         axes: Likely joint axes, without duplicates.
         lines: All axes of the assembly.
         surfaces: All faces of the assembly.
@@ -195,7 +193,6 @@ class _Placing:
         """Score of the best position of a joint, from 0 to 1, and that position [rad] or [m].
 
         Args:
-            joint: The joint.
             X: Pose of the near link in the assembly.
             near: That link.
             ahead: Number of further joints that may decide between equal positions.

@@ -301,7 +301,6 @@ def drawn_up(draft: Draft, assembly: Assembly) -> Standing | None:
 
     Args:
         draft: A draft of the assembly.
-        assembly: The assembly.
     """
     base = {draft.root}
     for joint in draft.joints:  # in tree order

@@ -39,7 +39,6 @@ def drive(stage: Stage, test: str, direction: tuple[float, float, float], spins:
     """Drive in a direction and back at constant speed.
 
     Args:
-        stage: The robot.
         test: Name of the test.
         direction: Unit vector in the root link.
         spins: The wheels' speeds for that direction.

@@ -29,7 +29,6 @@ class Coordinates:
         """Classify the joints.
 
         Args:
-            compiled: The model.
             balls: The coordinates yaw, pitch and roll of each ball joint; a ball without coordinates does not move.
         """
         engine, model = compiled.engine, compiled.model

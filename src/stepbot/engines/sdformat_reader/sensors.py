@@ -55,7 +55,6 @@ def read_sensor(
     """One sensor.
 
     Args:
-        sensor: Its element.
         link: Its link; the child of its joint.
         X_LS: Its pose on the link.
         joint: Its joint, if it is in one.

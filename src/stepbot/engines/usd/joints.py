@@ -185,8 +185,6 @@ def observed_joint(stage: Stage, branch: Branch, leaders: Mapping[str, tuple[str
     """A joint of the tree.
 
     Args:
-        stage: The stage.
-        branch: The joint.
         leaders: Name and sign (:attr:`Branch.sign`) of the joint at each path.
     """
     one, prim = branch.connection, branch.connection.prim

@@ -122,9 +122,6 @@ def lower(robot: Robot, written: Format, found: Diagnostics, file: str | None = 
     """The robot as the format expresses it; rewritten or removed features are reported, once each.
 
     Args:
-        robot: The robot.
-        written: The format.
-        found: Receives the diagnostics.
         file: Name of the file in diagnostics; None for the robot's with the suffix of the format.
     """
     span = Span(file or f"{written.stem(robot.name)}{written.suffix}")

@@ -60,7 +60,6 @@ def crate(metadata: Mapping[str, str | float], doc: str, top: CratePrim) -> byte
 
     Args:
         metadata: Numbers and tokens of the layer, such as ``metersPerUnit``.
-        doc: Its documentation.
         top: The root prim.
 
     Raises:
@@ -193,7 +192,6 @@ def _depth_first(path: _Path, *, last: bool = True) -> Iterator[tuple[_Path, int
     """Each path with its jump: how far its next sibling is, 0 if that follows, -1 for a last one with children, or -2.
 
     Args:
-        path: The first.
         last: Whether it has no further sibling.
     """
     below = [one for child in path.children for one in _depth_first(child, last=child is path.children[-1])]

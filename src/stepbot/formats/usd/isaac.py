@@ -19,7 +19,6 @@ def mark_robot(prim: Prim, robot: Robot, links: Sequence[str], joints: Sequence[
 
     Args:
         prim: The robot's prim.
-        robot: The robot.
         links: Paths of its links, the base first.
         joints: Paths of its joints, the one to the world first; without closures, which the articulation excludes.
     """

@@ -32,7 +32,6 @@ def joints(robot: Robot, top: str, paths: Mapping[str, str]) -> Prim:
     """All joints and closures.
 
     Args:
-        robot: The robot.
         top: Path of its prim.
         paths: Path of each link.
     """

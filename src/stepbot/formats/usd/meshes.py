@@ -19,11 +19,7 @@ class MeshLayer:
     """The layer, and where its meshes are."""
 
     def __init__(self, robot: Robot) -> None:
-        """Lay it out.
-
-        Args:
-            robot: The robot.
-        """
+        """Lay it out."""
         names = Names()
         identifiers = {asset.name: names.of(asset.name) for asset in robot.meshes}
         geometries = [shape.geometry for shape in robot.distinct_shapes]

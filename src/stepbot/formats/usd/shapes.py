@@ -37,7 +37,6 @@ class Library:
         """Lay them out.
 
         Args:
-            robot: The robot.
             top: Path of its prim.
         """
         self._concave = concave_meshes(robot)

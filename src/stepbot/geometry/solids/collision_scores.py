@@ -70,7 +70,6 @@ def collision_score(one: Unscored, encloses: bool = False) -> CollisionScore:
     """The score of the shapes of a link.
 
     Args:
-        one: The link.
         encloses: Whether the shapes are known to enclose the solids.
     """
     import manifold3d

@@ -159,7 +159,6 @@ def convex_pieces(solid: Union, bores: Sequence[Bore], filled: float, max_pieces
     """Points (n, 3) [m] of each convex piece; their hulls together enclose the solid.
 
     Args:
-        solid: The solid.
         bores: Axes of its bores.
         filled: Share of the total volume of its pieces' hulls that the solid has to fill.
         max_pieces: Maximum number of pieces.

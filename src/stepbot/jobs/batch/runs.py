@@ -54,7 +54,6 @@ def run_batch(
     """Convert robots; yields each outcome as soon as it is available. Closing the iterator cancels pending robots.
 
     Args:
-        tasks: The robots.
         options: Conversion options; ``output`` is set per task.
         folder: Folder of the batch's state.
         executor: Runs the conversions.

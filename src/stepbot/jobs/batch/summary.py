@@ -72,7 +72,6 @@ def write_index(folder: Path, outcomes: Sequence[Outcome]) -> None:
 
     Args:
         folder: The output folder of the batch.
-        outcomes: The robots.
 
     Raises:
         OSError: It cannot be written.

@@ -37,7 +37,6 @@ def code_digest(package: Path, kept: Cache | None) -> str:
     """Hash of the names and the contents of the source files below a folder.
 
     Args:
-        package: The folder.
         kept: Keeps the hash for files of the same sizes and times; None to read the files.
     """
     stamps = dict(sorted(_stamps(str(package))))

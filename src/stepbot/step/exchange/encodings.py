@@ -42,7 +42,6 @@ def check_encoding(data: Text, declared: str, place: str, found: Diagnostics) ->
     """The encoding of a file: ``ascii``, ``utf-8``, the declared one, or empty if unknown.
 
     Args:
-        data: The file.
         declared: Code page declared by the user; empty for none.
         place: Name of the file in diagnostics.
         found: Receives SB210 if the encoding is unknown, SB225 if the file contradicts the declaration.
@@ -107,7 +106,6 @@ def as_utf8(path: Path, encoding: str) -> Iterator[Path]:
     """The path of a file with the same text in UTF-8; the same file if it is already UTF-8, including its name.
 
     Args:
-        path: The file.
         encoding: From :func:`check_encoding`.
     """
     if encoding in _PLAIN and _is_unicode(path) and not is_compressed(path):

@@ -144,7 +144,6 @@ def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) ->
 
     Args:
         session: The reader's work session.
-        path: The file.
         place: Name of the file in diagnostics.
         found: Receives SB221, which is an error, and SB223.
     """

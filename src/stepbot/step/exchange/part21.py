@@ -89,9 +89,7 @@ def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -
     """Check a STEP file; None, with the reason in ``found``, if the kernel cannot read it.
 
     Args:
-        path: The file.
         place: Name of the file in diagnostics.
-        found: Receives its faults.
         encoding: Declared code page of names; empty for none.
     """
     span = Span(place)

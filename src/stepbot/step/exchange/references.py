@@ -75,7 +75,6 @@ def external_references(data: Text, encoding: str, *, with_products: bool = True
     """The references of a file, in file order, without duplicates.
 
     Args:
-        data: The file.
         encoding: Encoding of bytes above 127; empty if unknown.
         with_products: Whether to return one reference per product; otherwise one per document, without a product, which
             takes linear time for any content.

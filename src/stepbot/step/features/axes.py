@@ -223,7 +223,6 @@ def choose(
     ambiguous, one of the latter may be twice as heavy as all. Faces apart from each other are used only if selected.
 
     Args:
-        found: The lines.
         near: A point [m] of the assembly.
         direction_only: Whether parallel lines are equivalent; the strongest of them is used.
         selected: Whether ``found`` was already selected by a radius.

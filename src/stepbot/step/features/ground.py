@@ -51,7 +51,6 @@ def standing(assembly: Assembly, base: Collection[int], axes: Sequence[Vector3])
     """The vertical axis, if it is probably not z; None if it may be z, or is unclear.
 
     Args:
-        assembly: The assembly.
         base: Indices of the components of the root link.
         axes: Unit axes of the joints on it, in the assembly's frame.
     """

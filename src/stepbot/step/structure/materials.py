@@ -65,7 +65,6 @@ class Materials:
         """The material of a product definition; contradictory densities count as missing.
 
         Args:
-            definition: The entity.
             product: Name of the product, for diagnostics.
         """
         if id(definition) not in self._claims:

@@ -113,7 +113,6 @@ def nearest_claim(components: Sequence[Component], claims: Iterable[tuple[Iterab
     """For each component the value of the nearest claim: on itself, else on the nearest component above it.
 
     Args:
-        components: All components.
         claims: Claimed components and the value of the claim; of several claims on one component, the first holds.
         default: The value without a claim.
     """

@@ -60,7 +60,6 @@ def take_out_repetitions(session: Any, usages: Sequence[Any], keys: Sequence[tup
 
     Args:
         session: The reader's work session.
-        usages: The occurrences.
         keys: For each of them the index of the assembly and that of the product.
 
     Returns:

@@ -67,7 +67,6 @@ def compare(
     Args:
         stated: The values in the file.
         definitions: Every definition once.
-        components: Their occurrences.
         bodies: The bodies read, by the number of the definition and of the body in it.
         place: Name of the file in diagnostics.
         found: Receives SB226 and SB227.

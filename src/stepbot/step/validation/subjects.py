@@ -35,10 +35,8 @@ class Subjects:
 
         Args:
             session: Work session of the file's reader.
-            products: Its products.
             places: For each of them the index of its definition.
             definitions: Every definition once, those of other files included.
-            tree: The components.
         """
         self._solids = Solids(session)
         self._definitions = definitions

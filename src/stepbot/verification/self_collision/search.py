@@ -111,7 +111,6 @@ def placed(tree: Tree, X: Array, pair: LinkPair) -> Placed:
     Args:
         tree: The robot's tree.
         X: The result of :meth:`Tree.frames` for n configurations.
-        pair: The links.
     """
     X_WA, X_WB = (X[:, tree.link_index[name]] for name in (pair.a, pair.b))
     R_AW = X_WA[:, :3, :3].swapaxes(-1, -2)

@@ -154,7 +154,6 @@ def find_self_collision(
     """The classes of all pairs of links, from the cache or from a process of its own.
 
     Args:
-        robot: The robot.
         samples: Number of poses.
         cache: Where results are kept; None for nowhere.
         timeout: Time limit [s].

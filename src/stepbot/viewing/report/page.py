@@ -113,9 +113,7 @@ def report_page(robot: Robot, report: Report, found: Sequence[Diagnostic], lines
     """The report as one HTML file without references to others.
 
     Args:
-        robot: The robot.
         report: Results of verification, bodies, joint table.
-        found: Diagnostics.
         lines: Source lines of diagnostics.
     """
     shown = reduced(robot)

@@ -155,7 +155,6 @@ def findings_section(found: Iterable[Diagnostic], lines: Places, short_name: Map
     """Diagnostics, each with its source line.
 
     Args:
-        found: Diagnostics.
         lines: Source lines of their places.
         short_name: File names to display, without folders.
     """

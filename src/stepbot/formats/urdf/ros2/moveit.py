@@ -103,7 +103,6 @@ def joint_limits(robot: Robot, allowed: Mapping[str, float]) -> str:
     """``joint_limits.yaml``: velocities, jerks where the robot limits them, and accelerations.
 
     Args:
-        robot: The robot.
         allowed: Accelerations of joints that the robot does not limit, since MoveIt plans no trajectory without.
     """
     limits = {}
