@@ -18,26 +18,31 @@ import pytest
 import yourdfpy
 from ruamel.yaml import YAML
 
+from stepbot.described.robot import robot_of_description
 from stepbot.diagnostics import Diagnostics
+from stepbot.engines.describe import describe
+from stepbot.engines.observation import Request
 from stepbot.formats import format_named
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import main_file
 from stepbot.formats.urdf.chains import chains
 from stepbot.formats.urdf.grippers import groups
 from stepbot.formats.urdf.ros2.launch import gazebo_launch
+from stepbot.formats.urdf.ros2.moveit import yaml_text
 from stepbot.formats.urdf.ros2.package import ros2_package
 from stepbot.formats.urdf.ros2.xacro import GAZEBO_HARDWARE
 from stepbot.formats.urdf.writer import render
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.datasheet import accelerations
 from stepbot.robot.metadata import Metadata
-from stepbot.robot.model import Joint, JointKind, Limit, Link, Mimic, Robot
+from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit, Link, Mimic, Robot
 from stepbot.robot.standing import standing_height
 from stepbot.runtime.programs import sdf_programs
 from stepbot.runtime.robot_library import library_robot
 from stepbot_cli import main
 from tests.devices import equipped
 from tests.robots import floating_biped, gripper_with_mimic, odd_names, pendulum, tree, two_link_arm
+from tests.simulators.conftest import look
 
 from .conftest import Stepbot
 
@@ -72,8 +77,10 @@ def xacro(file: Path, **arguments: str) -> ET.Element:
 
 
 def plain(element: ET.Element) -> Any:
-    """Tag, attributes, text and children of an element."""
-    return element.tag, element.attrib, (element.text or "").strip(), [plain(child) for child in element]
+    """Tag, attributes, text and children of an element; a start is a number of YAML, whatever its digits."""
+    text = (element.text or "").strip()
+    text = str(float(text)) if element.get("name") == "initial_value" else text
+    return element.tag, element.attrib, text, [plain(child) for child in element]
 
 
 def written(robot: Robot, folder: Path) -> tuple[Robot, ET.Element]:
@@ -170,8 +177,8 @@ def test_the_package_is_complete(package: Path) -> None:
     urdf = ET.parse(package / "arm2.urdf").getroot()
     moving = {one.attrib["name"] for one in urdf.findall("joint") if one.attrib["type"] != "fixed"}
     settings = {path.name: YAML(typ="safe").load(path) for path in (package / "config").glob("*.yaml")}
-    manager = settings["controllers.yaml"]["controller_manager"]["ros__parameters"]
-    controller = settings["controllers.yaml"]["position_controller"]["ros__parameters"]
+    manager = settings["ros2_controllers.yaml"]["controller_manager"]["ros__parameters"]
+    controller = settings["ros2_controllers.yaml"]["position_controller"]["ros__parameters"]
     assert manager["position_controller"]["type"] == "joint_trajectory_controller/JointTrajectoryController"
     assert set(controller["joints"]) <= moving
     assert set(settings["joint_limits.yaml"]["joint_limits"]) <= moving
@@ -279,6 +286,112 @@ def test_the_launch_file_for_gazebo_starts_controllers(package: Path, monkeypatc
     assert set(spawned) == {name for name, value in manager.items() if isinstance(value, dict)}
     (created,) = (node for node in nodes if node["executable"] == "create")
     assert created["arguments"] == ["-topic", "robot_description", "-name", "arm2", "-z", "0.0"]
+
+
+def builder_of_moveit(share: Path) -> dict[str, Any]:
+    """What MoveIt's ``MoveItConfigsBuilder`` takes from a package without being given a file, as its sources state."""
+    load = YAML(typ="safe", pure=True).load
+    found = load(share / ".setup_assistant")["moveit_setup_assistant_config"]
+    assert found["urdf"]["package"] == PACKAGE
+    assert not list((share / "config").glob("*.urdf.xacro")), "it would be taken in place of the stated one"
+    names = {path.name.removesuffix("_controllers.yaml") for path in (share / "config").glob("*_controllers.yaml")}
+    assert "moveit" in names, "of several files it takes this one"
+    settings = ("kinematics", "joint_limits", "pilz_cartesian_limits", "moveit_controllers")
+    return {
+        "urdf": xacro(share / found["urdf"]["relative_path"]),
+        "srdf": ET.parse(share / found["srdf"]["relative_path"]).getroot(),
+        **{name: load(share / "config" / f"{name}.yaml") for name in settings},
+    }
+
+
+def test_moveit_finds_all_it_loads(package: Path) -> None:
+    """The builder finds a URDF, groups with solvers, controllers of driven joints and limits that are no integers."""
+    found = builder_of_moveit(package)
+    joints = {joint.attrib["name"] for joint in found["urdf"].iter("joint") if "type" in joint.attrib}
+    manager = found["moveit_controllers"]["moveit_simple_controller_manager"]
+    controllers = YAML(typ="safe").load(package / "config" / "ros2_controllers.yaml")
+    for name in manager["controller_names"]:
+        assert manager[name]["joints"] == controllers[name]["ros__parameters"]["joints"]
+        assert set(manager[name]["joints"]) <= joints
+    groups = {group.attrib["name"]: group for group in found["srdf"].iter("group")}
+    assert set(found["kinematics"]) == {name for name, group in groups.items() if group.find("chain") is not None}
+    for end in found["srdf"].iter("end_effector"):
+        assert {end.attrib["group"], end.attrib["parent_group"]} <= set(groups)
+    (virtual,) = found["srdf"].iter("virtual_joint")
+    assert virtual.attrib["child_link"] == "base"
+    for limits in (found["pilz_cartesian_limits"]["cartesian_limits"], *found["joint_limits"]["joint_limits"].values()):
+        assert all(isinstance(value, float | bool) for value in limits.values()), "ROS rejects integers there"
+
+
+def test_the_demo_starts_all_controllers(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With stand-ins for ROS and MoveIt the demo starts the controllers of its settings, with the written package."""
+    asked = []
+
+    class Builder:
+        package_path = package
+
+        def __init__(self, robot: str, package_name: str) -> None:
+            asked.append((robot, package_name))
+
+        def to_moveit_configs(self) -> "Builder":
+            return self
+
+    names = ("move_group", "moveit_rviz", "rsp", "static_virtual_joint_tfs")
+    makers = {f"generate_{name}_launch": lambda _, name=name: types.SimpleNamespace(entities=[name]) for name in names}
+    for name, content in {"": {"MoveItConfigsBuilder": Builder}, ".launches": makers}.items():
+        module = types.ModuleType(f"moveit_configs_utils{name}")
+        vars(module).update(content)
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+    actions = launched(package, "demo.launch.py", monkeypatch)
+    assert asked == [("arm2", PACKAGE)]
+    assert sorted(one for one in actions if isinstance(one, str)) == sorted(names)
+    nodes = [one for one in actions if isinstance(one, dict)]
+    (settings,) = (node["parameters"][0] for node in nodes if node["executable"] == "ros2_control_node")
+    manager = YAML(typ="safe").load(Path(settings))["controller_manager"]["ros__parameters"]
+    spawned = {node["arguments"][0] for node in nodes if node["executable"] == "spawner"}
+    assert spawned == {name for name, value in manager.items() if isinstance(value, dict)}
+
+
+def test_placeholders_start_in_the_drawn_pose(package: Path, tmp_path: Path) -> None:
+    """The drawn pose is in the URDF, in YAML, and in the xacro, where other positions can be given; it is read back."""
+    urdf = package / "arm2.urdf"
+    read = robot_of_description(describe(str(urdf), "urdf", (package.parent,)), "arm2", urdf.name).robot
+    stated = YAML(typ="safe").load(package / "config" / "initial_positions.yaml")["initial_positions"]
+    assert stated["elbow"] == pytest.approx(np.pi / 6)
+    assert {name: read.joint_by_name[name].drawn_position for name in stated} == stated
+    other = tmp_path / "other.yaml"
+    other.write_text("initial_positions: {elbow: 0.25}\n", encoding="utf-8")
+    made = xacro(package / "urdf" / "arm2.urdf.xacro", initial_positions_file=str(other))
+    path = "ros2_control/joint[@name='{}']/state_interface/param[@name='initial_value']"
+    assert float(made.findtext(path.format("elbow")) or "nan") == 0.25
+    assert float(made.findtext(path.format("shoulder")) or "nan") == stated["shoulder"], "the drawn pose elsewhere"
+
+
+def test_numbers_are_numbers_in_yaml_1_1() -> None:
+    """Python's launch files read YAML 1.1, in which `1e-05` is a text: it has a point, as ROS wants of a double."""
+    texts = yaml_text({"a": 1e-05, "b": 1e16, "c": 3.0, "d": 0.25, "e": 100}).split()[1::2]
+    assert texts == ["1.0e-05", "1.0e+16", "3.0", "0.25", "100"]
+    assert [float(text) for text in texts] == [1e-05, 1e16, 3.0, 0.25, 100.0]
+
+
+@pytest.mark.parametrize("kinds", [("position", "effort"), ("effort", "position")])
+def test_inputs_of_two_actuators_on_one_joint_are_read_back(kinds: tuple[str, str], tmp_path: Path) -> None:
+    """No tag of ROS 1 is needed: the first transmission of a joint has its first command interface, with its gear."""
+    robot = equipped()
+    words = {"position": ActuatorKind.POSITION, "effort": ActuatorKind.MOTOR}
+    gears = (5.0, 7.0)
+    actuators = tuple(
+        Actuator(f"{kind}_drive", "shoulder", words[kind], 10.0 * (kind == "position"), 0.0, gear)
+        for kind, gear in zip(kinds, gears, strict=True)
+    )
+    lowered = lower(replace(robot, actuators=actuators), URDF, Diagnostics())
+    file = tmp_path / "two.urdf"
+    file.write_bytes(render(lowered))
+    text = file.read_text(encoding="utf-8")
+    assert "hardwareInterface" not in text
+    assert "mechanicalReduction" not in text
+    seen = {one.name: (one.kind, one.gear) for one in look("extensions", Request(str(file), "urdf")).actuators or ()}
+    assert seen == {one.name: (one.kind.value, one.gear) for one in actuators}
 
 
 def test_a_floating_robot_stands_on_the_floor_of_gazebo() -> None:

@@ -178,7 +178,7 @@ def test_ros_gets_a_system_and_a_controller_for_each_module(
     }
     joints = [joint.get("name") for joint in urdf.iterfind("ros2_control/joint")]
     assert sorted(joints) == ["a_left_lift", "a_right_lift"]
-    settings = (tmp_path / "out/config/controllers.yaml").read_text(encoding="utf-8")
+    settings = (tmp_path / "out/config/ros2_controllers.yaml").read_text(encoding="utf-8")
     assert "left_position_controller:" in settings
     groups = ET.parse(tmp_path / "out/cell.srdf").getroot().findall("group")
     assert {group.get("name") for group in groups} == {"left", "right"}, "a free object is not planned for"

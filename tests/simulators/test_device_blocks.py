@@ -49,6 +49,8 @@ def _things(top: Any, blocks: tuple[str, ...]) -> Iterator[tuple[Any, str]]:
     model = top.find("model") if top.tag == "sdf" else top
     for block in (found for path in blocks for found in model.findall(path)):
         for element in block.iter():
+            if element.get("name") == "initial_value":  # a start, which no engine has: test_ros2.py reads it back
+                continue
             if element.tag not in NAMES_OF_IMAGES and element.text not in DEFAULTS.get(element.tag, ()):
                 yield element, ""
             yield from ((element, attribute) for attribute in element.attrib)

@@ -42,7 +42,6 @@ URDF = {
     "gain": ("equipped", r'(<param name="kp">)([^<]*)', 1.001, {"extensions"}, Q.ACTUATORS),
     "input": ("equipped", r'(<param name="max">)([^<]*)', 1.001, {"extensions"}, Q.ACTUATORS),
     "force": ("equipped", r'(<param name="max_effort">)([^<]*)', 1.001, {"extensions"}, Q.ACTUATORS),
-    "gear": ("equipped", r"(<mechanicalReduction>)([^<]*)", 1.001, {"extensions"}, Q.ACTUATORS),
     "reduction": ("equipped", r"(<mechanical_reduction>)([^<]*)", 1.001, {"extensions"}, Q.ACTUATORS),
     "rate": ("equipped", r"(<update_rate>)([^<]*)", 1.001, {"extensions"}, Q.SENSORS),
     "place of a sensor": (

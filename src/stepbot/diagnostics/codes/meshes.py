@@ -133,7 +133,7 @@ CODES = (
         "SB641",
         "note",
         "package without controllers",
-        "The robot has no actuators, so its ROS 2 package has neither `<ros2_control>` nor `controllers.yaml`. RViz "
+        "The robot has no actuators, so its ROS 2 package has neither `<ros2_control>` nor `ros2_controllers.yaml`. RViz "
         "moves the joints by sliders and MoveIt plans, but nothing carries a motion out. In Gazebo the joints move "
         "freely.",
         "Add actuators to the sidecar: `actuators: {elbow_motor: {joint: elbow, kind: position, gains: auto}}`.",

@@ -17,6 +17,7 @@ from stepbot.robot.surfaces import PLAIN, Surface
 from .. import engine_of
 from ..observation import EngineRefused, Observation, Request
 from ..urdf_chains import xml_root
+from ..urdf_extensions.ros2_control import initial_positions
 from ..urdf_versions import EXTRA_LIMITS, extra_limits, newer_than_stated, with_rpy
 from .description import DescribedShape, Description, Primitive
 from .meshes import MeshFiles
@@ -49,7 +50,7 @@ def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:
     materials = {_name(one): one for one in reversed(stated) if one.find("color") is not None}
     shapes = tuple(shape for link in top.findall("link") for shape in _shapes(link, files, materials))
     return Description(
-        observation,
+        replace(observation, initial=initial_positions(top)),
         X_PC,
         shapes,
         files.unread,

@@ -27,6 +27,7 @@ _CONTROL = {
     "joint/command_interface": "name",
     "joint/command_interface/param": "name",
     "joint/state_interface": "name",
+    "joint/state_interface/param[initial_value]": "name",
     "sensor": "name",
     "sensor/state_interface": "name",
     "sensor/param": "name",
@@ -112,6 +113,6 @@ URDF = Vocabulary(
         "plugin": "simulator plugins and hardware interfaces are set up anew",
         "drake:proximity_properties": "contact properties are those of the formats' defaults",
     },
-    kinds={"robot/joint": "type"},
+    kinds={"robot/joint": "type", "robot/ros2_control/joint/state_interface/param": "name"},
     twins={"robot/gazebo/mu2": "mu1"},
 )

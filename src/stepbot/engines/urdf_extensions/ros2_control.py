@@ -3,7 +3,8 @@
 https://control.ros.org/rolling/doc, http://wiki.ros.org/urdf/XML/Transmission
 """
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import inf, isnan
 from typing import TYPE_CHECKING
@@ -90,12 +91,18 @@ def observed_actuators(top: Element) -> Iterator[ObservedActuator]:
     """
     old = {one.get("name", ""): one for one in top.findall("transmission")}
     taken: set[tuple[str, str]] = set()
+    before: Counter[str] = Counter()
     for element in top.findall(_TRANSMISSION):
-        actuator = _behind_gear(element, old.pop(element.get("name", ""), None), top)
+        joint = _name_of(element.find("joint"))
+        actuator = _behind_gear(element, old.pop(element.get("name", ""), None), _inputs(top, joint), before[joint])
+        before[joint] += 1
         taken.add((actuator.joint, actuator.kind))
         yield actuator
     for element in old.values():
         joint, word, gear = _of_ros_1(element)
+        if not word and (inputs := _inputs(top, joint)):
+            word = inputs[0].get("name", "")
+            word = _COMMANDS[word].value if word in _COMMANDS else word
         taken.add((joint, word))
         yield ObservedActuator(element.get("name", ""), joint, word, None, None, gear)
     for holder in top.findall("ros2_control/joint"):
@@ -106,39 +113,61 @@ def observed_actuators(top: Element) -> Iterator[ObservedActuator]:
                 yield _commanded("", joint, kind, command, 1.0)
 
 
-def _behind_gear(element: Element, old: Element | None, top: Element) -> ObservedActuator:
-    """An actuator with a transmission in `<ros2_control>`; the ROS 1 transmission of the same name gives its input."""
-    motor, driven = element.find("actuator"), element.find("joint")
-    name = "" if motor is None else motor.get("name", "")
-    joint = "" if driven is None else driven.get("name", "")
-    gear = number_at(driven, "mechanical_reduction", 1.0)
-    inputs = {
-        command.get("name", ""): command
+def initial_positions(top: Element) -> dict[str, float]:
+    """The positions [rad], [m] in which placeholders and simulators start."""
+    path = "state_interface[@name='position']/param[@name='initial_value']"
+    found = {one.get("name", ""): one.find(path) for one in top.findall("ros2_control/joint")}
+    return {joint: _one(parameter) for joint, parameter in found.items() if parameter is not None}
+
+
+def _inputs(top: Element, joint: str) -> list[Element]:
+    return [
+        command
         for holder in top.findall("ros2_control/joint")
         if holder.get("name") == joint
         for command in holder.findall("command_interface")
-    }
-    if old is None:
-        word = next(iter(inputs), "")
-        kind = _COMMANDS.get(word)
-    else:
+    ]
+
+
+def _behind_gear(element: Element, old: Element | None, inputs: Sequence[Element], before: int) -> ObservedActuator:
+    """An actuator with a transmission in `<ros2_control>`.
+
+    Args:
+        element: The transmission.
+        old: The transmission of ROS 1 of the same name, which may give the input.
+        inputs: The command interfaces of the joint; without a transmission of ROS 1 the first transmission takes the
+            first, and further ones that are left over the last.
+        before: Number of transmissions of this joint before this one.
+    """
+    name, joint = _name_of(element.find("actuator")), _name_of(element.find("joint"))
+    gear = number_at(element.find("joint"), "mechanical_reduction", 1.0)
+    command = inputs[min(before, len(inputs) - 1)] if inputs else None
+    if old is not None:
         joint_1, kind_1, gear_1 = _of_ros_1(old)
-        kind = next((one for one in ActuatorKind if one.value == kind_1), None)
-        word = next((word for word, one in _COMMANDS.items() if one is kind), "")
-        if (joint_1, gear_1) != (joint, gear):
+        if joint_1 != joint or (gear_1 != gear and old.find("actuator/mechanicalReduction") is not None):
             return ObservedActuator(name, joint, f"{kind_1} with another <transmission> on {joint_1}", gear=gear)
-    if kind is None or word not in inputs:
+        if kind_1:
+            command = next((one for one in inputs if _kind_of(one) == kind_1), None)
+    kind = None if command is None else _kind_of(command)
+    if command is None or kind is None:
         return ObservedActuator(name, joint, "actuator without a matching <command_interface>", gear=gear)
-    return _commanded(name, joint, kind, inputs[word], gear)
+    return _commanded(name, joint, kind, command, gear)
+
+
+def _kind_of(command: Element) -> ActuatorKind | None:
+    return _COMMANDS.get(command.get("name", ""))
+
+
+def _name_of(element: Element | None) -> str:
+    return "" if element is None else element.get("name", "")
 
 
 def _of_ros_1(element: Element) -> tuple[str, str, float]:
     """Joint, kind and gear of a transmission."""
-    joint, motor = element.find("joint"), element.find("actuator")
     interface = (element.findtext("joint/hardwareInterface") or "").strip()
     kind = _INTERFACES.get(interface)
-    gear = number_at(motor, "mechanicalReduction", 1.0)
-    return ("" if joint is None else joint.get("name", "")), (kind.value if kind else interface), gear
+    gear = number_at(element.find("actuator"), "mechanicalReduction", 1.0)
+    return _name_of(element.find("joint")), (kind.value if kind else interface), gear
 
 
 def _commanded(name: str, joint: str, kind: ActuatorKind, command: Element, gear: float) -> ObservedActuator:
@@ -182,8 +211,6 @@ def faults(top: Element) -> Iterator[str]:
                 yield f"transmission '{element.get('name', '')}': roles 'actuator1' and 'joint1' expected"
     for element in top.findall("transmission"):
         yield from _transmission_faults(element, "type")
-        if element.find("actuator/mechanicalReduction") is None:
-            yield f"transmission '{element.get('name', '')}': its actuator needs a <mechanicalReduction>"
     old, new = ([one.get("name", "") for one in top.findall(path)] for path in ("transmission", _TRANSMISSION))
     for name in sorted(set(old) ^ set(new)) if old and new else ():
         where = "<robot>" if name in old else "<ros2_control>"

@@ -1,8 +1,8 @@
 """Actuators and sensors for ros2_control in a URDF: https://control.ros.org/rolling/doc.
 
 The hardware plugin depends on the hardware or the simulator: the written one is a placeholder of ros2_control that
-mirrors every command. Inputs and limits are given at the joint. Gears are transmissions, repeated in the older format
-of ROS 1.
+mirrors every command. Inputs and limits are given at the joint. Gears are transmissions: the first of a joint takes the
+joint's first command interface, and so on.
 """
 
 from collections.abc import Sequence
@@ -17,8 +17,11 @@ from .chains import module_of_joint
 
 HARDWARE = "mock_components/GenericSystem"
 """Placeholder for the hardware plugin, to be replaced in the user's configuration."""
+INITIAL = "initial_value"
+"""Parameter with the position in which a placeholder, or Gazebo, starts."""
 _SIMPLE = "transmission_interface/SimpleTransmission"
-_COMMANDS = {ActuatorKind.POSITION: "position", ActuatorKind.VELOCITY: "velocity", ActuatorKind.MOTOR: "effort"}
+COMMANDS = {ActuatorKind.POSITION: "position", ActuatorKind.VELOCITY: "velocity", ActuatorKind.MOTOR: "effort"}
+"""The command interface of each kind of actuator."""
 _STATES = ("position", "velocity", "effort")
 _READINGS = {
     SensorKind.IMU: (
@@ -33,14 +36,12 @@ _READINGS = {
 
 
 def transmissions(top: Element, robot: Robot) -> None:
-    """Add a transmission for every actuator, between its motor and its joint."""
+    """Add a transmission for every actuator, by which Drake finds its joint; Drake reads no kind and no gear there."""
     for actuator in robot.actuators:
         xml = element(top, "transmission", name=actuator.name)
         element(xml, "type", _SIMPLE)
-        interface = f"hardware_interface/{_COMMANDS[actuator.kind].capitalize()}JointInterface"
-        element(element(xml, "joint", name=actuator.joint), "hardwareInterface", interface)
-        motor = element(xml, "actuator", name=actuator.name)
-        element(motor, "mechanicalReduction", actuator.gear)
+        element(xml, "joint", name=actuator.joint)
+        element(xml, "actuator", name=actuator.name)
 
 
 def systems(robot: Robot) -> dict[str, str]:
@@ -70,7 +71,9 @@ def _system(system: Element, robot: Robot, actuators: Sequence[Actuator], sensor
             if actuator.joint == name:
                 _command(joint, actuator, robot)
         for state in _STATES:
-            element(joint, "state_interface", name=state)
+            interface = element(joint, "state_interface", name=state)
+            if state == "position":
+                element(interface, "param", robot.joint_by_name[name].drawn_position, name=INITIAL)
     for sensor in sensors:
         xml = element(system, "sensor", name=sensor.name)
         for reading in _READINGS[sensor.kind]:
@@ -87,7 +90,7 @@ def _system(system: Element, robot: Robot, actuators: Sequence[Actuator], sensor
 
 
 def _command(joint: Element, actuator: Actuator, robot: Robot) -> None:
-    command = element(joint, "command_interface", name=_COMMANDS[actuator.kind])
+    command = element(joint, "command_interface", name=COMMANDS[actuator.kind])
     driven = robot.joint_by_name[actuator.joint]
     low, high = joint_range(actuator, driven)
     parameters = {"min": low, "max": high}

@@ -103,7 +103,7 @@ EXPRESSES = {
     Feature.FRAME: lowered("frames are massless links on fixed joints"),
     Feature.ACTUATOR: lowered("actuators are in `<ros2_control>` and `<transmission>`"),
     Feature.SECOND_ACTUATOR: exact("as any actuator"),
-    Feature.GEAR: exact("`<mechanicalReduction>`"),
+    Feature.GEAR: exact("`<mechanical_reduction>` in `<ros2_control>`"),
     Feature.ACTUATOR_INPUT: exact("`min`, `max` of the command interface"),
     Feature.UNLIMITED_ACTUATOR: exact("no limit"),
     Feature.JOINT_SENSOR: lowered("joint sensors are in `<ros2_control>`"),

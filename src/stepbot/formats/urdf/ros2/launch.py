@@ -1,12 +1,16 @@
 """A launch file and settings of RViz, to look at the robot and move its joints."""
 
+from collections.abc import Mapping
+from typing import Any
+
 from stepbot.robot.model import Base, Robot
 from stepbot.robot.sensors import SensorKind
 from stepbot.robot.standing import standing_height
 
 from ...lowering.masses import massless_bodies
 from ...sdformat.sensors import topic_of
-from .moveit import controller_names
+from ..grippers import groups
+from .moveit import controller_names, yaml_text
 from .xacro import GAZEBO_HARDWARE, LEAST_MASS
 
 _MESSAGES = {
@@ -58,33 +62,100 @@ def generate_launch_description():
 
 def rviz(robot: Robot) -> str:
     """Grid, robot and frames, seen from the root link."""
-    from .moveit import yaml_text
+    model = {
+        "Class": "rviz_default_plugins/RobotModel",
+        "Name": "RobotModel",
+        "Enabled": True,
+        "Description Source": "Topic",
+        "Description Topic": {"Value": "/robot_description"},
+    }
+    frames = {"Class": "rviz_default_plugins/TF", "Name": "TF", "Enabled": False}
+    return _settings(robot.root.name, model, frames)
 
-    displays = [
-        {"Class": "rviz_default_plugins/Grid", "Name": "Grid", "Enabled": True},
-        {
-            "Class": "rviz_default_plugins/RobotModel",
-            "Name": "RobotModel",
-            "Enabled": True,
-            "Description Source": "Topic",
-            "Description Topic": {"Value": "/robot_description"},
-        },
-        {"Class": "rviz_default_plugins/TF", "Name": "TF", "Enabled": False},
-    ]
-    tools = [{"Class": f"rviz_default_plugins/{name}"} for name in ("MoveCamera", "Select", "FocusCamera", "Measure")]
+
+def moveit_rviz(robot: Robot) -> str:
+    """The panel in which MoveIt plans and shows its paths, with the drawn pose as the start."""
+    group = groups(robot)[0][0].name
+    planning = {
+        "Class": "moveit_rviz_plugin/MotionPlanning",
+        "Name": "MotionPlanning",
+        "Enabled": True,
+        "Planning Request": {"Planning Group": group, "Interactive Marker Size": 0, "Query Goal State": True},
+        "Planned Path": {"Trajectory Topic": "display_planned_path", "Loop Animation": False},
+        "Planning Scene Topic": "monitored_planning_scene",
+        "Robot Description": "robot_description",
+        "Scene Robot": {"Robot Alpha": 0.5},
+    }
+    return _settings("world", planning)
+
+
+def _settings(fixed: str, *shown: Mapping[str, Any]) -> str:
+    grid = {"Class": "rviz_default_plugins/Grid", "Name": "Grid", "Enabled": True}
+    tools = ("Interact", "MoveCamera", "Select", "FocusCamera", "Measure")
     return yaml_text(
         {
             "Panels": [{"Class": "rviz_common/Displays", "Name": "Displays"}],
             "Visualization Manager": {
                 "Class": "",
-                "Displays": displays,
+                "Displays": [grid, *shown],
                 "Enabled": True,
-                "Global Options": {"Fixed Frame": robot.root.name, "Frame Rate": 30},
-                "Tools": tools,
+                "Global Options": {"Fixed Frame": fixed, "Frame Rate": 30},
+                "Tools": [{"Class": f"rviz_default_plugins/{name}"} for name in tools],
                 "Views": {"Current": {"Class": "rviz_default_plugins/Orbit", "Name": "Current View", "Distance": 2}},
             },
         }
     )
+
+
+def demo_launch(robot: Robot, package: str) -> str:
+    """Starts MoveIt with its panel of RViz, and controllers with the placeholder of the hardware.
+
+    Without actuators a publisher of joint states takes their place, which holds the drawn pose: paths are planned only.
+    """
+    drawn = {"rate": 10} | {
+        f"zeros.{joint.name}": joint.drawn_position for joint in robot.joints if joint.drawn_position
+    }
+    publisher = "joint_state_publisher"
+    moved = f"""\
+    actions.append(Node(package="{publisher}", executable="{publisher}", parameters=[{drawn!r}]))"""
+    if robot.actuators:
+        moved = f"""\
+    actions.append(
+        Node(
+            package="controller_manager",
+            executable="ros2_control_node",
+            parameters=[str(moveit.package_path / "config" / "ros2_controllers.yaml")],
+            remappings=[("/controller_manager/robot_description", "/robot_description")],
+        )
+    )
+    for name in {controller_names(robot)!r}:
+        actions.append(Node(package="controller_manager", executable="spawner", arguments=[name]))"""
+    return f'''\
+"""ros2 launch {package} demo.launch.py: plan in RViz, and move the placeholder of the hardware."""
+
+from launch import LaunchDescription
+from launch_ros.actions import Node
+from moveit_configs_utils import MoveItConfigsBuilder
+from moveit_configs_utils.launches import (
+    generate_move_group_launch,
+    generate_moveit_rviz_launch,
+    generate_rsp_launch,
+    generate_static_virtual_joint_tfs_launch,
+)
+
+
+def generate_launch_description():
+    moveit = MoveItConfigsBuilder({robot.name!r}, package_name={package!r}).to_moveit_configs()
+    started = [
+        generate_static_virtual_joint_tfs_launch(moveit),
+        generate_rsp_launch(moveit),
+        generate_move_group_launch(moveit),
+        generate_moveit_rviz_launch(moveit),
+    ]
+    actions = [action for one in started for action in one.entities]
+{moved}
+    return LaunchDescription(actions)
+'''
 
 
 def bridged(robot: Robot) -> list[str]:
@@ -135,7 +206,7 @@ def generate_launch_description():
     gazebo = Path(get_package_share_directory("ros_gz_sim")) / "launch" / "gz_sim.launch.py"
     command = f"xacro '{{share / 'urdf' / {robot.name + ".urdf.xacro"!r}}}'{{ARGUMENTS}}"
     if CONTROLLERS:
-        command += f" controllers:='{{share / 'config' / 'controllers.yaml'}}'"
+        command += f" controllers:='{{share / 'config' / 'ros2_controllers.yaml'}}'"
     description = ParameterValue(Command([command]), value_type=str)
     return LaunchDescription(
         [

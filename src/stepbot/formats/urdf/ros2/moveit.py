@@ -10,13 +10,15 @@ from stepbot.robot.model import ActuatorKind, Limit, Robot
 
 from ...lowering.joints import UNLIMITED
 from ..chains import Chain, module_of_joint
+from ..ros2_control import COMMANDS
 
 UPDATE_RATE = 100
 """[Hz]"""
+_FORWARD = "forward_command_controller/ForwardCommandController"
 CONTROLLERS = {
     ActuatorKind.POSITION: ("position_controller", "joint_trajectory_controller/JointTrajectoryController"),
-    ActuatorKind.VELOCITY: ("velocity_controller", "velocity_controllers/JointGroupVelocityController"),
-    ActuatorKind.MOTOR: ("effort_controller", "effort_controllers/JointGroupEffortController"),
+    ActuatorKind.VELOCITY: ("velocity_controller", _FORWARD),
+    ActuatorKind.MOTOR: ("effort_controller", _FORWARD),
 }
 """For each kind of actuator, the controller of its joints."""
 _BROADCASTER = "joint_state_broadcaster"
@@ -41,7 +43,7 @@ def controller_names(robot: Robot) -> list[str]:
 
 
 def controllers(robot: Robot) -> str:
-    """``controllers.yaml``: a broadcaster of joint states, and a controller for each kind of actuator of a module."""
+    """``ros2_controllers.yaml``: a broadcaster of joint states, a controller for each kind of actuator of a module."""
     types: dict[str, Any] = {_BROADCASTER: {"type": f"{_BROADCASTER}/JointStateBroadcaster"}}
     settings: dict[str, Mapping[str, Any]] = {}
     for kind, (_, type_) in CONTROLLERS.items():
@@ -52,7 +54,7 @@ def controllers(robot: Robot) -> str:
                 "state_interfaces": ["position", "velocity"],
                 "allow_partial_joints_goal": True,  # MoveIt moves one group at a time
             }
-            more = interfaces if kind is ActuatorKind.POSITION else {}
+            more = interfaces if kind is ActuatorKind.POSITION else {"interface_name": COMMANDS[kind]}
             settings[name] = {"ros__parameters": {"joints": joints, **more}}
     manager = {"controller_manager": {"ros__parameters": {"update_rate": UPDATE_RATE, **types}}}
     return yaml_text({**manager, **settings})
@@ -82,7 +84,9 @@ def _lines(value: Mapping[str, Any], indent: str) -> Iterator[str]:
 def _scalar(value: Any) -> str:
     if isinstance(value, str) and value.isidentifier() and value.lower() not in _WORDS:
         return value
-    return json.dumps(value, ensure_ascii=False)
+    text = json.dumps(value, ensure_ascii=False)
+    # YAML 1.1, as launch files read it, takes a number without a point for a text
+    return text.replace("e", ".0e") if isinstance(value, float) and "." not in text else text
 
 
 _WORDS = frozenset({"true", "false", "yes", "no", "on", "off", "null", "y", "n", "nan", "inf"})
@@ -97,6 +101,25 @@ def kinematics(found: Sequence[Chain]) -> str:
         "kinematics_solver_timeout": 0.05,
     }
     return yaml_text({chain.name: solver for chain in found})
+
+
+def cartesian_limits() -> str:
+    """``pilz_cartesian_limits.yaml``, which MoveIt's builder of settings needs: the values of its setup assistant."""
+    limits = {"max_trans_vel": 1.0, "max_trans_acc": 2.25, "max_trans_dec": -5.0, "max_rot_vel": 1.57}
+    return yaml_text({"cartesian_limits": limits})
+
+
+def initial_positions(robot: Robot) -> str:
+    """``initial_positions.yaml``: where the placeholder of the hardware and Gazebo start, the drawn pose."""
+    driven = dict.fromkeys(actuator.joint for actuator in robot.actuators)
+    return yaml_text({"initial_positions": {name: robot.joint_by_name[name].drawn_position for name in driven}})
+
+
+def setup_assistant(robot: Robot, package: str) -> str:
+    """``.setup_assistant``, by which MoveIt finds the URDF and the SRDF."""
+    urdf = {"package": package, "relative_path": f"urdf/{robot.name}.urdf.xacro"}
+    srdf = {"relative_path": f"{robot.name}.srdf"}
+    return yaml_text({"moveit_setup_assistant_config": {"urdf": urdf, "srdf": srdf}})
 
 
 def joint_limits(robot: Robot, allowed: Mapping[str, float]) -> str:

@@ -1,6 +1,6 @@
 """All files of the package beside the URDF, its SRDF and its meshes."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 
 from stepbot.diagnostics import Diagnostics, Span
@@ -9,18 +9,29 @@ from stepbot.robot.model import JointKind, MeshFormat, Robot
 
 from ...xml import document, element, root
 from ..grippers import groups
-from .launch import gazebo_launch, rviz, view_launch
-from .moveit import controllers, joint_limits, kinematics, moveit_controllers
+from .launch import demo_launch, gazebo_launch, moveit_rviz, rviz, view_launch
+from .moveit import (
+    cartesian_limits,
+    controllers,
+    initial_positions,
+    joint_limits,
+    kinematics,
+    moveit_controllers,
+    setup_assistant,
+)
 from .xacro import instance_xacro, macro_xacro
 
 MANIFEST = "package.xml"
 _RUN = ("robot_state_publisher", "joint_state_publisher_gui", "rviz2", "ros_gz_bridge", "ros_gz_sim", "xacro")
 _CONTROL = ("controller_manager", "gz_ros2_control", "ros2_controllers")
 """Further packages for a robot with actuators."""
+_PLAN = ("moveit", "moveit_configs_utils")
+"""Further packages for a robot with groups."""
+_ASSISTANT = ".setup_assistant"
 UNKNOWN = "unknown"
 
 
-def package_xml(robot: Robot, package: str) -> str:
+def package_xml(robot: Robot, package: str, further: Iterable[str]) -> str:
     """The manifest; a maintainer or licence that the sidecar does not state is unknown."""
     metadata = robot.metadata
     top = root("package", robot.source, format="3")
@@ -30,16 +41,16 @@ def package_xml(robot: Robot, package: str) -> str:
     element(top, "maintainer", metadata.maintainer or UNKNOWN, email=metadata.email or f"{UNKNOWN}@example.com")
     element(top, "license", metadata.license or UNKNOWN)
     element(top, "buildtool_depend", "ament_cmake")
-    for name in (*_RUN, *(_CONTROL if robot.actuators else ())):
+    for name in (*_RUN, *further):
         element(top, "exec_depend", name)
     element(element(top, "export"), "build_type", "ament_cmake")
     return document(top).decode()
 
 
-def cmake_lists(robot: Robot, package: str) -> str:
-    """Installs the URDF, its SRDF, and all folders."""
+def cmake_lists(robot: Robot, package: str, further: Iterable[str]) -> str:
+    """Installs the URDF, its SRDF, further files, and all folders."""
     name = _quoted(robot.name)
-    files = " ".join(f'"{name}.{suffix}"' for suffix in ("urdf", "srdf"))
+    files = " ".join([*(f'"{name}.{suffix}"' for suffix in ("urdf", "srdf")), *further])
     folders = " ".join(["config", "launch", *(["meshes"] if MeshFiles(robot).all else []), "rviz", "urdf"])
     return f"""\
 cmake_minimum_required(VERSION 3.8)
@@ -73,18 +84,27 @@ def ros2_package(robot: Robot, package: str, allowed: Mapping[str, float]) -> di
             loops, allow each joint.
     """
     found, _ = groups(robot)
+    needed = (*(_CONTROL if robot.actuators else ()), *(_PLAN if found else ()))
     texts = {
-        MANIFEST: package_xml(robot, package),
-        "CMakeLists.txt": cmake_lists(robot, package),
+        MANIFEST: package_xml(robot, package, needed),
+        "CMakeLists.txt": cmake_lists(robot, package, [_ASSISTANT] if found else ()),
         "launch/view.launch.py": view_launch(robot, package),
         "launch/gazebo.launch.py": gazebo_launch(robot, package),
         "rviz/view.rviz": rviz(robot),
-        "config/kinematics.yaml": kinematics(found),
         "config/joint_limits.yaml": joint_limits(robot, allowed),
     }
+    if found:
+        texts |= {
+            _ASSISTANT: setup_assistant(robot, package),
+            "config/kinematics.yaml": kinematics(found),
+            "config/pilz_cartesian_limits.yaml": cartesian_limits(),
+            "config/moveit.rviz": moveit_rviz(robot),
+            "config/moveit_controllers.yaml": moveit_controllers(robot),
+            "launch/demo.launch.py": demo_launch(robot, package),
+        }
     if robot.actuators:
-        texts["config/controllers.yaml"] = controllers(robot)
-        texts["config/moveit_controllers.yaml"] = moveit_controllers(robot)
+        texts["config/ros2_controllers.yaml"] = controllers(robot)
+        texts["config/initial_positions.yaml"] = initial_positions(robot)
     files = {path: text.encode() for path, text in texts.items()}
     files[f"urdf/{robot.name}.macro.xacro"] = macro_xacro(robot, package)
     files[f"urdf/{robot.name}.urdf.xacro"] = instance_xacro(robot)

@@ -9,7 +9,7 @@ from stepbot.robot.renaming import renamed
 from ...lowering.masses import massless_bodies
 from ...xml import Element, document, element, root
 from ..package import with_package
-from ..ros2_control import HARDWARE, systems
+from ..ros2_control import HARDWARE, INITIAL, systems
 
 _XACRO = "http://www.ros.org/wiki/xacro"
 _PREFIX = "${prefix}"
@@ -18,6 +18,8 @@ GAZEBO_PLUGIN = "gz_ros2_control::GazeboSimROS2ControlPlugin"
 GAZEBO_HARDWARE = "gz_ros2_control/GazeboSimSystem"
 _CONTROL = {"hardware": f"'{HARDWARE}'", "controllers": "''"}
 """The plugin of ros2_control, and the settings of its controllers if Gazebo is to run them."""
+_START = "initial_positions"
+_POSITIONS = f"{_START}_file"
 LEAST_MASS = 1e-5
 """Mass [kg] at which libsdformat keeps a moving link that has none: it takes up to 1e-6 kg for no mass."""
 _GYRATION = 1e-3
@@ -38,7 +40,8 @@ def macro_xacro(robot: Robot, package: str) -> bytes:
     from ..writer import content
 
     top = _top(robot.source)
-    parameters = " ".join(f"{name}:={value}" for name, value in _parameters(robot).items())
+    given = _parameters(robot) | ({_START: "${dict()}"} if robot.actuators else {})
+    parameters = " ".join(f"{name}:={value}" for name, value in given.items())
     macro = element(top, _tag("macro"), name=macro_name(robot), params=parameters)
     mounted = element(macro, _tag("if"), value="${parent != ''}")
     joint = element(mounted, "joint", name=f"{_PREFIX}mount", type="fixed")
@@ -62,6 +65,9 @@ def instance_xacro(robot: Robot) -> bytes:
     for name, value in defaults.items():
         element(top, _tag("arg"), name=name, default=value.strip("'"))
     parameters = {name: f"$(arg {name})" for name in defaults}
+    if robot.actuators:
+        element(top, _tag("arg"), name=_POSITIONS, default=f"../config/{_START}.yaml")
+        parameters[_START] = f"${{xacro.load_yaml('$(arg {_POSITIONS})')['{_START}']}}"
     world = element(top, _tag("if"), value="${'$(arg parent)' == 'world'}")
     element(world, "link", name="world")
     element(top, _tag(macro_name(robot)), **parameters)
@@ -94,7 +100,14 @@ def _hardware(robot: Robot) -> list[str]:
 
 
 def _control(macro: Element, robot: Robot) -> None:
-    """Let the caller choose the hardware, and Gazebo run the controllers: https://control.ros.org/rolling/doc/gz_ros2_control."""
+    """Let the caller choose the hardware and the start, and Gazebo run the controllers.
+
+    https://control.ros.org/rolling/doc/gz_ros2_control
+    """
+    names = {_prefixed(joint.name): _literal(joint.name) for joint in robot.joints}
+    for joint in macro.iterfind("ros2_control/joint"):
+        for start in joint.iterfind(f"state_interface/param[@name='{INITIAL}']"):
+            start.text = f"${{{_START}.get({names[str(joint.get('name'))]}, '{start.text}')}}"
     for plugin, own in zip(macro.iterfind("ros2_control/hardware/plugin"), _hardware(robot), strict=True):
         plugin.text = f"${{{own} or hardware}}" if own else "${hardware}"
     gazebo = element(element(macro, _tag("if"), value="${controllers != ''}"), "gazebo")
@@ -123,6 +136,15 @@ def _prefixed(name: str) -> str:
 def _escaped(text: str) -> str:
     """A name that xacro evaluates to itself: dollars, which begin expressions, are written by their code."""
     return re.sub(r"\$+", lambda dollars: "${'" + r"\x24" * len(dollars[0]) + "'}", text)
+
+
+def _literal(name: str) -> str:
+    """A name as a text in an expression of xacro."""
+    return (
+        "'"
+        + "".join(one if one.isascii() and (one.isalnum() or one == "_") else f"\\U{ord(one):08x}" for one in name)
+        + "'"
+    )
 
 
 def _tag(name: str) -> str:
