@@ -32,11 +32,11 @@ SAME, DIFFERENT, COULD_NOT_RUN = 0, 1, 2
 _OF_STEPS = {
     "renamed": "SB314",
     "probably renamed": "SB311",
-    "removed": "SB316",
-    "added": "SB317",
-    "moved": "SB318",
-    "reshaped": "SB319",
-    "material": "SB319",
+    "removed": "SB316:lost",
+    "added": "SB316:gained",
+    "moved": "SB318:pose",
+    "reshaped": "SB318:shape",
+    "material": "SB318:shape",
 }
 """Codes of differences of STEP files in the output for other programs; those of robots have the code of `verify`."""
 _STEP = (".step", ".stp", ".p21", ".stpz")

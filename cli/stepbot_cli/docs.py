@@ -11,8 +11,9 @@ import click
 
 import stepbot
 from stepbot.diagnostics import did_you_mean
+from stepbot.diagnostics.codes import CODES, current
 
-from .command import Command, json_option
+from .command import Command, full_code, json_option
 from .terminal import write_json, write_result
 
 _PACKAGE = Path(stepbot.__file__).parent
@@ -52,7 +53,8 @@ def command(word: str | None, no_open: bool, as_json: bool) -> int:
     if folder is None:
         raise click.UsageError("this installation has no documentation")
     sections = [section for path in sorted(folder.glob("*.md")) for section in _sections(path)]
-    matches = matching(sections, word or _MAP)
+    codes = current(full_code(word or ""))
+    matches = matching(sections, CODES[codes[0]].id if codes else word or _MAP)
     if not matches:
         names = dict.fromkeys(section.page for section in sections)
         near = "".join(did_you_mean(word or "", names)) or f"pages: {', '.join(names)}"

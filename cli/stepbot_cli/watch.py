@@ -58,7 +58,7 @@ def command(
 
     found = Diagnostics()
     if not watching.can_watch():
-        found.add("SB021", "watchfiles is not installed", Span("stepbot"))
+        found.add("SB003", "watchfiles is not installed", Span("stepbot"))
         return _refuse(found, as_json, display)
     sessions = _sessions(sidecars, output, options, found)
     if found.has_errors:

@@ -29,8 +29,8 @@ def test_base_and_packages_are_options_of_all_conversions(cart: Path, stepbot: S
     other = stepbot(*command)
     assert other.code == 1
     assert "SB007" in other.out
-    assert "SB868" in stepbot("check", "cart.urdf").out
-    assert "SB868" not in stepbot("check", "cart.urdf", "--base", "floating").out
+    assert "SB874:base" in stepbot("check", "cart.urdf").out
+    assert "SB874:base" not in stepbot("check", "cart.urdf", "--base", "floating").out
 
 
 @pytest.mark.parametrize(

@@ -121,8 +121,8 @@ def test_binary_content_has_no_frame(tmp_path: Path, content: bytes) -> None:
 
 def test_footer_explains_the_first_error() -> None:
     """The footer names the code of the first error, else of the first warning, never of a note."""
-    found = [Diagnostic(c, s, "m", Span("a")) for c, s in (("SB505", "note"), ("SB305", "warning"), ("SB130", "error"))]
-    assert diagnostic_text.summary(found) == "1 error, 1 warning, 1 note (more: stepbot explain SB130)"
+    found = [Diagnostic(c, s, "m", Span("a")) for c, s in (("SB505", "note"), ("SB305", "warning"), ("SB450", "error"))]
+    assert diagnostic_text.summary(found) == "1 error, 1 warning, 1 note (more: stepbot explain SB450)"
     assert diagnostic_text.summary(found[:2]) == "1 warning, 1 note (more: stepbot explain SB305)"
     assert diagnostic_text.summary(found[:1]) == "1 note"
 

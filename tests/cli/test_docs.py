@@ -29,8 +29,8 @@ def opened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
         (None, "index", "documentation"),
         ("sidecar", "sidecar", ""),
         ("sidecar.md", "sidecar", ""),
-        ("SB130", "diagnostics", "sb130-unknown-link"),
-        ("sb130", "diagnostics", "sb130-unknown-link"),
+        ("SB130:link", "diagnostics", "sb130-unknown-name"),
+        ("sb131", "diagnostics", "sb130-unknown-name"),
         ("the install", "performance", "the-install"),
         ("completion", "commands", "shell-completion"),
     ],
@@ -47,8 +47,8 @@ def test_opens_the_site(word: str | None, page: str, anchor: str, opened: list[s
 def test_prints_without_a_site(stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the site the section is printed; an unknown word lists the pages."""
     monkeypatch.setattr(docs, "_SITES", ())
-    assert stepbot("docs", "SB130").out.startswith("### SB130: unknown link\n")
-    assert json.loads(stepbot("docs", "SB130", "--json").out)["url"] is None
+    assert stepbot("docs", "SB130:link").out.startswith("### SB130: unknown name\n")
+    assert json.loads(stepbot("docs", "SB130:link", "--json").out)["url"] is None
     run = stepbot("docs", "xyzzyx")
     assert run.code == 2
     assert "nothing about 'xyzzyx'" in run.err

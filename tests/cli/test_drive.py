@@ -96,7 +96,7 @@ def test_a_failure_names_place_number_limit_and_remedy(folder: Path, stepbot: St
     [
         (("nowhere",), "SB001", "file not found"),
         (("arm/report.json",), "SB833", "no file .xml of the report's robot"),
-        (("arm", "--limits", "none.json"), "SB834", "cannot be read"),
+        (("arm", "--limits", "none.json"), "SB833", "cannot be read"),
         (("broken",), "SB833", "report.json is not JSON"),
         (("list",), "SB833", "report.json has no robot"),
         (("poor",), "SB833", "report.json is not the report of a robot"),

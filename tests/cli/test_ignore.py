@@ -64,7 +64,7 @@ def test_results_in_the_cache_know_what_was_ignored(
     assert stepbot(*check, "--ignore", "SB505").out == ignoring.out
 
 
-@pytest.mark.parametrize(("code", "message"), [("SB130", "SB130 is an error"), ("SB50", "unknown code 'SB50'")])
+@pytest.mark.parametrize(("code", "message"), [("SB450", "SB450 is an error"), ("SB50", "unknown code 'SB50'")])
 def test_errors_cannot_be_ignored(arm: Path, stepbot: Stepbot, code: str, message: str) -> None:
     """The code of an error, or an unknown code, is an error in the sidecar and a usage error in `--ignore`."""
     run = stepbot("check", SIDECAR, "--ignore", code)

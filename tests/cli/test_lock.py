@@ -96,11 +96,11 @@ SENTENCES: dict[str, tuple[Any, list[tuple[str, str]]]] = {
     ),
     "move": (
         lambda lever: lever.move("motor:1", pose((0, 3.0, 4.0))),
-        [("SB318", "link 'arm': component 'arm/motor' moved by 5 mm")],
+        [("SB318:pose", "link 'arm': component 'arm/motor' moved by 5 mm")],
     ),
     "add": (
         lambda lever: lever.copy("plate:1", "cover:1", pose((0, 0, 100.0))),
-        [("SB317", "link 'base': new component 'base/cover:1' is in the link")],
+        [("SB316:gained", "link 'base': new component 'base/cover:1' is in the link")],
     ),
     "delete": (
         lambda lever: lever.remove("motor:1"),
@@ -108,12 +108,12 @@ SENTENCES: dict[str, tuple[Any, list[tuple[str, str]]]] = {
     ),
     "reshape": (
         lambda lever: lever.reshape("motor", box(20, 30, 21).shape),
-        [("SB319", "link 'arm': component 'arm/motor' changed shape: volume 12 -> 12.6 cm^3 (+5 %), "
+        [("SB318:shape", "link 'arm': component 'arm/motor' changed shape: volume 12 -> 12.6 cm^3 (+5 %), "
           "mass 48 -> 50.4 g (+5 %)")],
     ),
     "remove one of four equal screws": (
         lambda lever: lever.remove_number("M3", 2),
-        [("SB316", "link 'base': component 'base/M3#2' is no longer in lever.step")],
+        [("SB316:lost", "link 'base': component 'base/M3#2' is no longer in lever.step")],
     ),
 }  # fmt: skip
 
@@ -130,7 +130,7 @@ def test_one_change_is_one_sentence(name: str, lever: Revision, stepbot: Stepbot
 def test_whole_assembly_moved(lever: Revision, stepbot: Stepbot) -> None:
     """An assembly moved as a whole is one finding; its parts and axes have none."""
     write_lever(Path("lever.step"), shift=7.0)
-    assert findings(stepbot) == [("SB318", "step: the whole assembly moved by 7 mm")]
+    assert findings(stepbot) == [("SB318:pose", "step: the whole assembly moved by 7 mm")]
 
 
 def test_three_changes_at_once(lever: Revision, stepbot: Stepbot) -> None:
@@ -139,10 +139,10 @@ def test_three_changes_at_once(lever: Revision, stepbot: Stepbot) -> None:
     lever.move("plate:1", pose((5.0, 0, 0))).move("beam:1", pose((5.0, 0, 0))).write(Path("lever.step"))
     assert findings(stepbot) == [
         ("SB310", "link 'arm': component 'arm/motor' was renamed to 'arm/XL430' (same shape, same pose)"),
-        ("SB316", "link 'base': component 'base/M3#4' is no longer in lever.step"),
-        ("SB318", "link 'base': component 'base/plate' moved by 5 mm"),
-        ("SB318", "link 'arm': component 'arm/beam' moved by 5 mm"),
-        ("SB408", "joint 'hinge': axis moved by 5 mm"),
+        ("SB316:lost", "link 'base': component 'base/M3#4' is no longer in lever.step"),
+        ("SB318:pose", "link 'base': component 'base/plate' moved by 5 mm"),
+        ("SB318:pose", "link 'arm': component 'arm/beam' moved by 5 mm"),
+        ("SB318:axis", "joint 'hinge': axis moved by 5 mm"),
     ]
 
 
@@ -153,8 +153,8 @@ def test_removed_reshaped_and_added(lever: Revision, stepbot: Stepbot) -> None:
     codes = [(code, message.partition(" changed")[0]) for code, message in findings(stepbot)]
     assert codes == [
         ("SB312", "link 'arm': component 'arm/motor' is no longer in lever.step"),
-        ("SB317", "link 'base': new component 'base/cover:1' is in the link"),
-        ("SB319", "link 'base': 4 components"),
+        ("SB316:gained", "link 'base': new component 'base/cover:1' is in the link"),
+        ("SB318:shape", "link 'base': 4 components"),
     ]
 
 
@@ -162,14 +162,14 @@ def test_findings_stand_at_the_line_that_binds(lever: Revision, stepbot: Stepbot
     """A moved part is reported at the path that binds it."""
     lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
     run = stepbot("check", "--step", "--concise", "lever.robot.yaml")
-    assert "lever.robot.yaml:7:23: warning[SB318]" in run.out
+    assert "lever.robot.yaml:7:23: warning[SB318:pose]" in run.out
     assert run.code == 0
     assert stepbot("check", "--step", "--strict", "lever.robot.yaml").code == 1
 
 
 def test_changes_can_be_ignored_before_they_come(lever: Revision, stepbot: Stepbot) -> None:
     """A sidecar that ignores moved parts has no findings before or after one moves, and none about an unused rule."""
-    rewrite(**{"base: fixed": "base: fixed\nignore_findings: [SB318]"})
+    rewrite(**{"base: fixed": "base: fixed\nignore_findings: [SB318:pose]"})
     assert findings(stepbot) == []
     lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
     assert findings(stepbot) == []
@@ -182,7 +182,7 @@ def test_convert_reports_the_same(lever: Revision, stepbot: Stepbot) -> None:
     lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
     run = stepbot(*arguments)
     assert run.code == 0
-    assert "warning[SB318]: link 'arm': component 'arm/motor' moved by 5 mm" in run.err
+    assert "warning[SB318:pose]: link 'arm': component 'arm/motor' moved by 5 mm" in run.err
     report = Path("out/report.json").read_text(encoding="utf-8")
     assert "stepbot lock lever.robot.yaml" in report
     assert str(Path.cwd()) not in report
@@ -198,8 +198,8 @@ def test_a_new_lock_counts_at_once(lever: Revision, stepbot: Stepbot) -> None:
     """A new lock invalidates cached results."""
     lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
     cache = ("--cache", "kept")
-    assert [code for code, _ in findings(stepbot, *cache)] == ["SB318"]
-    assert [code for code, _ in findings(stepbot, *cache)] == ["SB318"]
+    assert [code for code, _ in findings(stepbot, *cache)] == ["SB318:pose"]
+    assert [code for code, _ in findings(stepbot, *cache)] == ["SB318:pose"]
     assert stepbot("lock", "lever.robot.yaml", *cache).code == 0
     assert findings(stepbot, *cache) == []
 

@@ -22,7 +22,7 @@ def test_notes_are_counted() -> None:
     """Notes are one number in the default output; -v prints all."""
     text = diagnostic_text.screen([finding("note", "SB762:initial-pose", 1), finding("warning", "SB763:frame", 2)])
     assert "SB762:initial-pose" not in text
-    assert text.endswith("\n1 warning, 1 note (more: stepbot explain SB763:frame; -v shows all)")
+    assert text.endswith("\n1 warning, 1 note (more: stepbot explain SB763; -v shows all)")
     assert diagnostic_text.screen([finding("note", "SB762:initial-pose", 1)]) == "1 note (-v shows all)"
 
 
@@ -50,11 +50,11 @@ def test_one_cause_is_one_finding() -> None:
 def test_repeated_warnings_are_counted() -> None:
     """Some warnings of a code are printed in full and the others counted; of all errors the message is printed."""
     warnings = [finding("warning", "SB305", number) for number in range(5)]
-    errors = [finding("error", "SB130", number) for number in range(9)]
+    errors = [finding("error", "SB130:link", number) for number in range(9)]
     text = diagnostic_text.screen([*warnings, *errors])
     assert [f"subject {n}: wrong" in text for n in range(5)].count(True) == 5
     assert text.count("warning[SB305]: subject") == 3
-    assert text.count("error[SB130]: subject") == 9
+    assert text.count("error[SB130:link]: subject") == 9
     assert text.count("= note: why") == 3 + 5
     assert text.endswith("-v shows all)")
 

@@ -119,16 +119,16 @@ def test_a_module_is_a_robot_of_the_library(composed: Callable[..., Robot]) -> N
 
 FAULTS = {
     ("strong: {modules: {hand: {variant: strong}}}", "strong: {like: bare_named}"): (
-        "SB162 15:18 variant 'strong': like: circular: bare_named -> strong_named -> strong -> bare_named"
+        "SB160 15:18 variant 'strong': like: circular: bare_named -> strong_named -> strong -> bare_named"
     ),
-    ("like: strong,", "like: strung,"): "SB162 16:24 variant 'strong_named': like: no variant 'strung'",
+    ("like: strong,", "like: strung,"): "SB160 16:24 variant 'strong_named': like: no variant 'strung'",
     ("without: [hand], base", "without: [tcp, hnd], base"): (
-        "SB162 17:51 variant 'bare_named': without: no element 'hnd'"
+        "SB160 17:51 variant 'bare_named': without: no element 'hnd'"
     ),
     ("without: [hand], base", "without: hand, base"): (
-        "SB162 17:45 variant 'bare_named': without: not a list of names"
+        "SB160 17:45 variant 'bare_named': without: not a list of names"
     ),
-    ("hand: {variant: strong}", "hand: {variant: string}"): "SB162 8:11 sidecar: no variant 'string'",
+    ("hand: {variant: strong}", "hand: {variant: string}"): "SB160 8:11 sidecar: no variant 'string'",
     ("set: {joints: {lift:", "set: {joints: {lft:"): "SB160 5:52 module 'arm': set: no joint 'lft'",
     ("set: {joints: {lift: {limits: ", "set: {links: {lift: {limits: "): (
         "SB160 5:43 module 'arm': set: of a description, `set` can change `joints` alone"

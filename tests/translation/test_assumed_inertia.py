@@ -65,7 +65,7 @@ def test_mass_properties_are_those_of_solids(tmp_path: Path) -> None:
     """MuJoCo reads those of closed forms; a stated mass is kept, an open mesh is a hull, and each link is reported."""
     conversion = converted(tmp_path, _DENSITY)
     assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
-    told = [one.message for one in conversion.diagnostics if one.code == "SB875"]
+    told = [one.message for one in conversion.diagnostics if one.code == "SB874:mass"]
     assert [one.split("'")[1] for one in told] == ["base", "roll", "ball", "block", "open", "mark", "tip"]
     assert "inertia assumed to be that of its geometry at 2000 kg/m^3; mass and com are those of the file" in told[3]
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))

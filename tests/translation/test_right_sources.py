@@ -76,7 +76,7 @@ def test_servo_without_gains_holds_its_joint(tmp_path: Path) -> None:
       <joint name="turn"><hardwareInterface>hardware_interface/PositionJointInterface</hardwareInterface></joint>
       <actuator name="servo"><mechanicalReduction>1</mechanicalReduction></actuator></transmission>"""
     conversion = proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}</link>', servo), "mjcf")
-    (message,) = told(conversion, "SB873")
+    (message,) = told(conversion, "SB874:gains")
     assert message.startswith("actuator 'servo' on 'turn': no gains in the file: kp = ")
     assert told(conversion, "SB863") == []
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))

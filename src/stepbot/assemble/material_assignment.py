@@ -43,7 +43,7 @@ class ShadowedRules:
             self._found.setdefault(rule, {})[field] = others
 
     def report(self) -> None:
-        """Report SB309, one for each rule."""
+        """Report SB306, one for each rule."""
         for rule, fields in self._found.items():
             pattern = self._rules[rule][0]
             above = [self._rules[n][0] for n in sorted({n for numbers in fields.values() for n in numbers})]
@@ -51,7 +51,7 @@ class ShadowedRules:
             more = f" and {len(above) - _NAMED} more" if len(above) > _NAMED else ""
             what = ", ".join(f"'{field}'" for field in fields)
             self._binder.report(
-                "SB309",
+                "SB306",
                 ("parts", pattern),
                 f"{what} without effect: set by {named}{more} above",
                 help=(f"of several rules the first holds: move this rule above '{above[0]}', or remove it",),

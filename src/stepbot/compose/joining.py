@@ -55,7 +55,7 @@ def composed(sidecar: Sidecar, own: Robot | None, robots: Mapping[str, Robot], f
     Args:
         own: The robot of :func:`stepbot.sidecar.own_part.own_part`; None if it has no links.
         robots: The robot of each module that names a file, as it is alone.
-        found: Receives SB152 to SB169.
+        found: Receives SB135, SB152, SB154, SB158, SB160 and SB168.
     """
     parts = Parts(sidecar, robots, found).all()
     _report_equal_names(sidecar, parts, found)
@@ -141,7 +141,7 @@ class _Joining:
             uses = ", ".join(f"{integrator} ('{name}')" for integrator, name in integrators.items())
             help = [f"choose one: `simulation: {{integrator: {next(iter(integrators))}}}`"]
             message = f"modules: different integrators: {uses}"
-            self._found.add("SB164", message, self._sidecar.key_span("modules"), help=help)
+            self._found.add("SB154", message, self._sidecar.key_span("modules"), help=help)
         steps = [one.timestep for one in stated.values() if one.timestep is not None]
         constrained = bool(whole.closures) or any(joint.mimic is not None for joint in whole.joints)
         if steps and constrained and any(one.timestep is None for one in stated.values()):
@@ -185,7 +185,7 @@ class _Joining:
         elif section.origin != "auto":
             message = f"closure '{name}': origin: its links are not in one assembly"
             help = ["leave out `origin`: the ports coincide; `frames` can add a port"]
-            self._found.add("SB157", message, self._sidecar.span("closures", name, "origin"), help=help)
+            self._found.add("SB154", message, self._sidecar.span("closures", name, "origin"), help=help)
         X_AF, X_BF = tidy(a.X_LP @ offset), tidy(b.X_LP @ offset)
         return LoopClosure(name, section.type, a.link, X_AF, b.link, X_BF, section.axis)
 
@@ -317,7 +317,7 @@ def _equal(a: MeshAsset, b: MeshAsset) -> bool:
 
 
 def _report_equal_names(sidecar: Sidecar, parts: Mapping[str, Part], found: Diagnostics) -> None:
-    """Report SB155: two elements with one name in the composed robot."""
+    """Report SB135: two elements with one name in the composed robot."""
     document = sidecar.document
     first: dict[tuple[str, str], tuple[str, str]] = {}
     for section in ELEMENTS:
@@ -333,7 +333,7 @@ def _report_equal_names(sidecar: Sidecar, parts: Mapping[str, Part], found: Diag
                 whose = f"of module '{other}'" if other else "here"
                 message = f"module '{module}': {kind} '{element.name}': duplicate name (also a {other_kind} {whose})"
                 help = ["remove `prefix`, or choose another one"]
-                found.add("SB155", message, sidecar.span("modules", module, "prefix"), help=help)
+                found.add("SB135", message, sidecar.span("modules", module, "prefix"), help=help)
                 break
 
 

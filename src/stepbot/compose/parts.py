@@ -51,7 +51,7 @@ class Parts:
     Args:
         sidecar: The composing file.
         robots: The robot of each module that names a file, as it is alone.
-        found: Receives SB158 to SB163 and SB167.
+        found: Receives SB158 and SB160.
     """
 
     def __init__(self, sidecar: Sidecar, robots: Mapping[str, Robot], found: Diagnostics) -> None:
@@ -92,7 +92,7 @@ class Parts:
                 f"module '{name}': without: joint '{followed.joint}' mimics '{followed.leader}', which is left out"
             )
             help = [f"leave out '{followed.joint}', too"]
-            self._found.add("SB161", message, self._sidecar.span("modules", name, "without"), help=help)
+            self._found.add("SB160", message, self._sidecar.span("modules", name, "without"), help=help)
             return robot
 
     def _home(self, name: str, robot: Robot, section: ModuleSection) -> Robot:
@@ -141,16 +141,16 @@ class Parts:
         if threads:
             message = f"module '{name}': mirrored threads are left-handed: {_listed(threads)}"
             help = ["describe the joint in the composing file if the spindle is a bought one"]
-            self._found.add("SB158", message, span, help=help)
+            self._found.add("SB158:thread", message, span, help=help)
         names = [*robot.link_by_name, *robot.joint_by_name]
         sided = [one for one in names if any(side in one.lower() for side in _SIDES)]
         if sided:
             message = f"module '{name}': names of a mirrored module contain a side: {_listed(sided)}"
-            self._found.add("SB167", message, span, help=["name them without a side in the module's file"])
+            self._found.add("SB158:side-name", message, span, help=["name them without a side in the module's file"])
         parts = unsymmetric(robot, image)
         if parts:
             message = f"module '{name}': not their own mirror image: {_listed(parts)}"
-            self._found.add("SB169", message, span)
+            self._found.add("SB168:shape", message, span)
         return image
 
     def _above(self, module: str) -> list[str]:
@@ -159,7 +159,7 @@ class Parts:
 
     def _wrong_home(self, name: str, keys: tuple[str, ...], what: str, help: list[str]) -> None:
         place = self._sidecar.span("modules", name, *keys)
-        self._found.add("SB163", f"module '{name}': home: {what}", place, help=help)
+        self._found.add("SB160", f"module '{name}': home: {what}", place, help=help)
 
     def _unknown(self, name: str, keys: tuple[str | int, ...], one: str, what: str, known: list[str]) -> None:
         near = did_you_mean(one, known) or (f"known: {_listed(known)}",)

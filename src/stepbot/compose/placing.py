@@ -47,7 +47,7 @@ class Places:
         own: Its own links, tied together by joints whose names begin with :data:`TIE`, or None.
         parts: Its modules.
         ports: Resolves references.
-        found: Receives SB153, SB154, SB156, SB157, SB159 and SB168.
+        found: Receives SB154 and SB168:place.
     """
 
     def __init__(
@@ -100,7 +100,7 @@ class Places:
                 return
             if above:
                 message = f"module '{name}': placed by `at` and by joint '{above[0]}'"
-                self._found.add("SB156", message, self._sidecar.span(*keys), help=["remove one of them"])
+                self._found.add("SB154", message, self._sidecar.span(*keys), help=["remove one of them"])
                 return
             port = self._ports.port(section.at, keys)
             if port is not None:
@@ -109,7 +109,7 @@ class Places:
             self._mirror(name, section)
 
     def _report_no_image(self, name: str, section: ModuleSection) -> None:
-        """Report SB168: the place given for a mirrored module is not the mirror image of the original's."""
+        """Report SB168:place: the place given for a mirrored module is not the mirror image of the original's."""
         roots = [self._parts[one].robot.root.name for one in (name, str(section.mirror_of))]
         joints = [self.mounts[root].joint for root in roots if root in self.mounts]
         if len(joints) < 2 or any(joint.kind is not JointKind.FIXED for joint in joints):
@@ -123,7 +123,7 @@ class Places:
             off = f"{1000.0 * distance:.3g} mm, {degrees(angle):.3g} deg"
             message = f"module '{name}': not at the mirror image of the place of '{section.mirror_of}': {off}"
             help = ["without `at` it is placed there; a part that is turned instead of mirrored needs no `mirror_of`"]
-            self._found.add("SB168", message, self._sidecar.span("modules", name, "at"), help=help)
+            self._found.add("SB168:place", message, self._sidecar.span("modules", name, "at"), help=help)
 
     def _stand(self, name: str, section: ModuleSection, X_W: Pose) -> None:
         """Place a module in the world: fixed, or free and with its lowest point at that height if its base floats."""
@@ -155,7 +155,7 @@ class Places:
             return X_RL @ port.X_LP
         message = f"{who}: '{port.link}' moves relative to the root link of its part"
         help = ["attach it by a port that is fixed to its root link, or close the loop by a closure"]
-        self._found.add("SB153", message, self._sidecar.span(*keys), help=help)
+        self._found.add("SB154", message, self._sidecar.span(*keys), help=help)
         return None
 
     def _joint(self, name: str, section: JointSection) -> None:
@@ -198,7 +198,7 @@ class Places:
             return moved_by(section.origin.offset)
         message = f"joint '{name}': origin: its links are not in one assembly"
         help = ["leave out `origin`: the ports coincide; `frames` can add a port, `origin: {offset: ...}` moves it"]
-        self._found.add("SB157", message, self._sidecar.span("joints", name, "origin"), help=help)
+        self._found.add("SB154", message, self._sidecar.span("joints", name, "origin"), help=help)
         return None
 
     def _mirror(self, name: str, section: ModuleSection) -> None:
@@ -238,7 +238,7 @@ class Places:
             of = self._document.modules[name].mirror_of
             message = f"module '{name}': mirror_of: '{of}' is at {reference}, and nothing mirrors '{module}'"
             help = [f"add a module with `mirror_of: {module}`, or give `at`"]
-            self._found.add("SB159", message, self._sidecar.span("modules", name, "mirror_of"), help=help)
+            self._found.add("SB154", message, self._sidecar.span("modules", name, "mirror_of"), help=help)
             return None
         port = self._ports.port(reference, keys)
         return None if port is None else Port(port.link, conjugated(port.X_LP @ offset, m))
@@ -249,7 +249,7 @@ class Places:
             message = f"{self._label(root)}: placed by '{first}' and by '{mount.joint.name}'"
             place = self._sidecar.key_span("joints" if who in self._document.joints else "modules", who)
             help = ["remove one of them, or make one of the joints a closure"]
-            self._found.add("SB156", message, place, help=help)
+            self._found.add("SB154", message, place, help=help)
             return
         self.mounts[root] = mount
 

@@ -97,7 +97,7 @@ class Ports:
         if not isinstance(origin, ExplicitOrigin) or origin.relative_to == "assembly":
             message = f"{subject((*keys, 'origin'))}: a module has no assembly here"
             help = [f"give a pose in a link or frame: `origin: {{xyz: [0, 0, 0], relative_to: {reference}}}`"]
-            self._found.add("SB157", message, self._sidecar.span(*keys, "origin"), help=help)
+            self._found.add("SB154", message, self._sidecar.span(*keys, "origin"), help=help)
             return None
         base = self.port(origin.relative_to, (*keys, "origin", "relative_to"))
         if base is None:
@@ -106,7 +106,7 @@ class Ports:
         if X_LB is None:
             message = f"{subject((*keys, 'origin'))}: '{origin.relative_to}' moves relative to '{reference}'"
             help = [f"`relative_to: {reference}`, or a link or frame that is fixed to it"]
-            self._found.add("SB157", message, self._sidecar.span(*keys, "origin"), help=help)
+            self._found.add("SB154", message, self._sidecar.span(*keys, "origin"), help=help)
             return None
         return Port(link.link, X_LB @ base.X_LP @ Pose.from_xyz_rpy(origin.xyz, origin.rpy) @ moved_by(origin.offset))
 

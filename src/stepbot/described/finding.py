@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 from stepbot.engines.observation import Quantity
 
-ASSUMED = "SB875"
+ASSUMED = "SB874:mass"
 LOST = "SB860"
 UNSUPPORTED = "SB861"
 """Of what a picture of the robot lacks or shows otherwise, too."""
 DEVICE = "SB863"
 RENAMED = "SB864"
-REARRANGED = "SB865"
+REARRANGED = "SB864"
 DROPPED_INERTIA = "SB866"
 MOVED = "SB870"
 

@@ -11,14 +11,14 @@ from stepbot.robot.inertial_doubts import inertial_doubts
 from stepbot.robot.model import Collision, JointKind, Link, MeshRef, Robot, Visual
 
 _REMEDIES = {
-    "SB518": "check that the inertia is about the com, along the axes of its origin, in kg m^2",
-    "SB519": "check the origin of the inertial, which is in the frame of the link",
-    "SB520": "check the unit: 1 kg mm^2 is 1e-6 kg m^2",
+    "SB518:large-inertia": "check that the inertia is about the com, along the axes of its origin, in kg m^2",
+    "SB518:com": "check the origin of the inertial, which is in the frame of the link",
+    "SB518:small-inertia": "check the unit: 1 kg mm^2 is 1e-6 kg m^2",
 }
 
 
 def check_inertials(robot: Robot, found: Diagnostics, span: Span) -> None:
-    """Warn of a com or an inertia that no mass within the geometry of its rigid body has (SB518, SB519, SB520).
+    """Warn of a com or an inertia that no mass within the geometry of its rigid body has (SB518).
 
     Links that are fixed to each other are one body: descriptions often draw on one link what they weigh on another.
     """

@@ -48,7 +48,7 @@ LIBRARY = "library:"
 """Beginning of a file that is a robot of the library."""
 _ALLOWED = 1e-9
 """Deviation of a module from the module alone: rounding of its poses in the composed robot."""
-_OPEN_BASE = "SB868"
+_OPEN_BASE = "SB874:base"
 """A description does not say whether its base is fixed; what it is attached to decides."""
 _NO_DENSITY = "SB522"
 
@@ -212,7 +212,7 @@ class _Files:
         if resolved(path) in [resolved(one) for one in chain]:
             ring = " -> ".join(one.name for one in (*chain, path))
             message = f"module '{name}': '{file}' contains itself: {ring}"
-            found.add("SB151", message, span, help=["remove one of the modules"])
+            found.add("SB150", message, span, help=["remove one of the modules"])
             return None
         key = (resolved(path), section.variant or "", repr(section.set))
         if key not in self._robots:

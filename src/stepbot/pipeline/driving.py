@@ -70,7 +70,7 @@ def drive(
 
 
 def read_demands(path: Path | None, found: Diagnostics) -> Demands | None:
-    """The limits in a file's object ``drive``, and the default ones; None after SB834."""
+    """The limits in a file's object ``drive``, and the default ones; None after SB833."""
     if path is None:
         return demands(None)
     span = Span(path.as_posix())
@@ -80,9 +80,9 @@ def read_demands(path: Path | None, found: Diagnostics) -> Demands | None:
             raise InvalidLimits("the file is not an object")
         return demands(content.get("drive"))
     except OSError as error:
-        found.add("SB834", f"cannot be read: {error.strerror or error}", span)
+        found.add("SB833", f"cannot be read: {error.strerror or error}", span)
     except ValueError as error:  # JSON, encoding or content
-        found.add("SB834", str(error), span)
+        found.add("SB833", str(error), span)
     return None
 
 

@@ -108,7 +108,7 @@ def fix_renamed_paths(sidecar: Path, options: Options, found: Diagnostics) -> Fi
 
     Args:
         sidecar: The sidecar. Its errors, and those of its STEP, are left to `check`.
-        found: Receives SB017 if there is no lock, and SB018 if the text cannot be rewritten.
+        found: Receives SB016 if there is no lock, and SB018 if the text cannot be rewritten.
     """
     elsewhere = Diagnostics()
     path = lock_path(sidecar, options.variant)
@@ -117,7 +117,7 @@ def fix_renamed_paths(sidecar: Path, options: Options, found: Diagnostics) -> Fi
         loaded = own_part(load(sidecar, options, elsewhere))
         if not exists(path):
             remedy = f"create one while sidecar and STEP agree: `{shlex.join(['stepbot', 'lock', sidecar.as_posix()])}`"
-            found.add("SB017", "no lock file, so renamed components cannot be found", loaded.span(), help=[remedy])
+            found.add("SB016", "no lock file, so renamed components cannot be found", loaded.span(), help=[remedy])
             return None
         lock = read_lock(path, loaded.document.robot, elsewhere)
         step = options.step or named_step(loaded, elsewhere)

@@ -155,7 +155,9 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
         missing = " and ".join(f"'{bound}'" for bound in limit.missing)
         lacks = f"no {missing} in <limit>" if limit.has_element else "no <limit>"
         taken = "read as unlimited" if len(limit.missing) == 2 else "0 taken"
-        found.add("SB874", f"joint '{limit.joint}': {lacks}: {taken}", Span(*description.place(span.file, limit.line)))
+        found.add(
+            "SB874:limit", f"joint '{limit.joint}': {lacks}: {taken}", Span(*description.place(span.file, limit.line))
+        )
     _report_names(described.robot, span, found)
     for newer in description.newer:
         text = f"{newer.what} is of URDF {newer.needs:g}, which the file does not state: read as such"
@@ -181,7 +183,7 @@ def _with_assumed(described: Described, options: Options) -> Described:
 
 
 def _tuned(robot: Robot, span: Span, found: Diagnostics) -> Robot:
-    """The robot with computed gains for actuators of which the file gives none (SB873)."""
+    """The robot with computed gains for actuators of which the file gives none (SB874:gains)."""
     weak: dict[str, str] = {}
 
     def too_weak(actuator: Actuator, effort: float, weight: float) -> None:
@@ -192,7 +194,7 @@ def _tuned(robot: Robot, span: Span, found: Diagnostics) -> Robot:
         if one.tuning is not None:
             gains = f"kv = {one.kv:g}" if one.kind is ActuatorKind.VELOCITY else f"kp = {one.kp:g}, kv = {one.kv:g}"
             text = f"actuator '{one.name}' on '{one.joint}': no gains in the file: {gains} computed"
-            found.add("SB873", text, span, notes=[weak[one.name]] if one.name in weak else ())
+            found.add("SB874:gains", text, span, notes=[weak[one.name]] if one.name in weak else ())
     return tuned_robot
 
 
@@ -209,16 +211,16 @@ def _report_names(robot: Robot, span: Span, found: Diagnostics) -> None:
 def _report_base(robot: Robot, span: Span, found: Diagnostics) -> None:
     message = f"link '{robot.root.name}': taken as fixed to the world"
     help = ["`--base floating` for a robot that moves freely, `--base fixed` to confirm"]
-    found.add("SB868", message, span, help=help)
+    found.add("SB874:base", message, span, help=help)
 
 
 def _check_overwritten(written: Rendered, sources: Iterable[Path], options: Options, found: Diagnostics) -> None:
-    """Report files that the conversion would write over its own source (SB869)."""
+    """Report files that the conversion would write over its own source (SB012)."""
     read = {resolved(source) for source in sources}
     for path in (path for files in written.by_format.values() for path in files):
         if resolved(options.output / path) in read:
             found.add(
-                "SB869",
+                "SB012",
                 f"the conversion would overwrite '{path}', which it reads",
                 Span((options.output / path).as_posix()),
                 help=["convert into another folder: `-o FOLDER`"],

@@ -84,7 +84,7 @@ class Proof:
         self._provers.close()
 
 
-_NEVER_UNUSED = ("SB31", "SB408", "SB517", "SB465")
+_NEVER_UNUSED = ("SB31", "SB465")
 """Codes of CAD changes, which come with a change and go with the next lock file, and one of `check --step` alone."""
 
 

@@ -23,7 +23,7 @@ _SAME_MASS = 1e-6
 
 
 def report_changes(compared: Comparison, found: Diagnostics) -> None:
-    """Report everything that changed: SB310 to SB319, SB408 and SB517."""
+    """Report everything that changed: SB304, SB310 to SB318."""
     report_broken(compared, found)
     _Reporter(compared, found).report()
 
@@ -52,7 +52,7 @@ class _Reporter:
         """Report it."""
         if self._c.match.is_moved:
             message = f"step: the whole assembly {common_words(self._c.match.common)}"
-            self._found.add("SB318", message, self._sidecar.span("step"), help=[self._accept])
+            self._found.add("SB318:pose", message, self._sidecar.span("step"), help=[self._accept])
         self._report_renamed()
         self._report_removed()
         self._report_added()
@@ -77,7 +77,7 @@ class _Reporter:
             before = f"in link '{old.link}'" if old.link else "not assigned"
             message = f"component renamed from {words} {now} (before: {before})"
             help = ["correct the `parts` of the links", self._accept]
-            self._add("SB315", self._c.place_of(pair.new), message, help)
+            self._add("SB316:renamed", self._c.place_of(pair.new), message, help)
         for link, renamed in kept.items():
             if len(renamed) == 1:
                 message, notes = f"component renamed from {renamed[0]}; it stays in the link", []
@@ -103,7 +103,7 @@ class _Reporter:
             noun, verb = several(paths)
             message = f"{noun} {verb} no longer in {self._c.assembly.source}"
             notes = [*_named(paths), *self._successors(indices)]
-            self._add("SB316", ("links", link), message, [self._accept], notes)
+            self._add("SB316:lost", ("links", link), message, [self._accept], notes)
 
     def _successors(self, indices: Sequence[int]) -> Iterator[str]:
         """New components that may replace removed ones."""
@@ -132,12 +132,12 @@ class _Reporter:
             noun, verb = several(paths, "new component")
             message = f"{noun} {verb} in the link"
             help = [f"if it belongs to another link: add it to the `parts` of that link, not '{link}'", self._accept]
-            self._add("SB317", keys, message, help, _named(paths))
+            self._add("SB316:gained", keys, message, help, _named(paths))
         if loose:
             noun, verb = several(loose, "new component")
             them = "it" if len(loose) == 1 else "them"
             self._found.add(
-                "SB313",
+                "SB304",
                 f"{self._c.assembly.source}: {noun} {verb} not assigned to any link",
                 self._sidecar.key_span("links"),
                 help=(
@@ -149,7 +149,7 @@ class _Reporter:
 
     def _report_moved(self) -> None:
         self._report_alike(
-            "SB318",
+            "SB318:pose",
             ((pair, moved_words(pair.motion)) for pair in self._by_path() if not pair.motion.is_none),
         )
 
@@ -162,7 +162,7 @@ class _Reporter:
                 if old.mass is not None and new.mass is not None and not _is_same(old.mass, new.mass):
                     text = f"{text}, {mass_words(old.mass, new.mass)}"
                 words.append((pair, f"changed shape: {text}"))
-        self._report_alike("SB319", words)
+        self._report_alike("SB318:shape", words)
 
     def _report_masses(self) -> None:
         """Masses changed by the STEP's density or material; those of a changed shape are reported with the shape."""
@@ -174,7 +174,7 @@ class _Reporter:
                 continue
             if not _is_same(old.mass, new.mass):
                 words.append((pair, f"changed {mass_words(old.mass, new.mass)}: {why} in the STEP"))
-        self._report_alike("SB517", words)
+        self._report_alike("SB318:mass", words)
 
     def _report_alike(self, code: str, changed: Iterable[tuple[Pair, str]]) -> None:
         """One diagnostic for all parts bound by one path with the same change."""
@@ -196,7 +196,7 @@ class _Reporter:
             words = axis_words(old, joint, self._c.match.common)
             if words:
                 section = "joints" if joint.name in self._sidecar.document.joints else "closures"
-                self._add("SB408", (section, joint.name, "origin"), words, [self._accept])
+                self._add("SB318:axis", (section, joint.name, "origin"), words, [self._accept])
 
     def _by_path(self) -> list[Pair]:
         return [pair for pair in self._c.match.pairs if pair.certainty is Certainty.PATH]

@@ -33,7 +33,7 @@ class Doubt:
     """A value that is hardly that of a body."""
 
     code: str
-    """SB518 to SB521."""
+    """SB518 or SB521, with the feature."""
     message: str
     remedy: str
     """Empty if there is none."""
@@ -58,7 +58,7 @@ def inertial_doubts(properties: MassProperties, points: Array) -> Iterator[Doubt
     trace, smallest = float(np.trace(np.array(properties.inertia))), smallest_trace(properties.mass)
     if trace < smallest:
         yield Doubt(
-            "SB520",
+            "SB518:small-inertia",
             f"ixx + iyy + izz = {trace:.3g} kg m^2; a ball of osmium ({OSMIUM:g} kg/m^3) of its {properties.mass:.4g} "
             f"kg has {smallest:.3g}",
             "check the unit: 1 kg mm^2 is 1e-6 kg m^2",
@@ -69,11 +69,11 @@ def inertial_doubts(properties: MassProperties, points: Array) -> Iterator[Doubt
     if outside > OUTSIDE_SLACK * float(np.linalg.norm(np.ptp(points, axis=0))):
         com = ", ".join(f"{1e3 * c:.1f}" for c in properties.com)
         message = f"com ({com}) mm is {1e3 * outside:.1f} mm outside its geometry, {_extent(points)}"
-        yield Doubt("SB519", message, "give the com in the link's frame")
+        yield Doubt("SB518:com", message, "give the com in the link's frame")
     excess = spread_excess(points, properties)
     if excess is not None:
         remedy = "give the inertia about the com, along the link's axes, in kg m^2; without `inertia` it is computed"
-        yield Doubt("SB518", _excess_text(properties, points, excess), remedy)
+        yield Doubt("SB518:large-inertia", _excess_text(properties, points, excess), remedy)
 
 
 def _excess_text(properties: MassProperties, points: Array, excess: SpreadExcess) -> str:

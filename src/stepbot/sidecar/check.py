@@ -18,7 +18,7 @@ from .unit_rules import check_joint_units
 
 
 def _check_orientation(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB144: forward is along up."""
+    """Report SB128: forward is along up."""
     root = sidecar.document.root
     if root is None or root.axes is None:
         return
@@ -28,7 +28,7 @@ def _check_orientation(sidecar: Sidecar, found: Diagnostics) -> None:
         directions = " or ".join(f"`{sign}{axis}`" for axis in others for sign in ("", "-"))
         keys = ("root", "forward")
         message = f"root: `forward: {forward}` is not perpendicular to `up: {up}`"
-        found.add("SB144", message, sidecar.span(*keys), help=[f"write {directions}"])
+        found.add("SB128", message, sidecar.span(*keys), help=[f"write {directions}"])
 
 
 _OF_OWN_LINKS = (check_references, check_connections)
@@ -49,7 +49,7 @@ _CHECKS = (
 
 
 def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report contradictions: SB126, SB128, SB130 to SB141, SB143, SB144 and SB450 to SB463."""
+    """Report contradictions: SB126, SB128, SB130 to SB141, SB450 to SB463 and SB521."""
     local, complete = BoundedDiagnostics(), True
     try:
         # References into modules are resolved when these are read.

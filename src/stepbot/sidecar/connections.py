@@ -9,7 +9,7 @@ from .located import Sidecar
 
 
 def check_connections(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB450 self-connections, SB450 two parents, SB450 cycles, SB453 disconnected links, SB450 invalid root.
+    """Report SB450: self-connections, two parents, cycles, disconnected links, an invalid root.
 
     A joint with a wrong child leaves one link without a parent, so that this many disconnected links are notes of
     SB450 instead of an error of their own.
@@ -28,7 +28,9 @@ def check_connections(sidecar: Sidecar, found: Diagnostics) -> None:
         found.add(one.code, one.message, one.span, help=one.help, notes=notes)
     for link in () if explained else loose:
         message = f"link '{link}': not connected to the root '{root}'"
-        found.add("SB453", message, sidecar.key_span("links", link), help=_ways_to_connect(sidecar, link, root))
+        found.add(
+            "SB450:disconnected", message, sidecar.key_span("links", link), help=_ways_to_connect(sidecar, link, root)
+        )
 
 
 def _joint_above_each_link(sidecar: Sidecar) -> tuple[dict[str, str], list[Diagnostic]]:

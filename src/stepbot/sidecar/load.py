@@ -86,7 +86,7 @@ def _parsed(text: str, path: Path, found: Diagnostics, variant: str, changes: Tr
 
 
 def _changed(root: Mapping, variant: str, changes: Tree | None, found: Diagnostics) -> Mapping | None:
-    """The sidecar as its variant and with the changes of another file; None after SB160 or SB162."""
+    """The sidecar as its variant and with the changes of another file; None after SB160."""
     from .variants import merged, unknown_elements, with_variant
 
     varied = with_variant(root, variant, found) if variant else root

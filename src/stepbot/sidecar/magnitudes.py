@@ -77,7 +77,7 @@ def check_weights_as_forces(sidecar: Sidecar, found: Diagnostics) -> None:
 
 
 def check_densities(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB143 for densities outside the range of all materials, such as 2700 g/cm^3."""
+    """Report SB521 for densities outside the range of all materials, such as 2700 g/cm^3."""
     for keys, scalar in _scalars(sidecar.root, ()):
         if keys[-1] != "density" or isinstance(scalar.value, bool) or scalar.value is None:
             continue
@@ -88,11 +88,11 @@ def check_densities(sidecar: Sidecar, found: Diagnostics) -> None:
         if density > DENSEST:
             help = _other_unit(scalar.text, "kg/m^3", 1.0) or "for comparison, gold has 19300 kg/m^3 = 19.3 g/cm^3"
             message = f"{subject(keys)}: {density:g} kg/m^3 exceeds the density of any material"
-            found.add("SB143", message, sidecar.span(*keys), help=[help])
+            found.add("SB521", message, sidecar.span(*keys), help=[help])
         elif 0.0 < density < _SPARSEST and sidecar.plain_number(*keys) is None:  # else SB139
             help = _other_unit(scalar.text, "g/cm^3", 1000.0) or "for comparison, polystyrene foam has 15 kg/m^3"
             message = f"{subject(keys)}: {density:g} kg/m^3 is below the density of any solid, and that of foam"
-            found.add("SB143", message, sidecar.span(*keys), help=[help])
+            found.add("SB521", message, sidecar.span(*keys), help=[help])
 
 
 def _other_unit(written: str, unit: str, scale: float) -> str:

@@ -15,7 +15,7 @@ _TOLERANCE = 1e-6
 
 
 def check_mimics(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB458 circular mimics, SB459 joints that cannot be mimicked, SB460 and SB461 conflicting positions."""
+    """Report SB458 circular mimics, SB459 joints that cannot be mimicked, SB460 conflicting positions."""
     document = sidecar.document
     leaders = {name: joint.mimic.joint for name, joint in document.joints.items() if joint.mimic is not None}
     closed = {name for ring in rings(leaders) for name in ring}
@@ -65,7 +65,7 @@ def _check_positions(sidecar: Sidecar, name: str, found: Diagnostics) -> None:
         )
         offset = positions([mimic.offset.value + assembled - follows], position)
         help = [f"set `zero` of both joints to their positions as modelled in CAD, or `offset: {offset}` in `mimic`"]
-        found.add("SB461", message, place, help=help)
+        found.add("SB460", message, place, help=help)
 
 
 def check_turned_frames(sidecar: Sidecar, found: Diagnostics) -> None:

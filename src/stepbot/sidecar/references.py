@@ -62,7 +62,7 @@ def _check_links(sidecar: Sidecar, found: Diagnostics) -> None:
             help = (*help, f"or define link '{link}', or remove {subject(keys[:2])}")
         if link == "world":
             help = ("the world is not a link; `base: fixed` fixes the root link to the world",)
-        found.add("SB130", f"{_user(keys)}: unknown link '{link}'", sidecar.span(*keys), help=help)
+        found.add("SB130:link", f"{_user(keys)}: unknown link '{link}'", sidecar.span(*keys), help=help)
 
 
 def _other_end(keys: Keys, document: Document) -> str | None:
@@ -98,7 +98,7 @@ def _check_joint(sidecar: Sidecar, keys: Keys, joint: str, found: Diagnostics) -
             help = ("it is a closure; only joints of the tree can be referenced",)
         elif not sidecar.written(*keys):
             help = ("without `joint`, an actuator drives the joint of its own name", *help)
-        found.add("SB131", f"{_user(keys)}: unknown joint '{joint}'", sidecar.span(*keys), help=help)
+        found.add("SB130:joint", f"{_user(keys)}: unknown joint '{joint}'", sidecar.span(*keys), help=help)
 
 
 def _check_sensor(sidecar: Sidecar, name: str, sensor: SensorSection, found: Diagnostics) -> None:
@@ -134,7 +134,7 @@ def _check_materials(sidecar: Sidecar, found: Diagnostics) -> None:
             help = _candidates(material, document.materials, "materials")
             if not any(one.startswith("did you mean") for one in help):
                 help = (*help, f"define it: `materials: {{{quoted(material)}: {{density: ...}}}}`")
-            found.add("SB132", f"{_user(keys)}: unknown material '{material}'", sidecar.span(*keys), help=help)
+            found.add("SB130:material", f"{_user(keys)}: unknown material '{material}'", sidecar.span(*keys), help=help)
 
 
 def _check_patterns(sidecar: Sidecar, found: Diagnostics) -> None:

@@ -23,25 +23,25 @@ _ROUNDS = 6
 """Maximum number of passes that remove invalid values."""
 _STAND_INS = {"version": VERSION, "robot": "robot", "step": "robot.step"}
 _FOLLOWS_FROM_CUT: dict[str, tuple[str, ...]] = {
-    "links": ("SB130",),
-    "joints": ("SB131", "SB133", "SB453"),
+    "links": ("SB130:link",),
+    "joints": ("SB130:joint", "SB133", "SB450:disconnected"),
     "joint_defaults": ("SB455",),
-    "materials": ("SB132",),
+    "materials": ("SB130:material",),
 }
 """Codes that removing a section, or a name in it, may cause elsewhere."""
-_FOLLOWS_FROM_POSITION = ("SB460", "SB461")
+_FOLLOWS_FROM_POSITION = ("SB460",)
 """Codes that removing a position or a limit of a joint may cause on the joints that follow it."""
 _STANDS_ALONE = (
     "SB126",
     "SB128",
-    "SB130",
-    "SB131",
-    "SB132",
+    "SB130:link",
+    "SB130:joint",
+    "SB130:material",
     "SB134",
     "SB135",
     "SB139",
     "SB140",
-    "SB143",
+    "SB521",
     "SB450",
 )
 """Codes that a removal elsewhere in the same joint, link or frame cannot cause."""

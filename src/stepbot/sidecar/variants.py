@@ -35,11 +35,11 @@ def merged(base: Tree, patch: Tree) -> Tree:
 
 
 def with_variant(root: Mapping, name: str, found: Diagnostics) -> Mapping | None:
-    """The sidecar as its variant; None after SB162.
+    """The sidecar as its variant; None after SB160.
 
     Args:
         name: The variant. The robot of ``arm`` is named ``arm_<name>`` if the variant does not name it.
-        found: Receives SB162: an unknown variant, a circular ``like``, an unknown name in ``without``.
+        found: Receives SB160: an unknown variant, a circular ``like``, an unknown name in ``without``.
     """
     patches = _patches(root, name, found)
     if patches is None:
@@ -102,7 +102,7 @@ def _patches(root: Mapping, name: str, found: Diagnostics) -> list[Mapping] | No
 
 
 def _report(found: Diagnostics, root: Tree, keys: Keys, message: str, help: tuple[str, ...]) -> None:
-    found.add("SB162", message, span(root, keys), help=help)
+    found.add("SB160", message, span(root, keys), help=help)
 
 
 def _without(root: Mapping, named: Tree | None, who: str, found: Diagnostics) -> Mapping:
@@ -110,7 +110,7 @@ def _without(root: Mapping, named: Tree | None, who: str, found: Diagnostics) ->
     if named is None:
         return root
     if not isinstance(named, Listing) or not all(isinstance(one, Scalar) for one in named.values):
-        found.add("SB162", f"{who}: without: not a list of names", named.span, help=("`without: [NAME, ...]`",))
+        found.add("SB160", f"{who}: without: not a list of names", named.span, help=("`without: [NAME, ...]`",))
         return root
     known = {name for section in _NAMED for name in _names(root, section)}
     gone = set()
@@ -119,7 +119,7 @@ def _without(root: Mapping, named: Tree | None, who: str, found: Diagnostics) ->
         gone.add(name)
         if name not in known:
             message = f"{who}: without: no element '{name}'"
-            found.add("SB162", message, one.span, help=did_you_mean(name, sorted(known)))
+            found.add("SB160", message, one.span, help=did_you_mean(name, sorted(known)))
     left = _Left(root, gone)
     entries = {
         key: Entry(entry.key_span, _kept(entry.value, left.out[key])) if key in left.out else entry

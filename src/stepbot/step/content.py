@@ -65,7 +65,7 @@ def _put_together(
         return None
     is_complete = not any(definition.missing for definition in definitions)
     if not tree.variants and is_complete:
-        found.add("SB206", "the kernel could build no geometry", Span(place), help=["export it as a B-rep"])
+        found.add("SB205", "the kernel could build no geometry", Span(place), help=["export it as a B-rep"])
         return None
 
     def read_stated() -> list[Stated]:
@@ -108,7 +108,7 @@ def _has_cycle(contents: Mapping[int, FileContent], files: tuple[StepFile, ...],
         elif file in path:
             names = [files[one].name for one in [*path[path.index(file) :], file]]
             found.add(
-                "SB229",
+                "SB203",
                 f"circular external reference: {' -> '.join(names)}",
                 Span(files[path[-1]].place),
                 help=["export the assembly as one STEP file, with external references switched off"],

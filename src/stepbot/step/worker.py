@@ -192,7 +192,7 @@ class _Bodies:
         self._found.add(finding.code, message, Span(self._place), help=finding.help)
 
     def _report_curves(self, definition: Definition) -> None:
-        self._found.add("SB218", f"'{definition.name}': its curves and points are ignored", Span(self._place))
+        self._found.add("SB216", f"'{definition.name}': its curves and points are ignored", Span(self._place))
 
     def _first_components(self) -> dict[int, tuple[Component, int]]:
         """For each body, the first component that displays it, and the number of others."""

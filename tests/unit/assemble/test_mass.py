@@ -82,7 +82,7 @@ def test_rules_below_a_general_glob_are_reported(tmp_path: Path, found: ReadDiag
       c#1: {mass: 7 g}
 """
     build(shop, tmp_path, text + ONE, found)
-    (density, mass) = _of_code("SB309", found)
+    (density, mass) = _of_code("SB306", found)
     assert density[0] == "parts rule 'a': 'density' without effect: set by '*' above"
     assert density[1] == ("of several rules the first holds: move this rule above '*', or remove it",)
     assert mass[0] == "parts rule 'c#1': 'mass' without effect: set by 'c' above"
@@ -94,9 +94,9 @@ def test_specific_rules_above_a_glob_are_no_fault(tmp_path: Path, found: ReadDia
     shop.box("a")
     shop.box("b")
     build(shop, tmp_path, "    parts: {a: {density: 500}, '*': {density: 2000}}\n" + ONE, found)
-    assert _of_code("SB309", found) == []
+    assert _of_code("SB306", found) == []
     build(shop, tmp_path, "    parts: {a: {density: 5}, b: {density: 5}, '*': {density: 5}}\n" + ONE, found)
-    assert _of_code("SB309", found) == []
+    assert _of_code("SB306", found) == []
 
 
 def test_a_density_to_do_is_a_warning_until_it_is_given(tmp_path: Path, found: ReadDiagnostics) -> None:

@@ -104,7 +104,7 @@ def test_forward_along_up(root: str) -> None:
     assert sidecar is not None
     check_sidecar(sidecar, found)
     (fault,) = found
-    assert (fault.code, fault.span.line) == ("SB144", 4)
+    assert (fault.code, fault.span.line) == ("SB128", 4)
     assert fault.help
 
 

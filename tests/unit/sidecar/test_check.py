@@ -73,7 +73,7 @@ def test_one_joint_less_is_found(tree: tuple[int, list[tuple[int, int]]], data: 
     """Without one of its joints a tree is not connected."""
     links, joints = tree
     del joints[data.draw(st.integers(0, len(joints) - 1))]
-    assert codes(robot(links, joints)) == ["SB453"]
+    assert codes(robot(links, joints)) == ["SB450:disconnected"]
 
 
 def test_wrong_units_of_one_cause_are_one_error() -> None:
@@ -105,7 +105,7 @@ def test_disconnected_links_are_notes_of_the_joint_that_causes_them() -> None:
     assert (cause.code, cause.notes) == ("SB450", ("not connected to the root 'l0': link 'l2'",))
     (cause,) = checked(robot(3, [(0, 1), (0, 1)]))
     assert (cause.code, cause.notes[1:]) == ("SB450", ("not connected to the root 'l0': link 'l2'",))
-    assert sorted(codes(robot(4, [(0, 1), (0, 1)]))) == ["SB450", "SB453", "SB453"]
+    assert sorted(codes(robot(4, [(0, 1), (0, 1)]))) == ["SB450", "SB450:disconnected", "SB450:disconnected"]
 
 
 @given(tree=trees(), data=st.data())
@@ -166,7 +166,7 @@ TURNS = "type: continuous"
         ("type: planar, axis: x", "type: cylindrical, axis: y", []),
         ("type: planar, limits: {velocity: 1}", TURNS, ["SB137"]),
         (TURNS, "type: continuous, mimic: {joint: elbow, multiplier: -2, offset: 0}", []),
-        (TURNS, "type: continuous, mimic: {joint: elbow, offset: 1}", ["SB461"]),
+        (TURNS, "type: continuous, mimic: {joint: elbow, offset: 1}", ["SB460"]),
         (
             "type: continuous, zero: 1",
             "type: continuous, zero: 2.5, mimic: {joint: elbow, multiplier: 2, offset: 0.5}",

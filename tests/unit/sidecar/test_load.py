@@ -143,7 +143,7 @@ def test_all_faults_at_once_in_the_order_of_the_file() -> None:
     found = Diagnostics()
     assert parse_sidecar(text, Path("a.robot.yaml"), found) is None
     # The actuator is not checked further: the requirements of its kind are unknown.
-    assert [d.code for d in found] == ["SB107", "SB123", "SB120", "SB130", "SB124", "SB456", "SB120"]
+    assert [d.code for d in found] == ["SB107", "SB123", "SB120", "SB130:link", "SB124", "SB456", "SB120"]
     lines = [d.span.line for d in found]
     assert lines == sorted(lines)
 

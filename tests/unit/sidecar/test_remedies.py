@@ -119,7 +119,7 @@ def test_second_root_is_connected_by_a_pasted_line(way: int) -> None:
     )
     text += "  slide: {type: fixed, parent: base, child: stand_joint}\n"
     (fault,) = findings(text)
-    assert (fault.code, fault.span.line) == ("SB453", 5)
+    assert (fault.code, fault.span.line) == ("SB450:disconnected", 5)
     assert "not connected to the root 'base'" in fault.message
     snippet = SNIPPET.findall(fault.help[way])[-1]
     assert findings(f"{text}  {snippet}\n") == []

@@ -264,7 +264,7 @@ def test_circles(chain: list[str], tmp_path: Path, found: ReadDiagnostics) -> No
         write_structure(tmp_path / f"{name}.step", name, [Component(next_name, f"{next_name}.step")])
     assert read_here(tmp_path / "root.step", found) is None
     (fault,) = found
-    assert fault.code == "SB229"
+    assert fault.code == "SB203"
     assert fault.message.endswith(" -> ".join(f"{name}.step" for name in [*chain, "root"]))
 
 

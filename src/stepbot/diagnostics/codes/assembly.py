@@ -7,36 +7,30 @@ CODES = (
         "SB201",
         "error",
         "not a complete STEP file",
-        "The file is empty or ends too early, does not start with `ISO-10303-21;`, or its schema does not describe "
-        "mechanical products, such as that of a building. stepbot reads the exchange structure of ISO 10303-21. The "
-        "missing end of a file may contain any part, or the assembly structure.",
-        "Export the assembly as STEP AP203, AP214 or AP242, or download or copy it again. Check the available disk "
-        "space.",
+        "The file is empty or ends too early, does not start with `ISO-10303-21;`, or its schema does not "
+        "describe mechanical products. Or it is a gzip or zip archive (`.stpZ`, `.step.gz`) that is damaged or "
+        "encrypted, does not contain exactly one STEP file, or unpacks to more than 4 GiB or a hundred times "
+        "its size.",
+        "Export the assembly as STEP AP203, AP214 or AP242, or download or copy it again; unpack an archive first.",
     ),
     Code(
         "SB203",
         "error",
-        "missing external file",
-        "The geometry of a part is in another file, which is missing, is not in the folder of the STEP file or below "
-        "it, or is not a STEP file. Absolute paths, `..`, URLs and links that lead out of the folder are not followed. "
-        "Missing parts would make every mass property wrong. stepbot does not convert an incomplete assembly.",
-        "Put the files of the parts beside the file of the assembly, as they were exported. Or export the assembly as "
-        'a single STEP file: CAD programs call the option "external references" or "one file per part".',
+        "external file cannot be read",
+        "The geometry of a part is in another file, which is missing, is not in the folder of the STEP file or "
+        "below it, is not a STEP file, or refers back to the first file. Absolute paths, `..`, URLs and links "
+        "that lead out of the folder are not followed. stepbot does not convert an incomplete assembly.",
+        "Put the files of the parts beside the file of the assembly, as they were exported, or export the "
+        'assembly as a single STEP file: CAD programs call the option "external references" or "one file per '
+        'part".',
     ),
     Code(
         "SB205",
         "error",
-        "unreadable STEP file",
-        "The geometry kernel rejects the file or cannot build any shape from it. There is nothing to convert.",
-        "Open the file in another CAD program, and export it again as AP214 or AP242.",
-    ),
-    Code(
-        "SB206",
-        "error",
-        "no geometry",
-        "The file contains products, but no solids, surfaces or meshes. Without geometry there are no meshes and no "
-        "mass properties.",
-        "Export the assembly with geometry, as B-rep (AP203, AP214 or AP242).",
+        "no geometry in the STEP file",
+        "The geometry kernel rejects the file or cannot build any shape from it, or the file contains products "
+        "without solids, surfaces or meshes.",
+        "Open the file in another CAD program, and export it again with geometry, as a B-rep (AP203, AP214 or AP242).",
     ),
     Code(
         "SB207",
@@ -58,28 +52,22 @@ CODES = (
     Code(
         "SB210",
         "warning",
-        "unknown text encoding",
-        "Names in the file contain bytes that are neither ASCII nor UTF-8, and the file does not declare an encoding. "
-        "The names may differ from those in the CAD program. Paths in the sidecar still match, but are hard to read.",
-        "Find the code page that decodes the names correctly, and declare it with `--encoding cp1251`, or with "
-        "`step_encoding: cp1251` in the sidecar. Alternatively, export with UTF-8 names or `\\X2\\` escapes.",
+        "doubtful text encoding",
+        "Names in the file are neither ASCII nor UTF-8, and the file declares no encoding; or a code page is "
+        "declared, but all names are valid UTF-8. The names may differ from those in the CAD program. Paths in "
+        "the sidecar match, but are hard to read.",
+        "Find the code page that decodes the names correctly, and declare it with `--encoding cp1251`, or "
+        "`step_encoding: cp1251` in the sidecar; remove the declaration if UTF-8 is correct. The notes show "
+        "the readings.",
     ),
     Code(
         "SB211",
         "warning",
-        "invalid density",
-        "A density in the file is negative or not a number, or its unit is not mass per volume. The density is "
-        "ignored, because any interpretation would be a guess. Files written by Open CASCADE are known to use the unit "
-        "`g^3 cm^2`.",
+        "density of the STEP file not used",
+        "A density in the file is negative or not a number, its unit is not mass per volume, or the file gives "
+        "several densities for one part. Any interpretation would be a guess. Files written by Open CASCADE "
+        "are known to use the unit `g^3 cm^2`.",
         "Set the density in the sidecar, under `parts` or `defaults`.",
-    ),
-    Code(
-        "SB212",
-        "warning",
-        "conflicting densities",
-        "The file gives several different densities for one part. The file does not define which of them applies, so "
-        "all are ignored.",
-        "Set the density in the sidecar, under `parts`.",
     ),
     Code(
         "SB213",
@@ -109,27 +97,20 @@ CODES = (
     Code(
         "SB216",
         "note",
-        "components without geometry",
-        "Components of the assembly contain no body, neither directly nor in their children. They can be referenced as "
-        "frames, but have no mesh and no mass.",
-        "No action is needed if they are empty in CAD, too.",
+        "contents without surfaces",
+        "Components contain no body, or a part contains curves or points beside its solids or surfaces. They "
+        "have no mesh and no mass. Empty components can be referenced as frames.",
+        "No action is needed if they are so in CAD.",
     ),
     Code(
         "SB217",
         "note",
-        "faces reoriented",
-        "The faces of a solid point inwards, which makes its volume negative, or a void of a solid contains a further "
-        "closed shell. The orientation of these faces was reversed: a shell inside a void is solid. The shape is "
-        "unchanged. The volume is what the shells enclose, counted as solid and void in turn.",
-        "No action is needed. A newer export may write the correct orientation.",
-    ),
-    Code(
-        "SB218",
-        "note",
-        "curves ignored",
-        "A part contains curves or points in addition to its solids or surfaces. Curves and points have no faces and "
-        "no volume, so they have no mesh and no mass.",
-        "No action is needed.",
+        "solid repaired",
+        "The faces of a solid point inwards, or a void contains a further closed shell: their orientation was "
+        "reversed, and the volume is what the shells enclose, counted as solid and void in turn. Or faces "
+        "coincide within the file's precision without shared edges: they were sewn, which changed the volume "
+        "by less than a thousandth. No face was moved.",
+        "No action is needed. A newer export may write a correct solid.",
     ),
     Code(
         "SB220",
@@ -179,14 +160,6 @@ CODES = (
         "No action is needed.",
     ),
     Code(
-        "SB228",
-        "note",
-        "solid sewn",
-        "Faces of a solid coincide within the file's precision, but do not share edges. They were sewn together. No "
-        "face was moved, and the volume changed by less than a thousandth.",
-        "No action is needed. A newer export may write a closed solid.",
-    ),
-    Code(
         "SB224",
         "error",
         "names not valid in the declared encoding",
@@ -197,36 +170,12 @@ CODES = (
         "pages. UTF-8 needs no declaration.",
     ),
     Code(
-        "SB225",
-        "warning",
-        "declared encoding looks wrong",
-        "A code page is declared, but all names are valid UTF-8, which is unlikely for text in a code page. If the "
-        "file is encoded in UTF-8, the decoded names differ from those in the CAD program.",
-        "Compare the two readings in the notes. Remove `--encoding` or `step_encoding` if UTF-8 is correct.",
-    ),
-    Code(
-        "SB229",
-        "error",
-        "circular external reference",
-        "The files of an assembly refer to each other in a cycle. No part can contain itself.",
-        "Export the assembly as a single STEP file, or correct the name of the file in the reference.",
-    ),
-    Code(
         "SB231",
         "note",
         "external file not needed",
         "The STEP file refers to another file for a part whose geometry it contains, or for which another file was "
         "read before. The other file was not read. The two may differ if one of them is older.",
         "No action is needed if `stepbot inspect` shows the part as it is in CAD.",
-    ),
-    Code(
-        "SB232",
-        "error",
-        "unreadable compressed file",
-        "The gzip or zip archive is damaged or encrypted, contains no STEP file or several, or its content is larger "
-        "than 4 GiB or more than a hundred times as large as the archive. stepbot reads archives of one STEP file, as "
-        "CAD programs write them (`.stpZ`, `.step.gz`). The limits keep a small archive from filling the disk.",
-        "Unpack the archive and pass the STEP file to stepbot.",
     ),
     Code(
         "SB233",

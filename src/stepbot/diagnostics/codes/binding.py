@@ -32,10 +32,10 @@ CODES = (
         "SB304",
         "error",
         "component not assigned to any link",
-        "The STEP file contains components with geometry that do not belong to any link. Their mass and geometry would "
-        "be missing from the robot.",
-        "Add them to the `parts` of a link, assign all remaining components to one link with `rest: true`, or exclude "
-        "them with `ignore: true` under `parts`.",
+        "The STEP file contains components with geometry that do not belong to any link; with a lock file, the "
+        "message tells new ones from old. Their mass and geometry would be missing from the robot.",
+        "Add them to the `parts` of a link, assign all remaining components to one link with `rest: true`, or "
+        "exclude them with `ignore: true` under `parts`.",
     ),
     Code(
         "SB305",
@@ -48,10 +48,11 @@ CODES = (
     Code(
         "SB306",
         "warning",
-        "path has no effect",
-        "All components that a path matches are ignored, have no geometry, or are assigned by more specific paths. The "
-        "path has no effect on the link.",
-        "Remove the path, the conflicting `ignore` rule, or the more specific paths.",
+        "path or rule without effect",
+        "All components that a path matches are ignored, have no geometry, or are assigned by more specific "
+        "paths; or rules above one in `parts` set the same field on all of its components to other values, "
+        "since the first rule in the file holds.",
+        "Remove the path, or the rules that conflict with it. Write specific rules above general ones.",
     ),
     Code(
         "SB308",
@@ -60,14 +61,5 @@ CODES = (
         "A component is flat or too thin for a convex hull with a volume. Engines reject flat collision geometry, so "
         "the component is written without collision geometry and makes no contact.",
         "Set `collision: none` for it under `parts` to suppress the warning, or give the link primitive shapes.",
-    ),
-    Code(
-        "SB309",
-        "warning",
-        "rule shadowed by earlier rules",
-        "Rules above this one in `parts` set the same field on all components that it matches, to other values. Of "
-        "several rules that set a field of a component, the first one in the file holds. A general glob above specific "
-        "rules turns them off, and the masses of the robot are those of the glob.",
-        "Write specific rules above general ones.",
     ),
 )

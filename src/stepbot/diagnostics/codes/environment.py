@@ -24,9 +24,9 @@ CODES = (
         "SB003",
         "error",
         "Python package missing",
-        "The command needs a Python package that is not installed. The command cannot do its work without the package.",
-        "Install the extra named in the message; `stepbot doctor` shows what is installed, and the command for the "
-        "rest.",
+        "The command needs a Python package that is not installed.",
+        "Install the extra that the message names; `stepbot doctor` shows what is installed, and the command "
+        "for the rest.",
         could_not_run=True,
     ),
     Code(
@@ -107,10 +107,10 @@ CODES = (
     Code(
         "SB012",
         "error",
-        "sidecar already exists",
-        "`stepbot init` would overwrite an existing sidecar. A sidecar contains manual decisions that cannot be "
-        "recovered. `init` overwrites a file only with `--force`.",
-        "Choose another file with `-o`, or overwrite this one with `--force`.",
+        "file would be overwritten",
+        "`stepbot init` would overwrite a sidecar, whose manual decisions cannot be recovered, or a conversion "
+        "would overwrite the description that it converts, or a mesh of it. Nothing is written.",
+        "Choose another file or folder with `-o`. `init --force` overwrites the sidecar.",
     ),
     Code(
         "SB013",
@@ -133,19 +133,11 @@ CODES = (
     Code(
         "SB016",
         "note",
-        "outdated lock file",
-        "The sidecar contains joints or component paths that are not in the lock file. They were added after the lock "
-        "file was written. Changes of these joints and components cannot be detected.",
-        "Check the robot, then update the lock file with `stepbot lock`.",
-    ),
-    Code(
-        "SB017",
-        "note",
-        "no lock file",
-        "`stepbot check --fix` was called for a sidecar without a lock file. Renamed components are found by comparing "
-        "the STEP file with the lock file. The sidecar was not changed.",
-        "Run `stepbot lock` while the sidecar and the STEP file agree, and put the lock file under version control "
-        "with the sidecar.",
+        "lock file missing or outdated",
+        "`stepbot check --fix` was called for a sidecar without a lock file, or the sidecar has joints or "
+        "component paths that are not in it. Their changes cannot be detected.",
+        "Run `stepbot lock` while the sidecar and the STEP file agree, and put the lock file under version "
+        "control with the sidecar.",
     ),
     Code(
         "SB018",
@@ -173,14 +165,6 @@ CODES = (
         "empty; it was not written.",
         "Look at the contents of the STEP file with `stepbot inspect`. In the sidecar, `visual: false` hides links and "
         "parts.",
-    ),
-    Code(
-        "SB021",
-        "error",
-        "watchfiles not installed",
-        "`stepbot watch` needs the package watchfiles, which reports saved files. Nothing could be watched.",
-        "Install it with `pip install stepbot[view]`. `stepbot view` shows a robot without it.",
-        could_not_run=True,
     ),
     Code(
         "SB022",

@@ -67,14 +67,6 @@ CODES = (
         "explicitly, and remove the REVIEW comment of a draft.",
     ),
     Code(
-        "SB408",
-        "warning",
-        "joint axis moved",
-        "The axis or the origin of a joint differs from that in the lock file. The kinematics of the robot change: "
-        "calibrations, joint limits and motions made for the earlier revision may no longer be valid.",
-        "If the change is intended, accept it with `stepbot lock`, which updates the lock file.",
-    ),
-    Code(
         "SB411",
         "error",
         "closure does not close",

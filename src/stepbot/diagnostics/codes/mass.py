@@ -92,8 +92,8 @@ CODES = (
         "SB511",
         "warning",
         "mesh accuracy not reached",
-        "`mass: mesh` is set, but the volume, centre of mass or inertia of the finest mesh differs from the exact "
-        "value by more than a thousandth. The values of the mesh are written, with this error.",
+        "`mass: mesh` is set, but the volume, centre of mass or inertia of the finest mesh differs from the "
+        "exact value by more than a thousandth. The values of the mesh are written; the report contains both.",
         "Use `mass: auto` or `mass: exact`.",
     ),
     Code(
@@ -144,57 +144,29 @@ CODES = (
         "link an `inertial` with com and inertia.",
     ),
     Code(
-        "SB517",
-        "warning",
-        "mass of a component changed",
-        "The mass of a component differs from that in the lock file, because the STEP file gives it another density or "
-        "material. Mass, centre of mass and inertia of its link change.",
-        "Check the material in CAD. If the change is intended, accept it with `stepbot lock`, which updates the lock "
-        "file.",
-    ),
-    Code(
         "SB518",
         "warning",
-        "inertia too large for the geometry",
-        "The `inertial` of a link gives it an inertia that no distribution of its mass within the link's geometry has: "
-        "along the named axis, the mass would have to lie outside. Engines accept it, and the robot accelerates and "
-        "turns too slowly. Typical causes are an inertia about the joint instead of the centre of mass, another unit, "
-        "and estimates in published descriptions.",
-        "Give the inertia about the centre of mass, or omit `inertia` to compute it from the shape. If the value is a "
-        "maker's, or the CAD omits a heavy part, keep it with `ignore_findings: [{code: SB518, reason: ...}]` on the "
-        "link.",
-    ),
-    Code(
-        "SB519",
-        "warning",
-        "centre of mass outside the geometry",
-        "The `inertial` of a link places its centre of mass outside the convex hull of the link's geometry, by more "
-        "than a hundredth of its diagonal. A centre of mass is inside the convex hull of its body. Gravity would act "
-        "at the wrong place.",
-        "Give `com` in the link's frame, which is that of the joint above it, not in the assembly's. If the CAD omits "
-        "a heavy part, keep it with `ignore_findings: [{code: SB519, reason: ...}]` on the link.",
-    ),
-    Code(
-        "SB520",
-        "warning",
-        "inertia too small for the mass",
-        "The `inertial` of a link gives it less inertia than a ball of osmium, the densest element, of the same mass. "
-        "No body is that compact. Typical causes are another unit, such as kg mm^2 or g mm^2 converted twice, and "
-        "placeholders. Engines need small time steps for such links, or diverge.",
-        "Give the inertia in kg m^2, or omit `inertia` to compute it from the shape. To keep a maker's value, use "
-        "`ignore_findings: [{code: SB520, reason: ...}]` on the link.",
+        "implausible centre of mass or inertia",
+        "The `inertial` of a link has values that no body of its geometry and mass has. `large-inertia`: along "
+        "the named axis, the mass would have to be outside the geometry. `small-inertia`: a ball of osmium, "
+        "the densest element, has more. `com`: the centre of mass is outside the convex hull by more than a "
+        "hundredth of its diagonal. Engines accept all of them and simulate another robot.",
+        "Give the inertia in kg m^2 about the centre of mass, not about the joint, and `com` in the link's "
+        "frame, which is that of the joint above it; or omit `inertia` to compute it from the shape. Keep a "
+        "maker's value with `ignore_findings: [{code: SB518, reason: ...}]` on the link.",
+        features="com large-inertia small-inertia",
     ),
     Code(
         "SB521",
         "warning",
-        "mass too large for the volume",
-        "A `mass` under `parts`, or in the `inertial` of a link, gives its components a density above 25000 kg/m^3. "
-        "Osmium, the densest element, has 22590 kg/m^3. The unit is probably wrong: numbers without a unit are "
-        "kilograms, and a servo of 55 kg makes the robot a thousand times too heavy. Or the mass is that of several "
+        "implausible density",
+        "A density, or a `mass` for the volume of its components, exceeds 25000 kg/m^3 (osmium, the densest "
+        "element, has 22590), or a density is below 5 kg/m^3 (foams for packaging have 10 to 30). The unit is "
+        "probably wrong: a number without a unit is in kg or kg/m^3. Or the mass is that of several "
         "components, and each of them gets all of it.",
-        "Write the mass with its unit: `55 g`. A mass is that of each component that the path matches. If a solid "
-        "stands for something heavier, keep the mass with `ignore_findings: [{code: SB521, reason: ...}]` in its rule "
-        "or link.",
+        "Write the value with its unit: `55 g`, `2.7 g/cm^3`. A mass is that of each component that the path "
+        "matches. If a solid stands for something heavier, keep it with `ignore_findings: [{code: SB521, "
+        "reason: ...}]` in its rule or link.",
     ),
     Code(
         "SB522",

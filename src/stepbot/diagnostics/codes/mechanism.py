@@ -7,19 +7,13 @@ CODES = (
         "SB450",
         "error",
         "links and joints are not a tree",
-        "A joint connects a link to itself, a link has two parents, joints form a cycle, the root has a parent, or "
-        "links are not connected to it. The formats require a tree of joints, in which each link but the root has one "
-        "parent joint. PyBullet crashes on other files.",
-        "Move the joint that closes a loop to `closures`, with its links as `link_a` and `link_b`, or swap parent and "
-        "child of a joint. Set `root` to the link that is not the child of any joint.",
-    ),
-    Code(
-        "SB453",
-        "error",
-        "disconnected links",
-        "More than one link has no parent joint, so the robot has several roots. A robot is a single tree. Depending "
-        "on the engine, a disconnected link falls or stays fixed in space.",
-        "Add the missing joint (`type: fixed` for a rigid connection), or assign the components to another link.",
+        "A joint connects a link to itself, a link has two parents, joints form a cycle, the root has a "
+        "parent, or links are not connected to it (`disconnected`). The formats require a tree of joints, in "
+        "which each link but the root has one parent joint; PyBullet crashes on other files.",
+        "Move the joint that closes a loop to `closures`, with its links as `link_a` and `link_b`, or swap "
+        "parent and child of a joint. Add the missing joint (`type: fixed` for a rigid connection). Set `root` "
+        "to the link that is not the child of any joint.",
+        features="disconnected",
     ),
     Code(
         "SB455",
@@ -67,18 +61,12 @@ CODES = (
     Code(
         "SB460",
         "warning",
-        "mimic exceeds joint limits",
-        "Over the range of the leading joint, the mimic joint exceeds its own limits. Engines resolve this conflict "
-        "differently: some stop the leading joint, others violate the limit.",
-        "Narrow the limits of the leading joint, widen those of the mimic joint, or correct `multiplier` and `offset`.",
-    ),
-    Code(
-        "SB461",
-        "warning",
-        "assembled pose violates a mimic",
-        "In the assembled pose (as modelled in CAD), the position of the mimic joint differs from the position given "
-        "by its mimic relation. The initial pose violates the constraint, so the simulation starts with a jump.",
-        "Correct `offset`, or set `zero` to the joint positions in the assembled pose.",
+        "mimic conflicts with limits or pose",
+        "Over the range of the leading joint, the mimic joint exceeds its own limits, which engines resolve "
+        "differently; or its position in the assembled pose (as modelled in CAD) is not that of its mimic "
+        "relation, so that the simulation starts with a jump.",
+        "Narrow the limits of the leading joint, widen those of the mimic joint, correct `multiplier` and "
+        "`offset`, or set `zero` to the joint positions in the assembled pose.",
     ),
     Code(
         "SB462",

@@ -6,10 +6,11 @@ CODES = (
     Code(
         "SB601",
         "warning",
-        "faces without triangles",
-        "The mesher failed on some faces of a body, with all settings tried. The mesh has holes. If the exact shape is "
-        "valid, mass properties are computed from it and are correct.",
-        "Repair the faces in CAD, or accept the holes. They affect display and collision only.",
+        "defective mesh",
+        "The mesher failed on some faces of a body, with all settings tried, or some edges of the mesh do not "
+        "join exactly two faces. If the exact shape is valid, mass properties are computed from it and are "
+        "correct; display and collision have the defect.",
+        "Repair the faces in CAD: overlapping ones, and edges shared by more than two. Or accept the mesh.",
     ),
     Code(
         "SB602",
@@ -29,14 +30,6 @@ CODES = (
         "Set a larger tolerance or angle under `mesh`, or simplify the body in CAD.",
     ),
     Code(
-        "SB604",
-        "warning",
-        "mesh is not manifold",
-        "Some edges of a mesh do not join exactly two faces. The mesh has no well-defined volume. If the exact shape "
-        "is valid, mass properties are computed from it.",
-        "Check the body in CAD for overlapping faces and for edges shared by more than two faces.",
-    ),
-    Code(
         "SB605",
         "warning",
         "volume integration does not converge",
@@ -44,14 +37,6 @@ CODES = (
         "thousandth. The solid may be invalid, for example because a face intersects itself. Up to a tenth apart, the "
         "value of the exact solid is used; further apart, stepbot does not build a robot from it (SB516).",
         "Repair the solid in CAD, ignore it, or give its link an `inertial` with com and inertia.",
-    ),
-    Code(
-        "SB606",
-        "warning",
-        "measurement mesh too coarse",
-        "With `mass: mesh`, the measurement mesh of a body deviates from the exact shape even at the size limit. The "
-        "mass properties are less accurate than requested. The report contains both values.",
-        "Use `mass: auto` or `mass: exact`.",
     ),
     Code(
         "SB607",

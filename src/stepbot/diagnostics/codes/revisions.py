@@ -32,14 +32,6 @@ CODES = (
         "Remove the path, or replace it by that of another component.",
     ),
     Code(
-        "SB313",
-        "error",
-        "new component not assigned to any link",
-        "The STEP file contains components that are not in the lock file and not assigned to any link. Their mass and "
-        "geometry would be missing from the robot.",
-        "Add them to the `parts` of a link, or exclude them with `ignore: true` under `parts`.",
-    ),
-    Code(
         "SB314",
         "note",
         "component renamed, still in its link",
@@ -48,46 +40,25 @@ CODES = (
         "Update the lock file with `stepbot lock`.",
     ),
     Code(
-        "SB315",
-        "warning",
-        "renamed component in another link",
-        "A component has another name than in the lock file, and the new name matches a glob or a subassembly of "
-        "another link. Mass and geometry move from one link to another, without an edit of the sidecar.",
-        "Correct the `parts` of both links. If the change is intended, accept it with `stepbot lock`, which updates "
-        "the lock file.",
-    ),
-    Code(
         "SB316",
         "warning",
-        "link lost a component",
-        "A component of a link is no longer in the STEP file. A glob, a subassembly or `rest` assigned it to the link. "
-        "The link is lighter than before, without an unmatched path.",
-        "Check in CAD that the component was removed on purpose. If the change is intended, accept it with `stepbot "
-        "lock`, which updates the lock file.",
-    ),
-    Code(
-        "SB317",
-        "warning",
-        "link gained a component",
-        "A component that is not in the lock file is assigned to a link by a glob, a subassembly or `rest`. The new "
-        "component moves with this link, and may belong to another.",
-        "List it in the `parts` of the link that it belongs to. If the change is intended, accept it with `stepbot "
-        "lock`, which updates the lock file.",
+        "parts of a link changed",
+        "A glob, a subassembly or `rest` assigns other components to a link than when the lock file was "
+        "written: one is `lost` from the STEP file, one is new and `gained`, or one is `renamed` and matches "
+        "another link now. Mass and geometry of the links change without an edit of the sidecar.",
+        "Correct the `parts` of the links. If the change is intended, accept it with `stepbot lock`, which "
+        "updates the lock file.",
+        features="gained lost renamed",
     ),
     Code(
         "SB318",
         "warning",
-        "component moved",
-        "A component is in another pose than in the lock file. Centre of mass and inertia of its link change. Joints "
-        "bound to its faces move with it.",
+        "part or joint axis changed",
+        "Compared with the lock file, the message names what changed: the `pose` or `shape` of a component, "
+        "its `mass` because the STEP file gives it another density or material, or the `axis` or origin of a "
+        "joint. Mass properties and kinematics change with it; calibrations, joint limits and motions of the "
+        "earlier revision may no longer be valid.",
         "If the change is intended, accept it with `stepbot lock`, which updates the lock file.",
-    ),
-    Code(
-        "SB319",
-        "warning",
-        "shape of a component changed",
-        "Volume, moments or faces of a component differ from those in the lock file. Mass, centre of mass, inertia and "
-        "geometry of its link change.",
-        "If the change is intended, accept it with `stepbot lock`, which updates the lock file.",
+        features="axis mass pose shape",
     ),
 )

@@ -115,10 +115,11 @@ CODES = (
         "SB128",
         "error",
         "invalid origin",
-        "An origin mixes the keys of two forms, or uses a form that is not valid here: `auto` searches for an axis "
-        "shared by two links. Each form defines a complete frame, so only one can apply.",
-        "Keep one of `xyz`, `component`, `center`, `axis_of`, `mate`, `auto`. Frames, sensors and the root belong to a "
-        "single link and accept every form except `auto`.",
+        "An origin mixes the keys of two forms, or uses a form that is not valid here: `auto` searches for an "
+        "axis shared by two links. Or `up` and `forward` of `root` are along the same axis of the assembly.",
+        "Keep one of `xyz`, `component`, `center`, `axis_of`, `mate`, `auto`; frames, sensors and the root "
+        "belong to a single link and accept every form except `auto`. Choose `forward` among the two axes that "
+        "are not `up`, or omit it.",
     ),
     Code(
         "SB129",
@@ -133,24 +134,10 @@ CODES = (
     Code(
         "SB130",
         "error",
-        "unknown link",
-        "A link is referenced that is not defined in `links`. The joint, frame or sensor cannot be attached.",
-        "Correct the name or add the link. The help lists similar names.",
-    ),
-    Code(
-        "SB131",
-        "error",
-        "unknown joint",
-        "A joint is referenced that is not defined in `joints`. The mimic, actuator or sensor has no joint to refer "
-        "to.",
-        "Correct the name or add the joint. The help lists similar names.",
-    ),
-    Code(
-        "SB132",
-        "error",
-        "unknown material",
-        "A material is referenced that is not defined in `materials`. Its density and colour are undefined.",
-        "Correct the name or add the material.",
+        "unknown name",
+        "A link, joint or material is referenced that the sidecar does not define.",
+        "Correct the name, or add the element. The help lists similar names.",
+        features="joint link material",
     ),
     Code(
         "SB133",
@@ -171,9 +158,11 @@ CODES = (
         "SB135",
         "error",
         "duplicate name",
-        "Two links, joints, closures or frames have the same name. SDFormat has a single namespace for all of them, "
-        "URDF represents frames as links, and Pinocchio represents links and joints as frames.",
-        "Rename one of them. For example, name the link `elbow` and the joint `elbow_joint`.",
+        "Two links, joints, closures or frames have the same name, in a composed robot after their prefixes "
+        "were added. SDFormat has one namespace for all of them, URDF represents frames as links, and "
+        "Pinocchio represents links and joints as frames.",
+        "Rename one of them: the link `elbow`, the joint `elbow_joint`. In a composed robot, leave out "
+        '`prefix: ""` or choose another prefix.',
     ),
     Code(
         "SB136",
@@ -233,24 +222,6 @@ CODES = (
         "have been corrected since. An unused rule would hide the next diagnostic with this code.",
         "Remove the entry. A diagnostic that summarizes several places can only be ignored by an entry at the top "
         "level of the sidecar.",
-    ),
-    Code(
-        "SB143",
-        "warning",
-        "density outside the range of all materials",
-        "A density exceeds 25000 kg/m^3, or is below 5 kg/m^3. Osmium, the densest element, has 22590 kg/m^3; foams "
-        "for packaging have 10 to 30. The unit is probably wrong. 2700 g/cm^3 is a thousand times the density of "
-        "aluminium, and makes the robot a thousand times too heavy; 1.24 kg/m^3 is a thousandth of that of PLA.",
-        "Write the density in the unit of the data sheet: `2700 kg/m^3` or `2.7 g/cm^3`. If a solid stands for "
-        "something heavier, give its `mass`.",
-    ),
-    Code(
-        "SB144",
-        "error",
-        "forward not perpendicular to up",
-        "The directions `up` and `forward` under `root` are along the same axis of the assembly. Together they define "
-        "the axes of the robot's base: z is up and x is forward.",
-        "Choose `forward` among the other two axes, or omit it. The default is x, or y if `up` is x or -x.",
     ),
     Code(
         "SB145",

@@ -182,19 +182,13 @@ CODES: tuple[Code, ...] = (
     Code(
         "SB833",
         "error",
-        "nothing to drive",
-        "The target of `stepbot drive` is neither a sidecar, nor a folder that `stepbot convert` wrote, nor an MJCF or "
-        "URDF in such a folder. Actuators, loops and limits are read from the `report.json` beside the files.",
-        "Convert the sidecar with `stepbot convert`, then drive the folder.",
-        could_not_run=True,
-    ),
-    Code(
-        "SB834",
-        "error",
-        "invalid limits of drive tests",
-        "The file given by `--limits` cannot be read, or names an unknown test or quantity, or a limit without a "
-        "reason. The robot would be judged by other limits than intended.",
-        'Write an object `drive` with `tests`, `cube` [kg] and `limits`: `{"step": {"overshoot": [15, "reason"]}}`.',
+        "drive tests cannot start",
+        "The target of `stepbot drive` is neither a sidecar, nor a folder that `stepbot convert` wrote, nor an "
+        "MJCF or URDF in such a folder; or the file given by `--limits` cannot be read, names an unknown test "
+        "or quantity, or has a limit without a reason.",
+        "Convert the sidecar, then drive the folder: actuators, loops and limits are read from its "
+        "`report.json`. A file of limits is an object `drive` with `tests`, `cube` [kg] and `limits`: "
+        '`{"step": {"overshoot": [15, "reason"]}}`.',
         could_not_run=True,
     ),
     Code(

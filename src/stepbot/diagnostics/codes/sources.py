@@ -35,19 +35,12 @@ CODES: tuple[Code, ...] = (
     Code(
         "SB864",
         "note",
-        "name changed",
-        "A name in the converted file is reserved or contains characters that a format cannot hold, is missing, or is "
-        "used twice. Controllers and scripts must use the new name.",
-        "No action is needed. To choose the name, change it in the source.",
-    ),
-    Code(
-        "SB865",
-        "note",
-        "links rearranged",
-        "The converted file moves a link by several joints, has a joint beside the origin of its link, or has links "
-        "without a joint to the others. The model has one joint above each link, at its frame. The written files have "
-        "additional links without mass, or fixed joints. All links of the source keep their frames.",
-        "No action is needed.",
+        "names or links changed",
+        "A name in the converted file is reserved, contains characters that a format cannot hold, is missing, "
+        "or is used twice; controllers and scripts must use the new name. Or the file moves a link by several "
+        "joints, has a joint beside the origin of its link, or links without a joint to the others: links "
+        "without mass or fixed joints are added. All links of the source keep their frames.",
+        "No action is needed. To choose a name, change it in the source.",
     ),
     Code(
         "SB866",
@@ -69,22 +62,6 @@ CODES: tuple[Code, ...] = (
         "source.",
     ),
     Code(
-        "SB868",
-        "warning",
-        "base taken as fixed",
-        "A URDF does not say whether its root link is fixed to the world; the written SDFormat and MJCF must. A mobile "
-        "or legged robot would hang in the air.",
-        "State it with `--base floating` or `--base fixed`. A root link named `world` means fixed, too.",
-    ),
-    Code(
-        "SB869",
-        "error",
-        "output would overwrite the source",
-        "A file to be written has the path of the converted file, or of a mesh that it refers to. The source would be "
-        "lost.",
-        "Choose another folder with `-o`.",
-    ),
-    Code(
         "SB870",
         "warning",
         "initial position outside the limits",
@@ -103,33 +80,20 @@ CODES: tuple[Code, ...] = (
         "Give the visual a colour in the description, or convert the mesh to Collada or glTF with plain materials.",
     ),
     Code(
-        "SB873",
-        "warning",
-        "actuator without gains",
-        "A position or velocity actuator of the converted file has no gains: a transmission of ROS 1 has none, and in "
-        "`<ros2_control>` they are optional. Without gains it would exert no force in a simulation. They are computed "
-        "from the inertia and weight that it moves, as by `gains: auto` in a sidecar.",
-        "Set parameters `kp` and `kv` of the command interface in the source, or edit the written files.",
-    ),
-    Code(
         "SB874",
         "warning",
-        "position limit missing",
-        "A revolute or prismatic joint of the converted URDF has no `<limit>`, or one without `lower` or `upper`. "
-        "Without both, the joint is unlimited in the written files; in place of one, 0 is taken, as the format "
-        "defines. Readers of URDF differ: without both, PyBullet and MuJoCo let the joint move freely, ROS rejects the "
-        "file or locks the joint.",
-        "State `lower` and `upper`, or give a revolute joint that turns without end the type `continuous`.",
-    ),
-    Code(
-        "SB875",
-        "warning",
-        "mass properties assumed",
-        "`--assume-inertia` is given, and the converted file states no mass properties of a link, or impossible ones. "
-        "They are computed from the link's collisions, or else its visuals, as solids of the density; meshes that are "
-        "not closed count as their convex hulls. A mass and a com that the file states are kept. Masses of hollow "
-        "parts are too large. Simulations move, and controllers act, as for these values.",
-        "Measure or compute the mass properties, and state them in the source.",
+        "missing value of the source assumed",
+        "`base`: a URDF does not say whether its root link is fixed to the world, and is taken as fixed. "
+        "`gains`: a position or velocity actuator has none, and gets those of `gains: auto`, from the inertia "
+        "and weight that it moves. `limit`: a `<limit>` without `lower` or `upper` has 0 for it, as the format "
+        "defines; without both, the joint is unlimited (ROS rejects the file or locks the joint). `mass`: "
+        "`--assume-inertia` computes the mass properties of a link from its collisions, or else its visuals, "
+        "as solids; meshes that are not closed count as their convex hulls, a stated mass and com are kept, "
+        "and hollow parts become too heavy.",
+        "State the value in the source: `kp` and `kv` of the command interface, `lower` and `upper`, type "
+        "`continuous`, measured mass properties; the base with `--base floating` or `--base fixed`, or a root "
+        "link named `world`.",
+        features="base gains limit mass",
     ),
     Code(
         "SB877",

@@ -44,7 +44,7 @@ def check_encoding(data: Text, declared: str, place: str, found: Diagnostics) ->
     Args:
         declared: Code page declared by the user; empty for none.
         place: Name of the file in diagnostics.
-        found: Receives SB210 if the encoding is unknown, SB225 if the file contradicts the declaration.
+        found: Receives SB210 if the encoding is unknown or the file contradicts the declaration.
 
     Returns:
         None, with the error SB224 in ``found``, if the declared code page cannot decode the file's bytes.
@@ -83,7 +83,7 @@ def _check_declared(data: Text, declared: str, is_utf8: bool, place: str, found:
     if is_utf8:
         offset, _ = next(_non_ascii_runs(data))
         found.add(
-            "SB225",
+            "SB210",
             f"names are read as {declared}, as declared, but they are valid UTF-8",
             Span(place, line_of(data, offset), 1),
             help=["remove the declaration: UTF-8 is detected"],

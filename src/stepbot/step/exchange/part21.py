@@ -101,7 +101,7 @@ def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -
     except FileNotFoundError:
         found.add("SB001", "file not found", span, help=_meant(path))
     except ArchiveFault as fault:
-        found.add("SB232", f"the compressed file cannot be read: {fault.reason}", span, help=[fault.help])
+        found.add("SB201", f"the compressed file cannot be read: {fault.reason}", span, help=[fault.help])
     except OSError as error:
         found.add("SB001", f"cannot be read: {error.strerror or error}", span)
     return None
@@ -207,7 +207,7 @@ def _has_geometry(
     if not elsewhere:
         if not is_complete:
             remedy = "export it with its geometry, as a B-rep (AP203, AP214 or AP242)"
-            found.add("SB206", "the file has no geometry", Span(place), help=[remedy])
+            found.add("SB205", "the file has no geometry", Span(place), help=[remedy])
         return is_complete
     names = list(dict.fromkeys(reference.name for reference in elsewhere))
     found.add(

@@ -167,7 +167,7 @@ def _refined(
 
     refinement = work.optional("refining its measuring mesh", compute, Refinement())
     if refinement.shortfall:
-        work.say("SB606", refinement.shortfall)
+        work.say("SB511", refinement.shortfall)
     return refinement.properties
 
 
@@ -202,7 +202,7 @@ def _sew(work: _Work) -> bool:
     if closed is None:
         return False
     work.healed, work.exact = closed, volume_properties(integrate(closed.shape))
-    work.say("SB228", "faces without shared edges were sewn")
+    work.say("SB217", "faces without shared edges were sewn")
     return True
 
 
@@ -227,7 +227,7 @@ def _defect(work: _Work, result: Tessellation, wanted: Fineness, watertight: boo
         )
     if not watertight:
         _estimate(work, result, is_closed=False)
-        return work.say("SB604", f"mesh is not manifold{_untried(result)}")
+        return work.say("SB601", f"mesh is not manifold{_untried(result)}")
     if work.exact is None:  # the kernel integrates over some faces to nothing, or to no number
         work.exact = by_mesh(result.mesh)
     if work.exact is None or _is_nothing(work.exact, result.mesh):

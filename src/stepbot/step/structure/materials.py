@@ -75,7 +75,7 @@ class Materials:
         if len(densities) > 1 and not math.isclose(min(densities), max(densities), rel_tol=1e-6):
             values = ", ".join(f"{value:g}" for value in densities)
             self._found.add(
-                "SB212",
+                "SB211",
                 f"'{product}': several densities in the file: {values} kg/m^3",
                 Span(self._place),
                 help=["set the right one in the sidecar, under `parts`"],

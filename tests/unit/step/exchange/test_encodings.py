@@ -114,7 +114,7 @@ def test_utf8_that_is_declared_otherwise(tmp_path: Path, found: ReadDiagnostics)
     assert assembly is not None
     assert assembly.components[0].product == "Ã©"
     (diagnostic,) = found
-    assert diagnostic.code == "SB225"
+    assert diagnostic.code == "SB210"
     assert diagnostic.notes == ("in cp1252 the first reads 'Ã©'", "in utf-8 the first reads 'é'")
 
 

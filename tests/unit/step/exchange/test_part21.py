@@ -62,7 +62,7 @@ def test_schemas(schema: str, name: str, tmp_path: Path, found: ReadDiagnostics)
         (b"", "SB201", "empty", 0),
         (b"\0\0\0\0", "SB201", "empty", 0),
         (b"# a readme\n", "SB201", "not a STEP file", 1),
-        (b"PK\x03\x04 and more", "SB232", "zip", 0),
+        (b"PK\x03\x04 and more", "SB201", "zip", 0),
         (b"version https://git-lfs.github.com/spec/v1\n", "SB201", "Git LFS", 1),
         (b"<?xml version='1.0'?>", "SB201", "XML", 1),
         (b"<?xml version='1.0'?>\n<!-- <mujoco> -->\n<robot name='a'>", "SB201", "a robot description (URDF)", 1),
@@ -74,7 +74,7 @@ def test_schemas(schema: str, name: str, tmp_path: Path, found: ReadDiagnostics)
         (HEADER.encode() + DATA.encode()[:30], "SB201", "unexpected end of file", 10),
         (HEADER.encode()[:60], "SB201", "unexpected end of file", 3),
         (HEADER.replace("AUTOMOTIVE_DESIGN", "IFC4").encode() + DATA.encode(), "SB201", "building", 0),
-        (HEADER.encode() + DATA.encode().replace(b"ADVANCED_FACE", b"DIRECTION"), "SB206", "no geometry", 0),
+        (HEADER.encode() + DATA.encode().replace(b"ADVANCED_FACE", b"DIRECTION"), "SB205", "no geometry", 0),
     ],
 )
 def test_files_that_cannot_be_read(

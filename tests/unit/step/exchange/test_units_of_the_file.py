@@ -104,7 +104,7 @@ def test_densities_that_contradict_each_other(tmp_path: Path, found: ReadDiagnos
 """
     assert density_of(read_here(rewrite(path, extra=second), found)) is None
     (diagnostic,) = found
-    assert diagnostic.code == "SB212"
+    assert diagnostic.code == "SB211"
     assert "7850, 1200" in diagnostic.message
 
 
