@@ -56,6 +56,10 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
         {"name": names.links[link.name], "parts": list(link.parts), "rest": link.rest, **_confidence(link)}
         for link in draft.links
     ]
+    contacts = [
+        {"link": names.links[one.link], "part": one.part, "material": one.material.value, "evidence": one.why}
+        for one in draft.contacts
+    ]
     joints = [
         {
             "name": name,
@@ -82,6 +86,7 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
     return {
         "root": names.links[draft.root],
         "links": links,
+        "contacts": contacts,
         "joints": joints,
         "closures": closures,
         "fused": [

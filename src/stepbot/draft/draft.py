@@ -12,6 +12,7 @@ from math import inf
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import ZERO3, Vector3
 from stepbot.robot.model import Base, Frame, JointDynamics, JointKind, Mimic
+from stepbot.sidecar.contact import ContactMaterial
 from stepbot.step.features.ground import Standing
 
 SURE = 0.8
@@ -222,6 +223,17 @@ class DraftClosure(DraftConnection):
 
 
 @dataclass(frozen=True)
+class DraftContact:
+    """The material of a link, or of one part of it, that touches what is around the robot."""
+
+    link: str
+    part: str
+    """Path of the part; empty for the whole link."""
+    material: ContactMaterial
+    why: str
+
+
+@dataclass(frozen=True)
 class Option:
     """An answer to a question."""
 
@@ -278,6 +290,8 @@ class Draft:
     """The frame of the root; None for that of the assembly."""
     base: Base = Base.FIXED
     frames: tuple[Frame, ...] = ()
+    contacts: tuple[DraftContact, ...] = ()
+    """Wheels, casters, feet and fingers, in the order of the links."""
     answers: Mapping[str, str] = field(default_factory=dict)
     """Answers to questions that were used, by the names of the questions."""
     questions: tuple[Question, ...] = ()

@@ -20,6 +20,7 @@ from stepbot.draft.text.sidecar_text import (
     sidecar_text,
     without_density,
 )
+from stepbot.draft.touching import contacts_of
 from stepbot.robot.step_names import step_stem
 from stepbot.runtime.file import exists, write_file
 from stepbot.sidecar.load import load_sidecar
@@ -111,6 +112,7 @@ def draft_step(
     )
     draft = replace(draft, notes=(*draft.notes, *notes))
     draft = replace(draft, standing=drawn_up(draft, assembly))
+    draft = replace(draft, contacts=contacts_of(draft, assembly))
     return Drafting(found, _with_densities(draft, assembly), stated is not None)
 
 

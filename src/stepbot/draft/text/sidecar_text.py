@@ -16,6 +16,7 @@ from stepbot.draft.text.draft_names import DraftNames, names_of
 from stepbot.draft.text.values import alternative_origin, angles, comment, flow, lengths, listed, number, origin_text
 from stepbot.robot.model import Base, JointKind
 from stepbot.runtime.file import resolved
+from stepbot.sidecar.contact import MATERIALS
 from stepbot.sidecar.starter import robot_name, scalar
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.ground import Standing, standing
@@ -52,8 +53,10 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
     lines += [*_stand(draft, names), "", *_answers(draft)]
     lines += _defaults(draft)
     lines += ["links:"]
+    proposed = _contacts(draft)
     for link in draft.links:
         lines += _link(link, names, is_root=link.name == draft.root)
+        lines += [f"    contact: {material}  {why}" for material, why in proposed.get((link.name, ""), ())]
     fused = list(zip(draft.fused, names.freed, strict=True))[:_OFFERED]
     if fused:
         lines.append(
@@ -61,6 +64,9 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
         )
         lines += [f"  # {scalar(name)}: {flow([('parts', listed([one.moving]))])}" for one, name in fused]
         lines += _more(len(draft.fused) - len(fused))
+    of_parts = [(part, *one) for (_, part), found in proposed.items() if part for one in found]
+    own = [f"  {quoted(part)}: {{contact: {material}}}  {why}" for part, material, why in of_parts]
+    lines += ["", "parts:", *own] if own else []
     if draft.joints or fused:
         lines += ["", "joints:" if draft.joints else "# joints:"]
         for joint, name in zip(draft.joints, names.joints, strict=True):
@@ -232,6 +238,17 @@ def _link(link: DraftLink, names: DraftNames, *, is_root: bool) -> list[str]:
     if link.inertial is not None:
         lines += inertial_lines(link.inertial)
     return lines
+
+
+def _contacts(draft: Draft) -> dict[tuple[str, str], list[tuple[str, str]]]:
+    """By link and part, a material, and a comment: its friction and the reason beside the first of several."""
+    found: dict[tuple[str, str], list[tuple[str, str]]] = {}
+    told: set[str] = set()
+    for one in draft.contacts:
+        review = f"REVIEW: {one.why}; friction {number(MATERIALS[one.material].sliding)}"
+        found[one.link, one.part] = [(one.material, f"# {review if one.why not in told else 'as above'}")]
+        told.add(one.why)
+    return found
 
 
 def _parts(paths: Sequence[str]) -> list[str]:
