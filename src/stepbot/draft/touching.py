@@ -86,7 +86,9 @@ class _Touching:
         why = "on the ground beside wheels, and no joint rolls it: little friction instead"
         for link in {link.name for link in self._draft.links} - names - self._rolling(names):
             for i in self._members[link]:
-                if self._scene.span(i, self._up)[0] < level:
+                has_faces = i in self._scene.boxes
+                lowest = self._scene.span(i, self._up)[0] if has_faces else self._height([i]) + self._ground
+                if lowest < level:
                     yield DraftContact(link, self._components[i].path, ContactMaterial.PTFE_ON_STEEL, why)
 
     def on_feet(self) -> Iterator[DraftContact]:
