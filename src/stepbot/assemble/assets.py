@@ -33,7 +33,10 @@ class MeshAssets:
         self._assembly = assembly
         self._names = UniqueNames()
         self._first = self._first_components()
-        self._bases = self._body_names()
+        self._bases = [
+            self._names.unique(self._product_name(self._first[body]) if body in self._first else FALLBACK)
+            for body in range(len(self._assembly.bodies))
+        ]
         self._made: dict[tuple[object, ...], MeshAsset | None] = {}
         self._colors: dict[int, list[int]] = {}
 
@@ -132,13 +135,6 @@ class MeshAssets:
             if component.body >= 0:
                 first.setdefault(component.body, component)
         return first
-
-    def _body_names(self) -> list[str]:
-        """A unique name for each body, from the first component that displays it."""
-        return [
-            self._names.unique(self._product_name(self._first[body]) if body in self._first else FALLBACK)
-            for body in range(len(self._assembly.bodies))
-        ]
 
     def _product_name(self, component: Component) -> str:
         """Name of the nearest product, of the component itself or an ancestor, whose name is not generic."""

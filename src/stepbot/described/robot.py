@@ -177,7 +177,7 @@ def robot_of_description(
         tuple(Frame(one, link, X_LF) for one, (link, X_LF) in (seen.frames or {}).items() if link in links),
         actuators_of(description, {joint.name: joint for joint in kept}, found),
         shapes.assets,
-        _base(seen.base, base),
+        base or Base.FIXED if seen.base is None else Base(seen.base),
         source,
         sensors_of(seen.sensors or (), kept, set(links), found),
         description.simulation,
@@ -203,11 +203,6 @@ def _with_volume(description: Description, found: list[Finding]) -> Description:
         text = f"link '{shape.link}': {kind} with a {form} without volume: not converted"
         found.append(Finding(LOST, text, (Quantity.SHAPES, Quantity.MESHES)))
     return replace(description, shapes=tuple(kept))
-
-
-def _base(seen: str | None, wanted: Base | None) -> Base:
-    """The file's own base; if it has none, the wanted one."""
-    return wanted or Base.FIXED if seen is None else Base(seen)
 
 
 def _link(link: ObservedLink, shapes: Shapes, found: list[Finding]) -> Link:

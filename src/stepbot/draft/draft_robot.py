@@ -327,14 +327,10 @@ class _Drafting:
     def _origin(self, arc: TreeJoint) -> tuple[Found, Confidence, str]:
         """The origin of a joint, the evidence for it, and the doubt of its faces, unless the user has stated it."""
         h = arc.evidence
-        found = self._origins.of(h, self._child_part(arc))
+        found = self._origins.of(h, arc.evidence.a if self._link_of[arc.evidence.a] == arc.child else arc.evidence.b)
         selected = (f"on the axis of {found.selected_by}",) if found.selected_by else ()
         is_drafted = h.score >= CHOSEN and not h.why.startswith(STATED)
         return found, Confidence(h.score, (h.why, *selected)), found.doubt if is_drafted else ""
-
-    def _child_part(self, arc: TreeJoint) -> int:
-        """The part of a joint's evidence that moves with the child."""
-        return arc.evidence.a if self._link_of[arc.evidence.a] == arc.child else arc.evidence.b
 
     def _alternatives(self, arc: TreeJoint) -> tuple[Alternative, ...]:
         """Other joints found between the same two links."""

@@ -71,7 +71,9 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
     """
     found = _infer(survey, facts, {})
     needed = dict(found.pivots)
-    repeats = _repeats(found)
+    # Joints that equal parts elsewhere show.
+    joints = [arc.evidence for arc in found.arcs if arc.evidence.score >= CHOSEN]
+    repeats = repeated_joints(found.survey, joints, found.links)
     if needed or repeats:
         found = _infer(survey, facts, needed, repeats)
     # Each try infers everything again: the work is bounded by the number of parts.
@@ -87,12 +89,6 @@ def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
         else:
             break
     return found
-
-
-def _repeats(found: Inferred) -> list[JointEvidence]:
-    """Joints that equal parts elsewhere show."""
-    joints = [arc.evidence for arc in found.arcs if arc.evidence.score >= CHOSEN]
-    return repeated_joints(found.survey, joints, found.links)
 
 
 def _infer(

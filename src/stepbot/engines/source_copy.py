@@ -68,7 +68,11 @@ def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[
     top = xml_root(Path(file))
     locate(top, Path(file), packages)
     with_chains(top, chains)
-    _complete_limits(top)
+    # State 0 for one missing bound of a URDF's joint: MuJoCo would ignore the other one, PyBullet takes -1 for it.
+    for limit in top.iterfind("joint/limit"):
+        if len({"lower", "upper"} & set(limit.keys())) == 1:
+            limit.set("lower", limit.get("lower", "0"))
+            limit.set("upper", limit.get("upper", "0"))
     Path(copy).write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
 
 
@@ -81,11 +85,3 @@ def locate(top: Element, file: Path, packages: Iterable[Path]) -> None:
             element.set("filename", resolved(found).as_posix())
         elif found is not None:
             element.text = resolved(found).as_posix()
-
-
-def _complete_limits(robot: Element) -> None:
-    """State 0 for one missing bound of a URDF's joint: MuJoCo would ignore the other one, PyBullet takes -1 for it."""
-    for limit in robot.iterfind("joint/limit"):
-        if len({"lower", "upper"} & set(limit.keys())) == 1:
-            limit.set("lower", limit.get("lower", "0"))
-            limit.set("upper", limit.get("upper", "0"))

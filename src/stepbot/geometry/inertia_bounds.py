@@ -55,7 +55,9 @@ def spread_excess(points: Array, properties: MassProperties) -> SpreadExcess | N
         points: Points (n, 3) [m] whose convex hull contains the mass.
         properties: Mass properties in the same frame, with a positive mass.
     """
-    S = _second_moment(properties)
+    # Second moment (3, 3) [m^2] about the centre of mass, divided by the mass.
+    I = np.array(properties.inertia)  # noqa: E741 - the field's letter
+    S = np.asarray((0.5 * np.trace(I) * np.eye(3) - I) / properties.mass)
     directions = np.vstack([np.eye(3), np.linalg.eigh(S)[1].T])
     given = np.einsum("ni,ij,nj->n", directions, S, directions)
     bounds = _variance_bounds(points, properties.com, directions)
@@ -75,12 +77,6 @@ def smallest_trace(mass: float) -> float:
     """Sum of the principal moments [kg m^2] of a ball of osmium: no body of this mass [kg] has less."""
     radius: float = (3.0 * mass / (4.0 * pi * OSMIUM)) ** (1.0 / 3.0)
     return 1.2 * mass * radius**2
-
-
-def _second_moment(properties: MassProperties) -> Array:
-    """Second moment (3, 3) [m^2] about the centre of mass, divided by the mass."""
-    I = np.array(properties.inertia)  # noqa: E741 - the field's letter
-    return np.asarray((0.5 * np.trace(I) * np.eye(3) - I) / properties.mass)
 
 
 def _variance_bounds(points: Array, com: Vector3, directions: Array) -> Array:

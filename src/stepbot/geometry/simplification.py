@@ -89,7 +89,10 @@ class Simplification:
         count, vertices = len(self.original.vertices), self.original.vertices
         if not len(self.faces):
             return 0
-        start, end = _directed(self.faces, count)
+        # Every edge in both directions, once: its start and its end, sorted.
+        a, b = self.faces[:, (0, 1, 2)].reshape(-1), self.faces[:, (1, 2, 0)].reshape(-1)
+        keys = np.unique(np.concatenate([a * count + b, b * count + a]))
+        start, end = keys // count, keys % count
         cost = _cost(self._quadrics[start] + self._quadrics[end], vertices[end])
         order = np.flatnonzero((cost <= limit) & ~np.isin(start * count + end, self._blocked))
         if not len(order):
@@ -200,13 +203,6 @@ def _cost(quadrics: Array, points: Array) -> Array:
     x, y, z = points.T
     value = x * (xx * x + 2.0 * (xy * y + xz * z + xd)) + y * (yy * y + 2.0 * (yz * z + yd))
     return np.asarray(np.maximum(value + z * (zz * z + 2.0 * zd) + dd, 0.0))
-
-
-def _directed(faces: Integers, count: int) -> tuple[Integers, Integers]:
-    """Every edge in both directions, once: its start and its end, sorted."""
-    a, b = faces[:, (0, 1, 2)].reshape(-1), faces[:, (1, 2, 0)].reshape(-1)
-    keys = np.unique(np.concatenate([a * count + b, b * count + a]))
-    return keys // count, keys % count
 
 
 def _triples(faces: Integers, count: int) -> Integers:

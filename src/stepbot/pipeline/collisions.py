@@ -57,23 +57,15 @@ def robot_of(target: Path, options: Options, found: Diagnostics) -> tuple[Robot,
         StepbotError: There are errors.
     """
     if target.suffix.lower() in SIDECAR_SUFFIXES:
-        return _built(target, options, found)
+        # The robot of a sidecar, and what the sidecar requests.
+        sidecar = load(target, options, found)
+        if sidecar.document.modules:
+            return compose(sidecar, options, found).robot, sidecar.document.self_collision
+        with closing(Loading(named_step(sidecar, found), what_to_read(sidecar, options), options, found)) as loading:
+            built = build(sidecar, loading.assembly(found), loading, options, found)
+            found.raise_if_errors()
+            assert built is not None  # a missing robot always has an error
+            built.double_counting.report(options.timeout)
+        return built.robot, sidecar.document.self_collision
     described = described_robot(target, options, found, drawn=False)
     return None if described is None else (described, None)
-
-
-def _built(path: Path, options: Options, found: Diagnostics) -> tuple[Robot, SelfCollisionSection | None]:
-    """The robot of a sidecar, and what the sidecar requests.
-
-    Raises:
-        StepbotError: There are errors.
-    """
-    sidecar = load(path, options, found)
-    if sidecar.document.modules:
-        return compose(sidecar, options, found).robot, sidecar.document.self_collision
-    with closing(Loading(named_step(sidecar, found), what_to_read(sidecar, options), options, found)) as loading:
-        built = build(sidecar, loading.assembly(found), loading, options, found)
-        found.raise_if_errors()
-        assert built is not None  # a missing robot always has an error
-        built.double_counting.report(options.timeout)
-    return built.robot, sidecar.document.self_collision

@@ -17,7 +17,6 @@ from stepbot.assemble import Built, link_components
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.formats import format_named
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.robot.model import Robot
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
 from stepbot.sidecar.own_part import own_part
@@ -145,7 +144,7 @@ def _produce(
         variant=options.variant,
         inputs=inputs,
         collision_shapes=shapes,
-        masses=_masses(robot),
+        masses={link.name: link.mass_properties.mass for link in robot.links},
         motors=motors,
     )
     if built is not None:
@@ -199,10 +198,6 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     except StepbotError as error:
         found.extend(error.diagnostics)
     return checked
-
-
-def _masses(robot: Robot) -> dict[str, float]:
-    return {link.name: link.mass_properties.mass for link in robot.links}
 
 
 def step_of(sidecar: Path, options: Options, found: Diagnostics) -> Path | None:

@@ -164,7 +164,9 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
         remedy = f'state it: `<robot version="{newer.needs:g}">`'
         found.add("SB876", text, Span(*description.place(span.file, newer.line)), help=[remedy])
     if not (described.is_base_known or base or found.has_errors):
-        _report_base(described.robot, span, found)
+        message = f"link '{described.robot.root.name}': taken as fixed to the world"
+        help = ["`--base floating` for a robot that moves freely, `--base fixed` to confirm"]
+        found.add("SB874:base", message, span, help=help)
     check_robot(described.robot, found, span, massless_between=True)
     if not found.has_errors:
         check_inertials(described.robot, found, span)
@@ -206,12 +208,6 @@ def _report_names(robot: Robot, span: Span, found: Diagnostics) -> None:
             if (portable := portable_name(name, kind)) != name:
                 help = [f"rename it to '{portable}' in the source"]
                 found.add("SB129", f"{kind} '{name}': {UNPORTABLE}", span, help=help)
-
-
-def _report_base(robot: Robot, span: Span, found: Diagnostics) -> None:
-    message = f"link '{robot.root.name}': taken as fixed to the world"
-    help = ["`--base floating` for a robot that moves freely, `--base fixed` to confirm"]
-    found.add("SB874:base", message, span, help=help)
 
 
 def _check_overwritten(written: Rendered, sources: Iterable[Path], options: Options, found: Diagnostics) -> None:

@@ -143,7 +143,13 @@ def _snapshot(document: object) -> Snapshot:
         shape = record.integer("shape")
         if not 0 <= shape < len(shapes):
             raise Invalid(f"{record.place('shape')}: no shape {shape}")
-        return _part(record, shape)
+        a, b, c = record.vectors("rotation", 3)
+        low, high = record.vectors("box", 2)
+        mass = None if record.is_null("mass") else record.number("mass")
+        return Part(
+            *(record.text("path"), shape, record.vector("position"), (a, b, c), (low, high), record.number("density")),
+            *(record.text("material"), record.flag("by_ordinal"), record.text("link"), mass),
+        )
 
     digest = step.text("blake2b")
     if not _DIGEST.fullmatch(digest):
@@ -164,16 +170,6 @@ def _shape(record: Record) -> Shape:
         record.vector("com"),
         tuple(record.numbers("inertia", 6)),
         record.number("error"),
-    )
-
-
-def _part(record: Record, shape: int) -> Part:
-    a, b, c = record.vectors("rotation", 3)
-    low, high = record.vectors("box", 2)
-    mass = None if record.is_null("mass") else record.number("mass")
-    return Part(
-        *(record.text("path"), shape, record.vector("position"), (a, b, c), (low, high), record.number("density")),
-        *(record.text("material"), record.flag("by_ordinal"), record.text("link"), mass),
     )
 
 

@@ -5,7 +5,7 @@ from math import atan2, pi
 
 import numpy as np
 
-from stepbot.geometry.spatial import IDENTITY, Pose
+from stepbot.geometry.spatial import IDENTITY
 
 from .kinematics import Tree, complete, initial_configuration, leader_range, link_poses
 from .model import JointKind, Robot
@@ -43,7 +43,7 @@ def reach(robot: Robot, to: str, start: str) -> float:
 
     def squared(q: dict[str, float]) -> float:
         X = link_poses(robot, complete(robot, q), tree)
-        a, b = (_point(X[link], X_LF) for link, X_LF in ends)
+        a, b = ((X[link] @ X_LF).p for link, X_LF in ends)
         return float(np.dot(a - b, a - b))
 
     def best_of(q: dict[str, float], name: str) -> float:
@@ -88,7 +88,3 @@ def _between(robot: Robot, ends: set[str]) -> Robot:
                 wanted.append(robot.joint_by_name[joint.mimic.joint].child)
     links = tuple(link for link in robot.links if link.name in kept)
     return replace(robot, links=links, joints=tuple(one for one in robot.joints if one.child in kept), frames=())
-
-
-def _point(X: Pose, X_LF: Pose) -> np.ndarray:
-    return (X @ X_LF).p

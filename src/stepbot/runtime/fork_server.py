@@ -253,14 +253,10 @@ def _work(streams: Sequence[int], function: str, memory_limit: int | None) -> No
         for descriptor, stream in enumerate(streams):
             os.dup2(stream, descriptor)
             os.close(stream)
-        _rename(function)
+        # Set the name shown in process lists; on Linux.
+        if sys.platform == "linux":
+            name = ".".join(function.partition(":")[0].split(".")[-2:])  # mujoco.observer
+            ctypes.CDLL(None).prctl(_PR_SET_NAME, name.encode()[:_NAME_LENGTH])
         answer(function, memory_limit)
     finally:  # must never return into the server's code
         os._exit(1)
-
-
-def _rename(function: str) -> None:
-    """Set the name shown in process lists; on Linux."""
-    if sys.platform == "linux":
-        name = ".".join(function.partition(":")[0].split(".")[-2:])  # mujoco.observer
-        ctypes.CDLL(None).prctl(_PR_SET_NAME, name.encode()[:_NAME_LENGTH])

@@ -148,7 +148,8 @@ def _elsewhere(
         index = definition_of.get(product, NONE) if product != NONE else NONE
         if index != NONE and (definitions[index].bodies or definitions[index].children or index in elsewhere):
             if elsewhere.get(index) != link.file:
-                _report_unused(link, file.place, found)
+                message = f"'{link.product}': external file '{link.name}' is not needed and was not read"
+                found.add("SB231", message, Span(file.place, link.line, 1))
         elif index == NONE:
             _report_missing(link, file.place, found)
             is_complete = False
@@ -158,11 +159,6 @@ def _elsewhere(
         else:
             elsewhere[index] = link.file
     return elsewhere if is_complete else None
-
-
-def _report_unused(link: Link, place: str, found: Diagnostics) -> None:
-    message = f"'{link.product}': external file '{link.name}' is not needed and was not read"
-    found.add("SB231", message, Span(place, link.line, 1))
 
 
 def _report_missing(link: Link, place: str, found: Diagnostics) -> None:

@@ -218,7 +218,10 @@ def format_of(path: Path, found: Diagnostics) -> str | None:
     if not path.stat().st_size:
         found.add("SB814", "the file is empty", span)
         return None
-    signed = _signed(path)
+    # Format of a file that is not XML, by its first bytes.
+    with open_regular(path) as file:
+        start = file.read(_SIGNATURE)
+    signed = next((one.name for one in FORMATS.values() if one.signatures and start.startswith(one.signatures)), None)
     if signed is not None:
         return signed
     try:
@@ -231,13 +234,6 @@ def format_of(path: Path, found: Diagnostics) -> str | None:
     if name is None:
         found.add("SB814", f"root element <{element.tag}>, expected one of: {', '.join(by_root)}", span)
     return name
-
-
-def _signed(path: Path) -> str | None:
-    """Format of a file that is not XML, by its first bytes."""
-    with open_regular(path) as file:
-        start = file.read(_SIGNATURE)
-    return next((one.name for one in FORMATS.values() if one.signatures and start.startswith(one.signatures)), None)
 
 
 def _key(path: Path) -> str:

@@ -145,7 +145,7 @@ def _check_place(a: Step, b: Step, distance: float) -> None:
 def _ball(a: Sequence[Step], b: Sequence[Step], distance: float) -> Segment:
     """The ball joint at the beginning of both chains."""
     ours, theirs = _turning_freely(a), _turning_freely(b)
-    centres = [_centre(side) for side in (ours, theirs)]
+    centres = [common_point(_twists(side))[0] for side in (ours, theirs)]
     apart = float(np.linalg.norm(centres[1] - centres[0]))
     if apart > distance:
         raise NotTheSame(f"the centres are {apart:.3g} m apart")
@@ -175,10 +175,6 @@ def _turning_freely(steps: Sequence[Step]) -> tuple[Step, ...]:
 
 def _twists(steps: Sequence[Step]) -> Array:
     return np.vstack([step.twists for step in steps])
-
-
-def _centre(steps: Sequence[Step]) -> Array:
-    return common_point(_twists(steps))[0]
 
 
 def _angles(steps: Sequence[Step]) -> BallAngles:

@@ -11,7 +11,7 @@ from pathlib import Path, PurePath
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import own_parsers
 from stepbot.engines.file_references import openable
-from stepbot.engines.observation import Observation, ObservedActuator, ObservedJoint, ObservedShape, Quantity
+from stepbot.engines.observation import Observation, ObservedActuator, ObservedShape, Quantity
 from stepbot.report.robot import Check
 from stepbot.robot.model import ActuatorKind, Limit
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
@@ -29,13 +29,9 @@ def with_effective_ranges(observation: Observation) -> Observation:
     """The observation with inputs and forces of actuators within the limits of their joints."""
     if observation.actuators is None:
         return observation
-    limits = {step.name: step.limit or Limit() for joint in observation.joints for step in _with_steps(joint)}
+    limits = {step.name: step.limit or Limit() for joint in observation.joints for step in (joint, *joint.steps)}
     actuators = tuple(_effective(one, limits.get(one.joint, Limit())) for one in observation.actuators)
     return replace(observation, actuators=actuators)
-
-
-def _with_steps(joint: ObservedJoint) -> tuple[ObservedJoint, ...]:
-    return joint, *joint.steps
 
 
 def _effective(actuator: ObservedActuator, limit: Limit) -> ObservedActuator:

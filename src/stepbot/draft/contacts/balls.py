@@ -27,20 +27,16 @@ def find_sockets(scene: Scene, found: Contacts) -> None:
         for dx, dy, dz in _NEIGHBOURS:
             for socket in cells.get((x + dx, y + dy, z + dz), ()):
                 if socket.face.bore and socket.part != ball.part and _fits(ball, socket):
-                    _add(found, ball, socket)
+                    a, b = sorted((ball.part, socket.part))
+                    known = found.sockets[a, b]
+                    if not any(np.linalg.norm(s.point - ball.point) < _CENTRES for s in known):
+                        known.append(Socket(a, b, ball.point, ball.face.radius))
 
 
 def _fits(ball: PlacedFace, socket: PlacedFace) -> bool:
     radii = ball.face.radius, socket.face.radius
     slack = max(LOOSEST, SLACK_SHARE * max(radii))
     return float(np.linalg.norm(ball.point - socket.point)) <= _CENTRES and abs(radii[0] - radii[1]) <= slack
-
-
-def _add(found: Contacts, ball: PlacedFace, socket: PlacedFace) -> None:
-    a, b = sorted((ball.part, socket.part))
-    known = found.sockets[a, b]
-    if not any(np.linalg.norm(s.point - ball.point) < _CENTRES for s in known):
-        known.append(Socket(a, b, ball.point, ball.face.radius))
 
 
 def _cell(point: Array) -> tuple[int, ...]:

@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stepbot.draft.parts.axis import PARALLEL, Axis, are_parallel
 from stepbot.geometry.fixed_point import distinct_rows
@@ -29,7 +28,11 @@ class Lines:
         self._owners = owners
         self._points = np.concatenate(points or [np.zeros((0, 3))])
         self._directions = np.concatenate(directions or [np.zeros((0, 3))])
-        self._each = _each_once(self._points, self._directions)
+        # Indices of distinct lines, by the foot points from the origin.
+        feet = self._points - np.einsum("ij,ij->i", self._points, self._directions)[:, None] * self._directions
+        signs = np.sign(self._directions[np.arange(len(self._directions)), np.argmax(np.abs(self._directions), axis=1)])
+        keys = np.column_stack([np.rint(feet / ON_LINE), np.rint(self._directions * signs[:, None] / PARALLEL)])
+        self._each = np.sort(distinct_rows(keys)[0])
 
     def on(self, axis: Axis) -> tuple[int, ...]:
         """Components with a face about an axis, each once."""
@@ -53,14 +56,6 @@ class Lines:
         angles = {round(float(a - own_at[0]) % np.pi, 4): float(a - own_at[0]) % np.pi for a in at[alike]}
         turned = [angle + half for angle in angles.values() for half in (0.0, -np.pi)]
         return sorted(q for q in turned if self.has(_turned(line, axis, q)))
-
-
-def _each_once(points: Array, directions: Array) -> NDArray[np.intp]:
-    """Indices of distinct lines, by the foot points from the origin."""
-    feet = points - np.einsum("ij,ij->i", points, directions)[:, None] * directions
-    signs = np.sign(directions[np.arange(len(directions)), np.argmax(np.abs(directions), axis=1)])
-    keys = np.column_stack([np.rint(feet / ON_LINE), np.rint(directions * signs[:, None] / PARALLEL)])
-    return np.sort(distinct_rows(keys)[0])
 
 
 def _about(points: Array, directions: Array, origin: Array, frame: Array) -> tuple[Array, Array]:

@@ -66,7 +66,9 @@ def decide(survey: Survey, motors: Sequence[Motor], evidence: Evidence) -> Decis
         made.clusters.add(i)
     surfaces = _join_surfaces(made)
     for i in sorted(survey.small - surfaces - stated):
-        host = _tightest_host(survey, i)
+        # The part with the tightest fit around a fastener.
+        hosts = [(_tightness(r), -other) for other, r in survey.around(i)]
+        host = -max(hosts)[1] if hosts else None
         if host is not None:
             made.clusters.join(host, i)
     return made
@@ -167,12 +169,6 @@ def _join_surfaces(made: Decision) -> set[int]:
         if solids and len({clusters.find(k) for k in solids}) == 1 and clusters.join(solids[0], i):
             joined.add(i)
     return joined
-
-
-def _tightest_host(survey: Survey, small: int) -> int | None:
-    """The part with the tightest fit around a fastener."""
-    hosts = [(_tightness(r), -other) for other, r in survey.around(small)]
-    return -max(hosts)[1] if hosts else None
 
 
 def _tightness(r: Relation) -> tuple[float, ...]:

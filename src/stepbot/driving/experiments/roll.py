@@ -48,7 +48,7 @@ def drive(stage: Stage, test: str, direction: tuple[float, float, float], spins:
     times, path, tilts, clock = [], [], [], 0.0
     with stage.scene(floor=True) as simulation:
         stand(simulation, stage)
-        radius = _radius(simulation, wheels)
+        radius = float(np.mean([simulation.pose(wheel.link).position[2] for wheel in wheels.wheels]))
         fastest = min(stage.motor(wheel.motor).limit.velocity for wheel in wheels.wheels)
         speed = min(_SPEED, _SHARE * fastest * radius)
         per_speed = spins(simulation, wheels)
@@ -86,8 +86,3 @@ def drive(stage: Stage, test: str, direction: tuple[float, float, float], spins:
     )
     curves = {"way [mm]": thinned(times, path)}
     return Result(test, measures, Plot("time [s]", "way [mm]", curves))
-
-
-def _radius(simulation: Simulation, wheels: Wheels) -> float:
-    """Radius [m] of the wheels: height of their axles above the floor that the robot stands on."""
-    return float(np.mean([simulation.pose(wheel.link).position[2] for wheel in wheels.wheels]))

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 import numpy as np
 
 from stepbot.engines.simulation import Simulation
-from stepbot.robot.model import Robot
 
 from ..mechanism import Wheels
 from ..results import Result
@@ -25,19 +24,13 @@ def experiment(stage: Stage) -> Result:
     robot = stage.mechanism.robot
 
     def spins(simulation: Simulation, wheels: Wheels) -> Mapping[str, float]:
-        return _sideways(simulation, wheels, robot, direction)
+        # Speed of each wheel's motor per speed of the base over the radius, from the roller nearest to the floor.
+        found = {}
+        for wheel, rollers in zip(wheels.wheels, wheels.rollers, strict=True):
+            joints = [robot.joint_by_name[name] for name in rollers]
+            lowest = min(joints, key=lambda joint: simulation.pose(joint.child).position[2])
+            axis = simulation.pose(lowest.child).turn(lowest.axis)
+            found[wheel.motor] = wheel.forwards * float(axis @ direction) / float(axis @ wheels.direction)
+        return found
 
     return drive(stage, "strafe", direction, spins)
-
-
-def _sideways(
-    simulation: Simulation, wheels: Wheels, robot: Robot, direction: tuple[float, float, float]
-) -> Mapping[str, float]:
-    """Speed of each wheel's motor per speed of the base over the radius, from the roller nearest to the floor."""
-    found = {}
-    for wheel, rollers in zip(wheels.wheels, wheels.rollers, strict=True):
-        joints = [robot.joint_by_name[name] for name in rollers]
-        lowest = min(joints, key=lambda joint: simulation.pose(joint.child).position[2])
-        axis = simulation.pose(lowest.child).turn(lowest.axis)
-        found[wheel.motor] = wheel.forwards * float(axis @ direction) / float(axis @ wheels.direction)
-    return found

@@ -119,7 +119,10 @@ def observed_sensors(compiled: "Compiled") -> tuple[ObservedSensor, ...]:
     """The sensors: groups of readings, and cameras; a reading without a name is a group of its own."""
     groups: dict[str, list[_Reading]] = {}
     for s in range(compiled.model.nsensor):
-        reading = _reading(compiled, s)
+        engine, model = compiled.engine, compiled.model
+        word = engine.mjtSensor(model.sensor_type[s]).name.removeprefix("mjSENS_").lower()
+        on = engine.mjtObj(model.sensor_objtype[s]).name.removeprefix("mjOBJ_")
+        reading = _Reading(s, compiled.name("SENSOR", s), word, (on, int(model.sensor_objid[s])))
         groups.setdefault(reading.name.split(SCOPE)[0] or f"sensor_{s}", []).append(reading)
     sensors = [_sensor(compiled, name, readings) for name, readings in groups.items()]
     return (*sensors, *_cameras(compiled))
@@ -135,13 +138,6 @@ class _Reading:
     """MuJoCo's name of its reading."""
     on: tuple[str, int]
     """Type and index of the element it is attached to."""
-
-
-def _reading(compiled: "Compiled", s: int) -> _Reading:
-    engine, model = compiled.engine, compiled.model
-    word = engine.mjtSensor(model.sensor_type[s]).name.removeprefix("mjSENS_").lower()
-    on = engine.mjtObj(model.sensor_objtype[s]).name.removeprefix("mjOBJ_")
-    return _Reading(s, compiled.name("SENSOR", s), word, (on, int(model.sensor_objid[s])))
 
 
 def _sensor(compiled: "Compiled", name: str, readings: Sequence[_Reading]) -> ObservedSensor:

@@ -25,7 +25,12 @@ def without_rounding(engine: Any, model: Any, spec: Callable[[], Any]) -> tuple[
         model: A compiled model.
         spec: Returns the specification that it was compiled from; called only if a body was rounded.
     """
-    rounded = _rounded(engine, model)
+    # Bodies whose inertial frame, or its rotation alone, counts as the body's without being it.
+    moved = (model.body_ipos != 0.0).any(axis=1)
+    turned = (model.body_iquat != (1.0, 0.0, 0.0, 0.0)).any(axis=1)
+    whole = model.body_sameframe == int(engine.mjtSameFrame.mjSAMEFRAME_BODY)
+    rotation = model.body_sameframe == int(engine.mjtSameFrame.mjSAMEFRAME_BODYROT)
+    rounded = np.flatnonzero((whole & moved) | ((whole | rotation) & turned))
     if rounded.size:
         exact = _with_inertials_apart(spec(), model, rounded)
         for name in _BODY:
@@ -37,15 +42,6 @@ def without_rounding(engine: Any, model: Any, spec: Callable[[], Any]) -> tuple[
     names = [engine.mj_id2name(model, engine.mjtObj.mjOBJ_BODY, body) or f"body {body}" for body in rounded.tolist()]
     words = "compared without MuJoCo's rounding of inertial frames less than 1e-6 from the link's:"
     return model, (f"{words} {', '.join(names)}",) if names else ()
-
-
-def _rounded(engine: Any, model: Any) -> Any:
-    """Bodies whose inertial frame, or its rotation alone, counts as the body's without being it."""
-    moved = (model.body_ipos != 0.0).any(axis=1)
-    turned = (model.body_iquat != (1.0, 0.0, 0.0, 0.0)).any(axis=1)
-    whole = model.body_sameframe == int(engine.mjtSameFrame.mjSAMEFRAME_BODY)
-    rotation = model.body_sameframe == int(engine.mjtSameFrame.mjSAMEFRAME_BODYROT)
-    return np.flatnonzero((whole & moved) | ((whole | rotation) & turned))
 
 
 def _with_inertials_apart(spec: Any, model: Any, rounded: Any) -> Any:

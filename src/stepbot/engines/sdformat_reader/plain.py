@@ -6,8 +6,6 @@ http://sdformat.org/tutorials?tut=composition: the elements of a nested model ar
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
-from stepbot.geometry.spatial import Pose
-
 from ..observation import EngineCannotRead
 from .frames import MODEL, WORLD, Frames, ends, read_pose
 
@@ -113,13 +111,9 @@ def _move_to_links(model: Element) -> None:
             base = pose.get("relative_to", "")
             frames = frames or Frames(model)
             X_LG = frames.X_M(link.get("name", "")).inverse() @ frames.X_M(base) @ read_pose(shape)
-            _write(pose, X_LG)
-
-
-def _write(pose: Element, X: Pose) -> None:
-    for name in list(pose.attrib):
-        del pose.attrib[name]
-    pose.text = " ".join(map(repr, (*X.position, *X.rpy)))
+            for name in list(pose.attrib):
+                del pose.attrib[name]
+            pose.text = " ".join(map(repr, (*X_LG.position, *X_LG.rpy)))
 
 
 def _add_world(model: Element) -> None:

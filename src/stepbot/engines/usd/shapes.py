@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from stepbot.geometry.primitives import srgb_from_linear
-from stepbot.geometry.spatial import Array, bounds
+from stepbot.geometry.spatial import bounds
 from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
 from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 from stepbot.robot.surfaces import Surface
@@ -64,7 +64,8 @@ def _bounds(stage: Stage, prim: Any, body: Body) -> Bounds | None:
 
     M = stage.in_body(prim, body)
     if prim.IsA(UsdGeom.Mesh):
-        return _mesh_bounds(UsdGeom.Mesh(prim), M)
+        points = np.array(UsdGeom.Mesh(prim).GetPointsAttr().Get() or (), dtype=np.float64).reshape(-1, 3)
+        return bounds(points @ M[:3, :3].T + M[:3, 3]) if len(points) else None
     X, scale = rigid(M)
     if prim.IsA(UsdGeom.Cube):
         x, y, z = (scale * float(UsdGeom.Cube(prim).GetSizeAttr().Get())).tolist()
@@ -81,11 +82,6 @@ def _bounds(stage: Stage, prim: Any, body: Body) -> Bounds | None:
             radius, height = (size * float(a.Get()) for a in (shape.GetRadiusAttr(), shape.GetHeightAttr()))
             return primitive_bounds(kind(radius, height), type(X).of(X.R @ turned, X.p))
     return None
-
-
-def _mesh_bounds(mesh: Any, M: Array) -> Bounds | None:
-    points = np.array(mesh.GetPointsAttr().Get() or (), dtype=np.float64).reshape(-1, 3)
-    return bounds(points @ M[:3, :3].T + M[:3, 3]) if len(points) else None
 
 
 def _color(prim: Any) -> tuple[float, ...]:

@@ -246,7 +246,7 @@ def convex_hull(points: Array) -> TriMesh | None:
         return None
     mesh = hull.to_mesh64()
     made = TriMesh.of(np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts))
-    return without_slivers(_sorted(made))
+    return without_slivers(TriMesh.of(*_in_order(made.vertices, made.faces)))
 
 
 def mesh_arrays(solid: Any) -> tuple[Array, NDArray[np.int64]]:
@@ -304,14 +304,6 @@ def hull_faces(points: Array) -> NDArray[np.int64]:
     index = {point.tobytes(): i for i, point in enumerate(points)}
     numbers = np.array([index[vertex.tobytes()] for vertex in np.ascontiguousarray(vertices)], dtype=np.int64)
     return numbers[np.asarray(mesh.tri_verts, dtype=np.int64)]
-
-
-def _sorted(mesh: TriMesh) -> TriMesh:
-    """The same mesh with its vertices sorted by x, y, z and its faces by their vertices.
-
-    The lowest vertex of each face comes first; the orientation is kept.
-    """
-    return TriMesh.of(*_in_order(mesh.vertices, mesh.faces))
 
 
 def _in_order(vertices: Array, faces: NDArray[np.integer]) -> tuple[Array, NDArray[np.int64]]:

@@ -141,21 +141,17 @@ def _intersect(search: Search) -> list[_Found]:
             weights.append(work)
 
     def common(one: _Found) -> _Common | None:
-        return _common(solids, one.group)
+        # The intersection of a group's bodies; None if it does not count.
+        a, b = (solids[body] for body in one.group.bodies)
+        common = a.intersection(b, one.group.X_AB)
+        if common.volume > SMALLEST * one.group.smaller and common.volume > common.noise:
+            return _Common(common.volume, common.mesh)
+        return None
 
     results = list(map(common, wanted)) if spent < _MANY else results_of(common, wanted, weights, "overlaps")
     for one, result in zip(wanted, results, strict=True):
         one.common = result
     return found
-
-
-def _common(solids: Mapping[int, Solid], group: Group) -> _Common | None:
-    """The intersection of a group's bodies; None if it does not count."""
-    a, b = (solids[body] for body in group.bodies)
-    common = a.intersection(b, group.X_AB)
-    if common.volume > SMALLEST * group.smaller and common.volume > common.noise:
-        return _Common(common.volume, common.mesh)
-    return None
 
 
 def _by_link(search: Search, found: Iterable[_Found]) -> dict[str, Overlaps]:

@@ -65,7 +65,12 @@ class _Edge:
     """Origin (3,) and axes (3, 2) of the plane of a curve in space; None where the curve is in the parameters."""
 
     def rule(self, parts: int, coarse: bool) -> Rule:
-        t, dt = _nodes(self.pieces, parts, coarse)
+        # Gauss points on all pieces of a curve, and the parameter interval of each.
+        nodes, weights = gauss(_order(next(order for count, order in _ORDERS if len(self.pieces) <= count), coarse))
+        share = np.arange(parts) / parts
+        start = (self.pieces[:-1, None] + np.diff(self.pieces)[:, None] * share).reshape(-1)
+        length = np.repeat(np.diff(self.pieces) / parts, parts)
+        t, dt = (start[:, None] + length[:, None] * nodes).reshape(-1), (length[:, None] * weights).reshape(-1)
         uv, duv = self.curve.at(t)
         if self.frame is not None:
             origin, axes = self.frame
@@ -215,15 +220,6 @@ def _joined(rules: Sequence[Rule]) -> Rule:
 
 def _order(order: int, coarse: bool) -> int:
     return _COARSE[order] if coarse else order
-
-
-def _nodes(pieces: Array, parts: int, coarse: bool) -> tuple[Array, Array]:
-    """Gauss points on all pieces of a curve, and the parameter interval of each."""
-    nodes, weights = gauss(_order(next(order for count, order in _ORDERS if len(pieces) <= count), coarse))
-    share = np.arange(parts) / parts
-    start = (pieces[:-1, None] + np.diff(pieces)[:, None] * share).reshape(-1)
-    length = np.repeat(np.diff(pieces) / parts, parts)
-    return (start[:, None] + length[:, None] * nodes).reshape(-1), (length[:, None] * weights).reshape(-1)
 
 
 def _divided(curve: Curve, breaks: tuple[Array, Array]) -> Array:

@@ -120,7 +120,7 @@ def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
     if source.is_wire:
         return ReadBody(_wire())
     shape = copied(source.shape)
-    if not _has_surfaces(shape):
+    if not any(BRep_Tool.Surface_s(face) is not None for face in faces_of(shape)):
         return _triangles_only(source, shape)
     if request.only_mesh:
         return _mesh_only(source, shape, request)
@@ -318,10 +318,6 @@ def _colored(
     renumbered = {old: new for new, old in enumerate(used)}
     table = np.array([renumbered.get(old, 0) for old in range(len(colors))], dtype=np.int32)
     return table[by_triangle], tuple(colors[old] for old in used) or (None,)
-
-
-def _has_surfaces(shape: object) -> bool:
-    return any(BRep_Tool.Surface_s(face) is not None for face in faces_of(shape))
 
 
 def _holds(shape: object, kind: TopAbs_ShapeEnum) -> bool:

@@ -168,10 +168,6 @@ def _matches_parts(name: str, parts: Sequence[str]) -> bool:
     return at <= end
 
 
-def _parse(pattern: str) -> list[_Segment]:
-    return [_parse_segment(text) for text in segments_of(pattern)]
-
-
 def _parse_segment(text: str) -> _Segment:
     base = _ORDINAL.sub("", text)
     ordinal = _ORDINAL.search(text)
@@ -209,7 +205,7 @@ class ComponentPaths:
         """The components that match a path or glob, or the reason for no match."""
         if pattern == ROOT_PATH:
             return Binding(pattern, (0,), (0,))
-        segments = _parse(pattern)
+        segments = [_parse_segment(text) for text in segments_of(pattern)]
         if any(segment.is_glob for segment in segments):
             matches = self._glob(segments)
             return self._bound(pattern, segments, matches) if matches else self._unknown(pattern, segments)
