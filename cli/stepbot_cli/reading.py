@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def _code_page(name: str) -> str:
     if not name:
         return ""
-    from stepbot.sidecar.codepages import UnknownCodePage, code_page
+    from stepbot.sidecar.text import UnknownCodePage, code_page
 
     try:
         return code_page(name)

@@ -11,10 +11,9 @@ import pytest
 from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.jobs.incremental import named_files
 from stepbot.step.exchange import encodings, part21
-from stepbot.step.exchange.long_tokens import _long_tokens
+from stepbot.step.exchange.part21_values import decode_string
 from stepbot.step.exchange.references import external_references
-from stepbot.step.exchange.statements import Statement, duplicates, find_statements
-from stepbot.step.exchange.strings import decode_string
+from stepbot.step.exchange.statements import Statement, _long_tokens, duplicates, find_statements
 from stepbot.step.structure import paths
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="a search that does not end cannot be stopped there")

@@ -2,7 +2,6 @@
 
 from stepbot.diagnostics import Diagnostics
 
-from .bounds import BoundedDiagnostics, TooManyFaultsError
 from .connections import check_connections
 from .device_rules import check_actuators, check_sensors
 from .ignored import check_ignored
@@ -13,7 +12,7 @@ from .mechanics import check_closures, check_mimics, check_turned_frames
 from .names import check_names
 from .own_part import own_part
 from .references import check_references
-from .text import file_name
+from .text import BoundedDiagnostics, TooManyFaultsError, file_name
 from .unit_rules import check_joint_units
 
 

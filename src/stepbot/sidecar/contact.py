@@ -10,8 +10,8 @@ from stepbot.robot.surfaces import PLAIN, Surface
 
 from . import units
 from .quantities import finite
-from .quantity_schemas import quantity_schema
 from .section import Section
+from .units import quantity_schema
 
 
 class ContactMaterial(StrEnum):

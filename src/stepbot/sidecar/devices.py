@@ -2,13 +2,12 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Tag
+from pydantic import BeforeValidator, Discriminator, Tag, WithJsonSchema
 
 from stepbot.robot.model import ActuatorKind
 from stepbot.robot.sensors import SensorKind
 from stepbot.robot.tuning import BANDWIDTH, DAMPING_RATIO
 
-from .counts import Count, Resolution
 from .motion import LimitsSection
 from .motor_sections import MotorName, SupplyVoltage
 from .origins import Origin
@@ -22,8 +21,24 @@ from .quantities import (
     JointStiffness,
     JointValue,
     Number,
+    described,
+    fault,
+    two,
 )
 from .section import ComponentPath, Reference, Section
+
+
+def _count(value: Any) -> int:
+    """A whole number of at least one."""
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise fault("SB122", f"expected an integer, not {described(value)}")
+    if value < 1:
+        raise fault("SB125", f"{value} is out of range: must be at least 1")
+    return value
+
+
+Count = Annotated[int, BeforeValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1})]
+Resolution = Annotated[tuple[Count, Count], BeforeValidator(two)]
 
 
 class FrameSection(Section):

@@ -38,7 +38,7 @@ from .quantities import (
     RelativeOrLength,
 )
 from .section import ComponentPath, MaterialName, Name, Reference, RobotName, Section
-from .self_collision import LinkPair, SelfCollisionSection
+from .self_collision import LinkPair, SelfCollisionSection, SimulationSection
 from .shapes import (
     BoxShape,
     CapsuleShape,
@@ -51,7 +51,6 @@ from .shapes import (
     Shape,
     SphereShape,
 )
-from .simulation import SimulationSection
 
 
 class MassMode(StrEnum):

@@ -8,7 +8,6 @@ from pydantic import ValidationError
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 
 from . import VERSION
-from .bounds import BoundedDiagnostics, TooManyFaultsError
 from .document import document_class
 from .fitting import with_motors
 from .located import Sidecar
@@ -16,7 +15,7 @@ from .quantities import described
 from .salvage import check_what_is_left
 from .schema_faults import report_schema_faults
 from .syntax_faults import compose_around_faults
-from .text import file_name, is_text, read_text
+from .text import BoundedDiagnostics, TooManyFaultsError, file_name, is_text, read_text
 from .tree import Keys, Mapping, Scalar, Tree, key_span, plain_data
 
 

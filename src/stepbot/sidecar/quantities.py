@@ -18,9 +18,8 @@ from stepbot.robot.inertial_doubts import FARTHEST, GREATEST
 from stepbot.robot.model import Rgba
 
 from . import units
-from .codepages import UnknownCodePage, code_page
-from .quantity_schemas import CHANNELS, HEX_COLOR, NUMBERS3, quantity_schema, vector_schema
-from .units import Dimension, UnitError, read_quantity
+from .text import UnknownCodePage, code_page
+from .units import CHANNELS, HEX_COLOR, NUMBERS3, Dimension, UnitError, quantity_schema, read_quantity, vector_schema
 
 Parser = Callable[[Any], float]
 

@@ -6,9 +6,10 @@ from typing import Annotated
 from pydantic import AfterValidator, BeforeValidator, WithJsonSchema
 
 from stepbot.robot.self_collision import DEFAULT_SAMPLES, MOST_SAMPLES
+from stepbot.robot.tuning import Integrator
 
-from .counts import Count
-from .quantities import fault, two
+from .devices import Count
+from .quantities import StepShare, Timestep, fault, two
 from .section import Reference, Section
 
 
@@ -41,3 +42,14 @@ class SelfCollisionSection(Section):
     """Number of poses, the drawn one included."""
     exclude: tuple[ExcludedPairs, ...] = (ExcludedPairs.ALWAYS,)
     """Pairs whose contacts MJCF excludes, in addition to adjacent links."""
+
+
+class SimulationSection(Section):
+    """Settings for simulating the robot, for formats and engines that have them."""
+
+    timestep: Timestep | None = None
+    """Time step [s]; by default 1 ms for a robot with closures or mimics, else 2 ms."""
+    integrator: Integrator | None = None
+    """The method of integration, in MuJoCo's terms: implicitfast, the default, implicit, euler or rk4."""
+    closure_stiffness: StepShare | None = None
+    """Share of a gap of a closure or mimic that is closed within one time step, above 0 and at most 1, the default."""

@@ -13,8 +13,8 @@ from ruamel.yaml.error import MarkedYAMLError, StringMark
 
 from stepbot.diagnostics import Diagnostics, Span
 
-from .bounds import BoundedDiagnostics, TooManyFaultsError
 from .compose import STAR, TooMuchError, compose
+from .text import BoundedDiagnostics, TooManyFaultsError
 from .tree import Tree
 
 MOST_ATTEMPTS = 8

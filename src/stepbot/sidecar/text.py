@@ -1,8 +1,11 @@
 """Reads the text of a sidecar: bounded, as UTF-8."""
 
+import codecs
+from collections.abc import Iterable
+from encodings.aliases import aliases
 from pathlib import Path
 
-from stepbot.diagnostics import NOT_TEXT, Diagnostics, Span, did_you_mean
+from stepbot.diagnostics import NOT_TEXT, Diagnostic, Diagnostics, Span, did_you_mean
 from stepbot.runtime.file import is_folder, open_regular
 
 LARGEST_FILE = 1 << 20
@@ -105,3 +108,77 @@ def _reason(path: Path, failure: OSError) -> str:
     if isinstance(failure, IsADirectoryError) or is_folder(path):
         return "is a folder, not a file"
     return f"cannot be read: {failure.strerror or failure}"
+
+
+_ASCII = b"\t\r\n" + bytes(range(32, 92)) + bytes(range(93, 127)) + rb"\n\x41" + b"\x1b$B!!\x1b(B"
+"""Text that encodings which are not supersets of ASCII decode differently: escapes, shifts, other letters."""
+_COMMON = ("cp1250", "cp1251", "cp1252", "gbk", "gb18030", "cp932", "big5", "cp949", "koi8-r", "latin1", "utf-8")
+
+
+class UnknownCodePage(ValueError):
+    """No code page has this name, or it is not a superset of ASCII.
+
+    Attributes:
+        hints: Suggestions.
+    """
+
+    def __init__(self, message: str, *hints: str) -> None:
+        self.hints = hints
+        super().__init__(message)
+
+
+def code_page(name: str) -> str:
+    """The usual name of a code page: ``windows-1251`` is ``cp1251``.
+
+    Raises:
+        UnknownCodePage: There is none of this name, or it is not a superset of ASCII.
+    """
+    possible = f"examples: {', '.join(_COMMON)}"
+    try:
+        found = codecs.lookup(name.strip())
+    except (LookupError, ValueError):  # ValueError: a name with a null character
+        near = did_you_mean(name.strip().lower(), [*_COMMON, *aliases.values(), *aliases])
+        raise UnknownCodePage(f"unknown code page '{name}'", *near, possible) from None
+    try:
+        is_superset = _ASCII.decode(found.name) == _ASCII.decode("ascii")
+    except (LookupError, ValueError):  # LookupError: not a text encoding, such as base64
+        is_superset = False
+    if not is_superset:
+        raise UnknownCodePage(f"code page '{name}' is not ASCII-compatible, but STEP files are", possible)
+    return "utf-8" if found.name == "utf-8-sig" else found.name
+
+
+MOST_FAULTS = 100
+"""Maximum number of diagnostics reported for one sidecar."""
+
+
+class TooManyFaultsError(Exception):
+    """The limit was exceeded; the collector has the diagnostics so far."""
+
+
+class BoundedDiagnostics(Diagnostics):
+    """Collects up to :data:`MOST_FAULTS` diagnostics.
+
+    Raises:
+        TooManyFaultsError: One more was added.
+    """
+
+    def extend(self, diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
+        """Add diagnostics, up to the limit."""
+        taken = list(diagnostics)
+        super().extend(taken[: MOST_FAULTS + 1 - len(self)])
+        if len(self) > MOST_FAULTS:
+            raise TooManyFaultsError
+        return taken
+
+    def hand_over(self, found: Diagnostics, file: str, *, complete: bool) -> None:
+        """Add all diagnostics to another collector, in file order, and report if there were more."""
+        found.extend(sorted(list(self)[:MOST_FAULTS], key=lambda d: (d.span.line, d.span.column, d.code)))
+        if not complete:
+            help = ["correct these errors first"]
+            found.add(
+                "SB110",
+                f"sidecar: more than {MOST_FAULTS} errors; the remaining ones are not shown",
+                Span(file),
+                help=help,
+            )

@@ -10,14 +10,13 @@ from OCP.TopAbs import TopAbs_ShapeEnum
 from stepbot.diagnostics import Diagnostics, Span
 
 from .exchange.encodings import as_utf8
-from .exchange.external_files import entity_of, forget_external_files
 from .exchange.file_set import NONE as NO_FILE
 from .exchange.file_set import Link, StepFile
 from .exchange.integrity import check_integrity, check_numbers
 from .exchange.length_unit import LengthUnit, read_length_unit
-from .exchange.long_tokens import report_long_tokens
 from .exchange.operators import correct_operators
-from .exchange.selection import entities, mechanism_count
+from .exchange.selection import entities, entity_of, forget_external_files, mechanism_count
+from .exchange.statements import report_long_tokens
 from .kernel import StepUnreadable, read_model, transfer
 from .kernel_errors import KERNEL_ERRORS, OUT_OF_MEMORY
 from .structure.definitions import Definitions

@@ -31,9 +31,9 @@ from .exchange.part21 import Part21
 from .kernel_errors import OUT_OF_MEMORY
 from .one_file import optional
 from .shapes.bodies import BodyRequest, Finding, ReadBody, read_body
-from .shapes.mirroring import variant
+from .shapes.splitting import variant
+from .structure.repetition import definition_tolerances
 from .structure.source import NONE, BodySource, Definition
-from .structure.tolerances import definition_tolerances
 from .validation.comparison import compare
 
 

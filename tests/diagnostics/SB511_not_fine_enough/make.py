@@ -6,7 +6,7 @@ import pytest
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.step.assembly import ReadOptions
-from stepbot.step.shapes import measuring
+from stepbot.step.shapes import exact
 from tests import parts
 from tests.unit.step.in_process import read_here
 
@@ -17,5 +17,5 @@ def find(found: Diagnostics) -> None:
     """Ask the library."""
     parts.write_sphere(STEP)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(measuring, "MAX_MEASURING_FACES", 5000)
+        patch.setattr(exact, "MAX_MEASURING_FACES", 5000)
         read_here(STEP, found, ReadOptions(refine_mass_to=1e-6))

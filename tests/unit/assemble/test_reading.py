@@ -7,7 +7,7 @@ import pytest
 from stepbot.assemble import link_components
 from stepbot.assemble.reading import read_options
 from stepbot.diagnostics import Diagnostics
-from stepbot.step.structure.tolerances import definition_tolerances
+from stepbot.step.structure.repetition import definition_tolerances
 
 from .workshop import Workshop, sidecar
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from stepbot.sidecar.codepages import UnknownCodePage, code_page
+from stepbot.sidecar.text import UnknownCodePage, code_page
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.sidecar.bounds import BoundedDiagnostics, TooManyFaultsError
 from stepbot.sidecar.compose import DEEPEST, TooMuchError, compose
+from stepbot.sidecar.text import BoundedDiagnostics, TooManyFaultsError
 from stepbot.sidecar.tree import Tree, plain_data, span
 
 FILE = "a.robot.yaml"

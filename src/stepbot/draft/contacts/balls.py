@@ -8,7 +8,7 @@ from stepbot.draft.contacts.contacts import Contacts, Socket
 from stepbot.draft.parts.scene import PlacedFace, Scene
 from stepbot.geometry.spatial import Array
 from stepbot.step.faces import FaceKind
-from stepbot.step.features.fits import LOOSEST, SLACK_SHARE
+from stepbot.step.features.axis_contacts import LOOSEST, SLACK_SHARE
 
 _CELL = 1e-4
 """Size [m] of the cells that centres are sorted into."""

@@ -16,7 +16,7 @@ from stepbot.draft.contacts.shafts import HALF_ROUND, HOLE_RATIO
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.parts import Part, box_gaps
 from stepbot.geometry.spatial import Array, cross
-from stepbot.step.features.fits import LOOSEST, SLACK_SHARE
+from stepbot.step.features.axis_contacts import LOOSEST, SLACK_SHARE
 
 OFFSET, ANGLE = 6e-4, 0.021
 """Distance [m] and angle [rad], 1.2 degrees, up to which lines are nearly the same."""

@@ -12,8 +12,8 @@ from stepbot.draft.contacts.contacts import CoaxialLine, Contacts, Fit, FitKind,
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.scene import PlacedFace, Scene
 from stepbot.step.faces import FaceKind
+from stepbot.step.features.axis_contacts import BESIDE, fits
 from stepbot.step.features.coaxial import Rays, coaxial, signed
-from stepbot.step.features.fits import BESIDE, fits
 
 LINE_DISTANCE = 1e-5
 """Distance [m] up to which faces are coaxial, as for ``mate`` in a sidecar."""

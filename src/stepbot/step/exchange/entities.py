@@ -2,9 +2,8 @@
 
 from collections.abc import Iterator, Mapping
 
-from .part21_values import DERIVED, Record, Reference, SyntaxFault, Value, Word, records
+from .part21_values import DERIVED, Record, Reference, SyntaxFault, Value, Word, decode_string, records
 from .statements import find_statements
-from .strings import decode_string
 
 
 class Entities:

@@ -17,8 +17,8 @@ from stepbot.runtime.file import is_folder
 
 from .compression import ArchiveFault, decompressed
 from .encodings import BYTE_ORDER_MARK, FALLBACK, Text, check_encoding, line_of
+from .part21_values import decode_string
 from .references import ExternalReference, external_references
-from .strings import decode_string
 
 _BLANK = re.compile(rb"\s*")
 _START = re.compile(rb"ISO-10303-21\s*;")

@@ -15,9 +15,8 @@ from stepbot.robot.step_names import is_step_name
 from . import DOCUMENT_FILE
 from .encodings import FALLBACK, Text, lines_of
 from .entities import Entities
-from .part21_values import Record, Value
+from .part21_values import Record, Value, decode_string
 from .statements import find_statements
-from .strings import decode_string
 
 _CAD_NAME = re.compile(
     r"\.(stpxz?|igs|iges|prt|asm|sldprt|sldasm|catpart|catproduct|ipt|iam|par|psm|jt|x_t|x_b|sat|3dm|f3d)(\.\d+)?$",

@@ -4,7 +4,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from OCP.IFSelect import IFSelect_SelectModelEntities, IFSelect_SelectType
+from OCP.StepAP214 import StepAP214_AppliedExternalIdentificationAssignment
+from OCP.StepBasic import StepBasic_DocumentFile
 from OCP.StepRepr import StepRepr_ProductDefinitionShape, StepRepr_PropertyDefinitionRepresentation
+from OCP.TCollection import TCollection_HAsciiString
 
 _MECHANISM = "StepKinematics_KinematicPropertyMechanismRepresentation"
 
@@ -60,3 +63,18 @@ def described_by(property_definition: Any) -> Any:
 def shaped(entity: Any) -> Any:
     """The element that a shape belongs to; any other entity is returned unchanged."""
     return entity.Definition().Value() if isinstance(entity, StepRepr_ProductDefinitionShape) else entity
+
+
+def forget_external_files(session: Any) -> None:
+    """Take the names of external files out of the model, so that the kernel opens none."""
+    for assignment in entities(session, StepAP214_AppliedExternalIdentificationAssignment):
+        assignment.SetAssignedId(TCollection_HAsciiString(""))
+    for document in entities(session, StepBasic_DocumentFile):
+        document.SetId(TCollection_HAsciiString(""))
+
+
+def entity_of(session: Any, number: int) -> Any:
+    """The entity with a number in the text; None where the model has none."""
+    model = session.Model()
+    index = model.NextNumberForLabel(f"#{number}") if number > 0 else 0
+    return model.Value(index) if index > 0 else None

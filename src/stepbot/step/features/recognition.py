@@ -4,9 +4,11 @@ The kernel fits the surface. A deviation up to the tolerance moves the axis of a
 a quarter of the circumference or more by less than ten times as much, 1e-6 m.
 """
 
+from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
+from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.GeomAbs import GeomAbs_SurfaceType
 from OCP.gp import gp_Cone, gp_Cylinder, gp_Pln, gp_Sphere
 from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
@@ -48,3 +50,18 @@ def _first(face: Any, forms: Iterable[tuple[str, Any]]) -> Any:
         except KERNEL_ERRORS:
             continue
     return None
+
+
+_KINDS = {
+    GeomAbs_SurfaceType.GeomAbs_Plane: "plane",
+    GeomAbs_SurfaceType.GeomAbs_Cylinder: "cylinder",
+    GeomAbs_SurfaceType.GeomAbs_Cone: "cone",
+    GeomAbs_SurfaceType.GeomAbs_Sphere: "sphere",
+    GeomAbs_SurfaceType.GeomAbs_Torus: "torus",
+}
+_OTHER = "other"
+
+
+def face_counts(faces: list[Any]) -> tuple[tuple[str, int], ...]:
+    """Number of a body's faces by the kind of their surface in the file, sorted by name."""
+    return tuple(sorted(Counter(_KINDS.get(BRepAdaptor_Surface(face).GetType(), _OTHER) for face in faces).items()))

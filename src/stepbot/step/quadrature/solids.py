@@ -25,9 +25,9 @@ from OCP.TopoDS import TopoDS
 
 from stepbot.geometry.spatial import Array
 from stepbot.geometry.volume import VolumeProperties
+from stepbot.step.kernel_errors import faces_of
 
 from ..kernel import MILLIMETRES_PER_METRE
-from ..topology import faces_of
 from .contours import Contours, Rule, add_curved, add_planar, gauss
 from .curves import curve_of, spline_surface
 from .splines import Indices, SplineSurface

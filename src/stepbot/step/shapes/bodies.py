@@ -18,21 +18,19 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.predicates import is_watertight
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.robot.model import Rgba
+from stepbot.step.features.recognition import face_counts
+from stepbot.step.kernel_errors import faces_of
 
 from ..assembly import CERTAIN, AxisFace, Body, BodyKind, MeshTolerance
 from ..features.axis_faces import axis_faces
-from ..features.face_counts import face_counts
 from ..features.face_reading import read_faces
 from ..kernel import MILLIMETRES_PER_METRE
 from ..kernel_errors import OUT_OF_MEMORY
 from ..structure.source import BodySource
-from ..topology import faces_of
 from .error_estimate import Estimate, by_mesh, estimated
-from .exact import integrate, surface_area, volume_properties
-from .healing import Healed, copied, healed, unhealed, with_islands
-from .measuring import Refinement, refine
+from .exact import Refinement, integrate, refine, surface_area, volume_properties
+from .healing import Healed, copied, healed, sewn, unhealed, with_islands
 from .self_intersection import share_within
-from .sewing import sewn
 from .splitting import split
 from .stitching import Stitched, merged_by_position
 from .tessellation import Fineness, Tessellation, diagonal, fineness, fitted, plainly_tessellated

@@ -30,11 +30,11 @@ from OCP.TopoDS import TopoDS
 from stepbot.geometry.predicates import is_watertight
 from stepbot.geometry.spatial import Array
 from stepbot.geometry.volume import VolumeProperties
+from stepbot.step.kernel_errors import faces_of, mean_of_vertices
 
 from ..assembly import CERTAIN
 from ..kernel import MILLIMETRES_PER_METRE
 from ..quadrature.solids import Boundary, properties_of
-from ..topology import faces_of, mean_of_vertices
 from .exact import adaptive_volume
 from .stitching import Stitched
 from .tessellation import Tessellation, tessellated_once

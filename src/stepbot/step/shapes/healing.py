@@ -10,7 +10,12 @@ from typing import Any
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepBndLib import BRepBndLib
-from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy, BRepBuilderAPI_MakeSolid, BRepBuilderAPI_Transform
+from OCP.BRepBuilderAPI import (
+    BRepBuilderAPI_Copy,
+    BRepBuilderAPI_MakeSolid,
+    BRepBuilderAPI_Sewing,
+    BRepBuilderAPI_Transform,
+)
 from OCP.BRepClass3d import BRepClass3d_SolidClassifier
 from OCP.BRepLib import BRepLib
 from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
@@ -19,6 +24,11 @@ from OCP.TopAbs import TopAbs_ShapeEnum, TopAbs_State
 from OCP.TopExp import TopExp, TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Solid
+
+from stepbot.step.kernel import MILLIMETRES_PER_METRE
+from stepbot.step.kernel_errors import faces_of
+
+from .exact import integrate, surface_area
 
 _MAX_TOLERANCE = 1.0
 """Gaps [mm] up to which faces are joined."""
@@ -127,3 +137,46 @@ def _faces(shape: Any) -> ShapeMap:
     found = ShapeMap()
     TopExp.MapShapes_s(shape, TopAbs_ShapeEnum.TopAbs_FACE, found)
     return found
+
+
+_GAP = 1e-3
+"""Gap [mm] that is sewn even if the file claims a higher precision."""
+_MOST_CHANGED = 1e-3
+"""Maximum relative change of volume by sewing."""
+
+
+def sewn(body: Healed, precision: float) -> Healed | None:
+    """The body as one closed solid, its faces outwards; None if gaps remain, or are too wide to be sure.
+
+    Args:
+        body: A solid with edges that belong to only one face [mm].
+        precision: Its uncertainty [mm].
+    """
+    gap = max(precision, _GAP)
+    sewing = BRepBuilderAPI_Sewing(gap)
+    faces = faces_of(body.shape)
+    for face in faces:
+        sewing.Add(face)
+    sewing.Perform()
+    shells = TopExp_Explorer(sewing.SewedShape(), TopAbs_ShapeEnum.TopAbs_SHELL)
+    if sewing.NbFreeEdges() or not shells.More():
+        return None
+    shell = TopoDS.Shell(shells.Current())
+    shells.Next()
+    if shells.More():  # nesting of several solids cannot be decided by sewing
+        return None
+    solid = BRepBuilderAPI_MakeSolid(shell).Solid()
+    volume = integrate(solid).Mass()
+    if surface_area(solid) * MILLIMETRES_PER_METRE**2 * gap > _MOST_CHANGED * abs(volume):
+        return None
+    origin = _origin(body, faces, sewing, solid)
+    return Healed(solid if volume > 0.0 else solid.Reversed(), origin)
+
+
+def _origin(body: Healed, faces: list[Any], sewing: Any, solid: Any) -> list[int]:
+    """For each face of the solid, its original face before healing."""
+    became = [sewing.Modified(face) if sewing.IsModified(face) else face for face in faces]
+    return [
+        next((origin for old, origin in zip(became, body.origin, strict=True) if old.IsSame(face)), -1)
+        for face in faces_of(solid)
+    ]

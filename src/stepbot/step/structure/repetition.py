@@ -20,10 +20,12 @@ from OCP.StepToGeom import StepToGeom
 from OCP.StepVisual import StepVisual_PresentationStyleByContext
 
 from stepbot.geometry.spatial import Array
+from stepbot.step.assembly import Component, MeshTolerance, ReadOptions
 
 from ..exchange.length_unit import unit_factors
 from ..exchange.selection import entities, items
 from ..kernel import matrices_of
+from .paths import ComponentPaths, nearest_claim
 
 MANY = 16
 """Number of occurrences of one product in one assembly up to which the kernel places them all."""
@@ -161,3 +163,26 @@ def _factors(context: Any) -> StepData_Factors | None:
     factors.SetCascadeUnit(1.0)
     factors.InitializeFactors(units.LengthFactor(), 1.0, 1.0)
     return factors
+
+
+def definition_tolerances(
+    components: Sequence[Component], bodies: Sequence[int], options: ReadOptions
+) -> list[tuple[MeshTolerance, ...]]:
+    """For each distinct body, the distinct tolerances of its components.
+
+    Args:
+        components: All components; a pattern that matches none of them is reported elsewhere.
+        bodies: For each index in :attr:`Component.body`, its distinct body.
+        options: The default, and patterns with their tolerances; the nearest claim
+            applies, as it does for links.
+    """
+    claims: list[tuple[Sequence[int], MeshTolerance]] = []
+    if options.tolerance_of:
+        paths = ComponentPaths(components)
+        claims = [(paths.find(pattern).indices, tolerance) for pattern, tolerance in options.tolerance_of]
+    effective = nearest_claim(components, claims, options.tolerance)
+    claimed: list[dict[MeshTolerance, None]] = [{} for _ in range(max(bodies, default=-1) + 1)]
+    for component, tolerance in zip(components, effective, strict=True):
+        if component.body >= 0:
+            claimed[bodies[component.body]][tolerance] = None
+    return [tuple(tolerances) or (options.tolerance,) for tolerances in claimed]

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.step.exchange.long_tokens import LONGEST
+from stepbot.step.exchange.statements import LONGEST
 from tests import parts
 from tests.conftest import ReadDiagnostics
 from tests.unit.step.in_process import read_here

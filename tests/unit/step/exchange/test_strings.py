@@ -2,7 +2,7 @@
 
 import pytest
 
-from stepbot.step.exchange.strings import decode_string
+from stepbot.step.exchange.part21_values import decode_string
 
 
 @pytest.mark.parametrize(

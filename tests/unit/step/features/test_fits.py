@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from stepbot.robot.joint_table import Basis
-from stepbot.step.features.axis_contacts import Spans, meeting
-from stepbot.step.features.fits import fits
+from stepbot.step.features.axis_contacts import Spans, fits, meeting
 from tests.assembled import inferred, part
 from tests.solids import cylinder
 

@@ -11,11 +11,11 @@ import pytest
 from robot_library.moments import Array
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.step.assembly import Body, BodyKind
+from stepbot.step.kernel_errors import faces_of
 from stepbot.step.quadrature.solids import Boundary, properties_of, quadrature
 from stepbot.step.shapes.error_estimate import estimated, is_simple
 from stepbot.step.shapes.exact import integrate, volume_properties
 from stepbot.step.shapes.tessellation import Fineness, tessellated
-from stepbot.step.topology import faces_of
 from tests import solids
 from tests.unit.step.in_process import read_quietly
 from tests.unit.step.shapes.test_bodies import as_nurbs, edges_of, only, write, write_with_parameter_curves

@@ -12,7 +12,7 @@ import pytest
 from robot_library.moments import pose, turn
 from robot_library.step_file import Part, moved, write_step
 from stepbot.step.assembly import Assembly, AxisFace, Body, BodyKind, MeshTolerance, ReadOptions
-from stepbot.step.shapes import measuring, tessellation
+from stepbot.step.shapes import exact, tessellation
 from tests import parts, solids
 from tests.conftest import ReadDiagnostics
 from tests.unit.step.in_process import read_here, read_quietly
@@ -124,7 +124,7 @@ def test_measuring_meshes_are_refined(tmp_path: Path) -> None:
 
 def test_refinement_has_a_bound(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
     """If the limit of faces is reached first, the best measurement is kept, with a warning about the deviation."""
-    monkeypatch.setattr(measuring, "MAX_MEASURING_FACES", 5000)
+    monkeypatch.setattr(exact, "MAX_MEASURING_FACES", 5000)
     drawing = parts.write_sphere(tmp_path / "ball.step")
     body = only(read_here(drawing.path, found, ReadOptions(refine_mass_to=1e-6)))
     assert body.refined is not None
@@ -298,7 +298,7 @@ def test_other_faces_have_no_axis(tmp_path: Path) -> None:
 
 def test_a_mirrored_bore_is_a_bore(tmp_path: Path) -> None:
     """A mirrored bore has a mirrored axis, and its material still outside."""
-    from stepbot.step.shapes.mirroring import variant
+    from stepbot.step.shapes.splitting import variant
 
     plate = solids.box(40, 40, 12) - solids.cone(6, 3, 12).at(8, 3, -6)
     body = only(read_quietly(write(tmp_path / "part.step", plate.shape)))
@@ -323,8 +323,8 @@ def test_a_slanted_seam_is_straightened(tmp_path: Path) -> None:
     from OCP.TopAbs import TopAbs_Orientation
     from OCP.TopoDS import TopoDS
 
-    from stepbot.step.shapes.straightening import straighten
-    from stepbot.step.topology import faces_of
+    from stepbot.step.kernel_errors import faces_of
+    from stepbot.step.shapes.tessellation import straighten
 
     shape = solids.cone(9, 4, 20).shape
     face = next(f for f in faces_of(shape) if any(BRep_Tool.IsClosed_s(e, f) for e in edges_of(f)))
@@ -392,9 +392,8 @@ def test_a_straightened_edge_keeps_its_range(upper: float) -> None:
     from OCP.TopAbs import TopAbs_Orientation
     from OCP.TopoDS import TopoDS
 
-    from stepbot.step.shapes.straightening import straighten
-    from stepbot.step.shapes.tessellation import Fineness, tessellated
-    from stepbot.step.topology import faces_of
+    from stepbot.step.kernel_errors import faces_of
+    from stepbot.step.shapes.tessellation import Fineness, straighten, tessellated
 
     shape = solids.cone(9, upper, 20).shape
     curved = (f for f in faces_of(shape) if any(BRep_Tool.IsClosed_s(e, f) for e in edges_of(f)))

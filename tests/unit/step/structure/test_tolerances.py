@@ -1,7 +1,7 @@
 """Tolerances of links: the nearest claim applies to a component, the finest to a body."""
 
 from stepbot.step.assembly import Component, MeshTolerance, ReadOptions
-from stepbot.step.structure.tolerances import definition_tolerances
+from stepbot.step.structure.repetition import definition_tolerances
 
 COARSE, FINE, FINEST = MeshTolerance(0.01), MeshTolerance(0.001), MeshTolerance(absolute=1e-6)
 COMPONENTS = (
