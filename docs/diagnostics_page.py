@@ -46,12 +46,16 @@ def diagnostics_page(examples: Mapping[str, str]) -> str:
             exit_code = ", exit code 2" if code.could_not_run else ""
             sections.append(
                 f"### {code.id}: {code.title}\n\n*{code.severity}{exit_code}*\n\n{code.explanation}\n\n"
-                f"**How to fix it.** {code.fix}\n"
+                f"**Fix.** {code.fix}\n"
             )
             if code.features:
                 sections.append(f"**Features.** {', '.join(f'`{one}`' for one in code.features.split())}\n")
             if code.id in examples:
                 sections.append(f"```text\n{examples[code.id]}\n```\n")
-    rows = (f"| {old} | {', '.join(new.split())} |" for old, new in sorted(RENAMED.items()) if new)
-    sections.append("\n".join(("## Codes of earlier versions\n", "| earlier | now |", "| --- | --- |", *rows, "")))
+    earlier: dict[str, list[str]] = {}
+    for old, new in sorted(RENAMED.items()):
+        for code in dict.fromkeys(one.partition(":")[0] for one in new.split()):
+            earlier.setdefault(code, []).append(old)
+    rows = (f"| {new} | {', '.join(old)} |" for new, old in sorted(earlier.items()))
+    sections.append("\n".join(("## Codes of earlier versions\n", "| now | earlier |", "| --- | --- |", *rows, "")))
     return "\n".join(sections)

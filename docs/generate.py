@@ -18,6 +18,9 @@ from stepbot_cli.application import application
 ROOT = Path(__file__).resolve().parents[1]
 _HELP = re.compile(r"(<!-- generated: help -->\n).*?(<!-- end -->)", re.DOTALL)
 
+_TEACHES = re.compile(r"= help: .*`.*:.*`")
+"""A remedy with YAML to paste."""
+_OF_SIDECARS = ("SB1", "SB3", "SB4", "SB5")
 _MOST_LINES = 8
 """Maximum number of lines of a diagnostic's example."""
 _LAYERS = re.compile(r"(## Who may import whom\n\n```text\n).*?(```\n)", re.DOTALL)
@@ -42,9 +45,10 @@ def architecture() -> str:
 
 
 def diagnostics() -> str:
-    """docs/diagnostics.md, each code with the beginning of its first transcript."""
+    """docs/diagnostics.md; where the remedy is YAML to paste, with the beginning of the first transcript."""
     folders = sorted((ROOT / "tests" / "diagnostics").glob("SB[0-9][0-9][0-9]_*"), reverse=True)
-    return diagnostics_page({folder.name[:5]: _example(folder) for folder in folders})
+    examples = {folder.name[:5]: _example(folder) for folder in folders if folder.name.startswith(_OF_SIDECARS)}
+    return diagnostics_page({code: text for code, text in examples.items() if _TEACHES.search(text)})
 
 
 def _example(folder: Path) -> str:

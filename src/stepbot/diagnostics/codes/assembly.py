@@ -17,9 +17,9 @@ CODES = (
         "SB203",
         "error",
         "external file cannot be read",
-        "The geometry of a part is in another file, which is missing, is not in the folder of the STEP file or "
-        "below it, is not a STEP file, or refers back to the first file. Absolute paths, `..`, URLs and links "
-        "that lead out of the folder are not followed. stepbot does not convert an incomplete assembly.",
+        "The geometry of a part is in another file, which is missing, is outside the folder of the STEP file "
+        "(absolute paths, `..`, URLs and links that lead out of it are not followed), is not a STEP file, or "
+        "refers back to the first file. stepbot does not convert an incomplete assembly.",
         "Put the files of the parts beside the file of the assembly, as they were exported, or export the "
         'assembly as a single STEP file: CAD programs call the option "external references" or "one file per '
         'part".',
@@ -82,8 +82,8 @@ CODES = (
         "SB214",
         "error",
         "placement is not a rigid transform",
-        "The placement of an occurrence contains shear or non-uniform scaling. The mass properties of a sheared or "
-        "non-uniformly scaled part cannot be derived from its definition.",
+        "The placement of an occurrence contains shear or non-uniform scaling, so that its mass properties do "
+        "not follow from the part's.",
         "In CAD, replace the occurrence by a separate part with the actual shape, and export again.",
     ),
     Code(
@@ -124,11 +124,11 @@ CODES = (
         "SB221",
         "error",
         "damaged STEP file",
-        "A statement violates the grammar of ISO 10303-21, two entities have the same number, or an entity that "
-        "defines or places a shape refers to one that does not exist or has the wrong type. Readers skip what they "
-        "cannot parse: a part is missing, open, or placed at the origin, and mass properties are wrong.",
-        "Export or copy the file again. Typical causes are interrupted writes, failing disks, transfers in text mode, "
-        "and manual edits.",
+        "A statement violates the grammar of ISO 10303-21, two entities have the same number, or an entity "
+        "that defines or places a shape refers to one that does not exist or has the wrong type. Readers skip "
+        "what they cannot parse: a part is missing, open, or at the origin.",
+        "Export or copy the file again. Typical causes are interrupted writes, failing disks, transfers in "
+        "text mode, and manual edits.",
     ),
     Code(
         "SB223",
@@ -143,12 +143,12 @@ CODES = (
         "SB226",
         "warning",
         "validation property mismatch",
-        "The CAD program stored volumes, areas or centroids as geometric validation properties (AP214, AP242), and the "
-        "geometry as read differs: by more than 0.1 % of a volume, 1 % of an area, or 0.1 % of the radius of gyration "
-        "for a centroid. Either the export lost or changed a shape, or the CAD program computed the value differently: "
-        "on a coarse mesh, with hidden bodies, or as a centre of mass.",
-        "Compare the part's volume in CAD with `stepbot inspect`, which lists each stored value beside the computed "
-        "one.",
+        "Volumes, areas or centroids that the CAD program stored in the file (AP214, AP242) differ from the "
+        "geometry as read: by more than 0.1 % of a volume, 1 % of an area, or 0.1 % of the radius of gyration "
+        "for a centroid. The export changed a shape, or the CAD program computed the value otherwise: on a "
+        "coarse mesh, with hidden bodies, or as a centre of mass.",
+        "Compare the part's volume in CAD with `stepbot inspect`, which lists each stored value beside the "
+        "computed one.",
     ),
     Code(
         "SB227",
@@ -181,10 +181,10 @@ CODES = (
         "SB233",
         "warning",
         "partly evaluated geometry",
-        "The geometry kernel or stepbot failed on a property that geometry can be read without: axes, faces, area or "
-        "mass properties of a body; materials, colors, mechanisms or validation properties of a file. Joints cannot "
-        "bind to axes that are missing. A body with a mesh alone has the mass of its mesh, if that encloses a volume "
-        "(otherwise SB507), which no second method confirmed.",
+        "The geometry kernel or stepbot failed on a property that geometry can be read without: axes, faces, "
+        "area or mass properties of a body; materials, colours, mechanisms or validation properties of a file. "
+        "Joints cannot bind to missing axes. A body with a mesh alone has the mass of its mesh, if that "
+        "encloses a volume (otherwise SB507).",
         "Repair the named body in CAD and export again, or state in the sidecar what is missing.",
     ),
 )

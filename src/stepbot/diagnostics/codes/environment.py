@@ -15,8 +15,8 @@ CODES = (
         "SB002",
         "error",
         "system library missing",
-        "The geometry kernel failed to load because a shared system library is missing. The kernel's wheel links to "
-        "libGL, libX11 and libexpat, although stepbot never opens a window.",
+        "The geometry kernel failed to load: its wheel links to libGL, libX11 and libexpat, and one of them is "
+        "missing. stepbot opens no window.",
         "On Debian or Ubuntu, run `apt-get install libgl1 libx11-6 libexpat1`. `stepbot doctor` shows what is missing.",
         could_not_run=True,
     ),
@@ -61,10 +61,9 @@ CODES = (
         "SB007",
         "error",
         "output out of date",
-        "A file in the output folder differs from what stepbot would write now, or the folder is missing. The proof "
-        "section of `report.json` is excluded from the comparison because it depends on the installed engines. The "
-        "files describe a different robot than the sidecar and the STEP file. Either the output was edited by hand, or "
-        "the sidecar, the STEP file or stepbot has changed since.",
+        "A file in the output folder differs from what stepbot would write now, or the folder is missing: the "
+        "output was edited by hand, or the sidecar, the STEP file or stepbot has changed since. The proof "
+        "section of `report.json` is not compared, because it depends on the installed engines.",
         "Convert again and commit the result. Move manual edits into the sidecar.",
     ),
     Code(
@@ -99,9 +98,9 @@ CODES = (
         "SB011",
         "note",
         "output folder not lockable",
-        "The file system of the output folder does not support file locks. Some network file systems do not. "
-        "Concurrent conversions into this folder do not wait for each other, and the list of written files may become "
-        "incomplete. A later run would then leave outdated meshes behind.",
+        "The file system of the output folder does not support file locks, as some network file systems. "
+        "Concurrent conversions into this folder do not wait for each other, and a later run may leave "
+        "outdated meshes behind.",
         "Run one conversion per folder at a time, or give each robot its own folder with `-o`.",
     ),
     Code(
@@ -116,11 +115,11 @@ CODES = (
         "SB013",
         "error",
         "unusable lock file",
-        "The lock file beside the sidecar is not JSON, a value in it is missing or of a wrong type, or a newer stepbot "
-        "wrote it. Unresolved merge conflicts are a typical cause. Without it, changes of the CAD cannot be detected. "
-        "If stepbot skipped the comparison, the result would look clean.",
-        "Restore it from version control, or upgrade stepbot. If the current STEP file is correct, replace it with "
-        "`stepbot lock`.",
+        "The lock file beside the sidecar is not JSON, a value in it is missing or of a wrong type, or a newer "
+        "stepbot wrote it; unresolved merge conflicts are a typical cause. Without it, changes of the CAD "
+        "cannot be detected.",
+        "Restore it from version control, or upgrade stepbot. If the current STEP file is correct, replace it "
+        "with `stepbot lock`.",
     ),
     Code(
         "SB015",
@@ -170,18 +169,17 @@ CODES = (
         "SB022",
         "warning",
         "report of another robot replaced",
-        "The output folder has the files of another robot, and its `report.json` was replaced by that of this one. The "
-        "other robot's files have no report any more. `stepbot drive` and `stepbot.close_loops` read closures and "
-        "actuators from it.",
+        "The output folder has the files of another robot, and its `report.json`, which `stepbot drive` and "
+        "`stepbot.close_loops` read, was replaced.",
         "Convert each robot into a folder of its own.",
     ),
     Code(
         "SB023",
         "note",
         "files of an earlier conversion kept",
-        "The output folder has files of the robot in formats that this conversion does not write. If the input has "
-        "changed since, these files are of another state of it than the new ones. `report.json` is about the new ones "
-        "alone.",
+        "The output folder has files of the robot in formats that this conversion does not write. "
+        "`report.json` is about the new ones alone; the others are of another state if the input has changed "
+        "since.",
         "Convert to all formats that are needed in one run, or remove the files.",
     ),
     Code(
@@ -197,9 +195,8 @@ CODES = (
         "SB902",
         "error",
         "worker process failed",
-        "A worker process ended without a result: it crashed, was killed, or exceeded its memory or time limit. The "
-        "geometry kernel and some engines crash on some input. stepbot runs them in separate processes to report such "
-        "failures.",
+        "A worker process crashed, was killed, or exceeded its memory or time limit. The geometry kernel and "
+        "some engines crash on some input, so stepbot runs them in separate processes.",
         "The notes contain the signal and the last lines of output. Try the file in another CAD program. Raise "
         "`--timeout` or `--memory-limit` if a limit was exceeded.",
         could_not_run=True,

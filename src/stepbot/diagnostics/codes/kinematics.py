@@ -50,21 +50,21 @@ CODES = (
         "SB406",
         "error",
         "coaxial faces without contact",
-        "The two sides have coaxial cylindrical faces, but no shaft fits a bore, and no faces overlap or touch along "
-        "the axis. Parts of a straight arm share many axes. A joint on the wrong axis may be far from both parts, and "
-        "no engine detects this, because all files agree.",
-        "Check which parts carry the axis: the pin or the bearing often belongs to another link. If one of the listed "
-        "axes is correct, paste its origin. An explicitly selected axis is accepted with any gap.",
+        "The two sides have coaxial cylindrical faces, but no shaft fits a bore, and no faces overlap or touch "
+        "along the axis. Parts of a straight arm share many axes, and no engine detects a joint on the wrong "
+        "one.",
+        "Check which parts carry the axis: the pin or the bearing often belongs to another link. If one of the "
+        "listed axes is correct, paste its origin: an explicitly selected axis is accepted with any gap.",
     ),
     Code(
         "SB407",
         "warning",
         "weak evidence for an axis",
-        "The faces on the axis overlap or touch but do not fit, or a wider axis has faces in contact; or `stepbot "
-        "init` selected an axis without a fit, and the joint still has its REVIEW comment. The axis may be correct, "
-        "for example where the CAD omits a bearing, or it may be a coincidence.",
-        "Check the axis in the joint table. Paste the origin of the correct axis into the sidecar to select it "
-        "explicitly, and remove the REVIEW comment of a draft.",
+        "The faces on the axis overlap or touch but do not fit, a wider axis has faces in contact, or the "
+        "joint still has the REVIEW comment of a draft without a fit. The axis may be correct, for example "
+        "where the CAD omits a bearing, or a coincidence.",
+        "Check the axis in the joint table. Paste the origin of the correct axis into the sidecar, and remove "
+        "the REVIEW comment of a draft.",
     ),
     Code(
         "SB411",
@@ -111,40 +111,38 @@ CODES = (
         "SB420",
         "warning",
         "robot larger than 20 m",
-        "The robot is larger than 20 m in the assembled pose; for `inspect` and `init`, the assembly in the STEP file. "
-        "Few robots are that large. A wrong length unit in the STEP file scales everything by a factor of 25 or 1000.",
-        "Check the unit of the CAD export, or the dimensions of collision shapes where the message names them. If the "
-        "size is correct, no action is needed.",
+        "The robot, or for `inspect` and `init` the assembly, is larger than 20 m. A wrong length unit in the "
+        "STEP file scales everything by a factor of 25 or 1000.",
+        "Check the unit of the CAD export, or the dimensions of collision shapes where the message names them. "
+        "If the size is correct, no action is needed.",
     ),
     Code(
         "SB421",
         "warning",
         "assembly probably not z-up",
-        "The base of the robot has a large flat face perpendicular to an axis other than z, and a joint on the base is "
-        "along that axis. There is no such face perpendicular to z, and the assembly extends along z by at most 1.5 "
-        "times as much as along that axis. In robot files z is up. A robot drawn with y up, as many CAD programs do by "
-        "default, would lie on its side.",
+        "The base of the robot has a large flat face perpendicular to an axis other than z, with a joint along "
+        "it, and none perpendicular to z; along z the assembly is at most 1.5 times as long. In robot files z "
+        "is up: a robot drawn with y up would lie on its side.",
         "Set the axis that is up: `root: {up: y}`. If z is up, confirm it with `root: {up: z}`.",
     ),
     Code(
         "SB422",
         "warning",
         "axis not along the line of its origin",
-        "The origin of a turning joint or closure was found on the line of cylindrical faces, and its frame has z "
-        "along that line. `axis` names another direction of this frame. `axis` is in the joint's frame. The joint "
-        "turns about a line across the shaft that was found, and every check of the files passes, because all have the "
-        "same axis.",
-        "Write `axis: z` or `axis: -z`. The joint table of `stepbot check --step` has the direction in the STEP's "
-        "frame; it is not a value for `axis`. To turn the frame first, use `offset: {rpy: [...]}`.",
+        "The origin of a turning joint or closure is on the line of cylindrical faces, with z of its frame "
+        "along that line, and `axis` names another direction of this frame. The joint turns about a line "
+        "across the shaft. Every check of the files passes, because all have the same axis.",
+        "Write `axis: z` or `axis: -z`. To turn the frame first, use `offset: {rpy: [...]}`. Directions in the "
+        "joint table of `stepbot check --step` are in the STEP's frame, and no values for `axis`.",
     ),
     Code(
         "SB423",
         "warning",
         "axis far from the assembly",
-        "The axis of a turning joint is farther from the assembly than the assembly is large. The coordinates of its "
-        "origin are probably in another unit or frame: `xyz: [0, 4, 8]` is 8 m, not 8 inches. The joint would swing "
-        "its link around in a wide arc, and every check of the files passes, because all have the same axis.",
-        "Write coordinates with their unit, in the frame of the assembly: `xyz: [0, 4 in, 8 in]`. `stepbot inspect "
-        "--features` lists the axes of parts; `axis_of` and `mate` need no coordinates.",
+        "The axis of a turning joint is farther from the assembly than the assembly is large. Its coordinates "
+        "are probably in another unit or frame: `xyz: [0, 4, 8]` is 8 m, not 8 inches. Every check of the "
+        "files passes, because all have the same axis.",
+        "Write coordinates with their unit, in the frame of the assembly: `xyz: [0, 4 in, 8 in]`. `stepbot "
+        "inspect --features` lists the axes of parts; `axis_of` and `mate` need no coordinates.",
     ),
 )

@@ -100,12 +100,12 @@ CODES = (
         "SB512",
         "warning",
         "overlapping solids",
-        "Solids of one link overlap, by a thousandth of the mass of the link or more. The mass of the overlap is "
-        "counted once per solid. Where two materials overlap, the lighter one is assumed to be displaced. Ignored are "
-        "overlaps below a thousandth of the smaller solid, overlaps of meshes along touching curved faces, and "
-        "components with a given `mass`.",
-        "Subtract one solid from the other in CAD, `ignore` a duplicate part, or give a measured `mass` under `parts` "
-        "or an `inertial` on the link.",
+        "Solids of one link overlap, by a thousandth of its mass or more. The overlap counts once per solid; "
+        "where two materials overlap, the lighter one is assumed to be displaced. Overlaps below a thousandth "
+        "of the smaller solid, overlaps of meshes along touching curved faces, and components with a given "
+        "`mass` are not compared.",
+        "Subtract one solid from the other in CAD, `ignore` a duplicate part, or give a measured `mass` under "
+        "`parts` or an `inertial` on the link.",
     ),
     Code(
         "SB513",
@@ -137,11 +137,10 @@ CODES = (
         "SB516",
         "error",
         "mass properties not determined",
-        "Three methods to integrate over a solid differ by more than a tenth: the integration of the geometry kernel, "
-        "that of stepbot, and a sequence of finer meshes. Each value may be wrong by more than that, and engines would "
-        "confirm any of them.",
-        "Repair the solid in CAD (self-intersecting faces, gaps between faces), ignore it under `parts`, or give its "
-        "link an `inertial` with com and inertia.",
+        "The integration of the geometry kernel, that of stepbot, and a sequence of finer meshes differ by "
+        "more than a tenth for a solid. Engines would confirm any of the values.",
+        "Repair the solid in CAD (self-intersecting faces, gaps between faces), ignore it under `parts`, or "
+        "give its link an `inertial` with com and inertia.",
     ),
     Code(
         "SB518",
@@ -172,19 +171,18 @@ CODES = (
         "SB522",
         "warning",
         "placeholder density",
-        "Components have the density of `defaults: {density: todo}`, the placeholder written by `stepbot init`: 1000 "
-        "kg/m^3. Steel is eight times as dense. Masses and inertias decide which motors suffice, and how a simulated "
-        "robot moves; every check of the files passes, because all have the same masses.",
+        "Components have the density of `defaults: {density: todo}`, the placeholder written by `stepbot "
+        "init`: 1000 kg/m^3. Steel is eight times as dense. Every check of the files passes, because all have "
+        "the same masses.",
         "Replace `todo` by the density of the material, or give densities or weighed masses under `parts`.",
     ),
     Code(
         "SB523",
         "note",
         "values in a turned frame",
-        "A link has values in its own frame, an `inertial` with com or inertia or a list of `collision` shapes, and "
-        "the joint above it has a `zero`. The frame of a link is that of its joint at q = 0, and moves with the link: "
-        "in the drawn pose, where q is `zero`, it is turned or shifted by it. Values that were read in the drawn pose, "
-        "in axes of the assembly or of `origin`, are off by `zero`.",
+        "A link has an `inertial` with com or inertia, or a list of `collision` shapes, and the joint above it "
+        "has a `zero`. These values are in the frame of the link, which is that of its joint at q = 0; values "
+        "read in the drawn pose, where q is `zero`, are off by it.",
         "Give the values in the frame at q = 0, as a URDF does, or leave out `zero`. `ignore: [SB523]` confirms them.",
     ),
     Code(
@@ -208,10 +206,11 @@ CODES = (
         "SB526",
         "warning",
         "not symmetric",
-        "`expect: {symmetry: y}` says that the drawn robot is its own mirror image, and parts have no twin on the "
-        "other side, twins differ by more than 20 % in mass, or the centre of mass is off the plane by more than 0.5 % "
-        "of the robot's size. A part is missing or displaced, or one twin has another material.",
-        "Compare the parts that are named; a rule of `parts` with a glob gives both the same material. Ignore the "
-        "finding, with a reason, for a robot that is meant to be so.",
+        "`expect: {symmetry: y}` states that the drawn robot is its own mirror image, but parts have no twin "
+        "on the other side, twins differ by more than 20 % in mass, or the centre of mass is off the plane by "
+        "more than 0.5 % of the robot's size.",
+        "Compare the named parts: one is missing or displaced, or has another material. A rule of `parts` with "
+        "a glob gives both the same material. Ignore the finding, with a reason, for a robot that is meant to "
+        "be so.",
     ),
 )

@@ -36,11 +36,10 @@ CODES = (
         "SB457",
         "error",
         "assembled position outside limits",
-        "The joint position in the assembled pose (as modelled in CAD; `zero`, default 0) is outside the joint limits. "
-        "The assembled pose is the initial pose. The simulation would start with the joint limit pushing the joint "
-        "back.",
-        "Set `zero` to the joint position in the assembled pose, or correct the limits. Limits are measured from q = "
-        "0, not from the assembled pose.",
+        "The joint position in the assembled pose (as modelled in CAD; `zero`, default 0) is outside the joint "
+        "limits. The assembled pose is the initial pose, from which the limit would push the joint back.",
+        "Set `zero` to the joint position in the assembled pose, or correct the limits. Limits are measured "
+        "from q = 0, not from the assembled pose.",
     ),
     Code(
         "SB458",
@@ -88,20 +87,19 @@ CODES = (
         "SB464",
         "warning",
         "actuator too weak for its joint",
-        "An actuator with `gains: auto` cannot hold its joint against gravity in the drawn pose: the effort limit of "
-        "the actuator or of the joint is below the weight. The joint falls. The computed gains do not take the effort "
-        "limit into account.",
-        "Correct the effort limit, the masses or the drawn pose. If a spring or a counterweight carries the joint, set "
-        "`kp` and `kv`.",
+        "The effort limit of an actuator with `gains: auto`, or of its joint, is below what the weight needs "
+        "in the drawn pose. The joint falls.",
+        "Correct the effort limit, the masses or the drawn pose. If a spring or a counterweight carries the "
+        "joint, set `kp` and `kv`.",
     ),
     Code(
         "SB465",
         "warning",
         "limit beyond a stop",
-        "Between the drawn pose and a limit of a joint, parts of its two links meet. `check --step` follows their "
-        "meshes along the motion. Pairs of parts with very many faces are not compared. A planner that uses the limit "
+        "Parts of the two links of a joint meet between the drawn pose and a limit, as `check --step` finds "
+        "along the motion of their meshes (not for parts with very many faces). A planner that uses the limit "
         "drives the joint into the stop.",
-        "Set the limit at the stop or before it. If the parts overlap in the drawing only, such as a screw in a solid "
-        "block, correct the drawing, or ignore the finding.",
+        "Set the limit at the stop or before it. If the parts overlap in the drawing only, such as a screw in "
+        "a solid block, correct the drawing, or ignore the finding.",
     ),
 )

@@ -33,27 +33,27 @@ CODES = (
         "SB605",
         "warning",
         "volume integration does not converge",
-        "The integration of the geometry kernel, that of stepbot, and a sequence of finer meshes differ by more than a "
-        "thousandth. The solid may be invalid, for example because a face intersects itself. Up to a tenth apart, the "
-        "value of the exact solid is used; further apart, stepbot does not build a robot from it (SB516).",
+        "The integration of the geometry kernel, that of stepbot, and a sequence of finer meshes differ by "
+        "more than a thousandth. A face may intersect itself. Up to a tenth apart, the value of the exact "
+        "solid is used; further apart, no robot is built (SB516).",
         "Repair the solid in CAD, ignore it, or give its link an `inertial` with com and inertia.",
     ),
     Code(
         "SB607",
         "warning",
         "self-intersecting solid",
-        "The solid is closed, but its surface intersects itself: lobes overlap, or shells cross. Overlapping regions "
-        "are counted twice or subtracted, by the kernel and by any mesh, so the mass, com and inertia are wrong.",
-        "Repair the solid in CAD, or give its mass in the sidecar. Walls thinner than the mesh tolerance intersect in "
-        "the mesh only; in this case use a finer `mesh`.",
+        "The solid is closed, but its surface intersects itself: lobes overlap, or shells cross. Overlapping "
+        "regions are counted twice or subtracted, so the mass properties are wrong.",
+        "Repair the solid in CAD, or give its mass in the sidecar. Walls thinner than the mesh tolerance "
+        "intersect in the mesh only; in this case use a finer `mesh`.",
     ),
     Code(
         "SB608",
         "warning",
         "collision setting without effect",
-        "Parts have a `contact`, and their link lists its collision shapes; or a `collision` sets `max_hulls` for "
-        "shapes that are not convex pieces, or `max_vertices` for shapes that are no hulls. The setting is ignored: "
-        "the collision geometry may have more shapes or vertices, or another friction, than intended.",
+        "Parts have a `contact`, and their link lists its collision shapes; or a `collision` sets `max_hulls` "
+        "for shapes that are not convex pieces, or `max_vertices` for shapes that are no hulls. The setting is "
+        "ignored.",
         "Set `shape: auto` or `shape: decompose`, or remove the budget. Give the listed shapes a `contact`.",
     ),
     Code(
@@ -87,11 +87,11 @@ CODES = (
         "SB620",
         "warning",
         "links always overlap",
-        "The collision shapes of two links without a common joint penetrate each other in every sampled pose. A "
-        "simulator would push the links apart without end, and a planner would find no path, so contacts of the pair "
-        "are excluded. That hides an overlap of the parts, or of collision shapes that are larger than the parts.",
-        "Convex hulls fill concave regions. Choose a closer `collision` for one of the links. If the parts overlap, "
-        "correct the CAD. If both links are meant to be one body, connect them with a fixed joint.",
+        "The collision shapes of two links without a common joint penetrate each other in every sampled pose. "
+        "Contacts of the pair are excluded, because a simulator would push the links apart without end, and a "
+        "planner would find no path. That hides an overlap of the parts, or shapes larger than the parts.",
+        "Choose a closer `collision` for one of the links: convex hulls fill concave regions. If the parts "
+        "overlap, correct the CAD; if both links are one body, connect them with a fixed joint.",
     ),
     Code(
         "SB621",
@@ -105,14 +105,12 @@ CODES = (
         "SB640",
         "warning",
         "package without maintainer or licence",
-        "The manifest of a ROS 2 package must state a maintainer and a licence, and the sidecar has none; or the "
-        "maintainer's address is in a domain for examples, such as example.com, as in the sidecars of stepbot's robot "
-        "library. `package.xml` has `unknown` in place of what is missing: colcon builds the package, but nobody may "
-        "use or publish it without asking, and `rosdep` and release tools report it. Nobody receives what users write "
-        "to a placeholder.",
-        "State both in the sidecar: `metadata: {maintainer: Ada Lovelace <ada@example.com>, license: Apache-2.0}`, "
-        "with your own name and address. For a URDF, SDFormat or MJCF, or a sidecar that is not yours, use the options "
-        "`--maintainer` and `--license`.",
+        "The manifest of a ROS 2 package must state a maintainer and a licence, and the sidecar has none, or "
+        "an address in a domain for examples such as example.com. `package.xml` has `unknown` instead: colcon "
+        "builds the package, `rosdep` and release tools report it, and nobody may use it without asking.",
+        "State both in the sidecar: `metadata: {maintainer: Ada Lovelace <ada@example.com>, license: "
+        "Apache-2.0}`, with your own name and address. For a URDF, SDFormat or MJCF, or a sidecar that is not "
+        "yours, use the options `--maintainer` and `--license`.",
     ),
     Code(
         "SB641",
@@ -127,10 +125,9 @@ CODES = (
         "SB642",
         "note",
         "gripper found by its name",
-        "The last joint of an arm, or the link that it moves, is named like a jaw, and its range is at most 2.5 rad or "
-        "m. In the SRDF it is an end effector with a group of its own, and the arm's group ends at the link before. "
-        "MoveIt plans for the arm without this joint. If the joint is part of the arm, its inverse kinematics lack one "
-        "joint.",
+        "The last joint of an arm, or the link that it moves, is named like a jaw, and its range is at most "
+        "2.5 rad or m. In the SRDF it is an end effector with a group of its own, and MoveIt plans for the arm "
+        "without this joint.",
         "If the joint is no jaw, rename it, or add it to the arm's group in the SRDF.",
     ),
 )

@@ -7,21 +7,20 @@ CODES = (
         "SB310",
         "error",
         "component renamed",
-        "A path of the sidecar no longer names the component that it named when the lock file was written. A component "
-        "of the same shape, in the same pose, has another name. The path names nothing, or another component, so a "
-        "part of the robot would be missing or wrong.",
-        "Run `stepbot check --fix`, which replaces the path and changes nothing else in the sidecar, or replace it by "
-        "hand.",
+        "A path of the sidecar no longer names the component that it named when the lock file was written: a "
+        "component of the same shape, in the same pose, has another name.",
+        "Run `stepbot check --fix`, which replaces the path and changes nothing else in the sidecar, or "
+        "replace it by hand.",
     ),
     Code(
         "SB311",
         "error",
         "component probably renamed",
-        "A path of the sidecar no longer names its component. The message names the candidate and the evidence: the "
-        "same shape elsewhere, or nearly the same size in the same place. If there are several candidates, all are "
-        "listed. The path names nothing, or another component. This evidence is not sufficient to replace the path.",
-        "Check the component in CAD. If it is the same part, use its new name. Otherwise remove the path, or replace "
-        "it by that of another component.",
+        "A path of the sidecar no longer names its component, and the evidence for another name does not "
+        "suffice to replace it: the same shape elsewhere, or nearly the same size in the same place. The "
+        "message lists the candidates.",
+        "Check the component in CAD. If it is the same part, use its new name. Otherwise remove the path, or "
+        "replace it by that of another component.",
     ),
     Code(
         "SB312",

@@ -7,22 +7,21 @@ CODES = (
         "SB102",
         "error",
         "sidecar cannot be read",
-        "The file is empty, larger than a sidecar can be, not UTF-8 text, or not a single YAML mapping. A sidecar is "
-        "one mapping that starts with `version: 1`, in UTF-8: names of parts would not match the STEP file otherwise.",
-        "Check that the path names the sidecar and not the STEP file, and that the editor saved it, as UTF-8. Write "
-        "`key: value` lines without indentation, without `---` separators. Shorten long lists of parts with a glob, or "
-        "with `rest: true`. `stepbot docs sidecar` starts with a minimal example.",
+        "The file is empty, too large for a sidecar, not UTF-8 text, or not a single YAML mapping that starts "
+        "with `version: 1`.",
+        "Check that the path names the sidecar and not the STEP file, and that the editor saved it, as UTF-8. "
+        "Write `key: value` lines without indentation and without `---` separators; shorten long lists of "
+        "parts with a glob, or with `rest: true`. `stepbot docs sidecar` starts with a minimal example.",
     ),
     Code(
         "SB104",
         "error",
         "invalid YAML syntax",
-        "The text is not valid YAML at this position. Typical causes are an unclosed bracket or quote, inconsistent "
-        "indentation, a tab, an unquoted colon, and a path that starts with `*`, as an alias does. The parser cannot "
-        "recover the structure after a syntax error. stepbot skips the enclosing top-level section and checks the "
-        "rest.",
-        'Check the marked position and the line above it. Indent with two spaces. Quote paths (`"**/M3x8*"`), and text '
-        "that contains `: ` or ` #` or starts with one of `{}[]&*!|>%@`.",
+        "The text is not valid YAML at this position. Typical causes are an unclosed bracket or quote, "
+        "inconsistent indentation, a tab, an unquoted colon, and a path that starts with `*`, as an alias "
+        "does. stepbot skips the enclosing top-level section and checks the rest.",
+        'Check the marked position and the line above it. Indent with two spaces. Quote paths (`"**/M3x8*"`), '
+        "and text that contains `: ` or ` #` or starts with one of `{}[]&*!|>%@`.",
     ),
     Code(
         "SB107",
@@ -36,13 +35,12 @@ CODES = (
         "SB110",
         "error",
         "YAML that a sidecar may not contain",
-        "The file uses a tag such as `!include`, a directive, a list or a mapping as a key, or a merge key of "
-        "something other than mappings; a value is missing; or it is nested too deeply or too large after alias "
-        "expansion. A sidecar is limited to plain YAML 1.2 data, so that every parser reads the same values. A value "
-        "that begins with `#`, such as a colour, is a comment in YAML, and a few lines of nested aliases can expand to "
-        "billions of values.",
-        "Write the value directly, and quote it if it is text. Write `{}` for an empty mapping. Merge an anchor on a "
-        "mapping: `<<: *motor`.",
+        "A sidecar is limited to plain YAML 1.2 data, so that every parser reads the same values: no tags such "
+        "as `!include`, no directives, no lists or mappings as keys, no merge key of something other than "
+        "mappings, no missing value, and no deep nesting or alias expansion. An unquoted `#`, as of a colour, "
+        "begins a comment.",
+        "Write the value directly, and quote it if it is text. Write `{}` for an empty mapping. Merge an "
+        "anchor on a mapping: `<<: *motor`.",
     ),
     Code(
         "SB120",
@@ -96,12 +94,12 @@ CODES = (
         "SB126",
         "error",
         "invalid name",
-        "The name is empty, is too long, contains characters that an output format does not support, that are "
-        "invisible or that change the direction of text, is reserved by a format, or, for a robot, is a device name on "
-        "Windows. A name is the same in the sidecar, in every output file and in client code. stepbot never renames "
-        "silently.",
-        "Use letters, digits, `_`, `-` and `.`. SDFormat reserves `world`, `::` and names such as `__x__`; the sidecar "
-        "reserves `assembly`; Windows reserves `CON`, `NUL`, `AUX`, `PRN`, `COM1` and `LPT1`.",
+        "The name is empty or too long, contains characters that an output format does not support, that are "
+        "invisible or that change the direction of text, is reserved by a format, or, for a robot, is a device "
+        "name on Windows. Names are the same in the sidecar, in every output file and in client code: stepbot "
+        "never renames silently.",
+        "Use letters, digits, `_`, `-` and `.`. SDFormat reserves `world`, `::` and names such as `__x__`; the "
+        "sidecar reserves `assembly`; Windows reserves `CON`, `NUL`, `AUX`, `PRN`, `COM1` and `LPT1`.",
     ),
     Code(
         "SB127",
@@ -125,11 +123,11 @@ CODES = (
         "SB129",
         "warning",
         "name that not every reader takes",
-        "A name has a space, a letter beyond a to z, or a digit at its beginning. Formats allow it, and stepbot writes "
-        "it; ROS refuses it in topics and parameters, xacro evaluates parts of it, and shells and simulators split it. "
-        "Files with it load in some programs and fail in others.",
-        "Rename it as the message proposes; the rule is the same for all formats. For one reader alone, ignore the "
-        "finding.",
+        "A name has a space, a letter beyond a to z, or a digit at its beginning. Formats allow it, and "
+        "stepbot writes it; ROS refuses it in topics and parameters, xacro evaluates parts of it, and shells "
+        "and simulators split it.",
+        "Rename it as the message proposes; the rule is the same for all formats. For one reader alone, ignore "
+        "the finding.",
     ),
     Code(
         "SB130",
@@ -201,9 +199,8 @@ CODES = (
         "SB140",
         "note",
         "torque in units of mass times length",
-        "A torque is written in kg.cm, g.cm, oz-in or lb-in, as in servo data sheets. It is interpreted as kgf*cm, "
-        "gf*cm, ozf*in or lbf*in. 1 kgf*cm is 0.0980665 N*m. Interpreting the same number in newtons would change the "
-        "value by a factor of ten.",
+        "A torque in kg.cm, g.cm, oz-in or lb-in, as in servo data sheets, is read as kgf*cm, gf*cm, ozf*in or "
+        "lbf*in: 1 kgf*cm is 0.0980665 N*m.",
         "Write the unit with the force, as shown in the help, or convert the torque to N*m.",
     ),
     Code(
@@ -227,10 +224,9 @@ CODES = (
         "SB145",
         "warning",
         "actuator limit beyond the limit of its joint",
-        "A limit of an actuator is wider than that of the joint that it drives. The limit of the joint applies; that "
-        "of the actuator has no effect.",
-        "Raise the limit of the joint if the motor has more, or remove the actuator's: it is meant to narrow the "
-        "joint's.",
+        "A limit of an actuator is wider than that of the joint that it drives. The limit of the joint applies.",
+        "Raise the limit of the joint if the motor has more, or remove the actuator's: it is meant to narrow "
+        "the joint's.",
     ),
     Code(
         "SB146",

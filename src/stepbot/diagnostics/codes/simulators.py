@@ -7,11 +7,10 @@ CODES: tuple[Code, ...] = (
         "SB801",
         "error",
         "engine rejected the file",
-        "A simulator or parser of the format reports that it cannot load the file. The file cannot be used with this "
-        "engine.",
-        "Read the engine's error in the message. After `convert`, please report a bug with the sidecar and the STEP "
-        "file; `OUT.failed` has the rejected files. After `verify`, the file was edited, or describes another robot "
-        "than the file that it is compared with: convert again.",
+        "A simulator or parser of the format reports that it cannot load the file. The file cannot be used "
+        "with this engine.",
+        "Read the engine's error in the message. After `convert`, please report a bug with the sidecar and the "
+        "STEP file; `OUT.failed` has the rejected files. After `verify`, the file was edited: convert again.",
     ),
     Code(
         "SB802",
@@ -26,32 +25,29 @@ CODES: tuple[Code, ...] = (
         "SB803",
         "error",
         "file describes another robot",
-        "What an engine reports of the file differs from what is expected, in the quantity that the message names: "
-        "links, joints, limits, masses, poses, dynamics, meshes, actuators, sensors, the initial pose, or text of two "
-        "files of one format. A simulation with this file simulates a different robot than the one modelled in CAD.",
-        "After `convert`, please report a bug with the sidecar and the STEP file; `OUT.failed` has the rejected files. "
-        "After `verify`, the file was edited, or describes another robot than the file that it is compared with: "
-        "convert again.",
+        "What an engine reports of the file differs from what is expected, in the quantity that the message "
+        "names: links, joints, limits, masses, poses, dynamics, meshes, actuators, sensors, the initial pose, "
+        "or text of two files of one format.",
+        "After `convert`, please report a bug with the sidecar and the STEP file; `OUT.failed` has the "
+        "rejected files. After `verify`, the file was edited or describes another robot: convert again.",
     ),
     Code(
         "SB808",
         "error",
         "loop does not close",
-        "A closure is missing or misplaced, or opens when the mechanism moves. The mechanism moves differently, or not "
-        "at all.",
-        "After `convert`, please report a bug with the sidecar and the STEP file; `OUT.failed` has the rejected files. "
-        "After `verify`, the file was edited, or describes another robot than the file that it is compared with: "
-        "convert again.",
+        "A closure is missing or misplaced, or opens when the mechanism moves.",
+        "After `convert`, please report a bug with the sidecar and the STEP file; `OUT.failed` has the "
+        "rejected files. After `verify`, the file was edited: convert again.",
     ),
     Code(
         "SB810",
         "warning",
         "links overlap at the initial pose",
-        "In the assembled pose (as modelled in CAD), the collision shapes of two links without a common joint "
-        "penetrate each other. Unless contacts of this pair are excluded, a simulator pushes the links apart with a "
-        "large force, and the robot jumps or vibrates.",
-        "Convex hulls fill concave regions. Choose `collision: mesh` or a primitive for one of the links, or `none` "
-        "where the pair never makes contact. If the parts overlap, correct the CAD.",
+        "The collision shapes of two links without a common joint penetrate each other in the assembled pose "
+        "(as modelled in CAD). Unless their contacts are excluded, a simulator pushes the links apart, and the "
+        "robot jumps or vibrates.",
+        "Convex hulls fill concave regions. Choose `collision: mesh` or a primitive for one of the links, or "
+        "`none` where the pair never makes contact. If the parts overlap, correct the CAD.",
     ),
     Code(
         "SB811",
@@ -65,17 +61,16 @@ CODES: tuple[Code, ...] = (
         "SB812",
         "error",
         "engine warning on a written file",
-        "An engine reports a warning while loading a file written by stepbot. After a warning, engines often continue "
-        "with a default of their own, such as a mass of 1 kg.",
-        "After `convert`, please report a bug with the sidecar and the STEP file; `OUT.failed` has the rejected files. "
-        "After `verify`, the file was edited, or describes another robot than the file that it is compared with: "
-        "convert again.",
+        "An engine reports a warning while loading a file written by stepbot. Engines often continue with a "
+        "default of their own, such as a mass of 1 kg.",
+        "After `convert`, please report a bug with the sidecar and the STEP file; `OUT.failed` has the "
+        "rejected files. After `verify`, the file was edited: convert again.",
     ),
     Code(
         "SB813",
         "warning",
         "engine warning",
-        "An engine reports a warning while loading a file. After a warning, engines often continue with a default of "
+        "An engine reports a warning while loading a file to verify. Engines often continue with a default of "
         "their own, such as a mass of 1 kg.",
         "Correct the cause of the warning.",
     ),
@@ -107,29 +102,30 @@ CODES: tuple[Code, ...] = (
         "SB818",
         "warning",
         "loop opens over its range",
-        "A loop closes in the assembled pose (as modelled in CAD), but opens by more than a micrometre when the "
-        "mechanism moves. Axes that should be parallel or coplanar are slightly misaligned. A simulator keeps the loop "
-        "closed with large forces, so the mechanism moves stiffly, vibrates or locks.",
+        "A loop closes in the assembled pose (as modelled in CAD), but opens by more than a micrometre when "
+        "the mechanism moves: axes that should be parallel or coplanar are slightly misaligned. A simulator "
+        "keeps it closed with large forces, so the mechanism moves stiffly, vibrates or locks.",
         "Correct the CAD, or choose a closure with fewer constraints: `ball` allows the axes to tilt.",
     ),
     Code(
         "SB819",
         "warning",
         "mechanism is locked",
-        "The closures constrain all degrees of freedom of the joints: by the rank of the constraints, nothing can move "
-        "in the assembled pose. A gripper or linkage that should move is rigid in every simulator.",
-        "Either axes that should be parallel are more than 0.1 mrad apart, or the mechanism is modelled at a dead "
-        "centre. Correct the CAD, or choose a closure with fewer constraints (`ball` in place of `revolute`).",
+        "The closures constrain all degrees of freedom of the joints: by the rank of the constraints, nothing "
+        "can move in the assembled pose.",
+        "Either axes that should be parallel are more than 0.1 mrad apart, or the mechanism is modelled at a "
+        "dead centre. Correct the CAD, or choose a closure with fewer constraints (`ball` in place of "
+        "`revolute`).",
     ),
     Code(
         "SB820",
         "error",
         "unsafe robot description",
-        "The file, or one that it includes, declares XML entities, includes a file from outside its folder, or refers "
-        "to a pipe, a device or a socket. Engines expand entities differently, possibly to gigabytes, read any "
-        "included path, so that a foreign file could expose any file of this machine, and block on special files.",
-        "Replace each entity by its text, and remove the DOCTYPE. Copy included files next to the file that includes "
-        "them. Refer to regular files.",
+        "The file, or one that it includes, declares XML entities, includes a file from outside its folder, or "
+        "refers to a pipe, a device or a socket. A foreign file could expose any file of this machine, fill "
+        "its memory, or block an engine.",
+        "Replace each entity by its text, and remove the DOCTYPE. Copy included files next to the file that "
+        "includes them. Refer to regular files.",
     ),
     Code(
         "SB823",
@@ -143,41 +139,39 @@ CODES: tuple[Code, ...] = (
         "SB824",
         "error",
         "robot description does not fit the STEP",
-        "Neither the axes of its joints nor the vertices of its meshes were found in the assembly in any orientation. "
-        "No sidecar is drafted: its joints would be at arbitrary positions.",
-        "The description may be of another robot or revision, scaled, or without its meshes. Put the meshes at the "
-        "paths given in the description. Without `--from`, `init` drafts from the STEP alone.",
+        "Neither the axes of its joints nor the vertices of its meshes were found in the assembly in any "
+        "orientation. No sidecar is drafted.",
+        "The description may be of another robot or revision, scaled, or without its meshes. Put the meshes at "
+        "the paths given in the description. Without `--from`, `init` drafts from the STEP alone.",
     ),
     Code(
         "SB825",
         "warning",
         "parts of a robot description not shown",
-        "`stepbot view` could not read a mesh of the description, or shows a joint or closure of an unsupported type "
-        "otherwise than the file describes it. The page shows less than the file contains: a link without its shape, a "
-        "joint that does not move, a loop that stays open.",
-        "The notes list each one. Put missing meshes where the description names them, and convert meshes of other "
-        "types to STL, OBJ, PLY, Collada or glTF.",
+        "`stepbot view` could not read a mesh of the description, or shows a joint or closure of an "
+        "unsupported type otherwise than the file describes it.",
+        "The notes list each one. Put missing meshes where the description names them, and convert meshes of "
+        "other types to STL, OBJ, PLY, Collada or glTF.",
     ),
     Code(
         "SB830",
         "error",
         "drive test failed",
         "A robot driven in an engine by `stepbot drive` exceeds a limit of one of the tests, or the simulation "
-        "diverged. The files describe the robot of the CAD, but it does not do its work in a simulation: it "
-        "overshoots, drops what it grips, opens its loops, or flies apart.",
-        "The help names the usual remedy, the note the reason of the limit. `--plots DIR` draws the curves of each "
-        "test. A limit of one robot is set with `--limits FILE`. After a divergence, look for links that are lighter "
-        "than their neighbours by orders of magnitude, for gains too large for the time step, and for missing "
+        "diverged.",
+        "The help names the usual remedy, the note the reason of the limit. `--plots DIR` draws the curves; "
+        "`--limits FILE` sets limits for one robot. After a divergence, look for links that are lighter than "
+        "their neighbours by orders of magnitude, for gains too large for the time step, and for missing "
         "armature.",
     ),
     Code(
         "SB832",
         "error",
         "engine cannot drive the robot",
-        "An engine rejected the file, crashed or exceeded the time limit while it drove the robot. It ran in a "
-        "separate process. No number of the robot in this engine is known.",
-        "The message has the reason, the notes the last lines of output. Raise `--timeout` after a timeout; run "
-        "`stepbot verify` on the file.",
+        "An engine rejected the file, crashed or exceeded the time limit while it drove the robot, in a "
+        "separate process.",
+        "The message has the reason, the notes the last lines of output. Raise `--timeout` after a timeout; "
+        "run `stepbot verify` on the file.",
     ),
     Code(
         "SB833",

@@ -15,21 +15,20 @@ CODES: tuple[Code, ...] = (
         "SB861",
         "error",
         "part of the source cannot be converted",
-        "A mesh that a URDF, SDFormat or MJCF names cannot be found or read; or a joint, mimic or closure is of a type "
-        "that stepbot's model does not have, or does not belong to one tree of links. A link would lose its shape, or "
-        "the robot would move differently.",
-        "Put the mesh where the file names it, name the folder of its package with `--package-path`, or convert it to "
-        "STL, OBJ, PLY, Collada or glTF. Express motion by the types of joints and closures in `stepbot docs sidecar`.",
+        "A mesh of a URDF, SDFormat or MJCF cannot be found or read; or a joint, mimic or closure is of a type "
+        "that stepbot's model does not have, or does not belong to one tree of links.",
+        "Put the mesh where the file names it, name the folder of its package with `--package-path`, or "
+        "convert it to STL, OBJ, PLY, Collada or glTF. Express motion by the types of joints and closures in "
+        "`stepbot docs sidecar`.",
     ),
     Code(
         "SB863",
         "warning",
         "actuator or sensor of the source not converted",
         "An actuator or sensor of the converted file is of a type that stepbot's model does not have, or moves "
-        "something else than one joint; or the range of its force, speed or control is not symmetric; or a position "
-        "actuator takes inputs beyond the limits of its joint. The written files lack it, or have the narrower side of "
-        "the range in both directions, the other if that is 0. Inputs end at the limits of the joint: a target beyond "
-        "them would press the joint harder against its stop.",
+        "something else than one joint, and is not written; or the range of its force, speed or control is not "
+        "symmetric, and the narrower side is written for both directions (the other if that is 0); or a "
+        "position actuator takes inputs beyond the limits of its joint, where its inputs end now.",
         "Add it to the written files by hand, or express it by a position, velocity or motor actuator of a joint.",
     ),
     Code(
@@ -54,29 +53,27 @@ CODES: tuple[Code, ...] = (
         "SB867",
         "warning",
         "source not confirmed",
-        "No engine could read the converted file, so the written files are compared with stepbot's own reading of it "
-        "alone; or the file does not give the mass properties of a link, and those that its format defines are "
-        "written; or a URDF has planar or floating joints, which engines fix, reject or name differently: they read a "
-        "copy with several single joints in place of each. A misreading would not be noticed.",
-        "Install an engine that reads the format (`pip install stepbot[verify]`), or give the missing values in the "
-        "source.",
+        "No engine could read the converted file, which stepbot's own reading alone confirms; or the file "
+        "lacks the mass properties of a link, and those that its format defines are written; or a URDF has "
+        "planar or floating joints, which engines fix, reject or name differently and read as several single "
+        "joints.",
+        "Install an engine that reads the format (`pip install stepbot[verify]`), or give the missing values "
+        "in the source.",
     ),
     Code(
         "SB870",
         "warning",
         "initial position outside the limits",
-        "The initial position of a joint in the converted file, 0 unless the file states another, is outside the "
-        "joint's limits, or is not where its mimic puts it. Simulators push the joint into its range in the first "
-        "steps, or let it pass. The written files start at the nearest limit.",
+        "The initial position of a joint in the converted file, 0 unless stated, is outside the joint's "
+        "limits, or is not where its mimic puts it. The written files start at the nearest limit.",
         "State an initial pose within the limits: in MJCF the keyframe `home`.",
     ),
     Code(
         "SB872",
         "warning",
         "looks of meshes not converted",
-        "A mesh of the converted file has textures, colours of vertices, or materials in a file of its own (MTL), "
-        "which stepbot does not read. The visual has the colour that the description gives, or is grey. Colours of "
-        "materials in Collada and glTF are converted.",
+        "A mesh of the converted file has textures, colours of vertices, or materials in a file of its own "
+        "(MTL), which stepbot does not read. The visual has the colour of the description, or is grey.",
         "Give the visual a colour in the description, or convert the mesh to Collada or glTF with plain materials.",
     ),
     Code(
@@ -99,9 +96,9 @@ CODES: tuple[Code, ...] = (
         "SB877",
         "error",
         "macros cannot be expanded",
-        "The file has macros of ROS (xacro), and one of them cannot be expanded: an expression or an argument is "
-        "wrong, a package or a file is not found, or xacro is not installed. Expressions reach numbers, texts and "
-        "lists alone; files are read in the package of the file, and in packages that it names. Nothing is written.",
+        "The file has macros of ROS (xacro), and one of them cannot be expanded: an expression or an argument "
+        "is wrong, a package or a file is not found, or xacro is not installed. Expressions reach numbers, "
+        "texts and lists alone; files are read in the package of the file, and in packages that it names.",
         "Correct the place, state arguments with `--xacro NAME:=VALUE`, and name folders of packages with "
         "`--package-path DIR`. A file that needs more is expanded by ROS first: `xacro robot.urdf.xacro -o "
         "robot.urdf`.",
@@ -110,9 +107,10 @@ CODES: tuple[Code, ...] = (
         "SB876",
         "warning",
         "newer than the version that the file states",
-        "A URDF has what a later version of the format added, a rotation as `quat_xyzw`, a capsule, or a limit of "
-        "acceleration or jerk, and states an earlier version, or none, which means 1.0. stepbot reads it as the later "
-        "version. ROS ignores it: a rotation becomes none, and a link with a capsule loses the shape.",
+        "A URDF has a rotation as `quat_xyzw`, a capsule, or a limit of acceleration or jerk, which later "
+        "versions of the format added, and states an earlier version, or none, which means 1.0. stepbot reads "
+        "it as the later version. ROS ignores it: a rotation becomes none, and a link with a capsule loses the "
+        "shape.",
         'State the version in the file: `<robot version="1.1">`, or 1.2 for limits of acceleration and jerk.',
     ),
 )
