@@ -83,6 +83,49 @@ def test_budgets_hold_for_a_link_and_the_robot(
     assert 0.0 < own["deviation"] < 0.01
 
 
+@pytest.mark.parametrize("kind", ["obj", "stl", "dae", "glb"])
+def test_files_within_a_number_of_bytes(
+    kind: str, stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The files of the visual meshes fit in ``max_bytes``; all else is as without."""
+    monkeypatch.chdir(tmp_path)
+    parts.write_hinge(Path("hinge.step"))
+    chosen = f"visual: {kind}, angle: 2 deg"
+    sizes, rest = [], []
+    for name, mesh in (("plain", f"{{{chosen}}}"), ("small", f"{{{chosen}, max_bytes: 9 kB}}")):
+        Path(f"{name}.robot.yaml").write_text(SIDECAR.format(mesh=mesh), encoding="utf-8")
+        run = stepbot("convert", f"{name}.robot.yaml", "-o", name, "--no-verify", "-f", "sdf", "-v")
+        assert run.code == 0, run.err
+        top = ET.parse(Path(name, "hinge.sdf")).getroot()
+        shown = {uri.text or "" for uri in top.iterfind(".//visual//uri")}
+        assert shown
+        sizes.append(sum(Path(name, path).stat().st_size for path in shown))
+        rest.append([ET.tostring(one) for tag in ("inertial", "collision") for one in top.iter(tag)])
+    assert sizes[0] > 1.5 * 9000 >= 1.5 * sizes[1]
+    assert rest[0] == rest[1]
+    (note,) = (line for line in run.err.splitlines() if "SB611" in line)
+    assert "bytes, off by up to" in note
+    assert "'arm'" in note
+    (record,) = json.loads(Path("small/report.json").read_text(encoding="utf-8"))["simplified_visuals"]
+    assert (record["max_bytes"], record["max_triangles"]) == (9000, None)
+    assert record["after"] < record["before"]
+
+
+@pytest.mark.parametrize(
+    ("text", "code"), [("10 parsecs", "SB122"), ("0", "SB125"), ("0.2", "SB122"), ("-1k", "SB122"), ("true", "SB122")]
+)
+def test_what_is_no_number_of_bytes(
+    text: str, code: str, stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It is reported at its place."""
+    monkeypatch.chdir(tmp_path)
+    parts.write_hinge(Path("hinge.step"))
+    Path("hinge.robot.yaml").write_text(SIDECAR.format(mesh=f"{{max_bytes: {text}}}"), encoding="utf-8")
+    run = stepbot("check", "hinge.robot.yaml")
+    assert run.code == 1
+    assert f"error[{code}]: mesh.max_bytes" in run.out
+
+
 @pytest.mark.long
 def test_an_arm_of_the_library_with_few_triangles(
     stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path

@@ -1,10 +1,11 @@
-"""Visual meshes within the triangle budgets of a sidecar: ``mesh: {max_triangles}`` of the robot and of links.
+"""Visual meshes within the budgets of a sidecar: ``max_triangles`` of robot and links, ``max_bytes`` of the robot.
 
-A link's own budget comes first; the robot's is for all links together. Collision meshes and masses do not change.
+A link's own budget comes first; the robot's is for all links together, and that of bytes last. Collision meshes and
+masses do not change.
 """
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
@@ -12,9 +13,9 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_worker import report_death
 from stepbot.geometry.triangle_budgets import Simplified, TriangleBudget, Unit, all_simplified
 from stepbot.report.robot import SimplifiedVisuals
-from stepbot.robot.mesh_files import share_meshes
+from stepbot.robot.mesh_files import MeshFiles, share_meshes
 from stepbot.robot.mesh_names import UniqueNames
-from stepbot.robot.model import Link, MeshAsset, MeshRef, Robot, Visual
+from stepbot.robot.model import Link, MeshAsset, MeshFormat, MeshRef, Robot, Visual
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.cache.by_content import ResultsByContent
 from stepbot.runtime.worker import Worker, WorkerDied
@@ -22,6 +23,11 @@ from stepbot.runtime.worker import Worker, WorkerDied
 from .binder import Binder
 
 _MILLIMETRES = 1e3
+_ATTEMPTS = 6
+"""Numbers of triangles that are tried for a number of bytes, which is nearly proportional to it."""
+_MARGIN = 0.99
+_NAMED = 3
+"""Links that a message names."""
 
 _Names = tuple[str, ...]
 """Mesh names of the visuals of one component, which have common borders."""
@@ -69,7 +75,7 @@ class SimplifiedVisualMeshes:
             for name, link in document.links.items()
             if link.mesh is not None and link.mesh.max_triangles is not None
         }
-        if not own and document.mesh.max_triangles is None:
+        if not own and document.mesh.max_triangles is None and document.mesh.max_bytes is None:
             return robot, ()
         robot = share_meshes(robot)
         records = []
@@ -82,6 +88,9 @@ class SimplifiedVisualMeshes:
             taken = sum(_faces_drawn(robot, link) for link in robot.links if link.name in own)
             robot, record = self._within(robot, _Scope("", others, document.mesh.max_triangles), taken)
             records.append(record)
+        if document.mesh.max_bytes is not None:
+            robot, record = self._within_bytes(robot, document.mesh.max_bytes)
+            records.append(record)
         return robot, tuple(record for record in records if record is not None)
 
     def _within(self, robot: Robot, scope: _Scope, taken: int = 0) -> tuple[Robot, SimplifiedVisuals | None]:
@@ -91,17 +100,35 @@ class SimplifiedVisualMeshes:
         if before + taken <= scope.max_triangles:
             return robot, None
         counts = Counter(_names(group) for link in links for group in _groups(link))
-        meshes = robot.mesh_by_name
-        units = tuple(Unit(tuple(meshes[name].mesh for name in names), count) for names, count in counts.items())
-        budget = TriangleBudget(units, max(scope.max_triangles - taken, 0))
-        made = self._computed(budget)
+        made = self._computed(_budget(robot, counts, max(scope.max_triangles - taken, 0)))
         if made is None:
             return robot, None
         robot = _with_meshes(robot, scope.links, dict(zip(counts, made.units, strict=True)))
-        self._report(scope, before + taken, made.triangles + taken, made.deviation)
-        return robot, SimplifiedVisuals(
-            scope.name, scope.max_triangles, before + taken, made.triangles + taken, made.deviation
-        )
+        after = made.triangles + taken
+        self._report(scope, before + taken, after, made.deviation)
+        return robot, SimplifiedVisuals(scope.name, before + taken, after, made.deviation, scope.max_triangles)
+
+    def _within_bytes(self, robot: Robot, most: int) -> tuple[Robot, SimplifiedVisuals | None]:
+        """The robot with visual meshes whose files have at most so many bytes, in each of their formats."""
+        size = before = visual_bytes(robot)
+        links = tuple(link.name for link in robot.links)
+        counts = dict.fromkeys((_names(group) for link in robot.links for group in _groups(link)), 1)
+        faces = sum(len(robot.mesh_by_name[name].mesh.faces) for names in counts for name in names)
+        found, made = robot, None
+        for _ in range(_ATTEMPTS):
+            if size <= most or (made is not None and made.triangles > faces):
+                break
+            faces = int(faces * _MARGIN * most / size)
+            made = self._computed(_budget(robot, counts, faces))
+            if made is None:
+                return robot, None
+            found = _with_meshes(robot, links, dict(zip(counts, made.units, strict=True)))
+            size = visual_bytes(found)
+        if made is None:
+            return robot, None
+        self._report_bytes(robot, found, f"from {before} to {size} bytes", made.deviation, size - most)
+        drawn = [sum(_faces_drawn(one, link) for link in one.links) for one in (robot, found)]
+        return found, SimplifiedVisuals("", drawn[0], drawn[1], made.deviation, max_bytes=most)
 
     def _computed(self, budget: TriangleBudget) -> Simplified | None:
         results = ResultsByContent(self._cache, "triangle budget", {"": budget}, (TriangleBudget, Simplified))
@@ -123,6 +150,37 @@ class SimplifiedVisualMeshes:
             self._binder.found.add("SB610", message, span, help=help)
         message = f"{scope.subject}visual meshes simplified from {before} to {after} triangles, off by up to {off}"
         self._binder.found.add("SB611", message, span)
+
+    def _report_bytes(self, before: Robot, after: Robot, sizes: str, deviation: float, surplus: int) -> None:
+        span, off = self._binder.span(("mesh", "max_bytes")), f"{_MILLIMETRES * deviation:.3g} mm"
+        if surplus > 0:
+            message = f"the files of visual meshes have {surplus} bytes more than `max_bytes`"
+            help = ("raise `max_bytes`, or hide parts: `visual: false`",)
+            self._binder.found.add("SB610", message, span, help=help)
+        pairs = zip(before.links, after.links, strict=True)
+        counts = {a.name: (_faces_drawn(before, a), _faces_drawn(after, b)) for a, b in pairs}
+        reduced = sorted((one for one in counts if counts[one][0] > counts[one][1]), key=lambda one: -counts[one][0])
+        named = [f"'{name}' {counts[name][0]} to {counts[name][1]}" for name in reduced[:_NAMED]]
+        named += [f"{len(reduced) - _NAMED} more links"] if len(reduced) > _NAMED else []
+        message = f"files of visual meshes reduced {sizes}, off by up to {off}; triangles: {', '.join(named)}"
+        self._binder.found.add("SB611", message, span)
+
+
+def visual_bytes(robot: Robot) -> int:
+    """Size of the files of a robot's visual meshes, in OBJ where that is larger: readers may lack the chosen format."""
+    formats = robot.mesh_formats
+    seen = replace(robot, links=tuple(replace(link, collisions=()) for link in robot.links))
+    files = (
+        MeshFiles(replace(seen, mesh_formats=replace(formats, visual=kind))).all
+        for kind in {formats.visual, MeshFormat.OBJ}
+    )
+    return max(sum(len(file.content()) for file in of_kind) for of_kind in files)
+
+
+def _budget(robot: Robot, counts: Mapping[_Names, int], most: int) -> TriangleBudget:
+    meshes = robot.mesh_by_name
+    units = (Unit(tuple(meshes[name].mesh for name in names), count) for names, count in counts.items())
+    return TriangleBudget(tuple(units), most)
 
 
 def _faces_drawn(robot: Robot, link: Link) -> int:

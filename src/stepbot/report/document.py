@@ -142,6 +142,7 @@ def _simplified(one: SimplifiedVisuals) -> Json:
     return {
         "link": one.link or None,
         "max_triangles": one.max_triangles,
+        "max_bytes": one.max_bytes,
         "before": one.before,
         "after": one.after,
         "deviation": one.deviation,

@@ -90,17 +90,19 @@ class WrittenFile:
 
 @dataclass(frozen=True)
 class SimplifiedVisuals:
-    """Visual meshes that were simplified to meet a triangle budget."""
+    """Visual meshes that were simplified to meet a budget."""
 
     link: str
     """Empty for the budget of the robot."""
-    max_triangles: int
-    """The budget."""
     before: int
     """Number of triangles, each mesh as often as it is drawn."""
     after: int
     deviation: float
     """The largest distance [m] between a mesh and its simplified form."""
+    max_triangles: int | None = None
+    """The budget, if it is one of triangles."""
+    max_bytes: int | None = None
+    """The budget, if it is one of the files."""
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,7 @@
 """Devices mounted on links and joints: frames, actuators and sensors."""
 
+import re
+from fractions import Fraction
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Tag, WithJsonSchema
@@ -37,6 +39,31 @@ def _count(value: Any) -> int:
     return value
 
 
+_BYTES = re.compile(r"([0-9]+(?:\.[0-9]+)?) ?([kKMG]?)B?")
+_POWERS = {"": 1, "k": 10**3, "K": 10**3, "M": 10**6, "G": 10**9}
+
+
+def _bytes(value: Any) -> int:
+    """A number of bytes: `10M`, `1.5 GB`, `500000`."""
+    given = _BYTES.fullmatch(value) if isinstance(value, str) else None
+    if given is None:
+        if isinstance(value, str):
+            raise fault("SB122", f"expected a number of bytes such as 10M, not {described(value)}")
+        return _count(value)
+    return _count(int(Fraction(given[1]) * _POWERS[given[2]]))
+
+
+Bytes = Annotated[
+    int,
+    BeforeValidator(_bytes),
+    WithJsonSchema(
+        {
+            "anyOf": [{"type": "integer", "minimum": 1}, {"type": "string", "pattern": f"^{_BYTES.pattern}$"}],
+            "description": "A number of bytes, with `k`, `M` or `G` for powers of 1000.",
+            "examples": ["10M"],
+        }
+    ),
+]
 Count = Annotated[int, BeforeValidator(_count), WithJsonSchema({"type": "integer", "minimum": 1})]
 Resolution = Annotated[tuple[Count, Count], BeforeValidator(two)]
 

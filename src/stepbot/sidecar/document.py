@@ -14,7 +14,7 @@ from stepbot.geometry.principal_axes import Direction
 from stepbot.robot.model import Base, JointKind, MeshFormat
 
 from .contact import Contact
-from .devices import ActuatorSection, FrameSection, SensorSection
+from .devices import ActuatorSection, Bytes, FrameSection, SensorSection
 from .expected import ExpectSection
 from .ignored import IgnoredFinding, IgnoredFindings
 from .metadata import Line, MetadataSection, MjcfSection, UrdfSection
@@ -104,8 +104,10 @@ class MeshSection(Section):
 
 
 class RobotMeshSection(MeshSection):
-    """Tolerance, triangle budget and format of meshes."""
+    """Tolerance, budgets and format of meshes."""
 
+    max_bytes: Bytes | None = None
+    """Maximum size of the files of visual meshes, `10M`; they are simplified to fit."""
     format: MeshFormat | None = None
     """Format of mesh files: `obj` (the default), `stl`, `dae` (COLLADA) or `glb` (binary glTF)."""
     visual: MeshFormat | None = None

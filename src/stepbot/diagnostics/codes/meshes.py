@@ -69,18 +69,20 @@ CODES = (
         "SB610",
         "warning",
         "triangle budget exceeded",
-        "The visual meshes have more triangles than `max_triangles` allows, and no simpler shapes were found: each "
+        "The visual meshes have more triangles than `max_triangles` allows, or more bytes than `max_bytes`, and no "
+        "simpler shapes were found: each "
         "part needs some. The meshes are as simple as possible, hardly resemble the parts, and still exceed the "
         "budget.",
-        "Raise `max_triangles`, or hide small parts with `visual: false` under `parts`.",
+        "Raise the budget, or hide small parts with `visual: false` under `parts`.",
     ),
     Code(
         "SB611",
         "note",
         "visual meshes simplified",
-        "The visual meshes had more triangles than `max_triangles` allows. They deviate from the tessellation by the "
+        "The visual meshes had more triangles than `max_triangles` allows, or their files more bytes than `max_bytes`. "
+        "They deviate from the tessellation by the "
         "stated distance. Masses and collision geometry are not affected.",
-        "Raise `max_triangles` if parts look too coarse. `report.json` has the number of triangles and the deviation "
+        "Raise the budget if parts look too coarse. `report.json` has the number of triangles and the deviation "
         "of every budget.",
     ),
     Code(
