@@ -74,10 +74,10 @@ wheels: install  ## test the wheel in every installed Python from 3.11 to 3.14, 
 faults: install  ## run commands on 2,000 damaged files (a quarter of an hour); FAULTS=20000 takes hours
 	$(BIN)/python -m tests.hostile --only mutants --count $(or $(FAULTS),2000)
 
-hostile: install  ## run all fault injection experiments and update docs/reliability.md (hours)
+hostile: install  ## run all fault injection experiments and update benchmarks/RELIABILITY.md (hours)
 	$(BIN)/python -m tests.hostile --page
 
-mutation: install  ## remove and change parts of written files one by one, and update docs/mutation.md (hours)
+mutation: install  ## remove and change parts of written files one by one, and update benchmarks/MUTATION.md (hours)
 	$(BIN)/python -m pip install --quiet -e '.[verify]'
 	$(BIN)/python -m tests.mutation.page
 	$(BIN)/python -m tests.mutation.changed

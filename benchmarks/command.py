@@ -8,7 +8,7 @@ python -m benchmarks memory DIR|LIST                    memory of a batch of 1,0
 python -m benchmarks cores SIDECAR...                   the bare script twice, in turn and at once: what two cores give
 python -m benchmarks scaling                            ever more definitions, ever more occurrences
 python -m benchmarks gate --against REVISION            processor time of the working tree against a tag's
-python -m benchmarks users STEP... --against REVISION   the table of docs/performance.md
+python -m benchmarks users STEP... --against REVISION   the table of docs/commands.md
 python -m benchmarks report                             tables in benchmarks/NOTES.md from the results of ``--keep``
 python -m benchmarks inference                          links and joints from plain STEP files, against the known ones
 python -m benchmarks drafts                             drafts of published assemblies by `stepbot init`, against labels
@@ -125,20 +125,20 @@ def _parser() -> argparse.ArgumentParser:
     gated.add_argument("--against", metavar="REVISION", help="[default: the last tag]")
     gated.add_argument("--calibrate", type=int, metavar="N", help="instead, N rounds of HEAD against itself")
     gated.set_defaults(run=_gate)
-    waited = commands.add_parser("users", help="what users wait for: the table of docs/performance.md")
+    waited = commands.add_parser("users", help="what users wait for: the table of docs/commands.md")
     users.add_options(waited)
     waited.set_defaults(run=_users)
     commands.add_parser("report", help="update the tables in benchmarks/NOTES.md").set_defaults(run=_report)
     drafted = commands.add_parser("inference", help="how many joints are found, how many drafted ones are right")
     drafted.add_argument("--only", default="", metavar="TEXT", help="robots whose name contains this")
-    drafted.add_argument("--write", action="store_true", help="update the table in docs/authoring.md")
+    drafted.add_argument("--write", action="store_true", help="update the table in benchmarks/DRAFTS.md")
     drafted.set_defaults(run=_inference)
     scored = commands.add_parser("drafts", help="`stepbot init` on published assemblies, against labels")
     scored.add_argument("--only", default="", metavar="TEXT", help="assemblies whose name contains this")
     scored.add_argument(
         "--held-out", action="store_true", help="those held out, which no rule may be tuned on, instead"
     )
-    scored.add_argument("--write", action="store_true", help="update the tables in docs/authoring.md")
+    scored.add_argument("--write", action="store_true", help="update the tables in benchmarks/DRAFTS.md")
     scored.add_argument(
         "--calibration", action="store_true", help="how often each kind of evidence is right, leave-one-out"
     )
@@ -274,7 +274,7 @@ def _scaling(options: argparse.Namespace, folder: Path) -> None:
 def _inference(options: argparse.Namespace, _: Path) -> None:
     sums = measure(corpus_folder(), options.only)
     if options.write:
-        page = ROOT / "docs" / "authoring.md"
+        page = ROOT / "benchmarks" / "DRAFTS.md"
         page.write_text(page_with_table(page.read_text(encoding="utf-8"), sums), encoding="utf-8", newline="\n")
 
 
@@ -285,7 +285,7 @@ def _drafts(options: argparse.Namespace, _: Path) -> None:
     if options.calibration:
         print_calibration({name: one for outcomes in scores.values() for name, one in outcomes.items()})
     if options.write and not options.only:
-        page = ROOT / "docs" / "authoring.md"
+        page = ROOT / "benchmarks" / "DRAFTS.md"
         page.write_text(page_with_scores(page.read_text(encoding="utf-8"), scores), encoding="utf-8", newline="\n")
 
 

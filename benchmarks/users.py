@@ -1,4 +1,4 @@
-"""The table of docs/performance.md: processor time of what users wait for, relative to what anybody can run.
+"""The table of docs/commands.md: processor time of what users wait for, relative to what anybody can run.
 
 Each line is the median of the ratios of rounds, with the least and the largest, for the working tree and for an earlier
 revision, which run in turn on the same files.
@@ -20,7 +20,7 @@ from .gate import Source, source_of
 from .instances import write_instances
 from .timing import peak_memory, timed
 
-PAGE = ROOT / "docs" / "performance.md"
+PAGE = ROOT / "docs" / "commands.md"
 _PART = re.compile(r"(<!-- table -->\n).*?(<!-- end -->)", re.DOTALL)
 _ROWS = (
     (who.BARE, who.COLD, "first conversion to three formats, not verified (`--no-verify`)"),

@@ -20,9 +20,9 @@ PAGES, SITE, REPORTS = (ROOT / "build" / name for name in ("pages", "site", "rep
 TOP = ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "LICENSE")
 NAV = {
     "Learn": ("first-hour", "authoring", "view"),
-    "Do": ("use-it-in", "convert-from", "drive", "collision", "revisions", "compose", "learning", "api"),
-    "Look up": ("sidecar", "commands", "diagnostics", "mapping", "reading", "performance"),
-    "Why": ("verification", "mutation", "reliability", "architecture"),
+    "Do": ("use-it-in", "convert-from", "drive", "collision", "revisions", "compose", "api"),
+    "Look up": ("sidecar", "commands", "diagnostics", "mapping", "reading"),
+    "Why": ("verification", "architecture"),
 }
 """Sections and pages, in the order of docs/README.md."""
 _WORKER = "iframe-worker.js"
@@ -38,7 +38,7 @@ def staged() -> None:
     shutil.rmtree(PAGES, ignore_errors=True)
     for name in TOP:
         _copy(ROOT / name)
-    for kind in ("docs/*.md", "docs/decisions/*.md", "docs/pictures/*.*", "benchmarks/NOTES.md", "robot_library/*.md"):
+    for kind in ("docs/*.md", "docs/decisions/*.md", "docs/pictures/*.*", "benchmarks/*.md", "robot_library/*.md"):
         for path in ROOT.glob(kind):
             if path.suffix != ".py":
                 _copy(path)

@@ -31,7 +31,7 @@ def opened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
         ("sidecar.md", "sidecar", ""),
         ("SB130:link", "diagnostics", "sb130-unknown-name"),
         ("sb131", "diagnostics", "sb130-unknown-name"),
-        ("the install", "performance", "the-install"),
+        ("the install", "commands", "the-install"),
         ("completion", "commands", "shell-completion"),
     ],
 )

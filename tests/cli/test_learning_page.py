@@ -1,4 +1,4 @@
-"""docs/learning.md: its Python code runs on the robot that it exports, and its example learns."""
+"""docs/use-it-in.md: the Python code of its last section runs on the robot that it exports, and the example learns."""
 
 import re
 import shlex
@@ -11,7 +11,7 @@ from stepbot_cli import main
 pytest.importorskip("gymnasium", reason="gymnasium is not installed: pip install stepbot[learn]")
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "learning.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs" / "use-it-in.md").read_text(encoding="utf-8").partition("\n## Learning")[2]
 EXAMPLES = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
 
 
@@ -25,7 +25,7 @@ def test_examples_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: p
     assert len(examples) == 3
     printed = []
     for code in examples:
-        exec(compile(code, "docs/learning.md", "exec"), {"__name__": "example"})
+        exec(compile(code, "docs/use-it-in.md", "exec"), {"__name__": "example"})
         printed.append(capsys.readouterr().out)
     first, vector, own = printed
     assert re.search(r"^shoulder_pan_joint/position +-?\d\.\d{3} rad$", first, re.MULTILINE)
@@ -44,7 +44,7 @@ def test_arm_learns_to_reach(
     assert main(["library", "export", "ur5e", "-f", "mjcf", "-o", "ur5e", "--no-verify"]) == 0
     capsys.readouterr()
     (code,) = (code for code in EXAMPLES if "import cma" in code)
-    exec(compile(code.replace("range(30)", "range(6)"), "docs/learning.md", "exec"), {"__name__": "example"})
+    exec(compile(code.replace("range(30)", "range(6)"), "docs/use-it-in.md", "exec"), {"__name__": "example"})
     before, after = re.findall(r"return (\S+), reached (\d+)%", capsys.readouterr().out)
     assert float(after[0]) > float(before[0]) + 5.0
     assert int(after[1]) > int(before[1])

@@ -1,4 +1,4 @@
-"""docs/authoring.md: the tables of published assemblies are what `init` drafts."""
+"""benchmarks/DRAFTS.md: the tables of published assemblies are what `init` drafts."""
 
 import re
 from pathlib import Path
@@ -7,7 +7,7 @@ import pytest
 
 from benchmarks.drafts import labelled, score_draft
 
-PAGE = Path(__file__).parents[2] / "docs" / "authoring.md"
+PAGE = Path(__file__).parents[2] / "benchmarks" / "DRAFTS.md"
 ROW = re.compile(r"^\| \[(\w+)\]\(\S+\): [^|]+\| (.*) \|$", re.MULTILINE)
 
 

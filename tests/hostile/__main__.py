@@ -4,7 +4,7 @@ python -m tests.hostile                         all experiments in their long fo
 python -m tests.hostile --short                 a few trials of each, a minute
 python -m tests.hostile --only NAME [--count N] [--seed N]
 python -m tests.hostile --only mutants --repeat TRIAL --keep DIR        one trial, whose files stay in DIR
-python -m tests.hostile --page                  all, and writes the results to docs/reliability.md
+python -m tests.hostile --page                  all, and writes the results to benchmarks/RELIABILITY.md
 """
 
 import argparse
@@ -74,7 +74,7 @@ def _arguments(argv: Sequence[str] | None) -> argparse.Namespace:
     parser.add_argument("--minutes", type=float, default=math.inf, help="stop each experiment after so many")
     parser.add_argument("--repeat", nargs="+", default=[], metavar="TRIAL", help="mutants to repeat")
     parser.add_argument("--keep", metavar="DIR", help="work in this folder, which stays")
-    parser.add_argument("--page", action="store_true", help="write the results to docs/reliability.md")
+    parser.add_argument("--page", action="store_true", help="write the results to benchmarks/RELIABILITY.md")
     return parser.parse_args(argv)
 
 

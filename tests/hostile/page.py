@@ -1,4 +1,4 @@
-"""Writes ``docs/reliability.md``: one row per experiment, replaced when that experiment has run."""
+"""Writes ``benchmarks/RELIABILITY.md``: one row per experiment, replaced when that experiment has run."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -7,7 +7,7 @@ from tests.conftest import ROOT
 
 from .experiment import Experiment, Trial
 
-PAGE = ROOT / "docs" / "reliability.md"
+PAGE = ROOT / "benchmarks" / "RELIABILITY.md"
 
 _HEAD = """\
 # Reliability: fault injection experiments and their results

@@ -1,4 +1,4 @@
-"""Makes the section of ``docs/mutation.md`` on changed numbers: ``python -m tests.mutation.changed [--of-each N]``."""
+"""Makes the section of ``MUTATION.md`` on changed numbers: ``python -m tests.mutation.changed [--of-each N]``."""
 
 import argparse
 import sys

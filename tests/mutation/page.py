@@ -1,4 +1,4 @@
-"""Makes ``docs/mutation.md``: ``python -m tests.mutation.page [--of-each N]``; needs ``stepbot[verify]``."""
+"""Makes ``benchmarks/MUTATION.md``: ``python -m tests.mutation.page [--of-each N]``; needs ``stepbot[verify]``."""
 
 import argparse
 import sys
@@ -15,7 +15,7 @@ from .reasons import reason_for
 from .removal import UNREAD
 from .trial import Verdict, verdicts
 
-PAGE = Path(__file__).parents[2] / "docs" / "mutation.md"
+PAGE = Path(__file__).parents[2] / "benchmarks" / "MUTATION.md"
 CHANGED = "\n## Changed numbers\n"
 """Heading of the section that :mod:`tests.mutation.changed` writes."""
 SOURCE = "\n## Changed source\n"

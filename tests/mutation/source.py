@@ -2,7 +2,7 @@
 
 python -m tests.mutation.source [--count N] [--minutes N] [--seed N]     changes drawn at random, the same for each seed
 python -m tests.mutation.source --only 'PATH:LINE' ...                   all changes of these lines
-python -m tests.mutation.source --page                                   writes the figures to docs/mutation.md, too
+python -m tests.mutation.source --page                                   also writes the figures to MUTATION.md
 """
 
 import argparse
@@ -210,7 +210,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=1, help="of the random choices (1)")
     parser.add_argument("--minutes", type=float, default=float("inf"), help="stop after so many")
     parser.add_argument("--only", nargs="+", default=[], metavar="PATH:LINE", help="all changes of these lines")
-    parser.add_argument("--page", action="store_true", help="write the figures to docs/mutation.md")
+    parser.add_argument("--page", action="store_true", help="write the figures to benchmarks/MUTATION.md")
     given = parser.parse_args(argv)
     with tempfile.TemporaryDirectory(prefix="stepbot-source-") as folder:
         copy = _copied(folder)

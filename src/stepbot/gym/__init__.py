@@ -1,6 +1,6 @@
 """Gymnasium environments from a robot's MJCF: its actuators are the actions, its joints and sensors the observations.
 
-Importing this package registers ``stepbot/Reach-v0`` and ``stepbot/Stand-v0`` (``docs/learning.md``). It needs
+Importing this package registers ``stepbot/Reach-v0`` and ``stepbot/Stand-v0`` (``docs/use-it-in.md``). It needs
 gymnasium, which ``pip install 'stepbot[learn]'`` adds; nothing else of stepbot imports it.
 
 :mod:`.model` loads a file, :mod:`.controls` turns actions into controls, :mod:`.observations` gathers what is observed,
