@@ -119,6 +119,53 @@ def test_ambient_colour_of_its_own(tmp_path: Path) -> None:
     assert told(conversion, "SB860") == ["<ambient> in <material>: not converted"]
 
 
+BALL = '<worldbody><body name="a"><geom size=".1"/><joint name="j" type="ball" range="0 60"/></body></worldbody>'
+ROUND = '<worldbody><body name="a"><geom type="ellipsoid" size=".1 .2 .3"/><joint name="j"/></body></worldbody>'
+STRONG = """<worldbody><body name="a"><geom size=".1"/><joint name="j" range="-1 1"/></body></worldbody>
+  <actuator><position name="m" joint="j" kp="1e12" kv="1e10" ctrlrange="-1 1"/></actuator>"""
+
+
+@pytest.mark.parametrize(
+    ("content", "lost"),
+    [
+        (BALL, ["joint 'j': the cone of 1.0472 rad that limits it: not converted"]),
+        (ROUND, [f"link 'a': {kind} with an ellipsoid: approximated by a mesh" for kind in ("visual", "collision")]),
+        (STRONG, []),
+    ],
+)
+def test_what_formats_have_no_word_for(content: str, lost: list[str], tmp_path: Path) -> None:
+    """A cone of a ball joint and an ellipsoid are reported, and the rest is proven; stiff gains are written in full."""
+    assert told(proven(tmp_path, ".xml", f"<mujoco>{content}</mujoco>", "urdf", "sdf", "mjcf"), "SB860") == lost
+
+
+SDF = '<sdf version="1.9"><model name="m"><link name="a">{}</link>{}</model></sdf>'
+
+
+def test_geometry_that_is_not_read(tmp_path: Path) -> None:
+    """It is reported, and what remains is proven."""
+    geometry = "<collision name='c'><geometry><cone><radius>.1</radius><length>1</length></cone></geometry></collision>"
+    assert told(proven(tmp_path, ".sdf", SDF.format(geometry, ""), "sdf"), "SB860") == [
+        "<cone> in <geometry>: not converted"
+    ]
+
+
+def test_gearbox_between_two_turning_links(tmp_path: Path) -> None:
+    """It is refused, and not taken for a hinge that closes a loop."""
+    joints = [
+        f"<link name='{child}'/><joint name='{child}_joint' type='{kind}'><parent>{parent}</parent>"
+        f"<child>{child}</child><axis><xyz>0 0 1</xyz></axis></joint>"
+        for parent, child, kind in (("a", "b", "revolute"), ("a", "c", "revolute"))
+    ]
+    gear = (
+        "<joint name='gear' type='gearbox'><parent>b</parent><child>c</child><axis><xyz>0 0 1</xyz></axis>"
+        "<axis2><xyz>0 0 1</xyz></axis2><gearbox_ratio>2</gearbox_ratio></joint>"
+    )
+    path = tmp_path / "robot.sdf"
+    path.write_text(SDF.format("", "".join([*joints, gear])), encoding="utf-8")
+    conversion = convert(path, Options(tmp_path / "out"))
+    assert told(conversion, "SB861") == ["closure 'gear' of type 'gearbox' is not supported"]
+
+
 def test_geom_that_is_visual_and_collision(tmp_path: Path) -> None:
     """SDFormat allows no two elements of a link with one name: libsdformat rejects the file."""
     body = '<body name="base"><freejoint/><geom name="g" type="sphere" size="0.1"/></body>'

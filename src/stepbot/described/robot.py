@@ -108,7 +108,7 @@ def closures_of(seen: Iterable[ObservedClosure], links: set[str], found: list[Fi
         name = one.name or f"closure {number}"
         kind = JointKind(one.kind) if one.kind in set(JointKind) else None
         X_AF, X_BF, axis = one.X_AF, one.X_BF, one.axis or (0.0, 0.0, 1.0)
-        if kind is None and one.points is not None:
+        if kind is None and one.X_AF is None and one.points is not None:  # a `connect` of MuJoCo
             kind = JointKind.BALL if one.axes is None else JointKind.REVOLUTE
             directions = one.axes or (axis, axis)
             X_AF, X_BF = (Pose.of(perpendicular_frame(d), p) for d, p in zip(directions, one.points, strict=True))
@@ -193,9 +193,13 @@ def robot_of_description(
 
 
 def _with_volume(description: Description, found: list[Finding]) -> Description:
-    """The description without primitives of size 0 or less, which engines reject."""
+    """The description without primitives of size 0 or less, which engines reject; lists approximated shapes, too."""
     kept = []
     for shape in description.shapes:
+        if shape.approximated:
+            kind = "collision" if shape.collides else "visual"
+            text = f"link '{shape.link}': {kind} with an {shape.approximated}: approximated by a mesh"
+            found.append(Finding(LOST, text, (Quantity.MESHES,)))
         if isinstance(shape.geometry, TriMesh) or min(half_size(shape.geometry)) > 0.0:
             kept.append(shape)
             continue

@@ -6,7 +6,7 @@ body, unless together they are one multi-dof joint of the model.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
-from math import inf, isnan
+from math import inf, isfinite, isnan
 
 import numpy as np
 
@@ -155,6 +155,10 @@ def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, 
     if unknown:
         text = f"joint '{name}': {' and '.join(unknown)} limit, not the same in both directions: not converted"
         found.append(Finding(LOST, text))
+    if kind is JointKind.BALL and isfinite(limit.upper):
+        text = f"joint '{name}': the cone of {limit.upper:g} rad that limits it: not converted"
+        found.append(Finding(LOST, text, (Quantity.JOINTS, Quantity.LIMITS)))
+        limit = replace(limit, lower=-inf, upper=inf)
     axis = seen.axis or (0.0, 0.0, 1.0)
     if kind.has_axis and not 0.99 < float(np.linalg.norm(axis)) < 1.01:
         found.append(Finding(UNSUPPORTED, f"joint '{name}' without an axis is not supported: fixed in its place"))

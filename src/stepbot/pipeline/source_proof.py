@@ -150,6 +150,8 @@ def _lost(described: Described, description: Description) -> dict[Quantity, str]
     """Quantities that a declared loss changes."""
     seen = description.observation
     lost = {quantity: f"a loss is declared ({one.code})" for one in described.findings for quantity in one.differs}
+    if any(one.what.endswith(" in <geometry>") for one in description.lost):
+        lost |= dict.fromkeys((Quantity.SHAPES, Quantity.MESHES), f"a loss is declared ({LOST})")
     if seen.gravity or any(link.gravity_compensation for link in seen.links):
         lost[Quantity.GRAVITY_SETTINGS] = f"a loss is declared ({LOST})"
     return lost

@@ -58,6 +58,10 @@ class ToleranceValue(NamedTuple):
     """[m]; 0 if ``relative`` applies."""
 
 
+_FINEST = 1e-7
+"""Smallest mesh tolerance [m]: the kernel, which measures with finer meshes, has none below 1e-10 m."""
+
+
 def fault(code: str, text: str, *help: str) -> PydanticCustomError:
     """An error for an invalid value."""
     return PydanticCustomError(code, "{text}", {"text": text, "help": help})
@@ -219,7 +223,7 @@ def _code_page(value: Any) -> str:
 def _tolerance(value: Any) -> ToleranceValue:
     if isinstance(value, str) and value.strip().endswith("%"):
         return ToleranceValue(finite(units.RATIO, above=0.0, high=1.0)(value), 0.0)
-    return ToleranceValue(0.0, finite(units.LENGTH, above=0.0)(value))
+    return ToleranceValue(0.0, finite(units.LENGTH, low=_FINEST)(value))
 
 
 def two(value: Any) -> Any:
@@ -335,7 +339,7 @@ RelativeOrLength = Annotated[
     PlainValidator(_tolerance),
     WithJsonSchema(
         {
-            "anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string", "pattern": units.QUANTITY_PATTERN}],
+            "anyOf": [{"type": "number", "minimum": _FINEST}, {"type": "string", "pattern": units.QUANTITY_PATTERN}],
             "description": "A fraction of each solid's diagonal, `0.2 %`, or a length [m], `0.1 mm`.",
             "examples": ["0.2 %", "0.1 mm"],
         }

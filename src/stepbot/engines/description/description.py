@@ -36,6 +36,8 @@ class DescribedShape:
     """Contact properties of a collision."""
     mesh: str = ""
     """Its mesh, as named in the description; empty for a primitive."""
+    approximated: str = ""
+    """The shape that a mesh approximates, which formats have no word for; empty for none."""
 
     @property
     def points(self) -> Array:

@@ -38,21 +38,26 @@ def statements(file: Path, written_in: str) -> tuple[Statement, ...]:
     if vocabulary is None:
         return ()
     top = xml_root(file)
-    return tuple(_of(top, str(top.tag), str(top.tag), vocabulary, read=True))
+    return tuple(_below(top, vocabulary))
 
 
-def _of(element: Any, path: str, place: str, vocabulary: Vocabulary, *, read: bool) -> Iterator[Statement]:
-    text, numbers = (element.text or "").strip(), Counter[str]()
-    for name, value in element.attrib.items():
-        yield Statement(f"{place}@{name}", value, read and vocabulary.reads(path, name))
-    if text:
-        yield Statement(place, text, read)
-    for child in (child for child in element if isinstance(child.tag, str)):
-        words, below = vocabulary, vocabulary.below(path, child)
-        if vocabulary is AROUND and child.tag == "model":
-            words, below = MODEL, "model"
-        key = next((f"'{child.get(name)}'" for name in _KEYS if child.get(name)), "")
-        tag = f"{child.tag} {key}".strip()
-        numbers[tag] += 1
-        numbered = tag if numbers[tag] == 1 else f"{tag} {numbers[tag]}"
-        yield from _of(child, below, f"{place}/{numbered}", words, read=read and below in words.read)
+def _below(top: Any, vocabulary: Vocabulary) -> Iterator[Statement]:
+    """The statements in the order of the file, without recursion: elements may be nested by thousands."""
+    waiting = [(top, str(top.tag), str(top.tag), vocabulary, True)]
+    while waiting:
+        element, path, place, vocabulary, read = waiting.pop()
+        for name, value in element.attrib.items():
+            yield Statement(f"{place}@{name}", value, read and vocabulary.reads(path, name))
+        if text := (element.text or "").strip():
+            yield Statement(place, text, read)
+        children, numbers = [], Counter[str]()
+        for child in (child for child in element if isinstance(child.tag, str)):
+            words, below = vocabulary, vocabulary.below(path, child)
+            if vocabulary is AROUND and child.tag == "model":
+                words, below = MODEL, "model"
+            key = next((f"'{child.get(name)}'" for name in _KEYS if child.get(name)), "")
+            tag = f"{child.tag} {key}".strip()
+            numbers[tag] += 1
+            numbered = tag if numbers[tag] == 1 else f"{tag} {numbers[tag]}"
+            children.append((child, below, f"{place}/{numbered}", words, read and below in words.read))
+        waiting += reversed(children)

@@ -221,8 +221,10 @@ def _shapes(compiled: Compiled, body: int, meshes: _MeshFiles) -> Iterator[Descr
             geometry = _primitive(compiled, g)
         if geometry is None:
             continue
+        is_round = model.geom_type[g] == compiled.engine.mjtGeom.mjGEOM_ELLIPSOID
         name = compiled.name("GEOM", g) or compiled.name("MESH", int(model.geom_dataid[g]))
         shape = DescribedShape(compiled.name("BODY", body), name, geometry, X_LG, color_of(compiled, g), mesh=uri)
+        shape = replace(shape, approximated="ellipsoid" if is_round else "")
         if is_visual(compiled, g, mjcf=True):
             yield shape
         if collides(compiled, g):

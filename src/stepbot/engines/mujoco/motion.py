@@ -56,7 +56,7 @@ def close_by_newton(compiled: "Compiled", request: Request) -> tuple[ObservedClo
     deviation = 0.0
     for q in (q for way in request.ways for q in way) if wanted else ():
         solved, data = _newton(compiled, request, q)
-        deviation = max(deviation, *(abs(solved[name] - q[name]) for name in solved))
+        deviation = max([deviation, *(abs(solved[name] - q[name]) for name in solved)])
         for closure in wanted:
             X_WA, X_WB = (compiled.X_WB(data, _body(compiled, link)) for link in (closure.link_a, closure.link_b))
             residual[closure.name] = max(residual[closure.name], closure_gap(closure, X_WA, X_WB)[0])

@@ -59,6 +59,8 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
 }
 _READABLE = (".obj", ".stl", ".msh")
 """Suffixes of meshes that MuJoCo reads."""
+_ABOUT_SIZE = ("inertia must have positive eigenvalues", "must be larger than mjMINVAL")
+_TOO_SMALL = "; MuJoCo has no moving link below 1e-15 kg or 1e-14 kg m^2: check the length unit and the densities"
 _FOR_COMPILING = 1e-6
 """Temporary mass [kg] and moments of inertia [kg m^2] of massless moving links while MuJoCo compiles."""
 HOME = "home"
@@ -121,7 +123,8 @@ def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:
         if floating:
             raise EngineCannotRead(f"MuJoCo has no floating joints within a robot: {floating}") from error
         # Local folders must not be in a message that may be part of a report.
-        raise EngineRefused(str(error).replace(f"{path.parent.as_posix()}/", "").strip()) from error
+        text = str(error).replace(f"{path.parent.as_posix()}/", "").strip()
+        raise EngineRefused(text + _TOO_SMALL * any(words in text for words in _ABOUT_SIZE)) from error
 
 
 def _without_inferred_masses(spec: Any) -> tuple[str, ...]:

@@ -76,6 +76,9 @@ _PRINTED = 2e-6
 _HELD = "base not compared: PyBullet fixes a root link without mass"
 _UNSTATED = Surface(0.5, 0.0, 0.0, 0.0)
 """What PyBullet reports for a link without `<contact>`."""
+_MOST_JOINTS = 127
+"""Joints of a body, fixed ones included, of which PyBullet reports a state (``MAX_DEGREE_OF_FREEDOM``)."""
+_TOO_DEEP = "XML_ELEMENT_DEPTH_EXCEEDED"
 _NO_LIMIT = 1e15
 """SDFormat's value for unlimited is 1e16."""
 
@@ -90,6 +93,7 @@ def observe(request: Request) -> Observation:
 
     Raises:
         EngineRefused: PyBullet reports that it cannot load the file.
+        EngineCannotRead: The file has more joints, or deeper nested elements, than PyBullet can have.
     """
     import pybullet as engine
 
@@ -98,6 +102,8 @@ def observe(request: Request) -> Observation:
         with readable(request) as (request, replaced), printed() as lines:
             observation = observers[request.format](engine, request)
     except EngineRefused as error:
+        if any(_TOO_DEEP in line for line in lines):
+            raise EngineCannotRead("PyBullet's parser does not read elements that are nested so deeply") from error
         raise EngineRefused("; ".join([str(error), *_complaints(lines, request)])) from error
     messages = _complaints(lines, request)
     if request.format == "sdf" and messages.count(_IN_VAIN) == 2 * round_shapes(Path(request.file)):
@@ -121,6 +127,8 @@ def _loaded(engine: Any, path: Path, written_in: str, *, fixed: bool = False, sh
             bodies = engine.loadSDF(str(path))
         if len(bodies) != 1:
             raise EngineRefused(f"{len(bodies)} models in the file, one expected")
+        if (count := engine.getNumJoints(bodies[0])) > _MOST_JOINTS:
+            raise EngineCannotRead(f"PyBullet reports the state of at most {_MOST_JOINTS} joints, the file has {count}")
         yield body_of(engine, bodies[0])
     except engine.error as error:
         raise EngineRefused(str(error)) from error

@@ -98,5 +98,5 @@ def _command(joint: Element, actuator: Actuator, robot: Robot) -> None:
         effort = actuator_limit(actuator, driven).effort
         parameters |= {"max_effort": effort, "kp": actuator.kp, "kv": actuator.kv}
     for name, value in parameters.items():
-        if abs(value) < UNLIMITED and (value or name not in ("kp", "kv")):
+        if value if name in ("kp", "kv") else abs(value) < UNLIMITED:
             element(command, "param", value, name=name)

@@ -24,7 +24,8 @@ MOST_TIMES = 100
 ALWAYS = 64 << 20
 """Size [bytes] up to which the ratio does not matter."""
 _GZIP, _ZIP = b"\x1f\x8b", b"PK\x03\x04"
-_EMPTY_ZIP = b"PK\x05\x06"
+ARCHIVES = (_GZIP, _ZIP, b"PK\x05\x06")
+"""First bytes of compressed files."""
 _CHUNK = 1 << 20
 _SHOWN = 3
 
@@ -37,14 +38,14 @@ class ArchiveFault(OSError):
         self.reason, self.help = reason, help
 
 
-def is_compressed(path: Path) -> bool:
-    """Whether a file is a gzip or zip archive by its first bytes.
+def starts_with(path: Path, beginnings: tuple[bytes, ...]) -> bool:
+    """Whether a file has one of several first bytes, of at most four.
 
     Raises:
         OSError: It cannot be read.
     """
     with open_regular(path) as file:
-        return file.read(4).startswith((_GZIP, _ZIP, _EMPTY_ZIP))
+        return file.read(4).startswith(beginnings)
 
 
 @contextmanager
@@ -55,7 +56,7 @@ def decompressed(path: Path) -> Iterator[IO[bytes]]:
         ArchiveFault: It is a compressed file that cannot be read.
         OSError: It cannot be read.
     """
-    if not is_compressed(path):
+    if not starts_with(path, ARCHIVES):
         with open_regular(path) as plain:
             yield plain
         return

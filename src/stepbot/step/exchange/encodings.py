@@ -15,7 +15,7 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
 
-from .compression import decompressed, is_compressed
+from .compression import ARCHIVES, decompressed, starts_with
 
 Text = bytes | mmap.mmap
 
@@ -108,7 +108,7 @@ def as_utf8(path: Path, encoding: str) -> Iterator[Path]:
     Args:
         encoding: From :func:`check_encoding`.
     """
-    if encoding in _PLAIN and _is_unicode(path) and not is_compressed(path):
+    if encoding in _PLAIN and _is_unicode(path) and not starts_with(path, (*ARCHIVES, BYTE_ORDER_MARK)):
         yield path
         return
     # The kernel's own tables have few code pages, and interpret the backslash in the second byte of a GBK character as

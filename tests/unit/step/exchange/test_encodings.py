@@ -1,5 +1,6 @@
 """Names in code pages are decoded as declared, and never wrongly without a diagnostic."""
 
+import codecs
 from pathlib import Path
 
 import pytest
@@ -140,6 +141,15 @@ def test_places_across_chunks(encoding: str, before: int, found: ReadDiagnostics
     assert f"0x{bad.hex()}" in diagnostic.message
 
 
+def test_byte_order_mark(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Editors put one before a file; the kernel, which refuses it, does not see it."""
+    path = tmp_path / "box.step"
+    parts.write_box(path)
+    path.write_bytes(codecs.BOM_UTF8 + path.read_bytes())
+    assert read(path, "", found) is not None
+    assert not found.codes()
+
+
 def test_transcoding(tmp_path: Path) -> None:
     """The kernel's copy is the same text in UTF-8, line by line; a plain file is not copied."""
     path = tmp_path / "x.step"
@@ -148,5 +158,6 @@ def test_transcoding(tmp_path: Path) -> None:
     with as_utf8(path, "gbk") as copy:
         assert copy.read_bytes() == text.encode()
     assert not copy.exists()
+    path.write_text(text, encoding="utf-8")
     with as_utf8(path, "utf-8") as copy:
         assert copy == path

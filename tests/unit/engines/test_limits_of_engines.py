@@ -1,0 +1,71 @@
+"""What engines cannot hold is no fault of a file, and ends no comparison."""
+
+from pathlib import Path
+
+import pytest
+
+from stepbot.engines import engine_of
+from stepbot.engines.description.statements import statements
+from stepbot.engines.observation import EngineCannotRead, EngineRefused, Request
+from stepbot.geometry.spatial import IDENTITY
+from stepbot.robot.model import JointKind, LoopClosure
+
+_BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+
+@pytest.mark.parametrize("file", ["r.sdf", "r.urdf", "r.xml"])
+def test_statements_of_deeply_nested_elements(file: str, tmp_path: Path) -> None:
+    """They are listed in the order of the file, however deep they are."""
+    path = tmp_path / file
+    path.write_text("<sdf>" + "<x a='1'>" * 2000 + "</x>" * 2000 + "<y a='2'/></sdf>", encoding="utf-8")
+    found = statements(path, {"sdf": "sdf", "urdf": "urdf", "xml": "mjcf"}[path.suffix[1:]])
+    assert [one.value for one in found] == ["1"] * 2000 + ["2"]
+
+
+@pytest.mark.pybullet
+@pytest.mark.parametrize("count", [127, 128])
+def test_joints_that_pybullet_can_have(count: int, tmp_path: Path) -> None:
+    """It reports the state of 127: a robot with more is not read, with the reason, and not refused."""
+    links = [f'<link name="l{n}">{_BODY}</link>\n' for n in range(count + 1)]
+    joints = (
+        f'<joint name="j{n}" type="fixed"><parent link="l{n}"/><child link="l{n + 1}"/></joint>\n' for n in range(count)
+    )
+    path = tmp_path / "r.urdf"
+    path.write_text(f'<robot name="r">{"".join(links)}{"".join(joints)}</robot>', encoding="utf-8")
+    request = Request(str(path), "urdf", configurations=({},), simulate=0.0)
+    if count == 127:
+        assert len(engine_of("pybullet").observer.observe(request).links) == count + 1
+        return
+    with pytest.raises(EngineCannotRead, match="at most 127 joints, the file has 128"):
+        engine_of("pybullet").observer.observe(request)
+
+
+@pytest.mark.pybullet
+def test_depth_that_pybullet_can_read(tmp_path: Path) -> None:
+    """Its parser for MJCF gives up on deep bodies, which MuJoCo reads."""
+    path = tmp_path / "r.xml"
+    path.write_text(f"<mujoco><worldbody>{'<body>' * 600}{'</body>' * 600}</worldbody></mujoco>", encoding="utf-8")
+    with pytest.raises(EngineCannotRead, match="nested so deeply"):
+        engine_of("pybullet").observer.observe(Request(str(path), "mjcf"))
+
+
+def test_links_that_mujoco_cannot_have(tmp_path: Path) -> None:
+    """The reason names the bound and the likely cause, a wrong length unit."""
+    path, body = tmp_path / "r.xml", '<inertial pos="0 0 0" mass="1e-9" fullinertia="1e-15 1e-15 1e-15 0 0 0"/>'
+    path.write_text(f"<mujoco><worldbody><body>{body}<joint/></body></worldbody></mujoco>", encoding="utf-8")
+    with pytest.raises(EngineRefused, match=r"1e-14 kg m\^2: check the length unit"):
+        engine_of("mujoco").observer.observe(Request(str(path), "mjcf"))
+
+
+def test_closure_between_links_that_do_not_move(tmp_path: Path) -> None:
+    """There is nothing to solve for, and the gap is measured."""
+    path = tmp_path / "r.xml"
+    bodies = "".join(f'<body name="{name}"><geom size="0.1"/></body>' for name in "ab")
+    bodies += '<body><geom size="0.1"/><joint name="driven"/></body>'
+    weld = '<equality><connect name="c" body1="a" body2="b" anchor="0 0 0"/></equality>'
+    path.write_text(f"<mujoco><worldbody>{bodies}</worldbody>{weld}</mujoco>", encoding="utf-8")
+    wanted = LoopClosure("c", JointKind.BALL, "a", IDENTITY, "b", IDENTITY)
+    request = Request(str(path), "mjcf", closures=(wanted,), ways=(({},),), driven=("driven",), simulate=0.0)
+    (closure,) = engine_of("mujoco").observer.observe(request).closures
+    assert closure.residual == pytest.approx(0.0, abs=1e-12)
+    assert closure.angle_error == 0.0
