@@ -58,8 +58,7 @@ class ToleranceValue(NamedTuple):
     """[m]; 0 if ``relative`` applies."""
 
 
-_FINEST = 1e-7
-"""Smallest mesh tolerance [m]: the kernel, which measures with finer meshes, has none below 1e-10 m."""
+_FINEST = 1e-7  # [m]; the kernel, which measures with finer meshes, has no tolerance below 1e-10 m
 
 
 def fault(code: str, text: str, *help: str) -> PydanticCustomError:
