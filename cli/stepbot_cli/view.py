@@ -61,7 +61,7 @@ def command(
     With --edit the page writes to the sidecar, each change checked before, and undone with one click. Its Convert
     button writes the files, as `stepbot convert` does. Otherwise nothing is written.
     """
-    from stepbot.pipeline.warm import warm_processes
+    from stepbot.pipeline.prestart import warm_processes
     from stepbot.serving.session import Session
     from stepbot.serving.watching import Prover, follow
 

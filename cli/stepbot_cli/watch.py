@@ -53,7 +53,7 @@ def command(
     After a save with errors, the page keeps the last good robot and lists the errors; so does the terminal. With -o,
     files are written whenever they pass verification. Ctrl-C ends it.
     """
-    from stepbot.pipeline.warm import warm_processes
+    from stepbot.pipeline.prestart import warm_processes
     from stepbot.serving import watching
 
     found = Diagnostics()
@@ -105,7 +105,7 @@ def _sessions(
 ) -> list["Session"]:
     """A session for each sidecar; none after errors."""
     from stepbot.jobs.batch.state import plan
-    from stepbot.pipeline.targets import report_missing
+    from stepbot.pipeline.sidecars import report_missing
     from stepbot.serving.session import Session
 
     for path in sidecars:

@@ -221,7 +221,7 @@ def test_other_code_finds_nothing(
     four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Entries of another version of stepbot's code are not used."""
-    import stepbot.runtime.cache.keys as keys
+    import stepbot.runtime.cache.sources as keys
 
     original: Callable[[], str] = own_code
     monkeypatch.setattr(keys, "own_code", lambda: original() + "!")

@@ -16,7 +16,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from stepbot.runtime.cache.keys import own_code
+from stepbot.runtime.cache.sources import own_code
 
 from . import page
 from .experiment import Experiment, Setting, Trial

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from stepbot.runtime.cache.keys import own_code
+from stepbot.runtime.cache.sources import own_code
 from tests.command_line import snapshot
 from tests.conftest import ROOT
 

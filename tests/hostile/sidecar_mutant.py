@@ -9,7 +9,7 @@ from itertools import cycle, product
 from pathlib import Path
 from random import Random
 
-from stepbot.assemble.reading import read_options
+from stepbot.assemble.masses import read_options
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.mass_properties import measured
 from stepbot.geometry.volume import VolumeProperties

@@ -7,7 +7,7 @@ import pytest
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.macros.expansion import expand
-from stepbot.engines.macros.place import Expanded
+from stepbot.engines.macros.expressions import Expanded
 from stepbot.jobs.incremental import check, convert
 from stepbot.pipeline import describing
 from stepbot.pipeline.conversion import Options

@@ -52,10 +52,9 @@ from .double_counting import DoubleCounting
 from .far_axes import report_axes_off_their_lines, report_far_axes, report_up_axis
 from .fitted_collisions import FittedCollisions, wait_for
 from .frames import Frames
-from .given_inertials import report_given_inertials
 from .joints import build_closures, build_joints, joint_table, tree_order
 from .links import Links, is_complete
-from .masses import masses
+from .masses import masses, report_given_inertials
 from .material_assignment import assign_materials
 from .measured_bodies import measured_bodies, report_choices, report_massless
 from .motor_parts import report_unlike_motors

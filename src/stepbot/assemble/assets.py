@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepbot.geometry.mesh import TriMesh, joined
-from stepbot.geometry.solids.bounded_hulls import bounded_hull
+from stepbot.geometry.solids.collision_sets import bounded_hull
 from stepbot.geometry.solids.manifolds import convex_hull
 from stepbot.geometry.spatial import Array
 from stepbot.robot.mesh_names import FALLBACK, UniqueNames, ascii_name

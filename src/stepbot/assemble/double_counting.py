@@ -2,9 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.mesh_worker import report_death
 from stepbot.geometry.solids.overlapping import Overlaps, Pair
-from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import ComponentMass
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
@@ -13,8 +13,8 @@ from stepbot.step.structure.paths import quoted
 
 from .binder import Binder, listed
 from .claims import Claims
+from .masses import MASS_TOLERANCE
 from .overlaps import MAX_FACES, OverlapSearch
-from .reading import MASS_TOLERANCE
 
 _CUT = "subtract one solid from the other in CAD"
 _WEIGH = "or set a measured mass: `mass` in `parts`, or `inertial` on the link"

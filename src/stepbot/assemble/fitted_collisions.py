@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.mesh_worker import report_death
 from stepbot.geometry.solids.collision_sets import CollisionSet, Wanted, collision_sets
 from stepbot.geometry.solids.convex_pieces import Bore
 from stepbot.geometry.solids.primitive_fits import Shaft
 from stepbot.geometry.solids.unions import PlacedSolid
 from stepbot.geometry.spatial import IDENTITY, Pose, tidy
-from stepbot.geometry.sums import exact_sum
 from stepbot.report.robot import MeasuredBody
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.cache.by_content import ResultsByContent

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.inertia import Bodies, MassProperties, without_residue
 from stepbot.geometry.poses import Poses
 from stepbot.geometry.spatial import Pose
-from stepbot.geometry.sums import exact_sum
 from stepbot.report.robot import MeasuredBody
 from stepbot.robot.model import GREY, ComponentMass, Link, Visual
 from stepbot.sidecar.document import InertialSection

@@ -16,7 +16,7 @@ from stepbot.sidecar.document import MassMode
 from stepbot.step.assembly import CERTAIN, USABLE, Assembly, Body, BodyKind
 
 from .binder import Binder, listed
-from .reading import MASS_TOLERANCE
+from .masses import MASS_TOLERANCE
 
 
 def measured_bodies(

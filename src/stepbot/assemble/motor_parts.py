@@ -4,8 +4,8 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
-from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import ComponentMass
 from stepbot.step.assembly import Assembly
 

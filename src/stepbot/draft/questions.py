@@ -12,7 +12,7 @@ from stepbot.draft.answers import STATED, Facts, KnownJoint, known_fixed, known_
 from stepbot.draft.draft import Draft, DraftConnection, DraftLink, Option, Question
 from stepbot.draft.draft_robot import Inference
 from stepbot.draft.parts.names import Role, roles
-from stepbot.geometry.sums import exact_sum
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.robot.model import JointKind
 from stepbot.step.assembly import Assembly
 from stepbot.step.structure.naming import BODY, base_name

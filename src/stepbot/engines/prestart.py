@@ -9,7 +9,7 @@ from . import engines
 def shared_imports() -> tuple[str, ...]:
     """Modules that most engines import."""
     shared = (engine.shared_import for engine in engines() if not engine.optional)
-    return ("lxml.etree", "stepbot.verification.self_collision.drawn_pose", *shared)
+    return ("lxml.etree", "stepbot.verification.self_collision.shapes", *shared)
 
 
 def started_engine_server() -> ForkServer | None:

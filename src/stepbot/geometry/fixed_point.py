@@ -1,9 +1,24 @@
 """Formats many numbers at once: digit by digit over whole arrays, not number by number."""
 
+from collections.abc import Iterable
+from math import fsum
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+
+def exact_sum(values: Iterable[float]) -> float:
+    """The exact sum of numbers, rounded once; infinite or NaN if adding them one by one is."""
+    numbers = list(values)
+    try:
+        return fsum(numbers)
+    except (OverflowError, ValueError):  # overflow, or infinities of both signs
+        result = 0.0
+        for number in numbers:
+            result += number
+        return result
+
 
 _ZERO, _SPACE, _MINUS, _POINT, _END = b"0 -.\n"
 

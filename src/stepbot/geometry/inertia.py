@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .fixed_point import exact_sum
 from .poses import Poses
 from .spatial import ZERO3, ZERO33, Array, Matrix3, Pose, Vector3, dot, matrix3, matrix_product, turn_inertia, vector3
-from .sums import exact_sum
 
 RESIDUE = 1e-8
 """Share of a body's size below which a component of its com or inertia is numeric residue: integrals over faces are

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from stepbot.runtime.light_import import import_lightly
+from stepbot.runtime.import_path import import_lightly
 
 from .mesh import TriMesh
 from .predicates import is_watertight

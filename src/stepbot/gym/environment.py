@@ -9,7 +9,7 @@ import gymnasium
 import mujoco
 import numpy as np
 
-from stepbot.engines.mujoco.warnings import collected_warnings
+from stepbot.engines.mujoco.model import collected_warnings
 from stepbot.geometry.spatial import Array
 
 from .configurations import Configurations, diverged

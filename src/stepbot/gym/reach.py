@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from stepbot.engines.mujoco.warnings import collected_warnings
+from stepbot.engines.mujoco.model import collected_warnings
 from stepbot.geometry.spatial import Array
 
 from .environment import Info, RobotEnv

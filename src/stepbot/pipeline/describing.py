@@ -11,7 +11,7 @@ from stepbot.described.robot import robot_of_description
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.engines.description import Description
 from stepbot.engines.file_references import openable
-from stepbot.engines.macros.place import Expanded
+from stepbot.engines.macros.expressions import Expanded
 from stepbot.robot.model import Robot
 from stepbot.runtime.file import exists, open_regular, resolved
 from stepbot.runtime.temporary import run_folder
@@ -21,7 +21,7 @@ from stepbot.verification.files import format_of
 from stepbot.verification.folders import robot_file
 
 from .conversion import Options
-from .targets import report_missing
+from .sidecars import report_missing
 
 _DESCRIBE = "stepbot.engines.describe:describe"
 _EXPAND = "stepbot.engines.macros.expansion:expand"

@@ -21,8 +21,7 @@ from stepbot.verification.folders import SCENES
 from .composing import compose
 from .conversion import Options
 from .loading import Loading
-from .sidecars import load, named_step, what_to_read
-from .targets import report_missing
+from .sidecars import load, named_step, report_missing, what_to_read
 
 _MODEL = "urdf"
 """The format whose conventions both models are described by."""

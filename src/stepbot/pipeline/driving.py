@@ -19,8 +19,7 @@ from stepbot.runtime.temporary import run_folder
 from stepbot.verification.admission import located
 
 from .conversion import REPORT, Options
-from .sidecars import SIDECAR_SUFFIXES
-from .targets import report_missing
+from .sidecars import SIDECAR_SUFFIXES, report_missing
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics, did_you_mean
-from stepbot.geometry.sums import exact_sum
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.robot.model import Robot
 from stepbot.robot.reach import reach
 from stepbot.robot.symmetry import AXES, Part, Symmetry, mirrored, whole

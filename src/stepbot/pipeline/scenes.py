@@ -22,8 +22,7 @@ from .describing import described_robot
 from .drafted_robot import evidence_of_draft, robot_of_assembly, robot_of_draft
 from .drafting import draft_step
 from .loading import Loading
-from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
-from .targets import report_missing
+from .sidecars import SIDECAR_SUFFIXES, load, named_step, report_missing, what_to_read
 
 
 @dataclass(frozen=True, eq=False)

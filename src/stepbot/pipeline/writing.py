@@ -7,7 +7,7 @@ from tempfile import TemporaryDirectory
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.diagnostics.source_lines import source_lines
-from stepbot.engines.observation_cache import ObservationCache
+from stepbot.engines.workers import ObservationCache
 from stepbot.formats import default_formats, format_named
 from stepbot.formats.format import Format
 from stepbot.formats.learning import program_files

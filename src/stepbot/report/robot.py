@@ -4,9 +4,9 @@ from dataclasses import dataclass
 from math import isfinite
 from typing import Any
 
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.spatial import Pose, tidy
-from stepbot.geometry.sums import exact_sum
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, Module, Robot

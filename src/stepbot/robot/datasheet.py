@@ -6,8 +6,8 @@ from math import floor, inf, isfinite, log10, pi, sqrt
 
 import numpy as np
 
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
-from stepbot.geometry.sums import exact_sum
 
 from .bounding_boxes import robot_bounds
 from .dh import DhTable, dh_table

@@ -27,8 +27,8 @@ from math import floor, isfinite, log10, pi, sqrt
 
 import numpy as np
 
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
-from stepbot.geometry.sums import exact_sum
 
 from .closures import Loops, driven_joints, following
 from .dynamics import equations_of_motion

@@ -4,9 +4,9 @@ from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.poses import bounds_at
 from stepbot.geometry.spatial import Array, Vector3, bounds, join_bounds, vector3
-from stepbot.geometry.sums import exact_sum
 
 from .kinematics import initial_configuration, link_poses
 from .model import Box, Cylinder, Geometry, MeshRef, Robot, Sphere

@@ -5,8 +5,10 @@
 modules that Python loads at startup.
 """
 
+import importlib
 import os
 import sys
+from collections.abc import Sequence
 
 _STANDARD_LIBRARY = os.path.dirname(os.__file__)
 _OWN_ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -46,3 +48,14 @@ def _current_folder() -> str:
 
 def _resolved(folder: str) -> str:
     return os.path.normcase(os.path.realpath(folder))
+
+
+def import_lightly(module: str, unused: Sequence[str]) -> None:
+    """Import a module while some packages appear not to be installed."""
+    withheld = [name for name in unused if name not in sys.modules]
+    sys.modules.update(dict.fromkeys(withheld))  # type: ignore[arg-type]  # None is how Python marks what is not there
+    try:
+        importlib.import_module(module)
+    finally:
+        for name in withheld:
+            del sys.modules[name]

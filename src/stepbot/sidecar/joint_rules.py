@@ -5,7 +5,7 @@ from functools import cache, partial
 from math import degrees, inf, pi
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.geometry.sums import exact_sum
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.robot.joint_types import kinds_with
 from stepbot.robot.model import JointKind
 

@@ -7,9 +7,8 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import engine_of, own_parsers
 from stepbot.engines.observation import Observation, Quantity
-from stepbot.engines.observation_cache import ObservationCache
 from stepbot.engines.reference import Reference
-from stepbot.engines.workers import Engines, Fate, Outcome, check_required, check_started
+from stepbot.engines.workers import Engines, Fate, ObservationCache, Outcome, check_required, check_started
 from stepbot.report.robot import Check, Report, Status
 from stepbot.robot.closures import DoesNotClose, degrees_of_freedom, driven_joints
 from stepbot.robot.model import Robot
@@ -28,7 +27,7 @@ from .checks import (
 )
 from .compare import compare
 from .expectation import mechanism, requests
-from .self_collision.drawn_pose import Overlap
+from .self_collision.search import Overlap
 from .self_collision.shapes import available
 from .self_collision.worker import Collider
 

@@ -14,9 +14,8 @@ import numpy as np
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.dynamics import Rates
 
-from .chains import Chain, Step
+from .chains import Chain, Step, twist_of
 from .pairing import NotTheSame, Segment, segments
-from .twists import twist_of
 
 _CLEARANCE = 0.1
 """Minimum volume spanned by the three axes of a ball joint's angles for a comparison of dynamics: gimbal lock is at

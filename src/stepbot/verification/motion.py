@@ -7,8 +7,8 @@ import numpy as np
 from stepbot.engines import engine_named
 from stepbot.engines.engine import Tolerance
 from stepbot.engines.observation import Observation, ObservedClosure
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import ZERO3, Array, angle_between, vector3
-from stepbot.geometry.sums import exact_sum
 from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.mesh_names import SCOPE
 

@@ -14,9 +14,8 @@ import numpy as np
 from stepbot.engines.observation import Quantity
 from stepbot.geometry.spatial import Array, rotation_about
 
-from .chains import Chain, Step
+from .chains import Chain, Step, common_point, direction, foot
 from .tolerances import TOLERANCES
-from .twists import common_point, direction, foot
 
 
 class BallAngles:

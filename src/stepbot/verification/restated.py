@@ -13,10 +13,9 @@ import numpy as np
 from stepbot.engines.observation import Dynamics, Observation, ObservedJoint
 from stepbot.geometry.spatial import Array, vector3
 
-from .chains import Chain, Edge, Step
+from .chains import Chain, Edge, Step, direction, pitch_of
 from .correspondence import Carried, Correspondence, Match
 from .pairing import Segment
-from .twists import direction, pitch_of
 
 
 def normalized_joints(

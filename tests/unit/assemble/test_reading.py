@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from stepbot.assemble import link_components
-from stepbot.assemble.reading import read_options
+from stepbot.assemble.masses import read_options
 from stepbot.diagnostics import Diagnostics
 from stepbot.step.structure.repetition import definition_tolerances
 

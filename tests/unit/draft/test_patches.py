@@ -8,7 +8,7 @@ import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.parts import scene
-from stepbot.geometry.sums import exact_sum
+from stepbot.geometry.fixed_point import exact_sum
 from tests.assembled import Node, assembled, part
 from tests.solids import box, cylinder
 

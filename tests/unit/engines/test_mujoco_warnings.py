@@ -3,7 +3,7 @@
 import mujoco
 import pytest
 
-from stepbot.engines.mujoco.warnings import collected_warnings
+from stepbot.engines.mujoco.model import collected_warnings
 from stepbot.engines.observation import EngineRefused
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from hypothesis import given
 from hypothesis import strategies as st
 
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.inertia import MassProperties, combined
-from stepbot.geometry.sums import exact_sum
 
 SOURCE = Path(__file__).resolve().parents[3] / "src"
 COUNTS = re.compile(

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from stepbot.geometry.mesh_worker import MESH_WORKER
-from stepbot.pipeline.warm import WarmProcesses, warm_processes
+from stepbot.pipeline.prestart import WarmProcesses, warm_processes
 from stepbot.runtime.worker import Worker, are_spawned, spawned, started_by
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")

@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from stepbot.geometry.spatial import Array, Pose, cross_matrix, rotation_about, unit
+from stepbot.verification.chains import common_point, direction, foot, pitch_of, twist_of
 from stepbot.verification.pairing import BallAngles
-from stepbot.verification.twists import common_point, direction, foot, pitch_of, twist_of
 
 X, Y, Z = np.eye(3)
 STEP = 1e-6

@@ -24,7 +24,7 @@ from stepbot.robot.model import (
     Robot,
     Sphere,
 )
-from stepbot.verification.self_collision.drawn_pose import overlaps
+from stepbot.verification.self_collision.search import overlaps
 from stepbot.verification.self_collision.shapes import TOUCHING, only_collisions
 from tests.robots import ROBOTS, primitives
 

@@ -13,8 +13,8 @@ from stepbot.draft.contacts.concentric import concentric_axis
 from stepbot.draft.contacts.contacts import Contacts, Fit, FitKind, Pair, Patch, Socket
 from stepbot.draft.contacts.freedom import Freedom, FreedomKind, freedom
 from stepbot.draft.parts.axis import SAME_LINE, Axis
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
-from stepbot.geometry.sums import exact_sum
 
 SPIGOT = 0.5
 """Length of a shaft in its bore, in radii, below which it is centred but not guided."""

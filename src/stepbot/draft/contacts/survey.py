@@ -18,8 +18,8 @@ from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, roles
 from stepbot.draft.parts.parts import box_gaps, joint_box
 from stepbot.draft.parts.scene import Scene
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
-from stepbot.geometry.sums import exact_sum
 from stepbot.step.assembly import Assembly
 
 _SMALL_SHARE = 0.35

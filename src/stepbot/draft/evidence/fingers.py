@@ -13,8 +13,8 @@ from stepbot.draft.evidence.evidence import BY_NAME, Evidence, JointEvidence
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import largest
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
-from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import JointKind
 from stepbot.step.faces import FaceKind
 

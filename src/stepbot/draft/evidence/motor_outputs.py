@@ -14,7 +14,7 @@ from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.near_outputs import NearOutput
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
-from stepbot.geometry.sums import exact_sum
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.robot.model import JointKind
 
 SAME_AXIS = 5e-5

@@ -18,8 +18,8 @@ from stepbot.draft.inference import Inferred
 from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.parts import box_gap
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
-from stepbot.geometry.sums import exact_sum
 from stepbot.robot.model import JointKind
 from stepbot.step.assembly import Assembly
 

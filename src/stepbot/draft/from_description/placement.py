@@ -18,8 +18,8 @@ from stepbot.draft.from_description.skeleton import Skeleton
 from stepbot.draft.from_description.surfaces import Surfaces, spread
 from stepbot.draft.from_description.votes import slides, translations, turns
 from stepbot.draft.parts.axis import Axis, are_parallel
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array, Pose
-from stepbot.geometry.sums import exact_sum
 from stepbot.robot.kinematics import displacement
 from stepbot.robot.model import Joint, JointKind
 from stepbot.step.assembly import Assembly

@@ -4,7 +4,7 @@ Nothing adds energy to a limp robot: what its energy grows by comes from the sim
 """
 
 from stepbot.engines.simulation import GRAVITY, Setup
-from stepbot.geometry.sums import exact_sum
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.robot.model import Base
 
 from ..results import Measure, Plot, Result, thinned

@@ -1,7 +1,7 @@
 """Step: each motor gets a new target, one after the other."""
 
 from stepbot.engines.simulation import Motor, Simulation
-from stepbot.geometry.sums import exact_sum
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.robot.model import ActuatorKind
 
 from ..results import Measure, Plot, Result, Series, largest, thinned

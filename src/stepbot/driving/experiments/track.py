@@ -3,7 +3,7 @@
 from math import cos, hypot, pi, sin
 
 from stepbot.engines.simulation import Motor, Simulation
-from stepbot.geometry.sums import exact_sum
+from stepbot.geometry.fixed_point import exact_sum
 
 from ..results import Measure, Plot, Result, Series, largest, thinned
 from ..stage import Gaps, Stage, by_gains, run

@@ -1,7 +1,6 @@
 """What is read of an SDFormat file: http://sdformat.org/spec, and Gazebo's plugins that move and measure joints."""
 
-from .sensor_vocabulary import SENSOR
-from .vocabulary import Vocabulary, each, paths
+from .vocabulary import SENSOR, Vocabulary, each, paths
 
 _POSE = "relative_to degrees rotation_format"
 _GEOMETRY = {

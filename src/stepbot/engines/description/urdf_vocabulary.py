@@ -1,7 +1,6 @@
 """What is read of a URDF: http://wiki.ros.org/urdf/XML, ros2_control, and sensors and springs of Gazebo's blocks."""
 
-from .sensor_vocabulary import SENSOR
-from .vocabulary import Vocabulary, each, paths
+from .vocabulary import SENSOR, Vocabulary, each, paths
 
 BULLET = {
     "lateral_friction": "friction",

@@ -15,8 +15,7 @@ from lxml import etree
 from stepbot.runtime.file import is_file, is_folder, open_regular, resolved
 
 from ..source_copy import locate
-from .expressions import REMOVED, evaluate
-from .place import Expanded, Place
+from .expressions import REMOVED, Expanded, Place, evaluate
 
 _PLACE = "place"
 _MANIFEST = "package.xml"

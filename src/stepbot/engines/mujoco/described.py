@@ -22,9 +22,9 @@ from ..description.vocabulary import Unread
 from ..observation import EngineRefused, Observation, Request
 from ..urdf_chains import xml_root
 from .compiled import Compiled
+from .model import collected_warnings
 from .observer import observe_model
 from .shapes import collides, color_of, geoms, is_visual, surface_of
-from .warnings import collected_warnings
 
 
 @collected_warnings()

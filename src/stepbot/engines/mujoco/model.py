@@ -1,7 +1,11 @@
 """A compiled MuJoCo model, with access to names."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
+
+from stepbot.engines.observation import EngineRefused
 
 _NUMBERED = ("BODY", "JOINT", "EQUALITY")
 """Kinds of elements that others refer to."""
@@ -38,3 +42,23 @@ class NamedModel:
     def joint_type(self, joint: int) -> Any:
         """MuJoCo's name of a joint's type."""
         return self.engine.mjtJoint(self.model.jnt_type[joint])
+
+
+@contextmanager
+def collected_warnings() -> Iterator[list[str]]:
+    """Collect the warnings of MuJoCo in this process.
+
+    Raises:
+        EngineRefused: MuJoCo gave up, as on a chain of hundreds of bodies, which exceeds its stack.
+    """
+    import mujoco as engine
+
+    collected: list[str] = []
+    former = engine.get_mju_user_warning()
+    engine.set_mju_user_warning(collected.append)
+    try:
+        yield collected
+    except engine.FatalError as error:
+        raise EngineRefused(str(error).strip()) from error
+    finally:
+        engine.set_mju_user_warning(former)

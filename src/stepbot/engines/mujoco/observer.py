@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from stepbot.engines.resources import MeshSubstitutes
 from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, turn_inertia, vector3
 from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.dynamics import GRAVITY, Rates
 
 from ..ball_coordinates import inner_joints
 from ..distribution import provider
-from ..mesh_substitutes import MeshSubstitutes
 from ..observation import (
     Dynamics,
     EngineCannotRead,
@@ -33,19 +33,18 @@ from ..resources import resolve
 from ..urdf_chains import xml_root
 from ..urdf_versions import readable
 from . import ENGINE
-from .compiled import Compiled
-from .contacts import excluded_pairs
+from .compiled import Compiled, excluded_pairs
 from .devices import observed_actuators, observed_frames, observed_sensors
-from .frame_rounding import without_rounding
 from .joints import observed_joints
+from .model import collected_warnings
 from .shapes import collides, observed_shapes, stray_mesh
-from .warnings import collected_warnings
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
 else:
     Element = object
 
+from collections.abc import Callable
 
 _URDF_COMPILER = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
 _EXTENSION = "MuJoCo ignores the URDF extension blocks that contain it"
@@ -286,3 +285,47 @@ def _initial(compiled: Compiled) -> dict[str, float]:
     model = compiled.model
     keys = [k for k in range(model.nkey) if compiled.name("KEY", k) == HOME]
     return compiled.coordinates.read(model.key_qpos[keys[0]] if keys else model.qpos0)
+
+
+_APART = 1.0
+"""Displacement [m] of the inertial frame of a rounded body while MuJoCo compiles, beyond any rounding."""
+_BODY = ("body_mass", "body_inertia", "body_ipos", "body_iquat")
+_FLAGS = ("body_sameframe", "geom_sameframe", "site_sameframe")
+
+
+def without_rounding(engine: Any, model: Any, spec: Callable[[], Any]) -> tuple[Any, tuple[str, ...]]:
+    """A model with every frame where the file has it, and a note on the links that MuJoCo simulates otherwise.
+
+    Args:
+        engine: The module ``mujoco``.
+        model: A compiled model.
+        spec: Returns the specification that it was compiled from; called only if a body was rounded.
+    """
+    # Bodies whose inertial frame, or its rotation alone, counts as the body's without being it.
+    moved = (model.body_ipos != 0.0).any(axis=1)
+    turned = (model.body_iquat != (1.0, 0.0, 0.0, 0.0)).any(axis=1)
+    whole = model.body_sameframe == int(engine.mjtSameFrame.mjSAMEFRAME_BODY)
+    rotation = model.body_sameframe == int(engine.mjtSameFrame.mjSAMEFRAME_BODYROT)
+    rounded = np.flatnonzero((whole & moved) | ((whole | rotation) & turned))
+    if rounded.size:
+        exact = _with_inertials_apart(spec(), model, rounded)
+        for name in _BODY:
+            getattr(exact, name)[:] = getattr(model, name)
+        engine.mj_setConst(exact, engine.MjData(exact))
+        model = exact
+    for name in _FLAGS:
+        getattr(model, name)[:] = int(engine.mjtSameFrame.mjSAMEFRAME_NONE)
+    names = [engine.mj_id2name(model, engine.mjtObj.mjOBJ_BODY, body) or f"body {body}" for body in rounded.tolist()]
+    words = "compared without MuJoCo's rounding of inertial frames less than 1e-6 from the link's:"
+    return model, (f"{words} {', '.join(names)}",) if names else ()
+
+
+def _with_inertials_apart(spec: Any, model: Any, rounded: Any) -> Any:
+    """The model compiled again with the inertial frames of some bodies elsewhere."""
+    spec.compile()  # numbers the bodies
+    for body in (body for body in spec.bodies if body.id in rounded):
+        body.explicitinertial = True
+        body.fullinertia = [np.nan] * 6
+        body.mass, body.inertia = model.body_mass[body.id], model.body_inertia[body.id]
+        body.ipos = model.body_ipos[body.id] + _APART
+    return spec.compile()

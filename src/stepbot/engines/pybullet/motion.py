@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
-from stepbot.geometry.sums import exact_sum
 from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.model import JointKind, LoopClosure
 

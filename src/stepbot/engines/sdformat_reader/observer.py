@@ -29,7 +29,6 @@ from ..parsed_motion import with_motion
 from ..shape_bounds import box_around
 from . import ENGINE
 from .frames import MODEL, WORLD, Frames, bool_at, ends, number_at, numbers, read_pose
-from .gz_plugins import plugin_actuators, plugin_sensors
 from .sensors import model_sensors
 from .shapes import shapes_of
 from .tree import closing_joints, joints_to_world, read_model, repeated_names
@@ -39,6 +38,17 @@ if TYPE_CHECKING:
 else:
     Element = object
 
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from stepbot.engines.observation import ObservedActuator, ObservedSensor
+from stepbot.robot.model import ActuatorKind
+from stepbot.robot.sensors import SensorKind
+
+if TYPE_CHECKING:
+    from lxml.etree import _Element as Element
+else:
+    Element = object
 
 NO_LIMIT = 1e15
 """Limits beyond this are the format's value for unlimited, 1e16."""
@@ -240,3 +250,54 @@ def _joint_frames(observation: Observation, tree: list[Element], frames: Frames)
         parent, child = (frames.X_M(link).inverse() @ X_MJ for link in (observed.parent, observed.child))
         found[observed.child] = parent, child
     return found
+
+
+_SYSTEMS = "gz::sim::systems::"
+
+
+def plugin_actuators(model: Element) -> Iterator[ObservedActuator]:
+    """The actuators, which have no names here; gains and bounds are those at the joint."""
+    for plugin in model.findall("plugin"):
+        joint = (plugin.findtext("joint_name") or "").strip()
+        match _system(plugin):
+            case "JointPositionController":
+                yield _controlled(plugin, joint, ActuatorKind.POSITION, default_i=0.1, default_d=0.01)
+            case "JointController":
+                yield _controlled(plugin, joint, ActuatorKind.VELOCITY, default_i=0.0, default_d=0.0)
+            case "ApplyJointForce":
+                yield ObservedActuator("", joint, ActuatorKind.MOTOR.value, gear=None)
+
+
+def plugin_sensors(model: Element) -> Iterator[ObservedSensor]:
+    """Publishers of joint states: of the listed joints, or of all."""
+    for plugin in model.findall("plugin"):
+        if _system(plugin) == "JointStatePublisher":
+            named = [(element.text or "").strip() for element in plugin.findall("joint_name")]
+            moving = [joint.get("name", "") for joint in model.findall("joint") if joint.get("type") != "fixed"]
+            for joint in named or moving:
+                yield ObservedSensor("", SensorKind.JOINT.value, joint=joint)
+
+
+def _system(plugin: Element) -> str:
+    """The class of a plugin, if it comes from its own library: ``gz-sim-<class-in-lower-case>-system``."""
+    name = plugin.get("name", "").removeprefix(_SYSTEMS)
+    library = "".join(f"-{letter.lower()}" if letter.isupper() else letter for letter in name)
+    return name if plugin.get("filename") == f"gz-sim{library}-system" else ""
+
+
+def _controlled(
+    plugin: Element, joint: str, kind: ActuatorKind, *, default_i: float, default_d: float
+) -> ObservedActuator:
+    """An actuator with a PID controller; one with further features is reported as another kind."""
+    p, i, d = (
+        number_at(plugin, f"{letter}_gain", default)
+        for letter, default in (("p", 1.0), ("i", default_i), ("d", default_d))
+    )
+    high, low = number_at(plugin, "cmd_max", 1000.0), number_at(plugin, "cmd_min", -1000.0)
+    word = kind.value
+    if kind is ActuatorKind.VELOCITY and plugin.findtext("use_force_commands", "").strip() not in ("true", "1"):
+        word = "velocity without a force limit"
+    if i or (d and kind is ActuatorKind.VELOCITY) or plugin.findtext("use_velocity_commands", "").strip() == "true":
+        word = f"{word}, controlled otherwise"
+    gains = (p, d) if kind is ActuatorKind.POSITION else (0.0, p)
+    return ObservedActuator("", joint, word, *gains, gear=None, force=(low, high))

@@ -12,7 +12,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..mesh_substitutes import MeshSubstitutes
+from stepbot.engines.resources import MeshSubstitutes
+
 from ..observation import EngineCannotRead, EngineRefused
 from ..resources import resolve
 from ..urdf_chains import xml_root

@@ -4,15 +4,19 @@ Poses and dynamics are computed by stepbot's kinematics from the joints, so they
 Webots. https://cyberbotics.com/doc/reference/nodes-and-functions
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
 from math import inf
 from pathlib import Path
 
 import numpy as np
 
+from stepbot.engines.observation import ObservedShape
+from stepbot.engines.shape_bounds import mesh_file_bounds
 from stepbot.geometry.spatial import Pose, matrix3, rotation_about, unit, vector3
+from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
 from stepbot.robot.dynamics import GRAVITY
-from stepbot.robot.model import JointDynamics, JointKind, Limit
+from stepbot.robot.model import Box, Capsule, Cylinder, JointDynamics, JointKind, Limit, Sphere
 from stepbot.runtime.file import read_regular
 from stepbot.version import __version__
 
@@ -29,7 +33,6 @@ from ..observation import (
 from ..parsed_motion import with_motion
 from ..shape_bounds import box_around
 from . import ENGINE
-from .shapes import collisions_of, visuals_of
 from .vrml import Node, read_proto
 
 NO_LIMIT = 1e9
@@ -235,3 +238,68 @@ def _sensor(node: Node, link: str) -> ObservedSensor:
         nearest=node.number(near, 0.01),
         farthest=node.number(far, 0.0),
     )
+
+
+_GROUPS = ("Pose", "Transform", "Group")
+
+
+def visuals_of(solid: Node, file: Path) -> tuple[tuple[ObservedShape, ...], list[str]]:
+    """The shapes of a solid that are seen, in its frame, and the missing mesh files."""
+    return _observed([one for child in solid.nodes("children") for one in _shapes(child, Pose())], file)
+
+
+def collisions_of(solid: Node, file: Path) -> tuple[tuple[ObservedShape, ...], list[str]]:
+    """The shapes of a solid's bounding object, in its frame, and the missing mesh files."""
+    bounding = solid.node("boundingObject")
+    return _observed([] if bounding is None else list(_shapes(bounding, Pose(), geometries=True)), file)
+
+
+def _shapes(node: Node, X: Pose, *, geometries: bool = False) -> Iterator[tuple[Node, Node | None, Pose]]:
+    """Geometry, appearance and pose of the shapes in a node; solids and joints have shapes of their own."""
+    if node.type in _GROUPS:
+        for child in node.nodes("children"):
+            yield from _shapes(child, X @ node.pose(), geometries=geometries)
+    elif node.type == "Shape":
+        geometry = node.node("geometry")
+        if geometry is not None:
+            yield geometry, node.node("appearance"), X
+    elif geometries:
+        yield node, None, X
+
+
+def _observed(found: list[tuple[Node, Node | None, Pose]], file: Path) -> tuple[tuple[ObservedShape, ...], list[str]]:
+    seen, missing = list[ObservedShape](), list[str]()
+    for geometry, appearance, X in found:
+        bounds, lost = _bounds(geometry, X, file)
+        missing += lost
+        seen.append(ObservedShape("", _color(appearance), bounds=bounds))
+    return tuple(seen), missing
+
+
+def _color(appearance: Node | None) -> tuple[float, ...] | None:
+    if appearance is None:
+        return None
+    return (*appearance.numbers("baseColor", (1.0, 1.0, 1.0)), 1.0 - appearance.number("transparency", 0.0))
+
+
+def _bounds(geometry: Node, X: Pose, file: Path) -> tuple[Bounds | None, list[str]]:
+    """The bounding box of a shape, if known, and its mesh file if missing."""
+    match geometry.type:
+        case "Box":
+            x, y, z = geometry.numbers("size", (0.1, 0.1, 0.1))
+            return primitive_bounds(Box((x, y, z)), X), []
+        case "Sphere":
+            return primitive_bounds(Sphere(geometry.number("radius", 0.1)), X), []
+        case "Cylinder" | "Capsule":
+            kind = Cylinder if geometry.type == "Cylinder" else Capsule
+            return primitive_bounds(kind(geometry.number("radius", 0.1), geometry.number("height", 0.2)), X), []
+        case "Mesh":
+            return mesh_file_bounds(_url(geometry), file, X)
+        case _:
+            return None, []
+
+
+def _url(mesh: Node) -> str:
+    """The file of a mesh; of several the first."""
+    urls = mesh.fields.get("url", [])
+    return next((str(one).strip('"') for one in (urls if isinstance(urls, list) else [urls])), "")

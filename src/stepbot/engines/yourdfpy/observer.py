@@ -14,7 +14,7 @@ import numpy as np
 
 from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, unit, vector3
 from stepbot.robot.model import JointDynamics, Limit, Mimic
-from stepbot.runtime.light_import import import_lightly
+from stepbot.runtime.import_path import import_lightly
 
 from ..distribution import provider
 from ..observation import EngineRefused, Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity, Request

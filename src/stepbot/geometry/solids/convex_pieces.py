@@ -17,9 +17,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stepbot.geometry.fixed_point import exact_sum
+
 from ..fixed_point import distinct_rows
 from ..spatial import Array, dot, matrix_product
-from ..sums import exact_sum
 from .cut_surfaces import ON, CutSurface, Plane, crossings
 from .manifolds import hull_faces, hull_points, hull_volume, mesh_arrays
 from .slivers import face_normals

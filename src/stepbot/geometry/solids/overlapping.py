@@ -11,11 +11,11 @@ half as much processor time again, and longer.
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.runtime.parallel import results_of
 
 from ..mesh import TriMesh
 from ..spatial import IDENTITY, Pose
-from ..sums import exact_sum
 from .manifolds import TOUCHING, Solid, union_volume, use_one_thread
 
 SMALLEST = 1e-3

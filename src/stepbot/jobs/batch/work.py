@@ -52,7 +52,7 @@ class Parcel:
 
 def prepare() -> None:
     """In a process that converts one robot after the other: keep what it loads for the next one."""
-    from stepbot.pipeline.warm import warm_processes
+    from stepbot.pipeline.prestart import warm_processes
 
     _KEPT.enter_context(warm_processes())
 

@@ -13,10 +13,8 @@ Every entry can be computed again, and a damaged entry is treated as missing.
 
 from .codec import Undecodable, codec_of
 from .digest import Digest, bytes_digest, content_digest, file_digest, files_digest
-from .folder import default_folder
-from .keys import environment
-from .sources import keep_own_code, own_code
-from .store import DEFAULT_LIMIT, Cache, Usage
+from .sources import environment, keep_own_code, own_code
+from .store import DEFAULT_LIMIT, Cache, Usage, default_folder
 from .typed import TypedCache
 
 __all__ = [

@@ -5,7 +5,7 @@ from typing import Generic, TypeVar
 
 from .codec import codec_of
 from .digest import Digest
-from .keys import environment
+from .sources import environment
 from .store import Cache
 from .typed import TypedCache
 

@@ -4,6 +4,7 @@ The version number would not be sufficient: it does not change during developmen
 as `import click`, so a cache keeps the hash under their sizes and times, by which Python recognizes outdated bytecode.
 """
 
+import contextlib
 import os
 import platform
 import sys
@@ -67,3 +68,26 @@ def _stamps(package: str) -> list[tuple[str, tuple[int, int, int]]]:
                 elif "." not in name and name != "__pycache__" and entry.is_dir():
                     folders.append(f"{prefix}{name}/")
     return found
+
+
+@cache
+def environment() -> str:
+    """Hash of everything that results depend on besides the input: stepbot's code, packages and external programs.
+
+    Any installed package counts, whether stepbot uses it directly, indirectly or optionally.
+    """
+    from ..programs import program_fingerprints
+
+    return Digest("environment").add(own_code(), *_packages(), "programs", *program_fingerprints()).key
+
+
+def _packages() -> list[str]:
+    """Names and versions of all importable packages, from the names of their metadata folders.
+
+    Reading the metadata itself would take longer than everything else before a cache hit.
+    """
+    found: set[str] = set()
+    for folder in sys.path:
+        with contextlib.suppress(OSError), os.scandir(folder or ".") as entries:  # an error: an archive, or nothing
+            found.update(entry.name for entry in entries if entry.name.endswith((".dist-info", ".egg-info")))
+    return sorted(found)

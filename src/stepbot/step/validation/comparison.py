@@ -10,8 +10,8 @@ from math import dist, inf, isnan, sqrt
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
-from stepbot.geometry.sums import exact_sum
 
 from ..assembly import Body, BodyKind, Component, Quantity, Validation
 from ..structure.source import NONE, Definition

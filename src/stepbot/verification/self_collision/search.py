@@ -7,16 +7,17 @@ number of poses in which links are near each other.
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
+from math import isinf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stepbot.geometry.solids.box_pairs import boxes_meet
 from stepbot.geometry.spatial import Array
-from stepbot.robot.kinematics import Tree, neighbours
+from stepbot.robot.kinematics import Tree, complete, initial_configuration, neighbours
 from stepbot.robot.model import Robot
 
-from .shapes import TOUCHING, Pair, Shape, shapes_of
+from .shapes import TOUCHING, Pair, Shape, prepare, shapes_of
 
 _MOST_DISTANCES = 1_000_000
 """Distances of shapes that are in memory at a time."""
@@ -123,3 +124,22 @@ def _box(shape: Shape) -> tuple[Array, Array]:
 
 def _around(shapes: Sequence[Shape]) -> tuple[Array, Array]:
     return np.min([shape.low for shape in shapes], axis=0), np.max([shape.high for shape in shapes], axis=0)
+
+
+Overlap = tuple[str, str, float | None]
+"""Two links, and their penetration depth [m]; None between two surfaces, which have none."""
+
+__all__ = ["Overlap", "overlaps", "prepare"]
+
+
+def overlaps(robot: Robot) -> tuple[Overlap, ...]:
+    """The pairs of links that overlap in the drawn pose, except adjacent ones, in the order of the links."""
+    tree = Tree(robot)
+    X = tree.frames(tree.follow(tree.vector(complete(robot, initial_configuration(robot))))[None])
+    found = []
+    for pair in separate_links(robot):
+        R, p = placed(tree, X, pair)
+        depth = pair.depth(R[0], p[0])
+        if depth is not None:
+            found.append((pair.a, pair.b, None if isinf(depth) else depth))
+    return tuple(found)

@@ -13,8 +13,7 @@ from stepbot.robot.self_collision import SelfCollision
 from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
 from stepbot.runtime.worker import Start, Worker
 
-from .drawn_pose import Overlap
-from .search import placed, separate_links
+from .search import Overlap, placed, separate_links
 from .shapes import available, only_collisions, prepare
 
 __all__ = ["Contact", "contacts", "prepare"]

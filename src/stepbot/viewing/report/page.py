@@ -7,10 +7,9 @@ from pathlib import PurePath
 import numpy as np
 
 from stepbot.diagnostics import Diagnostic
-from stepbot.geometry.fixed_point import distinct_rows
+from stepbot.geometry.fixed_point import distinct_rows, exact_sum
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Array
-from stepbot.geometry.sums import exact_sum
 from stepbot.report.robot import Report, Status
 from stepbot.robot.model import Robot
 from stepbot.version import __version__

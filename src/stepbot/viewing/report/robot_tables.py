@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from stepbot.geometry.sums import exact_sum
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.report.joint_words import direction_words, evidence_words, point_words, rival_words
 from stepbot.report.mass_words import shape_words
 from stepbot.report.robot import LinkCollision, MeasuredBody

@@ -12,9 +12,8 @@ import pytest
 
 from stepbot.geometry.mesh import TriMesh, joined
 from stepbot.geometry.primitives import Box, Capsule, Cylinder, Sphere
-from stepbot.geometry.solids.bounded_hulls import bounded_hull
 from stepbot.geometry.solids.collision_scores import Unscored, collision_scores
-from stepbot.geometry.solids.collision_sets import CollisionSet, Wanted, collision_sets
+from stepbot.geometry.solids.collision_sets import CollisionSet, Wanted, bounded_hull, collision_sets
 from stepbot.geometry.solids.manifolds import convex_hull
 from stepbot.geometry.solids.primitive_fits import Shaft
 from stepbot.geometry.solids.unions import PlacedSolid
