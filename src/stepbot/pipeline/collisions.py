@@ -14,7 +14,7 @@ from .composing import compose
 from .conversion import Options
 from .describing import described_robot
 from .loading import Loading
-from .passed_stops import by_depth, with_self_collision
+from .self_collisions import by_depth, with_self_collision
 from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
 
 

@@ -112,7 +112,7 @@ class Collider:
     """A started worker that searches the drawn pose, waiting for its robot."""
 
     def __init__(self, memory_limit: int | None = None, start: Start | None = None) -> None:
-        self._worker = Worker(f"{_ROOM}.drawn_pose:overlaps", memory_limit=memory_limit, start=start)
+        self._worker = Worker(f"{_ROOM}.search:overlaps", memory_limit=memory_limit, start=start)
         self._results: TypedCache[_Overlaps] = TypedCache(None, _Overlaps)
         self._key = ""
         self._known: _Overlaps | None = None
