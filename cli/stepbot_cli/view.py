@@ -30,7 +30,9 @@ if TYPE_CHECKING:
     epilog="Example: stepbot view arm.robot.yaml",
 )
 @click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))
-@click.option("--edit", is_flag=True, help="Edit the sidecar in the page; for a STEP file without one, draft it first.")
+@click.option(
+    "--edit", is_flag=True, help="Edit the sidecar in the page; a STEP file or description without one gets one."
+)
 @click.option("--no-open", is_flag=True, help="Print the address and do not open a browser.")
 @click.option(
     "--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Port; the default is any free one."
@@ -110,19 +112,30 @@ def command(
 
 
 def _editable(target: Path, options: "Options", found: Diagnostics) -> tuple[Path, str]:
-    """The sidecar to edit: the target, or the one beside a STEP file, drafted if there is none; and what was done."""
+    """The sidecar to edit: the target, or the one beside a STEP file or a description; and whether it was made."""
     from stepbot.pipeline.drafting import draft_step, write_draft
-    from stepbot.pipeline.sidecars import SIDECAR_SUFFIXES
+    from stepbot.pipeline.sidecars import SIDECAR_SUFFIXES, report_missing
+    from stepbot.pipeline.source_names import is_description
     from stepbot.robot.step_names import is_step_name
-    from stepbot.sidecar.starter import starter_name
+    from stepbot.runtime.file import read_regular, write_file
+    from stepbot.sidecar.starter import description_starter, starter_name
 
     if target.suffix.lower() in SIDECAR_SUFFIXES:
         return target, ""
-    if not is_step_name(target.name):
-        raise click.UsageError("--edit needs a sidecar or a STEP file")
-    sidecar = target.with_name(starter_name(target))
+    of_step = is_step_name(target.name)
+    if not (of_step or is_description(target)):
+        raise click.UsageError("--edit needs a sidecar, a STEP file, a URDF, an SDFormat or an MJCF")
+    sidecar = target.with_name(starter_name(target) if of_step else f"{target.name.partition('.')[0]}.robot.yaml")
+    if not of_step and exists(sidecar) and target.name.encode() not in read_regular(sidecar):  # that of a STEP file
+        sidecar = target.with_name(f"{target.name}.robot.yaml")
     if exists(sidecar):
         return sidecar, ""
+    if not of_step:
+        if not exists(target):
+            report_missing(target, found)
+            return sidecar, ""
+        write_file(sidecar, description_starter(target).encode(), found)
+        return sidecar, f"wrote {printable(sidecar.as_posix())}, which changes {printable(target.name)}"
     with progress_bar(("draft",)) as progress:
         progress("draft")
         drafting = draft_step(target, options)

@@ -31,9 +31,25 @@ def test_a_step_file_is_drafted_once(tmp_path: Path) -> None:
 
 
 def test_other_files_cannot_be_edited(tmp_path: Path) -> None:
-    """A URDF has no sidecar."""
-    with pytest.raises(click.UsageError, match="needs a sidecar or a STEP file"):
-        _editable(tmp_path / "arm.urdf", Options(output=Path()), Diagnostics())
+    """A mesh is no robot."""
+    with pytest.raises(click.UsageError, match="needs a sidecar, a STEP file, a URDF"):
+        _editable(tmp_path / "arm.stl", Options(output=Path()), Diagnostics())
+
+
+def test_a_description_gets_a_sidecar_of_its_own(tmp_path: Path) -> None:
+    """It is written once, beside that of a STEP file of the same name, and not for a file that does not exist."""
+    urdf = tmp_path / "arm.urdf"
+    assert _editable(urdf, Options(output=Path()), missing := Diagnostics())[1] == ""
+    assert [one.code for one in missing] == ["SB001"]
+    assert list(tmp_path.iterdir()) == []
+    link = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    urdf.write_text(f'<robot name="arm"><link name="base">{link}</link></robot>', encoding="utf-8")
+    sidecar, said = _editable(urdf, Options(output=Path()), Diagnostics())
+    assert (sidecar, said.startswith("wrote ")) == (tmp_path / "arm.robot.yaml", True)
+    assert not check(sidecar, open_step=True, cache=False).diagnostics.has_errors
+    assert _editable(urdf, Options(output=Path()), Diagnostics()) == (sidecar, "")
+    sidecar.write_text("version: 1\nrobot: arm\nstep: arm.step\n", encoding="utf-8")
+    assert _editable(urdf, Options(output=Path()), Diagnostics())[0] == tmp_path / "arm.urdf.robot.yaml"
 
 
 def test_a_folder_without_write_permission_is_reported_first(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -129,11 +129,11 @@ FAULTS = {
         "SB160 17:45 variant 'bare_named': without: not a list of names"
     ),
     ("hand: {variant: strong}", "hand: {variant: string}"): "SB160 8:11 sidecar: no variant 'string'",
-    ("set: {joints: {lift:", "set: {joints: {lft:"): "SB160 5:52 module 'arm': set: no joint 'lft'",
+    ("set: {joints: {lift:", "set: {joints: {lft:"): "SB160 5:52 set: no joint 'lft' in 'arm.urdf'",
     ("set: {joints: {lift: {limits: ", "set: {links: {lift: {limits: "): (
-        "SB160 5:43 module 'arm': set: of a description, `set` can change `joints` alone"
+        "SB160 5:58 set: of a link of a description, `set` can change `inertial`, `collision`"
     ),
-    ("upper: 30 deg", "upper: 30 furlongs"): "SB160 5:68 module 'arm': set: joint 'lift': limits.upper: ",
+    ("upper: 30 deg", "upper: 30 furlongs"): "SB124 5:75 joint 'lift': limits.upper: unknown unit 'furlongs'",
     ("hand.robot.yaml, at", "hand.robot.yaml, set: {joints: {grap: {type: ball}}}, at"): (
         "SB160 6:48 set: no joint 'grap' in 'hand.robot.yaml'"
     ),

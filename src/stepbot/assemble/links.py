@@ -143,7 +143,7 @@ class Links:
         inertial = self._binder.document.links[name].inertial
         if inertial is not None and is_complete(inertial):
             given = ComponentMass("", inertial.mass, None, None, f"inertial of link '{name}'", "given")
-            return _overruled(MassProperties(), inertial), (given,)
+            return overruled(MassProperties(), inertial), (given,)
         weighed = [part for part in parts if part.index in self._masses]
         # If an `inertial` gives the total, parts without a density share it by volume.
         by_volume = inertial is not None and any(self._masses[part.index].mass is None for part in weighed)
@@ -156,7 +156,7 @@ class Links:
             return computed, masses
         factor = inertial.mass / computed.mass
         origin = f"inertial of link '{name}'"
-        return _overruled(computed.scaled(factor), inertial), tuple(
+        return overruled(computed.scaled(factor), inertial), tuple(
             replace(known, mass=mass * factor, density=None, origin=origin)
             for known, mass in zip(masses, bodies.mass.tolist(), strict=True)
         )
@@ -176,7 +176,7 @@ def is_complete(inertial: InertialSection) -> bool:
     return inertial.com is not None and inertial.inertia is not None
 
 
-def _overruled(computed: MassProperties, inertial: InertialSection) -> MassProperties:
+def overruled(computed: MassProperties, inertial: InertialSection) -> MassProperties:
     """Mass properties with the values of an ``inertial`` in place of computed ones."""
     com = computed.com if inertial.com is None else inertial.com
     given = inertial.inertia

@@ -6,9 +6,25 @@ import numpy as np
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Array, Vector3
+from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, MeshRef, Robot, Sphere
 
 _AROUND = 64
 """Number of vertices around an axis."""
+
+
+def mesh_of(geometry: Geometry, robot: Robot) -> TriMesh:
+    """The triangles of a shape of a robot."""
+    match geometry:
+        case MeshRef(name):
+            return robot.mesh_by_name[name].mesh
+        case Box(size):
+            return box_mesh(size)
+        case Cylinder(radius, length):
+            return cylinder_mesh(radius, length)
+        case Capsule(radius, length):
+            return capsule_mesh(radius, length)
+        case Sphere(radius):
+            return capsule_mesh(radius, 0.0)
 
 
 def box_mesh(size: Vector3) -> TriMesh:

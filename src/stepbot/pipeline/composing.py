@@ -1,13 +1,13 @@
 """The robot of a sidecar with modules: each file that it names, directly or through others, is read once."""
 
 import json
-from collections.abc import Iterable
 from collections.abc import Mapping as MappingType
 from contextlib import closing
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from stepbot.compose.changing import changed, with_names
 from stepbot.compose.joining import composed
 from stepbot.diagnostics import Diagnostics, Span, StepbotError, did_you_mean
 from stepbot.engines.observation import Request
@@ -25,7 +25,6 @@ from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.modules import ModuleSection
-from stepbot.sidecar.motion import LimitsSection, limits_from
 from stepbot.sidecar.own_part import own_part
 from stepbot.sidecar.starter import robot_name
 from stepbot.sidecar.tree import Mapping, way
@@ -51,6 +50,7 @@ _ALLOWED = 1e-9
 _OPEN_BASE = "SB874:base"
 """A description does not say whether its base is fixed; what it is attached to decides."""
 _NO_DENSITY = "SB522"
+_UNPORTABLE = "SB129"
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,7 +214,7 @@ class _Files:
             message = f"module '{name}': '{file}' contains itself: {ring}"
             found.add("SB150", message, span, help=["remove one of the modules"])
             return None
-        key = (resolved(path), section.variant or "", repr(section.set))
+        key = (resolved(path), section.variant or "", repr((section.rename, section.set)))
         if key not in self._robots:
             local, document = Diagnostics(), sidecar.document
             is_placed = bool(section.at) or "base" in document.model_fields_set
@@ -228,11 +228,15 @@ class _Files:
             note = f"module '{name}' of {span}"
             density = "write the density of its material: `set: {defaults: {density: 2700 kg/m^3}}`"
             folder = path.parent.as_posix() if file.startswith(LIBRARY) else ""
+            new_names = [former for names in section.rename.values() for former in names]
             for one in local:
-                if one.code != _OPEN_BASE or not is_placed:
+                is_settled = one.code == _UNPORTABLE and any(f"'{name}'" in one.message for name in new_names)
+                if not is_settled and (one.code != _OPEN_BASE or not is_placed):
                     place, help = one.span, one.help
                     if folder and place.file.startswith(folder):  # the same text on every machine
                         place = place._replace(file=LIBRARY + place.file.removeprefix(folder).removeprefix("/"))
+                    if one.code == _OPEN_BASE:
+                        help = ("write `base: fixed` or `base: floating`",)
                     if one.code == _NO_DENSITY and is_step_name(path.name):  # there is no sidecar to write it into
                         place, help = span, (density,)
                     found.add(one.code, one.message, place, help=help, notes=(*one.notes, note))
@@ -241,6 +245,7 @@ class _Files:
 
     def _robot(self, path: Path, changes: "_Changes", chain: tuple[Path, ...], found: Diagnostics) -> Robot:
         self._note(path)
+        changes.reject_unfit(path, found)
         if is_step_name(path.name):
             return self._from_step(changes.of_step(path, found), path, found)
         if is_description(path):
@@ -248,7 +253,7 @@ class _Files:
 
             robot, files = robot_of_file(path, self._options, found)
             self._note(*files)
-            return changes.of_description(robot, path, found)
+            return changes.of_description(robot, path, self._options, found)
         self._note(lock_path(path, changes.variant))
         options = self._options._replace(ignore=(), step=None, variant=changes.variant)
         sidecar = load(path, options, found, changes=changes.tree)
@@ -300,7 +305,6 @@ class _Changes:
 
     def of_step(self, step: Path, found: Diagnostics) -> Sidecar:
         """The sidecar of a STEP file without one: all of its parts are one link."""
-        self._reject_variant(step, found)
         text = json.dumps(
             {
                 "version": VERSION,
@@ -318,42 +322,25 @@ class _Changes:
         nothing = Mapping(Span(step.as_posix()), {}, 1, 1)
         return replace(made, root=nothing if self.tree is None else merged(nothing, self.tree))
 
-    def of_description(self, robot: Robot, path: Path, found: Diagnostics) -> Robot:
-        """The robot of a URDF, SDFormat or MJCF with other limits; SB160 for any other change."""
-        self._reject_variant(path, found)
-        limits: dict[str, dict[str, float]] = {}
-        for section, joints in self._sidecar.document.modules[self._module].set.items():
-            for name, settings in joints.items() if section == "joints" and isinstance(joints, dict) else ():
-                if name not in robot.joint_by_name:
-                    self._unknown(("joints", name), f"no joint '{name}'", robot.joint_by_name, found)
-                elif isinstance(settings, dict) and set(settings) == {"limits"}:
-                    limits[name] = self._limits(name, settings["limits"], found)
-                else:
-                    self._unknown(("joints", name), "of a description, `set` can change `limits` alone", (), found)
-            if section != "joints" or not isinstance(joints, dict):
-                self._unknown((section,), "of a description, `set` can change `joints` alone", (), found)
-        found.raise_if_errors()
-        joints_ = tuple(replace(j, limit=replace(j.limit, **limits.get(j.name, {}))) for j in robot.joints)
-        return replace(robot, joints=joints_)
+    def of_description(self, robot: Robot, path: Path, options: Options, found: Diagnostics) -> Robot:
+        """The robot of a URDF, SDFormat or MJCF with its new names and changed values."""
+        section = self._sidecar.document.modules[self._module]
+        robot = with_names(robot, section.rename, self._module, self._sidecar, found)
+        if self.tree is None:
+            return robot
+        place = self._sidecar.key_span("modules", self._module, "set")
+        limits = (options.memory_limit, options.timeout)
+        return changed(robot, self.tree, path, place, limits=limits, found=found)
 
-    def _limits(self, joint: str, given: object, found: Diagnostics) -> dict[str, float]:
-        try:
-            section = limits_from(given)
-        except ValueError as error:
-            keys = ("joints", joint, "limits", str(error).partition(":")[0])
-            self._unknown(keys, f"joint '{joint}': limits.{error}", (), found)
-            return {}
-        values = {name: getattr(section, name) for name in LimitsSection.model_fields}
-        return {name: value.value for name, value in values.items() if value is not None}
-
-    def _reject_variant(self, path: Path, found: Diagnostics) -> None:
-        if self.variant:
+    def reject_unfit(self, path: Path, found: Diagnostics) -> None:
+        """Report changes that a file of its kind cannot have."""
+        module = self._sidecar.document.modules[self._module]
+        if module.rename and not is_description(path):
+            message = f"module '{self._module}': rename: '{path.name}' is not a URDF, SDFormat or MJCF"
+            place = self._sidecar.key_span("modules", self._module, "rename")
+            found.add("SB160", message, place, help=["rename its elements in its sidecar"])
+            found.raise_if_errors()
+        if self.variant and (is_description(path) or is_step_name(path.name)):
             message = f"module '{self._module}': variant: '{path.name}' is no sidecar and has no variants"
             found.add("SB160", message, self._sidecar.span("modules", self._module, "variant"))
             found.raise_if_errors()
-
-    def _unknown(self, keys: tuple[str | int, ...], what: str, known: Iterable[str], found: Diagnostics) -> None:
-        names = list(known)
-        help = did_you_mean(str(keys[-1]), names) or ((f"known: {', '.join(names[:6])}",) if names else ())
-        place = self._sidecar.key_span("modules", self._module, "set", *keys)
-        found.add("SB160", f"module '{self._module}': set: {what}", place, help=help)

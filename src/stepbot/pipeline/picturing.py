@@ -8,13 +8,12 @@ from pathlib import Path
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Array, Pose, Vector3, vector3
 from stepbot.pictures.marks import distinct_color
-from stepbot.pictures.primitives import box_mesh, capsule_mesh, cylinder_mesh
+from stepbot.pictures.primitives import mesh_of
 from stepbot.pictures.scene import Axis, Shape, Subject, exploded
 from stepbot.robot.kinematics import Configuration, link_poses
-from stepbot.robot.model import GREY, Box, Capsule, Cylinder, Geometry, JointKind, MeshRef, Rgba, Robot, Sphere
+from stepbot.robot.model import GREY, JointKind, Rgba, Robot
 from stepbot.robot.posing import NotReached, posed
 from stepbot.robot.step_names import is_step_name
 from stepbot.step.assembly import Assembly, Body, Component
@@ -95,25 +94,11 @@ def robot_subject(robot: Robot, q: Configuration) -> Subject:
     """
     poses = link_poses(robot, q)
     shapes = [
-        Shape(_mesh(visual.geometry, robot), poses[link.name] @ visual.X_LG, _rgb(visual.rgba), owner)
+        Shape(mesh_of(visual.geometry, robot), poses[link.name] @ visual.X_LG, _rgb(visual.rgba), owner)
         for owner, link in enumerate(robot.links)
         for visual in link.visuals
     ]
     return Subject(tuple(shapes), tuple(link.name for link in robot.links), tuple(_axes(robot, poses)))
-
-
-def _mesh(geometry: Geometry, robot: Robot) -> TriMesh:
-    match geometry:
-        case MeshRef(name):
-            return robot.mesh_by_name[name].mesh
-        case Box(size):
-            return box_mesh(size)
-        case Cylinder(radius, length):
-            return cylinder_mesh(radius, length)
-        case Capsule(radius, length):
-            return capsule_mesh(radius, length)
-        case Sphere(radius):
-            return capsule_mesh(radius, 0.0)
 
 
 def _axes(robot: Robot, poses: Mapping[str, Pose]) -> Iterator[Axis]:

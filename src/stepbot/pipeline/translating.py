@@ -206,7 +206,7 @@ def _report_names(robot: Robot, span: Span, found: Diagnostics) -> None:
         kind = section.removesuffix("s")
         for name in (one.name for one in members):
             if (portable := portable_name(name, kind)) != name:
-                help = [f"rename it to '{portable}' in the source"]
+                help = [f"rename it to '{portable}' in the source, or by `rename` in a sidecar: `stepbot view --edit`"]
                 found.add("SB129", f"{kind} '{name}': {UNPORTABLE}", span, help=help)
 
 

@@ -2,6 +2,7 @@
 
 from collections import defaultdict
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 from stepbot.draft.text.densities import typical_densities
@@ -12,6 +13,7 @@ from stepbot.sidecar.schema import json_schema
 from stepbot.sidecar.subjects import SECTIONS
 from stepbot.sidecar.tree import Keys, Listing, Mapping, Scalar, Tree, last_line, plain_data
 
+from .described import Edited
 from .questions import Json
 
 _PLACEHOLDERS = ("SB463", "SB522")
@@ -21,14 +23,16 @@ _PLACES = {"root": 1, "base": 1, "links": 3, "joints": 4, "closures": 4, "actuat
 _LATER = 7
 
 
-def written(sidecar: Sidecar, scene: Json) -> Json:
-    """``{data, lines, places, decisions}``: values, text, first and last line of keys, what is left to decide."""
+def written(view: Edited, scene: Json) -> Json:
+    """``{data, lines, places, decisions, described}``: values, text, lines of keys, what is left to decide, source."""
+    sidecar = replace(view.sidecar, root=view.own)
     places = [(list(keys), first, last) for keys, first, last in _places(sidecar.root)]
     return {
-        "data": plain_data(sidecar.root),
+        "data": plain_data(view.sidecar.root),
         "lines": sidecar.text.split("\n"),
         "places": places,
         "decisions": decisions(sidecar, scene),
+        "described": view.source,
     }
 
 

@@ -13,11 +13,13 @@ from typing import Any
 from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.scenes import Shown, show_text
+from stepbot.robot.model import Robot
 from stepbot.runtime.file import read_regular, write_file
 from stepbot.sidecar.editing import CannotEdit, edited
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
 
+from .described import Edited, edited_view, in_file, require_fit
 from .edits import changes_of
 from .local_server import Refused
 
@@ -34,13 +36,20 @@ class _Step:
 class Editor:
     """The edits of one sidecar."""
 
-    def __init__(self, sidecar: Path, options: Options, show: Callable[[Shown], None]) -> None:
+    def __init__(
+        self,
+        sidecar: Path,
+        options: Options,
+        show: Callable[[Shown], None],
+        robot: Callable[[], Robot | None] = lambda: None,
+    ) -> None:
         """Edit a sidecar.
 
         Args:
             show: Shows what was written.
+            robot: The robot that is shown.
         """
-        self._sidecar, self._options, self._show = sidecar, options, show
+        self._sidecar, self._options, self._show, self._robot = sidecar, options, show, robot
         self.lock = Lock()
         """Held while the file is read, changed and written."""
         self._done: list[_Step] = []
@@ -56,7 +65,11 @@ class Editor:
             before = self._content()
             text, newline = _lines(before)
             try:
-                changed = edited(text, changes_of(self._parsed(text), question))
+                actual = self._parsed(text)
+                view = edited_view(actual, self._robot())
+                require_fit(view, question)
+                changes = in_file(actual, view, changes_of(view.sidecar, question), question)
+                changed = edited(text, changes)
             except CannotEdit as error:
                 raise Refused(str(error)) from error
             mark = _BYTE_ORDER_MARK if before.startswith(_BYTE_ORDER_MARK) else b""
@@ -84,13 +97,13 @@ class Editor:
         """
         return self._move(self._undone, self._done, back=False)
 
-    def sidecar(self) -> Sidecar:
-        """The sidecar as it is now.
+    def sidecar(self) -> Edited:
+        """The sidecar as it is now, as the page edits it.
 
         Raises:
             Refused: It has errors.
         """
-        return self._parsed(_lines(self._content())[0])
+        return edited_view(self._parsed(_lines(self._content())[0]), self._robot())
 
     def state(self) -> Json:
         """Numbers of steps that can be undone and redone."""

@@ -6,6 +6,7 @@ from stepbot.robot.joint_types import JointKind, kinds_with
 from stepbot.sidecar.draft_comments import drafted_stops, mirrored_stops, without_reviews, without_stops
 from stepbot.sidecar.editing import Annotate, Change, Put, Remove
 from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.text import file_name
 from stepbot.sidecar.tree import plain_data
 
 from .local_server import Refused
@@ -58,7 +59,12 @@ def change_type(sidecar: Sidecar, question: Json) -> list[Change]:
     place, written = ("joints", name), _written(sidecar, "joints", name)
     changes: list[Change] = [Put((*place, "type"), kind)]
     bounds = written.get("limits")
-    others = [key for key in bounds if key not in _BOUNDS] if isinstance(bounds, dict) else []
+    # Limits of a description stay with its type, and give way to another one.
+    others = (
+        [key for key in bounds if key not in _BOUNDS and _is_own(sidecar, name, key)]
+        if isinstance(bounds, dict)
+        else []
+    )
     if others and not {kind, former} <= set(_TURNING):
         raise Refused(f"`{others[0]}` of '{name}' does not fit type {kind}; remove it in the sidecar first")
     if others and isinstance(bounds, dict):
@@ -131,6 +137,11 @@ def _written(sidecar: Sidecar, section: str, name: str) -> Json:
     """The values of a joint or closure as the file has them."""
     found: Json = plain_data(sidecar.root)[section][name]
     return found
+
+
+def _is_own(sidecar: Sidecar, joint: str, limit: str) -> bool:
+    """Whether a limit is in the file itself."""
+    return sidecar.span("joints", joint, "limits", limit).file == file_name(sidecar.path)
 
 
 def _negated(value: Any) -> Any:

@@ -70,7 +70,9 @@ class Session:
             "contacts": lambda question: self._contacts.answer(self._shown, question),
         }
         if edits:
-            self._editor = Editor(target, options, self._edited)
+            self._editor = Editor(
+                target, options, self._edited, lambda: None if self._shown is None else self._shown.robot
+            )
             editor = self._editor
             answers |= {
                 "edit": lambda question: self._revised(editor.edit(question)),
@@ -80,7 +82,7 @@ class Session:
                 "convert": lambda question: self._convert(),
                 "written": lambda question: self._written(editor),
                 "vocabulary": lambda question: vocabulary(),
-                "lines": lambda question: axes_of_joint(self._shown, editor.sidecar(), question),
+                "lines": lambda question: axes_of_joint(self._shown, editor.sidecar().sidecar, question),
             }
         self.server = LocalServer(self._page, lambda: self._scene, answers, port, lambda: self._made)
 

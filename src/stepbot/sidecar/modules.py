@@ -38,5 +38,9 @@ class ModuleSection(Section):
     """Links of its own file to leave out with everything below them, and joints, frames, actuators, sensors."""
     variant: Name | None = None
     """One of the variants of its own file."""
+    rename: dict[Literal["links", "joints", "closures", "frames", "actuators", "sensors"], dict[Name, Name]] = Field(
+        default_factory=dict
+    )
+    """New names for elements of a URDF, SDFormat or MJCF, by section; everything else here uses them."""
     set: dict[str, Any] = Field(default_factory=dict)
     """Values to change in its own file, under the keys that they have there."""

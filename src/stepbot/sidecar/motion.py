@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Tag, ValidationError
+from pydantic import Discriminator, Tag
 
 from .quantities import (
     JointAcceleration,
@@ -38,19 +38,6 @@ class LimitsSection(Section):
     """Maximum deceleration [rad/s^2 or m/s^2], if it is not that of `acceleration`."""
     jerk: JointJerk | None = None
     """Maximum rate of change of the acceleration [rad/s^3 or m/s^3], for URDF 1.2 and MoveIt."""
-
-
-def limits_from(values: object) -> LimitsSection:
-    """The limits in plain values, as a sidecar has them.
-
-    Raises:
-        ValueError: A key or a value is wrong; the text begins with the key.
-    """
-    try:
-        return LimitsSection.model_validate(values)
-    except ValidationError as error:
-        first = error.errors()[0]
-        raise ValueError(f"{'.'.join(map(str, first['loc'][:1]))}: {first['msg']}") from None
 
 
 def _limits_form(value: Any) -> str:

@@ -16,6 +16,13 @@ def starter_name(step: Path) -> str:
     return f"{step_stem(step.name)}.robot.yaml"
 
 
+def description_starter(description: Path) -> str:
+    """The text of a sidecar that changes a description, which stays as it is."""
+    name = robot_name(description.name.partition(".")[0])
+    lines = ("version: 1", f"robot: {scalar(name)}", "modules:", f"  {scalar(name)}:")
+    return "\n".join((*lines, f"    file: {scalar(description.name)}", '    prefix: ""', ""))
+
+
 def robot_name(stem: str) -> str:
     """The name with invalid characters replaced."""
     return re.sub(r"[\s/<>&\"'\\:*?|.\x00-\x1f\x7f]+", "_", stem).strip("_")[:100] or "robot"

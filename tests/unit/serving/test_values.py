@@ -12,6 +12,7 @@ from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.scenes import show_text
 from stepbot.runtime.cache import Cache
 from stepbot.serving.decisions import decisions, written
+from stepbot.serving.described import Edited
 from stepbot.serving.edits import changes_of
 from stepbot.serving.local_server import Refused
 from stepbot.sidecar.editing import CannotEdit, edited
@@ -188,7 +189,7 @@ def test_what_is_left_to_decide() -> None:
         ("review", [["defaults"]]),
         ("finding", [["links", "hand"]]),
     ]
-    shown = written(sidecar, scene)
+    shown = written(Edited(sidecar, sidecar.root), scene)
     assert [first for keys, first, _ in shown["places"] if keys == ["joints", "elbow"]] == [16]
     assert shown["data"]["joints"]["elbow"]["limits"] == "todo"
 

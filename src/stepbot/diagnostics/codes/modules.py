@@ -48,7 +48,7 @@ CODES = (
         "SB160",
         "error",
         "change of a module cannot be applied",
-        "`home`, `without`, `flip`, `set` or a variant names an element or a variant that the file does not "
+        "`home`, `without`, `flip`, `rename`, `set` or a variant names an element, key or variant that the file does not "
         "have; `without` removes the leader of a mimic; a variant is like itself; or `home` moves a mimic, "
         "leaves the limits of a joint, or opens a loop.",
         "Choose one of the listed names, which are those of the module's own file, without prefix. Leave out "

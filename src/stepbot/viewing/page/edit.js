@@ -29,7 +29,7 @@ function linkTools(selection) {
 
 function linkActs(link) {
   const joint = () => state.scene.connections.find(({ closes, child }) => !closes && child === link())?.name;
-  if (!joint()) return null;
+  if (!joint() || state.written?.described) return null;
   const merge = button("merge into its parent", () => edit("merge", () => ({ joint: joint() })));
   const root = button("make it the root", () => edit("root", () => ({ link: link() })));
   Object.assign(merge.dataset, { edit: "merge" });

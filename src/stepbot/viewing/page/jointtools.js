@@ -48,6 +48,7 @@ function jointPanel(first) {
       Object.assign(made, { one, selection });
       for (const { update } of [...fields, axis]) update();
       flip.hidden = !one.axis;
+      remove.hidden = Boolean(state.written?.described);
       confirm.hidden = !one.doubt;
       confirm.textContent = one.axis ? "axis is right" : "reviewed";
       const joint = one.coordinates.length === 1 ? state.tree.joints[state.tree.column.get(one.coordinates[0])] : null;

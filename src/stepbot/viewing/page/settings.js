@@ -154,6 +154,7 @@ export function adding(section, given = {}, done = () => {}) {
 // --- the robot as a whole ---
 
 const ELSEWHERE = ["version", "step", "links", "joints", "closures", "modules", "variants", "answers", "motors"];
+const OF_STEP = ["root", "materials", "defaults", "parts", "mass", "step_density", "step_encoding"]; // a description has no parts
 
 export function robotPanel() {
   const section = element("section");
@@ -163,7 +164,7 @@ export function robotPanel() {
   let parts = [];
   state.listen((what) => {
     if (what !== "written") return;
-    const keys = Object.keys(state.vocabulary.schema.properties).filter((key) => !ELSEWHERE.includes(key));
+    const keys = Object.keys(state.vocabulary.schema.properties).filter((key) => !ELSEWHERE.includes(key) && !(state.written.described && OF_STEP.includes(key)));
     const named = keys.filter((key) => !mappingOf(schemaAt([key])) && schemaAt([key]).additionalProperties);
     const now = JSON.stringify(named.map((key) => Object.keys(valueAt([key]) ?? {})));
     if (now !== shape) {
@@ -213,13 +214,14 @@ let current = { about: "", nodes: [], update() {} };
 export function selectedSheets(selection) {
   if (!state.written) return [];
   const wanted = selection.connection ? ofConnection(selection) : selection.component ? ofPart(selection) : [[["links", selection.link], ["parts"]]];
+  const place = state.written.described ? `{xyz: [0, 0, 0], relative_to: ${flow(selection.link)}}` : selection.face?.origin;
   const about = JSON.stringify(wanted);
   if (current.about !== about) {
     const sheets = wanted.map(([keys, except, words]) => {
       const { node, update } = sheet(keys, except);
       return { update, node: element("details", { "data-group": `selected ${keys[0]}`, open: keys[0] === "parts" || keys[0] === "actuators" }, element("summary", {}, words ?? "all settings"), node) };
     });
-    const more = selection.connection ? newActuator(selection, wanted) : selection.component ? [...ruleChoice(selection), ...sheets.map(({ node }) => node), adding("frames", { link: selection.link, name: state.free("frame"), origin: selection.face?.origin })] : [];
+    const more = selection.connection ? newActuator(selection, wanted) : selection.component ? [...ruleChoice(selection), ...sheets.map(({ node }) => node), frame(selection, place)] : place ? [frame(selection, place)] : [];
     current = {
       about,
       nodes: selection.component ? more : [...sheets.map(({ node }) => node), ...more],
@@ -229,6 +231,8 @@ export function selectedSheets(selection) {
   current.update();
   return current.nodes;
 }
+
+const frame = ({ link }, origin) => adding("frames", { link, name: state.free("frame"), origin });
 
 function ofConnection(selection) {
   const one = state.find(selection);
