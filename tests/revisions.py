@@ -203,12 +203,13 @@ def lock(sidecar: Path) -> None:
     from stepbot.diagnostics import Diagnostics
     from stepbot.pipeline.conversion import Options
     from stepbot.pipeline.locking import make_lock
+    from stepbot.revisions.lock_file import lock_bytes
     from stepbot.revisions.lock_path import lock_path
 
     found = Diagnostics()
     made = make_lock(sidecar, Options(output=Path()), found)
     assert made is not None, list(map(str, found))
-    lock_path(sidecar).write_bytes(made.content)
+    lock_path(sidecar).write_bytes(lock_bytes(made))
 
 
 def write_locked_lever(folder: Path = Path(), sidecar: str = LEVER) -> Revision:

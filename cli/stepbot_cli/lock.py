@@ -50,6 +50,7 @@ def command(
     """
     from stepbot.jobs.discovery import find_sidecars
     from stepbot.pipeline.locking import make_lock
+    from stepbot.revisions.lock_file import lock_bytes
     from stepbot.revisions.lock_path import lock_path
     from stepbot.runtime.file import write_file
 
@@ -64,9 +65,9 @@ def command(
             of_one = Diagnostics()
             locked = make_lock(sidecar, options, of_one)
             if locked is not None:
-                write_file(lock_path(sidecar, options.variant), locked.content, of_one)
+                write_file(lock_path(sidecar, options.variant), lock_bytes(locked), of_one)
             if locked is not None and not of_one.has_errors:
-                written[lock_path(sidecar, options.variant)] = locked.snapshot
+                written[lock_path(sidecar, options.variant)] = locked
             # `check --step` and `convert` report the rest
             found.extend(one for one in of_one if one.severity == "error")
     say_trouble(options.cache, found)

@@ -64,27 +64,21 @@ def is_merged(link: str, document: Document) -> bool:
     return isinstance(document.links[link].collision, MergedCollision)
 
 
-@dataclass(frozen=True)
-class GivenBudgets:
-    """The budgets of one `collision` in the sidecar."""
+def useless_budgets(document: Document) -> list[tuple[tuple[str, ...], CollisionShape, list[str]]]:
+    """Keys of the section, shape, and budgets that do not apply to it, of every `collision`.
 
-    shape: CollisionShape
-    useless_budgets: tuple[str, ...]
-    """Keys of those that do not apply to the shape."""
-
-
-def given_budgets(document: Document) -> list[tuple[tuple[str, ...], GivenBudgets]]:
-    """Every `collision` with budgets, and the keys of its section. A budget in ``defaults`` is for any rule."""
+    A budget in ``defaults`` is for any rule.
+    """
     places: list[tuple[tuple[str, ...], object]] = [
         *((("parts", name), rule.collision) for name, rule in document.parts.items()),
         *((("links", name), link.collision) for name, link in document.links.items()),
     ]
-    return [(place, _budgets(given)) for place, given in places if isinstance(given, CollisionSettings)]
+    return [(place, given.shape, _useless(given)) for place, given in places if isinstance(given, CollisionSettings)]
 
 
-def _budgets(given: CollisionSettings) -> GivenBudgets:
+def _useless(given: CollisionSettings) -> list[str]:
     allowed = {"max_hulls", "max_vertices"} if given.shape in DECOMPOSED else set()
     if given.shape is CollisionShape.HULL:
         allowed = {"max_vertices"}
-    set_here = [name for name in ("max_hulls", "max_vertices") if getattr(given, name) is not None]
-    return GivenBudgets(given.shape, tuple(name for name in set_here if name not in allowed))
+    budgets = ("max_hulls", "max_vertices")
+    return [name for name in budgets if getattr(given, name) is not None and name not in allowed]

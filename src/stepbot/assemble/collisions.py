@@ -29,7 +29,7 @@ from stepbot.step.structure.paths import quoted
 
 from .assets import MeshAssets
 from .binder import Binder, listed
-from .collision_rules import CollisionRule, given_budgets, is_merged, link_rule, part_rule
+from .collision_rules import CollisionRule, is_merged, link_rule, part_rule, useless_budgets
 from .fitted_collisions import FittedCollisions, joined_part, joined_parts
 from .material_assignment import MaterialAssignment
 
@@ -102,11 +102,11 @@ class Collisions:
 
     def report_budgets(self) -> None:
         """Report settings without effect (SB608), and links whose pieces are coarse because of budgets (SB609)."""
-        for place, rule in given_budgets(self._binder.document):
-            if useless := rule.useless_budgets:
+        for place, shape, useless in useless_budgets(self._binder.document):
+            if useless:
                 what = " and ".join(f"`{name}`" for name in useless)
                 have = "has" if len(useless) == 1 else "have"
-                message = f"{what} {have} no effect on `{rule.shape.value}`"
+                message = f"{what} {have} no effect on `{shape.value}`"
                 help = ("remove it, or set `shape: auto`",)
                 self._binder.report("SB608", (*place, "collision"), message, help=help)
         for link in self._untouched:

@@ -13,8 +13,7 @@ import numpy as np
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.mesh_worker import report_death
 from stepbot.geometry.solids.collision_sets import CollisionSet, Wanted, collision_sets
-from stepbot.geometry.solids.convex_pieces import Bore
-from stepbot.geometry.solids.primitive_fits import Shaft
+from stepbot.geometry.solids.primitive_fits import RoundFace
 from stepbot.geometry.solids.unions import PlacedSolid
 from stepbot.geometry.spatial import IDENTITY, Pose, tidy
 from stepbot.report.robot import MeasuredBody
@@ -169,8 +168,8 @@ def _wanted(assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody], 
     return Wanted(
         tuple(solids),
         missing_volume(components, bodies),
-        tuple(Shaft(np.array(face.point), np.array(face.direction), face.radius) for face in shafts[:_SHAFTS]),
-        tuple(Bore(np.array(face.point), np.array(face.direction), face.radius) for face in faces if face.bore),
+        tuple(RoundFace(np.array(face.point), np.array(face.direction), face.radius) for face in shafts[:_SHAFTS]),
+        tuple(RoundFace(np.array(face.point), np.array(face.direction), face.radius) for face in faces if face.bore),
         rule.shape is CollisionShape.AUTO,
         rule.filled,
         rule.max_hulls,

@@ -5,7 +5,7 @@ is cached. For new geometry a worker process can search while this process conti
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,12 +26,8 @@ _DECIMALS = 8
 """Decimals of relative poses [m] that are compared."""
 
 
-@dataclass(frozen=True)
-class FoundOverlaps:
-    """The overlaps of a robot."""
-
-    by_link: Mapping[str, Overlaps]
-    """For every link, in order."""
+_OfLinks = dict[str, Overlaps]
+"""The overlaps of every link, in order."""
 
 
 class OverlapSearch:
@@ -61,7 +57,7 @@ class OverlapSearch:
         # components without triangles are reported as SB601
         seen = {index for index, body in bodies.items() if len(body.mesh.faces)}
         weighed = {link: [index for index in indices if index in seen] for link, indices in parts.items()}
-        self._results = TypedCache(cache, FoundOverlaps)
+        self._results = TypedCache[_OfLinks](cache, _OfLinks)
         self._key = _key(assembly, weighed, masses, max_faces) if cache is not None else ""
         self._known = self._results.get(self._key) if self._key else None
         self._process: Worker | None = None
@@ -77,10 +73,10 @@ class OverlapSearch:
             WorkerDied: The process ended without a result, or took longer than ``timeout`` [s].
         """
         if self._known is None:
-            found = overlaps_of(self._search) if self._process is None else self._process.result(timeout)
-            self._known = FoundOverlaps(found)
+            self._known = overlaps_of(self._search) if self._process is None else self._process.result(timeout)
+            assert self._known is not None
             self._results.put(self._key, self._known)
-        return self._known.by_link
+        return self._known
 
 
 def _key(
@@ -105,11 +101,11 @@ def _key(
 def _search(
     assembly: Assembly, weighed: Mapping[str, Sequence[int]], masses: Mapping[int, ComponentMass], max_faces: int
 ) -> Search:
-    groups: dict[bytes, _Collected] = {}
+    groups: dict[bytes, tuple[Group, list[Candidate]]] = {}
     for link, indices in weighed.items():
         if len(indices) > 1:
             _collect(assembly, link, indices, masses, groups)
-    collected = tuple(Group(one.bodies, one.X_AB, one.smaller, tuple(one.candidates)) for one in groups.values())
+    collected = tuple(replace(group, candidates=tuple(candidates)) for group, candidates in groups.values())
     bodies = dict.fromkeys(body for group in collected for body in group.bodies)
     first = dict.fromkeys(candidate.first for group in collected for candidate in group.candidates)
     return Search(
@@ -121,22 +117,12 @@ def _search(
     )
 
 
-@dataclass(eq=False)
-class _Collected:
-    """A group under construction."""
-
-    bodies: tuple[int, int]
-    X_AB: Pose
-    smaller: float
-    candidates: list[Candidate] = field(default_factory=list)
-
-
 def _collect(
     assembly: Assembly,
     link: str,
     indices: Sequence[int],
     masses: Mapping[int, ComponentMass],
-    groups: dict[bytes, _Collected],
+    groups: dict[bytes, tuple[Group, list[Candidate]]],
 ) -> None:
     """Sort the pairs of a link with overlapping boxes into groups."""
     bodies = np.array([assembly.components[index].body for index in indices])
@@ -162,8 +148,7 @@ def _collect(
     keys = np.column_stack([bodies[a], bodies[b], R_AB.reshape(-1, 9).round(_DECIMALS), p_AB.round(_DECIMALS)]) + 0.0
     for k, key in enumerate(map(bytes, keys)):
         if key not in groups:
-            groups[key] = _Collected(
-                (int(bodies[a[k]]), int(bodies[b[k]])), Pose.of(R_AB[k], p_AB[k]), float(smaller[k])
-            )
+            both = int(bodies[a[k]]), int(bodies[b[k]])
+            groups[key] = Group(both, Pose.of(R_AB[k], p_AB[k]), float(smaller[k]), ()), []
         pair = Candidate(link, indices[a[k]], indices[b[k]], float(twice[k]), float(most[k]))
-        groups[key].candidates.append(pair)
+        groups[key][1].append(pair)

@@ -35,7 +35,7 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
         from .locking import compared_with_lock
 
         compared = compared_with_lock(sidecar, assembly, measures, loading.content, options, found)
-        revised = UNREVISED if compared is None else compared.rebinding.revised
+        revised = UNREVISED if compared is None else compared.revised
     process, timeout = loading.mesh_worker, options.timeout
     built = build_robot(assembly, sidecar, measures, found, options.cache, process, revised, timeout)
     if built is None:

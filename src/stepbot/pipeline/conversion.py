@@ -166,14 +166,14 @@ def _report_others(files: Mapping[str, bytes], output: Path, found: Diagnostics)
     """
     from stepbot.runtime.output import beside
 
-    others = beside(files, output)
-    if others.robots and REPORT in files and exists(output / REPORT):
-        names = ", ".join(f"'{name}'" for name in others.robots)
+    robots, earlier = beside(files, output)
+    if robots and REPORT in files and exists(output / REPORT):
+        names = ", ".join(f"'{name}'" for name in robots)
         message = f"the folder has files of {names}, too, and {REPORT} is of one robot"
         help = "convert each robot into a folder of its own: `-o FOLDER`"
         found.add("SB022", message, Span((output / REPORT).as_posix()), help=(help,))
-    if others.files:
-        names = ", ".join(f"'{name}'" for name in others.files)
+    if earlier:
+        names = ", ".join(f"'{name}'" for name in earlier)
         help = "convert without `-f`, remove the files, or choose another folder: `-o FOLDER`"
         message = f"{names}: from an earlier conversion, not written again"
         found.add("SB023", message, Span(output.as_posix()), help=(help,))

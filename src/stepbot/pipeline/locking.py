@@ -59,17 +59,8 @@ def compared_with_lock(
     return compared
 
 
-@dataclass(frozen=True)
-class Locked:
-    """A lock and its snapshot."""
-
-    content: bytes
-    """The file."""
-    snapshot: Snapshot
-
-
-def make_lock(sidecar: Path, options: Options, found: Diagnostics) -> Locked | None:
-    """The lock of a sidecar and its STEP; None if the robot has errors, all of which are in ``found``."""
+def make_lock(sidecar: Path, options: Options, found: Diagnostics) -> Snapshot | None:
+    """The content of the lock of a sidecar and its STEP; None if the robot has errors, which are in ``found``."""
     try:
         loaded = own_part(load(sidecar, options, found))
         step = options.step or named_step(loaded, found)
@@ -85,8 +76,7 @@ def make_lock(sidecar: Path, options: Options, found: Diagnostics) -> Locked | N
     if not taken.digest:
         found.add("SB001", "the file changed while it was read", loaded.span("step"), help=["run the command again"])
         return None
-    whole = with_sidecar(taken, assembly, loaded.document, bind(assembly, loaded, measures()))
-    return Locked(lock_bytes(whole), whole)
+    return with_sidecar(taken, assembly, loaded.document, bind(assembly, loaded, measures()))
 
 
 @dataclass(frozen=True)

@@ -28,27 +28,12 @@ _UNNAMED = re.compile(r"body(#\d+)?")
 """Segments of paths that stepbot made for bodies without names."""
 
 
-@dataclass(frozen=True)
-class BuiltRobot:
-    """The robot of a sidecar."""
-
-    diagnostics: Diagnostics
-    robot: Robot | None
-    """None after errors."""
-
-
-def robot_of(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> BuiltRobot:
-    """The robot that a sidecar describes, without writing or verifying files."""
-    conversion = produce(sidecar, options._replace(formats=(), verify=False), progress)
-    return BuiltRobot(conversion.diagnostics, conversion.robot)
-
-
 def robot_to_draw(
     target: Path, options: Options, found: Diagnostics, progress: Callable[[str], None] = lambda stage: None
 ) -> Robot | None:
     """The robot of a sidecar, or of a URDF, SDFormat or MJCF; None after errors."""
     if target.suffix.lower() in SIDECAR_SUFFIXES:
-        built = robot_of(target, options, progress)
+        built = produce(target, options._replace(formats=(), verify=False), progress)
         found.extend(built.diagnostics)
         return built.robot
     progress("read")

@@ -57,16 +57,10 @@ class BrokenPath:
         return nodes.pop() if len(self.old) == len(self.new) and len(nodes) == 1 else None
 
 
-@dataclass(frozen=True)
-class Rebinding:
-    """All broken paths of a sidecar, and their replacements."""
-
-    broken: tuple[BrokenPath, ...]
-    revised: Revised
-
-
-def rebind(old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly, document: Document) -> Rebinding:
-    """Find the paths that a revision has broken.
+def rebind(
+    old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly, document: Document
+) -> tuple[tuple[BrokenPath, ...], Revised]:
+    """All paths of a sidecar that a revision has broken, and their replacements.
 
     Args:
         new: The parts of the assembly.
@@ -83,13 +77,8 @@ def rebind(old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly, doc
         if pattern in locked and (found := binding.broken(pattern, tuple(several), locked[pattern])) is not None
     ]
     components = part_components(assembly)
-    return Rebinding(
-        tuple(broken),
-        Revised(
-            {one.pattern: binding.indices(one.new) for one in broken},
-            frozenset(components[index].index for index in matched.added),
-        ),
-    )
+    added = frozenset(components[index].index for index in matched.added)
+    return tuple(broken), Revised({one.pattern: binding.indices(one.new) for one in broken}, added)
 
 
 class _Binding:

@@ -27,7 +27,7 @@ def report_broken(compared: Comparison, found: Diagnostics) -> None:
 
     Paths broken by the renaming of a subassembly are one diagnostic.
     """
-    for group in _grouped(compared.rebinding.broken):
+    for group in _grouped(compared.broken):
         broken = group[0]
         report = {
             Fate.RENAMED: _renamed,
@@ -144,11 +144,7 @@ def _span(compared: Comparison, place: PathPlace) -> Span:
 
 def certain_renamings(compared: Comparison) -> dict[str, str]:
     """The new path for each path of the sidecar whose component was certainly renamed."""
-    return {
-        one.pattern: one.replacement
-        for one in compared.rebinding.broken
-        if one.fate is Fate.RENAMED and one.replacement
-    }
+    return {one.pattern: one.replacement for one in compared.broken if one.fate is Fate.RENAMED and one.replacement}
 
 
 def renamed_lock(compared: Comparison) -> Snapshot:
@@ -162,7 +158,7 @@ def renamed_lock(compared: Comparison) -> Snapshot:
             parts[pair.old] = replace(old, path=now.path, by_ordinal=now.by_ordinal)
             names[old.path] = now.path
     renamed = certain_renamings(compared)
-    broken = {one.pattern: one for one in compared.rebinding.broken}
+    broken = {one.pattern: one for one in compared.broken}
     references = [
         Reference(renamed[one.path], broken[one.path].new)
         if one.path in renamed

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import PurePath
 
-from stepbot.assemble.binder import listed
+from stepbot.assemble.binder import Revised, listed
 from stepbot.assemble.bound import Bound, bind
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.volume import VolumeProperties
@@ -15,7 +15,7 @@ from stepbot.sidecar.tree import Keys
 from stepbot.step.assembly import Assembly, Component
 from stepbot.step.structure.paths import quoted
 
-from .bindings import Rebinding, rebind
+from .bindings import BrokenPath, rebind
 from .matching import Match, match
 from .snapshot import Snapshot, part_components, snapshot, with_sidecar
 
@@ -31,7 +31,9 @@ class Comparison:
     new: Snapshot
     """The current assembly, bound as if broken paths were fixed."""
     match: Match
-    rebinding: Rebinding
+    broken: tuple[BrokenPath, ...]
+    """The paths of the sidecar that the revision has broken."""
+    revised: Revised
     bound: Bound
     components: tuple[Component, ...]
     """The component of each part of ``new``."""
@@ -73,10 +75,11 @@ def revised(
     """
     taken = snapshot(assembly, digest, measures)
     matched = match(lock, taken)
-    rebinding = rebind(lock, taken, matched, assembly, sidecar.document)
-    bound = bind(assembly, sidecar, measures, rebinding.revised)
+    broken, replaced = rebind(lock, taken, matched, assembly, sidecar.document)
+    bound = bind(assembly, sidecar, measures, replaced)
     new = with_sidecar(taken, assembly, sidecar.document, bound)
-    return Comparison(sidecar, assembly, lock, new, matched, rebinding, bound, tuple(part_components(assembly)))
+    components = tuple(part_components(assembly))
+    return Comparison(sidecar, assembly, lock, new, matched, broken, replaced, bound, components)
 
 
 def report_outdated(lock: Snapshot, sidecar: Sidecar, found: Diagnostics) -> None:

@@ -36,7 +36,7 @@ class _Reporter:
         self._sidecar = compared.sidecar
         self._accept = f"if the change is intended: `{compared.command('lock')}`"
         self._paths = ComponentPaths(compared.assembly.components)
-        broken = compared.rebinding.broken
+        broken = compared.broken
         self._reported = {pair.old for one in broken for pair in one.pairs}
         self._lost = [path for one in broken if not one.pairs for path in one.old]
         self._offered = {path for one in broken for path in one.candidates}

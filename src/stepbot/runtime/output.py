@@ -151,17 +151,8 @@ def _discard(folder: Path) -> None:
         return
 
 
-class Beside(NamedTuple):
-    """What earlier runs wrote into a folder, beside the files of this one."""
-
-    robots: tuple[str, ...]
-    """Other robots, sorted."""
-    files: tuple[str, ...]
-    """Files of the same robot at the top of the folder, sorted."""
-
-
-def beside(files: Mapping[str, bytes], folder: Path) -> Beside:
-    """What earlier runs wrote into a folder, beside ``files``, and what is still there."""
+def beside(files: Mapping[str, bytes], folder: Path) -> tuple[list[str], list[str]]:
+    """Other robots in a folder, and files of the same robot from earlier runs beside ``files``, sorted."""
     document = read_list(folder)
     others = _others(files, document, folder)
     same = (
@@ -169,7 +160,7 @@ def beside(files: Mapping[str, bytes], folder: Path) -> Beside:
         for name in manifest_in(document)
         if name not in files and name not in others and not name.endswith(".json") and exists(folder / name)
     )
-    return Beside(tuple(sorted(set(others.values()))), tuple(sorted(same)))
+    return sorted(set(others.values())), sorted(same)
 
 
 def _others(files: Mapping[str, bytes], document: Any, folder: Path) -> dict[str, str]:

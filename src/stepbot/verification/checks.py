@@ -34,39 +34,36 @@ class Subject:
         """Prefix of a message."""
         return self.engine if self.against == "model" else f"{self.engine} against {self.against}"
 
+    def check(
+        self,
+        quantity: str,
+        status: Status,
+        deviation: float | None = None,
+        tolerance: float | None = None,
+        unit: str = "",
+        where: str = "",
+        why: str = "",
+    ) -> Check:
+        """A check of this subject."""
+        of = (self.file, self.format, self.engine, quantity, status, deviation, tolerance, unit, where)
+        return Check(*of, why=why, against=self.against)
+
 
 def check_of(subject: Subject, compared: Compared) -> Check:
     """The check of a comparison."""
     worst, quantity = compared.deviations.worst, compared.quantity.value
     if compared.not_run or worst is None:
-        return Check(
-            subject.file,
-            subject.format,
-            subject.engine,
-            quantity,
-            Status.NOT_RUN,
-            why=compared.not_run,
-            against=subject.against,
-        )
+        return subject.check(quantity, Status.NOT_RUN, why=compared.not_run)
     failures = compared.deviations.failures
     shown = failures[0] if failures else worst
     untold = ", ".join(dict.fromkeys(compared.deviations.untold))
     why = (
         "; ".join(str(deviation) for deviation in failures[:2]) if failures else (untold and f"not reported: {untold}")
     )
-    return Check(
-        subject.file,
-        subject.format,
-        subject.engine,
-        quantity,
-        Status.FAILED if failures else Status.PASSED,
-        deviation=shown.amount if shown.unit else None,
-        tolerance=shown.allowed if shown.unit else None,
-        unit=shown.unit,
-        where=shown.where if shown.unit or failures else "",
-        why=why,
-        against=subject.against,
-    )
+    where = shown.where if shown.unit or failures else ""
+    amount, allowed = (shown.amount, shown.allowed) if shown.unit else (None, None)
+    status = Status.FAILED if failures else Status.PASSED
+    return subject.check(quantity, status, amount, allowed, shown.unit, where, why)
 
 
 def report_failure(subject: Subject, compared: Compared, warning_code: str, found: Diagnostics) -> None:
@@ -98,14 +95,10 @@ def checks_without_observation(
     words = {Fate.REFUSED: "refused", Fate.DIED: "died", Fate.BROKEN: "failed"}.get(outcome.fate, "")
     reason = f"{words}: {outcome.reason}" if words else outcome.reason
     checks = [
-        Check(
-            subject.file,
-            subject.format,
-            subject.engine,
+        subject.check(
             quantity.value,
             Status.FAILED if failed and quantity is Quantity.LOAD else Status.NOT_RUN,
             why=reason if quantity is Quantity.LOAD or not failed else f"{subject.engine} did not load the file",
-            against=subject.against,
         )
         for quantity in quantities
     ]

@@ -18,9 +18,9 @@ from stepbot.runtime.parallel import results_of
 
 from ..spatial import IDENTITY
 from .collision_scores import NO_SCORE, CollisionScore, Unscored, collision_score
-from .convex_pieces import Bore, convex_pieces, main_axes
+from .convex_pieces import convex_pieces, main_axes
 from .manifolds import convex_hull, hull_faces, hull_volume, inscribed, mesh_arrays, use_one_thread
-from .primitive_fits import PrimitiveFits, Shaft
+from .primitive_fits import PrimitiveFits, RoundFace
 from .slivers import face_normals
 from .unions import PlacedShape, PlacedSolid, Union, union
 
@@ -140,8 +140,8 @@ class Wanted:
     solids: tuple[PlacedSolid, ...]
     missing: float
     """Exact volume [m^3] of the solids, minus that of their meshes."""
-    shafts: tuple[Shaft, ...]
-    bores: tuple[Bore, ...]
+    shafts: tuple[RoundFace, ...]
+    bores: tuple[RoundFace, ...]
     primitives: bool
     """Whether a primitive may stand for the solids or for a piece; otherwise all shapes are hulls."""
     filled: float

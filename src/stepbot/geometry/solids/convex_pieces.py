@@ -17,12 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stepbot.geometry.fixed_point import exact_sum
-
-from ..fixed_point import distinct_rows
+from ..fixed_point import distinct_rows, exact_sum
 from ..spatial import Array, dot, matrix_product
 from .cut_surfaces import ON, CutSurface, Plane, crossings
 from .manifolds import hull_faces, hull_points, hull_volume, mesh_arrays
+from .primitive_fits import RoundFace
 from .slivers import face_normals
 from .unions import SIMPLIFIED, Union
 
@@ -50,18 +49,6 @@ _SLIVER = 1e-9
 """Volume of a piece, as a share of the hull of the one that it was cut from, up to which it is omitted."""
 _ANGLES, _OFFSETS = 1e3, 500.0
 """Steps per unit of a normal, and per diagonal, within which planes count as one."""
-
-
-@dataclass(frozen=True)
-class Bore:
-    """The axis and radius of a cylindrical face with material outside."""
-
-    point: Array
-    """Shape (3,) [m]."""
-    direction: Array
-    """Unit vector (3,)."""
-    radius: float
-    """[m]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +143,7 @@ class _Piece:
         return self.hull - self.volume
 
 
-def convex_pieces(solid: Union, bores: Sequence[Bore], filled: float, max_pieces: int) -> list[Array]:
+def convex_pieces(solid: Union, bores: Sequence[RoundFace], filled: float, max_pieces: int) -> list[Array]:
     """Points (n, 3) [m] of each convex piece; their hulls together enclose the solid.
 
     Args:
@@ -301,7 +288,7 @@ def _cost(points: Sequence[Array], hulls: Sequence[float], i: int, j: int) -> fl
     return hull_volume(np.vstack([points[i], points[j]])) - hulls[i] - hulls[j]
 
 
-def _candidates(points: Array, faces: Any, bores: Sequence[Bore], diagonal: float) -> tuple[Array, Array]:
+def _candidates(points: Array, faces: Any, bores: Sequence[RoundFace], diagonal: float) -> tuple[Array, Array]:
     """Normals (n, 3) and offsets (n,) [m] of the planes to try, the larger faces first."""
     normals, areas, a = face_normals(points, faces)
     of_faces = _distinct(normals, np.einsum("ij,ij->i", normals, a), areas, diagonal)

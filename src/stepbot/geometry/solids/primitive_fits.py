@@ -22,8 +22,8 @@ _GRID = 2.0 / GRID_PER_METRE
 
 
 @dataclass(frozen=True)
-class Shaft:
-    """The axis and radius of a cylindrical face with material inside."""
+class RoundFace:
+    """The axis and radius of a cylindrical face: of a shaft, or of a bore."""
 
     point: Array
     """Shape (3,) [m]."""
@@ -45,7 +45,7 @@ class Fit:
 class PrimitiveFits:
     """Finds primitives around solids, along given axes."""
 
-    def __init__(self, axes: Array, shafts: Sequence[Shaft]) -> None:
+    def __init__(self, axes: Array, shafts: Sequence[RoundFace]) -> None:
         """Keep the axes.
 
         Args:
@@ -121,7 +121,7 @@ def primitive_volume(shape: Primitive) -> float:
     return pi * shape.radius**2 * (shape.length + domes)
 
 
-def _exact_capsule(capsule: Capsule, shaft: Shaft) -> Capsule:
+def _exact_capsule(capsule: Capsule, shaft: RoundFace) -> Capsule:
     if abs(capsule.radius - shaft.radius) > _GRID:
         return capsule
     return Capsule(shaft.radius, _on_grid(capsule.length + 2.0 * (capsule.radius - shaft.radius)))

@@ -15,7 +15,7 @@ from stepbot.geometry.primitives import Box, Capsule, Cylinder, Sphere
 from stepbot.geometry.solids.collision_scores import Unscored, collision_scores
 from stepbot.geometry.solids.collision_sets import CollisionSet, Wanted, bounded_hull, collision_sets
 from stepbot.geometry.solids.manifolds import convex_hull
-from stepbot.geometry.solids.primitive_fits import Shaft
+from stepbot.geometry.solids.primitive_fits import RoundFace
 from stepbot.geometry.solids.unions import PlacedSolid
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
 from tests.conftest import ROOT
@@ -31,7 +31,7 @@ def _box(x: float, y: float, z: float, at: tuple[float, float, float] = (0, 0, 0
 def _of(
     *solids: PlacedSolid,
     missing: float = 0.0,
-    shafts: tuple[Shaft, ...] = (),
+    shafts: tuple[RoundFace, ...] = (),
     primitives: bool = True,
     max_hulls: int = 16,
     max_vertices: int = 64,
@@ -82,7 +82,7 @@ def test_cylinder_is_exact() -> None:
     radius, length, sides = 0.0123, 0.0456, 24
     mesh = rod_mesh(radius, length, sides)
     area = 0.5 * sides * radius**2 * np.sin(2 * pi / sides)
-    shaft = Shaft(_AWAY.p, _AWAY.turn((0, 0, 1)), radius)
+    shaft = RoundFace(_AWAY.p, _AWAY.turn((0, 0, 1)), radius)
     made = _of(PlacedSolid(mesh, _AWAY), missing=(pi * radius**2 - area) * length, shafts=(shaft,))
     (shape,) = made.shapes
     assert isinstance(shape.geometry, Cylinder)
