@@ -13,7 +13,7 @@ from stepbot.pipeline.sidecars import load
 from stepbot.robot.kinematics import link_poses
 from stepbot.robot.model import Robot
 
-from .described import ARM, composing, link, urdf
+from .described import ARM, composing, joint, link, urdf
 
 Errors = Callable[[Mapping[str, str], Diagnostics], list[str]]
 MESH = "<visual><geometry><mesh filename='package://elsewhere/part.obj'/></geometry></visual>"
@@ -112,3 +112,141 @@ def test_a_bare_step_needs_a_density(composed: Callable[..., Robot]) -> None:
     found = Diagnostics()
     composed({"r.robot.yaml": composing(text % ", set: {defaults: {density: 2700}}")}, found)
     assert "SB522" not in {one.code for one in found}
+
+
+ARM_ALONE, HAND_AT_TIP = "arm: {file: arm.urdf}", "hand: {file: hand.urdf, at: arm/tip}"
+FREE_HAND, WRIST = "hand: {file: hand.urdf}", "type: revolute, parent: arm/tip, limits: {lower: 0, upper: 1}"
+HAND = urdf("hand", link("palm"), link("f1"), link("f2"), joint("grip", "palm", "f1"))
+HAND = HAND.replace("</robot>", joint("follow", "palm", "f2", mimic='"grip"') + "</robot>")
+MISTAKES: Mapping[str, tuple[tuple[str, ...], str, str]] = {
+    "SB150 5:15 module 'arm': file '.' is a folder": (("arm: {file: .}",), "", "name the sidecar"),
+    "SB150 5:15 module 'arm': file 'x.stl': unsupported type of file": (
+        ("arm: {file: x.stl}",),
+        "",
+        "a sidecar (.yaml)",
+    ),
+    "SB150 5:15 module 'arm': file '.\\arm.urdf' not found": ((r"arm: {file: '.\arm.urdf'}",), "", "./arm.urdf"),
+    "SB150 5:3 module 'arm': neither `file` nor `mirror_of` is set": (("arm: {at: world}",), "", ""),
+    "SB152 6:31 modules.hand.at: no link, frame or module 'arm.tip'": (
+        (ARM_ALONE, "hand: {file: hand.urdf, at: arm.tip}"),
+        "",
+        "did you mean 'arm/tip'?",
+    ),
+    "SB152 6:31 modules.hand.at: no link, frame or module 'arm::tip'": (
+        (ARM_ALONE, "hand: {file: hand.urdf, at: 'arm::tip'}"),
+        "",
+        "did you mean 'arm/tip'?",
+    ),
+    "SB126 6:31 modules.hand.at: 'arm/': empty name before or after '/'": (
+        (ARM_ALONE, "hand: {file: hand.urdf, at: arm/}"),
+        "",
+        "arm/tool0",
+    ),
+    "SB154 5:3 module 'arm': attached in a circle: arm -> hand -> arm": (
+        ("arm: {file: arm.urdf, at: hand/palm}", HAND_AT_TIP),
+        "",
+        "it is the root then",
+    ),
+    "SB154 6:3 module 'arm': attached in a circle: arm -> hand -> arm": (
+        (
+            "root: {file: arm.urdf}",
+            "arm: {file: arm.urdf, at: hand/palm}",
+            HAND_AT_TIP,
+            "on: {file: arm.urdf, at: arm/tip}",
+        ),
+        "",
+        "",
+    ),
+    "SB137 5:25 module 'arm': 'offset' without 'at'": (
+        ("arm: {file: arm.urdf, offset: {xyz: [0, 0, 1]}}",),
+        "",
+        "at: world",
+    ),
+    "SB137 6:27 module 'hand': 'by' without 'at'": (
+        (ARM_ALONE, "hand: {file: hand.urdf, by: palm}"),
+        f"joints: {{wrist: {{{WRIST}, child: hand}}}}\n",
+        "as its `child`",
+    ),
+    "SB137 5:25 module 'arm': 'flip' without 'mirror'": (
+        ("arm: {file: arm.urdf, flip: [lift]}",),
+        "",
+        "reverse `axis`",
+    ),
+    "SB137 7:42 module 'other': 'set' without 'file'": (
+        (ARM_ALONE, HAND_AT_TIP, "other: {mirror_of: hand, at: arm/base, set: {joints: {}}, prefix: b}"),
+        "",
+        "in module 'hand'",
+    ),
+    "SB135 6:44 module 'b': link 'base': duplicate name (also a link of module 'arm') and 2 more names": (
+        ("arm: {file: arm.urdf, prefix: ''}", "b: {file: arm.urdf, at: arm/tip, prefix: ''}"),
+        "",
+        "remove `prefix`",
+    ),
+    "SB126 5:3 modules.world: 'world' is reserved": (("world: {file: arm.urdf}",), "", ""),
+    "SB135 5:3 module 'arm': duplicate name (also used by frame 'arm')": (
+        (ARM_ALONE,),
+        "frames: {arm: {link: arm/tip, origin: {relative_to: arm/tip}}}\n",
+        "rename one of them",
+    ),
+    "SB456 5:63 joint 'lift': lower limit 3 is above upper limit 2": (
+        ("arm: {file: arm.urdf, set: {joints: {lift: {limits: {lower: 3}}}}}",),
+        "",
+        "",
+    ),
+    "SB138 5:63 joint 'lift': lower: '-3 mm' is not an angle": (
+        ("arm: {file: arm.urdf, set: {joints: {lift: {limits: {lower: -3 mm}}}}}",),
+        "",
+        "45 deg",
+    ),
+    "SB138 5:38 module 'arm': home: lift: '3 mm' is not an angle": (
+        ("arm: {file: arm.urdf, home: {lift: 3 mm}}",),
+        "",
+        "",
+    ),
+    "SB152 6:24 actuator 'm': joint: no joint 'lift'": (
+        (ARM_ALONE,),
+        "actuators: {m: {joint: lift, kind: motor}}\n",
+        "did you mean 'arm/lift'?",
+    ),
+    "SB459 7:24 actuator 'm': joint 'hand/follow' mimics joint 'hand/grip' and cannot be actuated": (
+        (ARM_ALONE, HAND_AT_TIP),
+        "actuators: {m: {joint: hand/follow, kind: motor}}\n",
+        "use joint 'hand/grip'",
+    ),
+    "SB152 6:20 frame 'f': circular frame reference": (
+        (ARM_ALONE,),
+        "frames: {f: {link: arm/tip, origin: {relative_to: g}}, g: {link: arm/tip, origin: {relative_to: f}}}\n",
+        "",
+    ),
+    "SB121 6:7 sidecar: missing key 'links'": ((ARM_ALONE,), "step: arm.step\n", "rest: true"),
+    "SB121 6:17 link 'plate': 'rest' without 'step'": ((ARM_ALONE,), "links: {plate: {rest: true}}\n", "step: "),
+    "SB137 6:1 sidecar: 'parts' without 'step'": ((ARM_ALONE,), "parts: {'**': {density: 2700}}\n", "`set`"),
+}
+
+
+@pytest.mark.parametrize("expected", MISTAKES)
+def test_a_mistake_is_one_error_with_place_and_remedy(expected: str, errors: Errors) -> None:
+    """Each cause is reported once, where it is written, with what to write instead."""
+    modules, more, remedy = MISTAKES[expected]
+    files = {"r.robot.yaml": composing(*modules, more=more), "arm.urdf": ARM, "hand.urdf": HAND, "x.stl": "solid"}
+    (line,) = errors(files, found := Diagnostics())
+    assert line.startswith(expected)
+    (help,) = [one.help for one in found if one.severity == "error"]
+    assert remedy in " ".join(help)
+
+
+def test_paths_lead_into_modules_of_modules(composed: Callable[..., Robot], errors: Errors) -> None:
+    """`home` and `without` take paths; unknown ones list paths, and a middle part that is unknown is not skipped."""
+    inner = composing(ARM_ALONE, HAND_AT_TIP)
+    files = {"inner.robot.yaml": inner, "arm.urdf": ARM, "hand.urdf": HAND}
+    changed = "a: {file: inner.robot.yaml, home: {arm/lift: 0.5}, without: [hand]}"
+    robot = composed({"r.robot.yaml": composing(changed), **files}, Diagnostics())
+    assert [link.name for link in robot.links] == ["a_arm_base", "a_arm_tip"]
+    assert robot.joint_by_name["a_arm_lift"].drawn_position == 0.5
+    for path in ("b/arm_tip", "tip"):
+        wrong = composing("a: {file: inner.robot.yaml}", f"b: {{file: arm.urdf, at: a/{path}}}")
+        (line,) = errors({"r.robot.yaml": wrong, **files}, found := Diagnostics())
+        assert line.startswith(f"SB152 6:27 modules.b.at: no frame or link '{path}' in module 'a'")
+        assert "ports of 'a': arm/base, arm/tip, hand/palm" in " ".join(
+            *(one.help for one in found if one.code == "SB152")
+        )

@@ -114,3 +114,22 @@ def test_sdformat_of_others_converts_with_proof(tmp_path: Path) -> None:
     assert not conversion.report.failed
     against = {check.file for check in conversion.report.checks if check.against.startswith(source.name)}
     assert len(against) == 2
+
+
+@pytest.mark.parametrize("turned", ["", 'euler="0.3 0.2 0.1"'])
+def test_a_loop_whose_home_is_not_zero(turned: str, tmp_path: Path) -> None:
+    """A parallelogram of MJCF with its keyframe away from q = 0: the zeros move, and no comparison fails."""
+    arm = '<geom type="capsule" size="0.01" fromto="0 0 0 0 0 0.1"/>'
+    body = '<body name="{}" pos="{} 0 {}"><joint name="{}" axis="0 1 0" range="-1 1"/>'
+    text = (
+        f'<mujoco><compiler angle="radian"/><worldbody><body name="ground" {turned}><geom size="0.05"/>'
+        f"{body.format('crank', 0, 0, 'a')}{arm}{body.format('coupler', 0, 0.1, 'b')}"
+        '<geom type="capsule" size="0.01" fromto="0 0 0 0.3 0 0"/></body></body>'
+        f"{body.format('rocker', 0.3, 0, 'c')}{arm}</body>"
+        '</body></worldbody><equality><connect body1="coupler" body2="rocker" anchor="0.3 0 0"/></equality>'
+        '<keyframe><key name="home" qpos="0.2 -0.2 0.2"/></keyframe></mujoco>'
+    )
+    (tmp_path / "loop.xml").write_text(text, encoding="utf-8")
+    conversion = convert(tmp_path / "loop.xml", Options(tmp_path / "out", formats=("sdf",), base="fixed"))
+    assert not conversion.diagnostics.has_errors, list(conversion.diagnostics)
+    assert any(one.message.startswith("SDFormat: loops must close at q = 0") for one in conversion.diagnostics)

@@ -36,6 +36,7 @@ from stepbot.robot.sensors import SEEING, Sensor, View
 from stepbot.robot.simulation_settings import LOOP_TIMESTEP
 from stepbot.robot.tuning import Simulation
 from stepbot.sidecar.document import AutoOrigin, ClosureSection
+from stepbot.sidecar.joint_settings import ONE_FREEDOM
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.own_part import TIE
 from stepbot.sidecar.subjects import ELEMENTS
@@ -164,7 +165,9 @@ class _Joining:
 
         closures = [self._closure(name, document.closures[name]) for name in new("closures")]
         frames = [self._frame(name) for name in new("frames")]
-        actuators = [self._actuator(one) for one in build_actuators(self._sidecar) if one.name in new("actuators")]
+        actuators = [
+            self._actuator(one, whole) for one in build_actuators(self._sidecar) if one.name in new("actuators")
+        ]
         sensors = [self._sensor(name, whole) for name in new("sensors")]
         return replace(
             whole,
@@ -193,9 +196,26 @@ class _Joining:
         port = self._ports.port(name, ("frames", name))
         return None if port is None else Frame(name, port.link, tidy(port.X_LP))
 
-    def _actuator(self, actuator: Actuator) -> Actuator | None:
-        joint = self._ports.joint(actuator.joint, ("actuators", actuator.name, "joint"))
-        return None if joint is None else replace(actuator, joint=joint)
+    def _actuator(self, actuator: Actuator, whole: Robot) -> Actuator | None:
+        keys = ("actuators", actuator.name)
+        joint = self._ports.joint(actuator.joint, (*keys, "joint"))
+        if joint is None:
+            return None
+        driven, who = whole.joint_by_name[joint], f"actuator '{actuator.name}': joint '{actuator.joint}'"
+        span = self._sidecar.span(*keys, "joint")
+        if driven.kind not in ONE_FREEDOM:
+            help = [f"types that can be actuated: {', '.join(ONE_FREEDOM)}"]
+            self._found.add("SB459", f"{who} of type {driven.kind} cannot be actuated", span, help=help)
+        elif driven.mimic is not None:
+            leader = self._ports.path(driven.mimic.joint)
+            message = f"{who} mimics joint '{leader}' and cannot be actuated"
+            self._found.add("SB459", message, span, help=[f"use joint '{leader}' instead"])
+        for first in whole.actuators:
+            if (first.joint, first.kind) == (joint, actuator.kind):
+                message = f"{who}: duplicate {actuator.kind} actuator (the module's own is '{first.name}')"
+                help = [f"remove it, or leave the other out: `without: [{first.name}]`, by its name in its own file"]
+                self._found.add("SB459", message, span, help=help)
+        return replace(actuator, joint=joint)
 
     def _sensor(self, name: str, whole: Robot) -> Sensor | None:
         section, keys = self._document.sensors[name], ("sensors", name)
@@ -324,17 +344,22 @@ def _report_equal_names(sidecar: Sidecar, parts: Mapping[str, Part], found: Diag
         for name in getattr(document, section):
             first.setdefault((_group(section), name), (section.removesuffix("s"), ""))
     for module, part in parts.items():
+        equal = []
         for section, members in elements(part.robot).items():
             for element in members:
                 kind = section.removesuffix("s")
                 other_kind, other = first.setdefault((_group(section), element.name), (kind, module))
-                if other == module:
-                    continue
-                whose = f"of module '{other}'" if other else "here"
-                message = f"module '{module}': {kind} '{element.name}': duplicate name (also a {other_kind} {whose})"
-                help = ["remove `prefix`, or choose another one"]
-                found.add("SB135", message, sidecar.span("modules", module, "prefix"), help=help)
-                break
+                if other != module:
+                    equal.append((f"{kind} '{element.name}'", other_kind, other, element.name))
+        if equal:
+            what, other_kind, other, name = equal[0]
+            whose = f"of module '{other}'" if other else "here"
+            more = f" and {len(equal) - 1} more names" if len(equal) > 1 else ""
+            message = f"module '{module}': {what}: duplicate name (also a {other_kind} {whose}){more}"
+            keys = ("modules", other, "prefix") if other else (f"{other_kind}s", name)
+            notes = [f"the other at {sidecar.key_span(*keys)}"]
+            help = ["remove `prefix`, or choose another one" if part.prefix == "" else "choose another `prefix`"]
+            found.add("SB135", message, sidecar.span("modules", module, "prefix"), help=help, notes=notes)
 
 
 def _group(section: str) -> str:

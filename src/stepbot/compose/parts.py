@@ -9,8 +9,10 @@ from stepbot.robot.kinematics import within_limits
 from stepbot.robot.model import Module, Robot
 from stepbot.robot.posing import NotReached, coordinates, leader_of, posed
 from stepbot.robot.renaming import renamed
+from stepbot.sidecar.joint_settings import position_dimension
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.modules import ModuleSection
+from stepbot.sidecar.unit_rules import check_unit
 
 from .mirroring import flipped, mirrored, unsymmetric
 from .pruning import StillFollowed, elements, without
@@ -34,15 +36,32 @@ class Part:
 
     def written(self, path: str) -> str:
         """The name in the composed robot of an element by its path in the part: ``tcp``, ``hand/tcp``, ``hand``."""
-        by_name = {module.name: module for module in self.robot.modules}
-        if path in by_name:
-            return by_name[path].links[0]
-        inner, _, name = path.rpartition("/")
-        return (by_name[inner].prefix if inner in by_name else self.prefix) + name
+        return named(self.robot, path, self.prefix)
 
     def local(self, name: str) -> str:
-        """The name in the part's own file of one of its elements."""
-        return name.removeprefix(self.prefix)
+        """The path in the part's own file of one of its elements."""
+        inner = [one for one in self.robot.modules if one.prefix != self.prefix and name.startswith(one.prefix)]
+        if not inner:
+            return name.removeprefix(self.prefix)
+        deepest = max(inner, key=lambda one: len(one.prefix))
+        return f"{deepest.name}/{name.removeprefix(deepest.prefix)}"
+
+
+def named(robot: Robot, path: str, prefix: str = "") -> str:
+    """The name in a robot of an element by its path: ``tcp``, ``hand/tcp``, or ``hand``, its module's root link.
+
+    Args:
+        robot: The robot, perhaps with a prefix in front of all names.
+        path: The path in the file of the robot.
+        prefix: That prefix.
+    """
+    by_name = {module.name: module for module in robot.modules}
+    if path in by_name:
+        return by_name[path].links[0]
+    inner, _, name = path.rpartition("/")
+    if inner and inner not in by_name:
+        return path  # no name has a slash
+    return (by_name[inner].prefix if inner else prefix) + name
 
 
 class Parts:
@@ -81,12 +100,13 @@ class Parts:
 
     def _without(self, name: str, robot: Robot, names: tuple[str, ...]) -> Robot:
         known = {one.name for kind in elements(robot).values() for one in kind} - {robot.root.name}
-        for index, one in enumerate(names):
-            if one not in known:
-                what = "is the root link" if one == robot.root.name else "no such link, joint, frame or device"
+        gone = [named(robot, one) for one in names]
+        for index, (one, element) in enumerate(zip(names, gone, strict=True)):
+            if element not in known:
+                what = "is the root link" if element == robot.root.name else "no such link, joint, frame or device"
                 self._unknown(name, ("without", index), one, what, sorted(known))
         try:
-            return without(robot, {one for one in names if one in known})
+            return without(robot, known.intersection(gone))
         except StillFollowed as followed:
             message = (
                 f"module '{name}': without: joint '{followed.joint}' mimics '{followed.leader}', which is left out"
@@ -100,11 +120,16 @@ class Parts:
         if not section.home:
             return robot
         known, given = coordinates(robot), {}
-        for joint, position in section.home.items():
-            keys = ("home", joint)
+        for path, position in section.home.items():
+            keys, joint = ("home", path), named(robot, path)
             if joint not in known:
-                self._unknown(name, keys, joint, "no such moving joint", list(known))
-            elif leader_of(robot, joint) != joint:
+                self._unknown(name, keys, path, "no such moving joint", list(known))
+                continue
+            kind = known[joint].kind
+            needed, who = position_dimension(kind), f"module '{name}': home"
+            if needed is not None:
+                check_unit(self._sidecar, who, kind, position.dimension, needed, ("modules", name, *keys), self._found)
+            if leader_of(robot, joint) != joint:
                 help = [f"set '{leader_of(robot, joint)}', which it follows"]
                 self._wrong_home(name, keys, f"joint '{joint}' is a mimic", help)
             else:

@@ -260,9 +260,7 @@ class Places:
         if len(roots) == 1:
             return self._reaching(roots[0])
         if not roots:
-            message = "modules: each is attached to another one, and none is the root"
-            help = ["remove `at` of the module that stands by itself"]
-            self._found.add("SB154", message, self._sidecar.key_span("modules"), help=help)
+            self._report_rings(self.mounts)
         for root in roots[1:]:
             message = f"{self._label(root)}: no place; only one part can be the root, and {self._label(roots[0])} is"
             place = self._sidecar.key_span("modules", self._of_root[root]) if root in self._of_root else None
@@ -308,13 +306,25 @@ class Places:
             reached.update(new)
             for one in new:
                 del waiting[one]
-        for one in waiting:
-            message = f"{self._label(one)}: attached in a circle"
-            place = self._sidecar.key_span("modules", self._of_root[one]) if one in self._of_root else None
-            self._found.add(
-                "SB154", message, place or self._sidecar.key_span("links", one), help=["attach one of them to the root"]
-            )
+        self._report_rings(waiting)
         return None if waiting else root
+
+    def _report_rings(self, mounts: Mapping[str, Mount]) -> None:
+        """Report SB154 for each ring of parts that are attached to each other; not for what hangs on them."""
+        seen: set[str] = set()
+        for start in mounts:
+            chain: list[str] = []
+            one = start
+            while one in mounts and one not in seen:
+                seen.add(one)
+                chain.append(one)
+                one = self._part_root(mounts[one].joint.parent)
+            if one in chain:
+                ring = [self._of_root.get(root, root) for root in (*chain[chain.index(one) :], one)]
+                message = f"{self._label(one)}: attached in a circle: {' -> '.join(ring)}"
+                help = ["attach one of them to another part, or remove its place: it is the root then"]
+                place = ("modules", self._of_root[one]) if one in self._of_root else ("links", one)
+                self._found.add("SB154", message, self._sidecar.key_span(*place), help=help)
 
     def _part_root(self, link: str) -> str:
         for root, name in self._of_root.items():

@@ -4,6 +4,7 @@
 ``arm`` alone its root link.
 """
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
@@ -15,9 +16,11 @@ from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.subjects import subject
 from stepbot.sidecar.tree import Keys
 
-from .parts import Part
+from .parts import Part, image_name
 
 _MOST_LISTED = 12
+_SEPARATORS = re.compile(r"[/.:_\-\s]+")
+"""Characters that other formats have between the names of a path."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,7 @@ class Ports:
             self._joints |= robot.joint_by_name
         self._above = {joint.child: joint for joint in self._joints.values()}
         self._resolving: set[str] = set()
+        self._in_circle: set[str] = set()
 
     def port(self, reference: str, keys: Keys) -> Port | None:
         """The port of a reference that stands at ``keys``; None after a diagnostic."""
@@ -63,15 +67,21 @@ class Ports:
             return Port(reference)
         if reference in self._sidecar.document.frames:
             return self._own_frame(reference)
-        names = (*(self._own.link_by_name if self._own else ()), *self._sidecar.document.frames)
-        self._unknown(keys, f"no link, frame or module '{reference}'", reference, names, "links and frames")
+        own = (*(self._own.link_by_name if self._own else ()), *self._sidecar.document.frames)
+        paths = [f"{name}/{path}" for name, part in self._parts.items() for path in _of_part(part)]
+        self._unknown(keys, f"no link, frame or module '{reference}'", reference, (*own, *paths), "links and frames")
         return None
 
     def joint(self, reference: str, keys: Keys) -> str | None:
         """The name in the composed robot of a joint; None after a diagnostic."""
         module, _, rest = reference.partition("/")
         if not rest:
-            return reference
+            own = _own_joints(self._sidecar)
+            if reference in own:
+                return reference
+            paths = [f"{m}/{part.local(one)}" for m, part in self._parts.items() for one in part.robot.joint_by_name]
+            self._unknown(keys, f"no joint '{reference}'", reference, (*own, *paths), "joints")
+            return None
         part = self._parts.get(module)
         if part is None:
             if module not in self._sidecar.document.modules:
@@ -83,6 +93,12 @@ class Ports:
             self._unknown(keys, f"no joint '{rest}' in module '{module}'", rest, known, f"joints of '{module}'")
             return None
         return name
+
+    def path(self, joint: str) -> str:
+        """The reference to a joint of the composed robot."""
+        parts = self._parts.items()
+        paths = [f"{name}/{part.local(joint)}" for name, part in parts if joint in part.robot.joint_by_name]
+        return paths[0] if paths else joint
 
     def placed(self, reference: str, origin: Origin | None, keys: Keys) -> Port | None:
         """Where an element is that is fixed to a link of a module, with an explicit origin; None after a diagnostic.
@@ -132,8 +148,9 @@ class Ports:
         frame = next((one for one in part.robot.frames if one.name == name), None)
         if frame is not None:
             return Port(frame.link, frame.X_LF)
-        names = [part.local(one) for one in (*(frame.name for frame in part.robot.frames), *part.robot.link_by_name)]
-        self._unknown(keys, f"no frame or link '{path}' in module '{module}'", path, names, f"ports of '{module}'")
+        self._unknown(
+            keys, f"no frame or link '{path}' in module '{module}'", path, _of_part(part), f"ports of '{module}'"
+        )
         return None
 
     def _own_frame(self, name: str) -> Port | None:
@@ -141,9 +158,11 @@ class Ports:
         if name not in self._frames:
             keys: Keys = ("frames", name)
             if name in self._resolving:
-                message = f"frame '{name}': circular frame reference"
-                help = ["fix the frame to a link"]
-                self._found.add("SB152", message, self._sidecar.span(*keys, "link"), help=help)
+                if not self._in_circle:
+                    message = f"frame '{name}': circular frame reference"
+                    help = ["fix the frame to a link"]
+                    self._found.add("SB152", message, self._sidecar.span(*keys, "link"), help=help)
+                self._in_circle |= self._resolving
                 return None
             self._resolving.add(name)
             section = self._sidecar.document.frames[name]
@@ -156,8 +175,40 @@ class Ports:
     def _unknown(self, keys: Keys, what: str, name: str, known: Iterable[str], kind: str) -> None:
         names = list(dict.fromkeys(known))
         listed = ", ".join(names[:_MOST_LISTED]) + (", ..." if len(names) > _MOST_LISTED else "")
-        help = (*did_you_mean(name, names), *((f"{kind}: {listed}",) if names else ()))
+        help = (*_meant(name, names), *((f"{kind}: {listed}",) if names else ()))
         self._found.add("SB152", f"{subject(keys)}: {what}", self._sidecar.span(*keys), help=help)
+
+
+def _own_joints(sidecar: Sidecar) -> list[str]:
+    """The joints of the composing file, and the mirror images of those above modules."""
+    joints = sidecar.document.joints
+    images = [
+        image_name(joint, section.mirror_of, name)
+        for name, section in sidecar.document.modules.items()
+        for joint in joints
+        if section.mirror_of and joints[joint].child.partition("/")[0] == section.mirror_of
+    ]
+    return [*joints, *images]
+
+
+def _of_part(part: Part) -> list[str]:
+    """The frames and links of a module, by their paths in its file."""
+    return [part.local(one) for one in (*(frame.name for frame in part.robot.frames), *part.robot.link_by_name)]
+
+
+def _meant(reference: str, names: Iterable[str]) -> tuple[str, ...]:
+    """Help for an unknown reference: names with other separators, with the same last part, or nearly the same ones."""
+    spelt, last = _plain(reference), _plain(reference.rpartition("/")[2])
+    equal = [name for name in names if _plain(name) == spelt] or [
+        name for name in names if _plain(name.rpartition("/")[2]) == last
+    ]
+    if equal:
+        return ("did you mean " + " or ".join(f"'{name}'" for name in equal[:3]) + "?",)
+    return did_you_mean(reference, names)
+
+
+def _plain(name: str) -> str:
+    return _SEPARATORS.sub("_", name).casefold()
 
 
 def moved_by(offset: Offset | None) -> Pose:

@@ -18,8 +18,15 @@ from stepbot.engines.description import DescribedShape, Description, half_size
 from stepbot.engines.observation import Observation, ObservedClosure, ObservedLink, Quantity
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.spatial import ZERO3, ZERO33, Pose, perpendicular_frame
-from stepbot.robot.kinematics import MOVING, complete, neighbours, without_contacts
+from stepbot.geometry.spatial import ZERO3, ZERO33, Pose, perpendicular_frame, tidy
+from stepbot.robot.kinematics import (
+    MOVING,
+    complete,
+    initial_configuration,
+    link_poses,
+    neighbours,
+    without_contacts,
+)
 from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.mesh_names import UniqueNames, ascii_name, free_name, is_device
 from stepbot.robot.model import (
@@ -256,7 +263,7 @@ def robot_of_description(
     _report_place(rooted, description.X_WR, found)
     known = seen.base is not None or rooted is not robot
     placed = _at_initial(share_meshes(rooted), seen.initial or {}, None if drawn else found)
-    robot, names = with_valid_names(placed, found)
+    robot, names = with_valid_names(_with_turned_balls(placed), found)
     return Described(robot, tuple(found), known, names)
 
 
@@ -275,6 +282,20 @@ def _with_volume(description: Description, found: list[Finding]) -> Description:
         text = f"link '{shape.link}': {kind} with a {form} without volume: not converted"
         found.append(Finding(LOST, text, (Quantity.SHAPES, Quantity.MESHES)))
     return replace(description, shapes=tuple(kept))
+
+
+def _with_turned_balls(robot: Robot) -> Robot:
+    """The robot with both frames of a ball closure parallel in the drawn pose.
+
+    Their orientations have no effect in MJCF. A joint of SDFormat has one frame for both links.
+    """
+    balls = [one for one in robot.closures if one.kind is JointKind.BALL]
+    X = link_poses(robot, initial_configuration(robot)) if balls else {}
+    turned = {
+        one.name: replace(one, X_AF=tidy(Pose.of((X[one.link_a].inverse() @ X[one.link_b] @ one.X_BF).R, one.X_AF.p)))
+        for one in balls
+    }
+    return replace(robot, closures=tuple(turned.get(one.name, one) for one in robot.closures))
 
 
 def _link(link: ObservedLink, shapes: Shapes, found: list[Finding]) -> Link:

@@ -36,7 +36,7 @@ from .building import build, places
 from .conversion import Options
 from .expectations import check_expected
 from .loading import Loading
-from .sidecars import load, named_step, what_to_read
+from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
 from .source_names import is_description
 
 DEEPEST = 8
@@ -91,6 +91,15 @@ def compose(sidecar: Sidecar, options: Options, found: Diagnostics) -> Composed:
     return Composed(robot, read, tuple(files.read), files_digest(files.read) if is_unchanged else "")
 
 
+def _places(sidecar: Sidecar, robot: Robot) -> dict[str, Span]:
+    """The places of the robot's elements in the composing file; those of a module are where that is named."""
+    of_link = {link: module.name for module in reversed(robot.modules) for link in module.links}
+    spans = {name: sidecar.key_span("modules", name) for name in sidecar.document.modules}
+    of_modules = {f"link '{link}'": spans[name] for link, name in of_link.items()}
+    of_modules |= {f"joint '{one.name}'": spans[of_link[one.child]] for one in robot.joints if one.child in of_link}
+    return of_modules | places(sidecar)
+
+
 def _components(robot: Robot, path: str) -> list[str]:
     """Paths of the components that match a glob, in any module."""
     return [one.component for link in robot.links for one in link.masses if fnmatchcase(one.component, path)]
@@ -121,18 +130,13 @@ class _Files:
                 robot = self._module(sidecar, name, section, chain, found)
                 if robot is not None:
                     robots[name] = robot
-            elif section.mirror_of is None:
-                message = f"module '{name}': neither `file` nor `mirror_of` is set"
-                found.add("SB150", message, sidecar.key_span("modules", name))
-        for name, section in sidecar.document.modules.items():
-            self._check_mirror(sidecar, name, section.mirror_of, section.file, found)
         found.raise_if_errors()
-        own = self._own(sidecar, found)
+        own = self._own(sidecar, self._options.step if len(chain) == 1 else None, found)
         robot = composed(sidecar, own, robots, found)
         found.raise_if_errors()
         assert robot is not None  # a missing robot always has an error
         _compare(sidecar, robot, robots, found)
-        check_robot(robot, found, sidecar.span(), massless_between=True, places=lambda: places(sidecar))
+        check_robot(robot, found, sidecar.span(), massless_between=True, places=lambda: _places(sidecar, robot))
         found.raise_if_errors()
         return robot
 
@@ -144,28 +148,14 @@ class _Files:
             found.add("SB150", f"module '{name}': {what}", sidecar.key_span("modules", name))
             found.raise_if_errors()
 
-    def _check_mirror(self, sidecar: Sidecar, name: str, of: str | None, file: str | None, found: Diagnostics) -> None:
-        if of is None:
-            return
-        modules, span = sidecar.document.modules, sidecar.span("modules", name, "mirror_of")
-        if file is not None:
-            help = ["remove `file`: it is the file of the other module", "`mirror: y` mirrors a file"]
-            found.add("SB150", f"module '{name}': both `file` and `mirror_of` are set", span, help=help)
-        elif of not in modules:
-            found.add("SB152", f"module '{name}': mirror_of: no module '{of}'", span, help=did_you_mean(of, modules))
-        elif modules[of].mirror_of is not None:
-            help = [f"mirror_of: {modules[of].mirror_of}"]
-            found.add("SB152", f"module '{name}': mirror_of: '{of}' is itself a mirror image", span, help=help)
-
-    def _own(self, sidecar: Sidecar, found: Diagnostics) -> Robot | None:
-        """The robot of the links that the sidecar describes itself."""
+    def _own(self, sidecar: Sidecar, step: Path | None, found: Diagnostics) -> Robot | None:
+        """The robot of the links that the sidecar describes itself, with their STEP if it is not the one it names."""
         if not sidecar.document.links:
             return None
         own = own_part(sidecar)
         if not own.document.step:
             return self._without_step(own, found)
-        step = self._options.step or named_step(own, found)
-        return self._from_step(own, step, found)
+        return self._from_step(own, step or named_step(own, found), found)
 
     def _without_step(self, own: Sidecar, found: Diagnostics) -> Robot | None:
         """Own links without an assembly: their mass properties and poses are given."""
@@ -191,23 +181,11 @@ class _Files:
     def _module(
         self, sidecar: Sidecar, name: str, section: ModuleSection, chain: tuple[Path, ...], found: Diagnostics
     ) -> Robot | None:
-        file = section.file or ""
+        file, span = section.file or "", sidecar.span("modules", name, "file")
         path = _of_library(file) if file.startswith(LIBRARY) else sidecar.path.parent / file
-        if path is None:
-            names = [name for robot in library_robots() for name in (robot.short_name, robot.name)]
-            near = did_you_mean(file.removeprefix(LIBRARY), names)
-            found.add(
-                "SB150",
-                f"module '{name}': no robot '{file.removeprefix(LIBRARY)}' in the library",
-                sidecar.span("modules", name, "file"),
-                help=(*near, "`stepbot library list` names them"),
-            )
-            return None
-        span = sidecar.span("modules", name, "file")
-        if not is_file(path):
-            beside = sorted(one.name for one in path.parent.iterdir()) if is_folder(path.parent) else []
-            help = (*did_you_mean(path.name, beside), "`file` is relative to this sidecar")
-            found.add("SB150", f"module '{name}': file '{file}' not found", span, help=help)
+        what, help = _unreadable(path, file)
+        if path is None or what:
+            found.add("SB150", f"module '{name}': {what}", span, help=help)
             return None
         if resolved(path) in [resolved(one) for one in chain]:
             ring = " -> ".join(one.name for one in (*chain, path))
@@ -233,6 +211,8 @@ class _Files:
                 is_settled = one.code == _UNPORTABLE and any(f"'{name}'" in one.message for name in new_names)
                 if not is_settled and (one.code != _OPEN_BASE or not is_placed):
                     place, help = one.span, one.help
+                    if one.code == _OPEN_BASE:
+                        help = (f"`base: fixed` or `base: floating` in {sidecar.path.name}",)
                     if folder and place.file.startswith(folder):  # the same text on every machine
                         place = place._replace(file=LIBRARY + place.file.removeprefix(folder).removeprefix("/"))
                     if one.code == _OPEN_BASE:
@@ -278,6 +258,27 @@ def _compare(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot], fou
         if seen.largest > _ALLOWED or seen.settings:
             message = f"module '{module.name}': differs from '{module.file}' alone: {parts}"
             found.add("SB803", message, sidecar.key_span("modules", module.name))
+
+
+def _unreadable(path: Path | None, file: str) -> tuple[str, tuple[str, ...]]:
+    """Why the file of a module cannot be one, with help; empty if it can."""
+    if path is None:
+        named = file.removeprefix(LIBRARY)
+        near = did_you_mean(named.strip(), [name for one in library_robots() for name in (one.short_name, one.name)])
+        return f"no robot '{named}' in the library", (*near, "`stepbot library list` names them")
+    if is_folder(path):
+        return f"file '{file}' is a folder", ("name the sidecar, URDF, SDFormat, MJCF or STEP in it",)
+    if not is_file(path):
+        if file.casefold().startswith(LIBRARY):
+            return f"file '{file}' not found", (f"of a robot of the library, write '{LIBRARY}' in small letters",)
+        if "\\" in file and is_file(path.parent / file.replace("\\", "/")):
+            return f"file '{file}' not found", (f"write `/`: {file.replace(chr(92), '/')}",)
+        beside = sorted(one.name for one in path.parent.iterdir()) if is_folder(path.parent) else []
+        return f"file '{file}' not found", (*did_you_mean(path.name, beside), "`file` is relative to this sidecar")
+    if not (path.suffix.lower() in SIDECAR_SUFFIXES or is_description(path) or is_step_name(path.name)):
+        types = "a sidecar (.yaml), URDF (.urdf), SDFormat (.sdf), MJCF (.xml) or STEP (.step)"
+        return f"file '{file}': unsupported type of file", (f"a module is {types}",)
+    return "", ()
 
 
 def _of_library(name: str) -> Path | None:

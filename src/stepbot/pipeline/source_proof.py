@@ -35,6 +35,16 @@ _CHANGED = {
     "SB760:mixed-mimic": (Quantity.MIMIC,),
     "SB760:passive-limit": (Quantity.LIMITS,),
     "SB760:second-actuator": (Quantity.ACTUATORS,),
+    "SB761:loop-zero": (
+        Quantity.LIMITS,
+        Quantity.DYNAMICS,
+        Quantity.POSES,
+        Quantity.MASS_MATRIX,
+        Quantity.GRAVITY,
+        Quantity.INVERSE_DYNAMICS,
+        Quantity.MIMIC,
+        Quantity.INITIAL,
+    ),
     "SB761:massless": (Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS),
     **{
         f"SB760:{kind}": (Quantity.SENSORS,)
@@ -42,7 +52,8 @@ _CHANGED = {
     },
 }
 """Quantities in which files differ from the source by what their format lacks: bounds of actuators, masses of
-links that have none, mimics between angles and distances, sensors, far stops, limits without a motor."""
+links that have none, mimics between angles and distances, sensors, far stops, limits without a motor, and positions
+of loops whose zero is moved."""
 _COPIED = "stepbot.engines.source_copy:source_copy"
 
 

@@ -9,6 +9,7 @@ from .joint_rules import check_joints
 from .located import Sidecar
 from .magnitudes import check_densities, check_magnitudes, check_weights_as_forces
 from .mechanics import check_closures, check_mimics, check_turned_frames
+from .module_rules import check_modules
 from .names import check_names
 from .own_part import own_part
 from .references import check_references
@@ -33,6 +34,7 @@ def _check_orientation(sidecar: Sidecar, found: Diagnostics) -> None:
 _OF_OWN_LINKS = (check_references, check_connections)
 _CHECKS = (
     check_names,
+    check_modules,
     _check_orientation,
     check_joints,
     check_joint_units,

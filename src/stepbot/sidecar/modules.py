@@ -32,10 +32,10 @@ class ModuleSection(Section):
     """Mirrors it through this plane of its root link's frame; of `mirror_of`, the plane's normal, by default y."""
     flip: tuple[Annotated[str, Field(min_length=1, max_length=200)], ...] = ()
     """Patterns of joints of a mirrored module whose positive direction is reversed."""
-    home: dict[Name, JointPosition] = Field(default_factory=dict)
-    """Initial positions [rad or m] of its joints, by their names in its own file; others keep theirs."""
-    without: tuple[Name, ...] = ()
-    """Links of its own file to leave out with everything below them, and joints, frames, actuators, sensors."""
+    home: dict[Reference, JointPosition] = Field(default_factory=dict)
+    """Initial positions [rad or m] of its joints, by their names or paths in its own file; others keep theirs."""
+    without: tuple[Reference, ...] = ()
+    """Links and modules of its own file to leave out with everything below them, and joints, frames and devices."""
     variant: Name | None = None
     """One of the variants of its own file."""
     rename: dict[Literal["links", "joints", "closures", "frames", "actuators", "sensors"], dict[Name, Name]] = Field(

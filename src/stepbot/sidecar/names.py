@@ -25,6 +25,15 @@ def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
             help = [f"rename one of them, for example to '{name}_{section.removesuffix('s')}'"]
             found.add("SB135", message, sidecar.key_span(section, name), help=help, notes=[f"first defined at {place}"])
         first.setdefault(name, (section, name))
+    for name, module in sidecar.document.modules.items():
+        for section in ("links", "frames"):
+            if name in getattr(sidecar.document, section):
+                message = f"module '{name}': duplicate name (also used by {subject((section, name))})"
+                help = [f"rename one of them: `{name}` alone refers to the root link of the module"]
+                found.add("SB135", message, sidecar.key_span("modules", name), help=help)
+        for key, text in ((("modules", name), name), (("modules", name, "prefix"), module.prefix or "")):
+            if reason := _reserved("modules", text):
+                found.add("SB126", f"{subject(key)}: {reason}", sidecar.key_span(*key))
     if reason := _not_a_file(sidecar.document.robot):
         found.add("SB126", f"robot: {reason}", sidecar.span("robot"))
     for section, name in _all_names(sidecar.document):

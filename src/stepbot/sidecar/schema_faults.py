@@ -16,7 +16,7 @@ from .joint_settings import position_dimension, settings_of
 from .origins import FORMS
 from .quantities import described
 from .remedies import remedy, written
-from .section import NOT_IN_FILE_NAMES, NOT_IN_NAMES
+from .section import NOT_IN_FILE_NAMES, NOT_IN_NAMES, REFERENCE_PATTERN
 from .subjects import subject
 from .tree import Keys, Listing, Mapping, Scalar, Tree, child, key_span, span, way
 from .units import Dimension, UnitError, read_quantity
@@ -174,6 +174,8 @@ def _bad_name(kind: str, context: dict[str, Any], error: ErrorDetails, keys: Key
     if text != text.strip():
         return _Fault("SB126", f"'{text}' starts or ends with a space", (allowed,), of_key)
     names_material = keys[0] == "materials" or keys[-1] == "material"
+    if context.get("pattern") == REFERENCE_PATTERN and "/" in text and not all(text.split("/")):
+        return _Fault("SB126", f"'{text}': empty name before or after '/'", ("example: arm/tool0",), of_key)
     characters = NOT_IN_FILE_NAMES if keys == ("robot",) else "" if names_material else NOT_IN_NAMES
     wrong = [f"'{c}'" if c.isprintable() else f"U+{ord(c):04X}" for c in text if c in characters or not c.isprintable()]
     if not wrong:

@@ -13,6 +13,7 @@ from .tree import Entry, Keys, Listing, Mapping, Scalar, Tree, child, span
 
 _NAMED = (*ELEMENTS, "modules")
 """Sections whose members `without` and `set` name."""
+_PARTS = ("links", "modules")
 _OWN_KEYS = ("like", "without")
 
 
@@ -50,6 +51,12 @@ def with_variant(root: Mapping, name: str, found: Diagnostics) -> Mapping | None
         with_values = merged(whole, _mapping(patch, entries))
         assert isinstance(with_values, Mapping)
         whole = _without(with_values, child(patch, "without"), f"variant '{name}'", found)
+    if any(_names(root, section) for section in _PARTS) and not any(_names(whole, section) for section in _PARTS):
+        help = ("leave out what is attached alone: without the part below it, it goes too",)
+        _report(
+            found, root, ("variants", name, "without"), f"variant '{name}': without: no link or module is left", help
+        )
+        return None
     robot = root.entries.get("robot")
     if robot is not None and isinstance(robot.value, Scalar) and child(whole, "robot") is robot.value:
         named = f"{robot.value.text}_{name}"
@@ -88,8 +95,16 @@ def _patches(root: Mapping, name: str, found: Diagnostics) -> list[Mapping] | No
             return None
         chain.append(name)
         patch = child(variants, name) if variants is not None else None
+        if patch is not None and patch.faulty:
+            return None
         if not isinstance(patch, Mapping):
             _report(found, root, ("variants", name), f"variant '{name}': not a mapping", ("`NAME: {KEY: VALUE}`",))
+            return None
+        if "variants" in patch.entries:
+            help = ("add it beside this one: `like` starts from another variant",)
+            _report(
+                found, root, ("variants", name, "variants"), f"variant '{name}': variants: a variant has none", help
+            )
             return None
         patches.insert(0, patch)
         keys = ("variants", name, "like")

@@ -174,7 +174,8 @@ CODES = (
         "SB137",
         "error",
         "key not valid for this type",
-        "A key is not valid for this type of joint, closure, actuator or sensor. The key would have no effect.",
+        "A key is not valid for this type of joint, closure, actuator or sensor, or needs another key. The key would have "
+        "no effect.",
         "Remove the key, or choose a type that supports it.",
     ),
     Code(
