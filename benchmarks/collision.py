@@ -18,8 +18,8 @@ import numpy as np
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.solids.collision_scores import Unscored, collision_scores
 from stepbot.geometry.solids.collision_sets import Wanted, collision_sets
-from stepbot.geometry.solids.convex_pieces import Bore
 from stepbot.geometry.solids.manifolds import convex_hull
+from stepbot.geometry.solids.primitive_fits import RoundFace
 from stepbot.geometry.solids.unions import PlacedShape, PlacedSolid
 from stepbot.geometry.spatial import IDENTITY
 from stepbot.step.assembly import Body
@@ -65,7 +65,9 @@ def _cells(one: "Result") -> str:
 
 
 def _stepbot(body: Body) -> list[TriMesh]:
-    bores = [Bore(np.array(f.point), np.array(f.direction), f.radius) for f in body.axis_faces if f.bore and not f.cone]
+    bores = [
+        RoundFace(np.array(f.point), np.array(f.direction), f.radius) for f in body.axis_faces if f.bore and not f.cone
+    ]
     wanted = Wanted((PlacedSolid(body.mesh, IDENTITY),), 0.0, (), tuple(bores), False, CLOSE, MANY, 10_000)
     (made,) = collision_sets([wanted])
     return [shape.geometry for shape in made.shapes if isinstance(shape.geometry, TriMesh)]

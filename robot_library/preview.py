@@ -78,8 +78,9 @@ def load_view(folder: Path) -> View:
 
 def robot_subject_of(folder: Path) -> Subject:
     """The visual geometry of the robot in its drawn pose, with finer meshes than its sidecar sets."""
+    from stepbot.diagnostics import Diagnostics
     from stepbot.pipeline.conversion import Options
-    from stepbot.pipeline.picturing import robot_of, robot_subject
+    from stepbot.pipeline.picturing import robot_subject, robot_to_draw
     from stepbot.robot.posing import posed
 
     (sidecar,) = folder.glob("*.robot.yaml")
@@ -88,10 +89,11 @@ def robot_subject_of(folder: Path) -> Subject:
     with TemporaryDirectory() as place:
         finer = Path(place) / sidecar.name
         finer.write_text(text if "\nmesh:" in text else f"{text}\n{_MESH}\n", encoding="utf-8")
-        built = robot_of(finer, Options(Path(place), step=step))
-    if built.robot is None:
-        raise SystemExit("\n".join(map(str, built.diagnostics)))
-    return robot_subject(built.robot, posed(built.robot, {}))
+        found = Diagnostics()
+        robot = robot_to_draw(finer, Options(Path(place), step=step), found)
+    if robot is None:
+        raise SystemExit("\n".join(map(str, found)))
+    return robot_subject(robot, posed(robot, {}))
 
 
 def main() -> None:

@@ -203,8 +203,8 @@ def lock(sidecar: Path) -> None:
     from stepbot.diagnostics import Diagnostics
     from stepbot.pipeline.conversion import Options
     from stepbot.pipeline.locking import make_lock
+    from stepbot.revisions import lock_path
     from stepbot.revisions.lock_file import lock_bytes
-    from stepbot.revisions.lock_path import lock_path
 
     found = Diagnostics()
     made = make_lock(sidecar, Options(output=Path()), found)

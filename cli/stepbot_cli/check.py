@@ -150,7 +150,7 @@ def _add(of_one: Diagnostics, variant: str, found: Diagnostics) -> None:
 
 def _show(checked: "Mapping[str, Checked]", failed: set[str], display: Display, *, open_step: bool) -> None:
     """Print the verdict on each valid robot and its joints: all with -v, else those on weak evidence."""
-    from stepbot.pipeline.source_names import is_description
+    from stepbot.pipeline.conversion import is_description
 
     for label, robot in checked.items():
         name = printable(label)

@@ -97,7 +97,7 @@ def reject_descriptions(what: str, paths: Iterable[Path]) -> None:
     Raises:
         click.UsageError: One of the files is a URDF, SDFormat or MJCF.
     """
-    from stepbot.pipeline.source_names import is_description
+    from stepbot.pipeline.conversion import is_description
 
     for path in filter(is_description, paths):
         name = printable(path.name)

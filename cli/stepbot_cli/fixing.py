@@ -40,7 +40,7 @@ class Fixed:
 def fix_paths(sidecar: Path, options: "Options", found: Diagnostics) -> Fixed | None:
     """Rewrite the paths of certainly renamed components in a sidecar and its lock; None where nothing was written."""
     from stepbot.pipeline.locking import fix_renamed_paths
-    from stepbot.revisions.lock_path import lock_path
+    from stepbot.revisions import lock_path
     from stepbot.runtime.file import write_file
 
     fixed = fix_renamed_paths(sidecar, options, found)

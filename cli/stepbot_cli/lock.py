@@ -50,8 +50,8 @@ def command(
     """
     from stepbot.jobs.discovery import find_sidecars
     from stepbot.pipeline.locking import make_lock
+    from stepbot.revisions import lock_path
     from stepbot.revisions.lock_file import lock_bytes
-    from stepbot.revisions.lock_path import lock_path
     from stepbot.runtime.file import write_file
 
     options = options._replace(step=step, ignore=ignore)

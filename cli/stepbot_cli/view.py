@@ -113,9 +113,9 @@ def command(
 
 def _editable(target: Path, options: "Options", found: Diagnostics) -> tuple[Path, str]:
     """The sidecar to edit: the target, or the one beside a STEP file or a description; and whether it was made."""
+    from stepbot.pipeline.conversion import is_description
     from stepbot.pipeline.drafting import draft_step, write_draft
     from stepbot.pipeline.sidecars import SIDECAR_SUFFIXES, report_missing
-    from stepbot.pipeline.source_names import is_description
     from stepbot.robot.step_names import is_step_name
     from stepbot.runtime.file import read_regular, write_file
     from stepbot.sidecar.starter import description_starter, starter_name

@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from stepbot.diagnostics import Diagnostics
 from stepbot.pictures.camera import VIEWS, camera_of
 from stepbot.pictures.raytrace import Renderer, Scene
 from stepbot.pictures.scene import Subject, scene_of
 from stepbot.pipeline.conversion import Options
-from stepbot.pipeline.picturing import assembly_subject, part_labels, robot_of, robot_subject
+from stepbot.pipeline.picturing import assembly_subject, part_labels, robot_subject, robot_to_draw
 from stepbot.pipeline.stages import inspect
 from stepbot.robot.posing import posed
 
@@ -38,7 +39,7 @@ def parts(apart: float) -> Subject:
 
 def poses() -> list[Subject]:
     """The robot in a cycle that begins and ends as drawn; its loops stay closed."""
-    robot = robot_of(ROBOT / "delta.robot.yaml", Options(Path())).robot
+    robot = robot_to_draw(ROBOT / "delta.robot.yaml", Options(Path()), Diagnostics())
     assert robot is not None
     subjects = []
     for turn in range(TURNS):

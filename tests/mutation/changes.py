@@ -12,7 +12,7 @@ from lxml import etree
 from stepbot.engines.observation import Quantity
 from stepbot.formats.lowering.joints import UNLIMITED
 from stepbot.geometry.spatial import Pose, angle_between
-from stepbot.verification.tolerances import COLOR, TOLERANCES
+from stepbot.verification.deviation import COLOR, TOLERANCES
 
 from .removal import kind_of, path_of
 

@@ -28,7 +28,7 @@ from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh_worker import MESH_WORKER
 from stepbot.geometry.predicates import is_watertight
-from stepbot.pictures.primitives import mesh_of
+from stepbot.pictures.scene import mesh_of
 from stepbot.robot.mesh_names import UniqueNames, free_name
 from stepbot.robot.model import (
     Collision,

@@ -14,10 +14,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, StepbotError
-from stepbot.pipeline.conversion import Checked, Conversion, Kept, Options, write
-from stepbot.pipeline.source_names import is_description
+from stepbot.pipeline.conversion import Checked, Conversion, Kept, Options, is_description, write
 from stepbot.report.summary import Summary
-from stepbot.revisions.lock_path import lock_path
+from stepbot.revisions import lock_path
 from stepbot.runtime.cache import (
     Cache,
     Digest,

@@ -6,7 +6,7 @@ from functools import cache, partial
 
 from stepbot.assemble import UNREVISED, Built, build_robot
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.revisions.lock_path import lock_path
+from stepbot.revisions import lock_path
 from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.scale import LARGEST, other_units
 from stepbot.robot.validity import check_robot

@@ -12,7 +12,7 @@ from stepbot.compose.joining import composed
 from stepbot.diagnostics import Diagnostics, Span, StepbotError, did_you_mean
 from stepbot.engines.observation import Request
 from stepbot.engines.reference import observe_robot
-from stepbot.revisions.lock_path import lock_path
+from stepbot.revisions import lock_path
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import Robot
 from stepbot.robot.step_names import is_step_name, step_stem
@@ -33,11 +33,10 @@ from stepbot.verification.joint_rows import joint_rows
 from stepbot.verification.modules import Alone, module_deviations
 
 from .building import build, places
-from .conversion import Options
+from .conversion import Options, is_description
 from .expectations import check_expected
 from .loading import Loading
 from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
-from .source_names import is_description
 
 DEEPEST = 8
 """Most modules within modules."""

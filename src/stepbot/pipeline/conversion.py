@@ -16,6 +16,16 @@ if TYPE_CHECKING:
     from stepbot.robot.joint_table import JointRow
     from stepbot.robot.model import Robot
 
+
+_SUFFIXES = (".urdf", ".xacro", ".sdf", ".xml", ".mjcf", ".world", ".usd", ".usda", ".usdc", ".proto")
+"""The content decides between the formats; OpenUSD, PROTOs and macros are not converted, which readers report."""
+
+
+def is_description(path: Path) -> bool:
+    """Whether a file is taken as a robot description, not as a sidecar."""
+    return path.suffix.lower() in _SUFFIXES
+
+
 REPORT = "report.json"
 """Name of the report among the files."""
 REPORT_PAGE = "report.html"

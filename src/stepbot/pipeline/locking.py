@@ -10,11 +10,11 @@ from pathlib import Path
 from stepbot.assemble import bind, build_robot
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.geometry.volume import VolumeProperties
+from stepbot.revisions import lock_path
 from stepbot.revisions.broken_paths import certain_renamings, renamed_lock
 from stepbot.revisions.comparison import Comparison, report_outdated, revised
 from stepbot.revisions.findings import report_changes
 from stepbot.revisions.lock_file import lock_bytes, read_lock
-from stepbot.revisions.lock_path import lock_path
 from stepbot.revisions.snapshot import Snapshot, snapshot, with_sidecar
 from stepbot.runtime.file import exists, is_file, read_regular
 from stepbot.sidecar.located import Sidecar

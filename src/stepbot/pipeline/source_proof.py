@@ -23,7 +23,7 @@ from stepbot.robot.multi_dof import steps_by_child, unfolded
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import Worker
-from stepbot.verification.renamed import Renaming
+from stepbot.verification.counterparts import Renaming
 from stepbot.verification.source import NOT_CONFIRMED, Converted, verify_against_source
 
 from .conversion import Options

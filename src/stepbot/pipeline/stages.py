@@ -24,10 +24,9 @@ from stepbot.sidecar.self_collision import SelfCollisionSection
 from stepbot.step.assembly import Assembly, MeshTolerance
 
 from .building import build
-from .conversion import REPORT, Checked, Conversion, Options, write
+from .conversion import REPORT, Checked, Conversion, Options, is_description, write
 from .loading import Loading, input_hashes, input_names
 from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
-from .source_names import is_description
 from .verdict import robot_words
 from .writing import all_files, judged_by_files, proven, rendered, report_unused, started_proof
 

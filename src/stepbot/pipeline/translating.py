@@ -10,9 +10,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from stepbot.compose.pruning import elements
-from stepbot.described.assumed import lacking, with_assumed
+from stepbot.described.assumed import check_inertials, lacking, with_assumed
 from stepbot.described.finding import ASSUMED, Finding
-from stepbot.described.inertials import check_inertials
 from stepbot.described.robot import Described, robot_of_description
 from stepbot.diagnostics import Diagnostics, Ignore, Span
 from stepbot.engines.description import Description
@@ -32,11 +31,10 @@ from stepbot.sidecar.names import UNPORTABLE
 from stepbot.sidecar.self_collision import SelfCollisionSection
 from stepbot.verification.joint_rows import joint_rows
 
-from .conversion import Checked, Conversion, Options
+from .conversion import Checked, Conversion, Options, is_description
 from .describing import read_description
 from .loading import input_hashes, input_names
 from .self_collisions import with_self_collision
-from .source_names import is_description
 from .verdict import robot_words
 from .writing import Rendered, all_files, judged_by_files, proven, rendered, report_unused, started_proof
 

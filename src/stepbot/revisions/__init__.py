@@ -8,3 +8,11 @@ bindings     paths of the sidecar that no longer match the same components, and 
 findings     differences as diagnostics at the lines of the sidecar
 differences  differences of two snapshots as rows of a table
 """
+
+from pathlib import Path
+
+
+def lock_path(sidecar: Path, variant: str = "") -> Path:
+    """``arm.lock.json`` beside ``arm.robot.yaml``, ``arm.long.lock.json`` of its variant ``long``."""
+    name = sidecar.name.removesuffix(sidecar.suffix).removesuffix(".robot")
+    return sidecar.with_name(f"{name}{variant and f'.{variant}'}.lock.json")

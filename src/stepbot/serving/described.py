@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from stepbot.compose.changing import CHANGEABLE, sidecar_of
 from stepbot.diagnostics import Diagnostics
-from stepbot.pipeline.source_names import is_description
+from stepbot.pipeline.conversion import is_description
 from stepbot.robot.model import Robot
 from stepbot.sidecar.editing import Annotate, Append, Change, Put, Remove, Rename
 from stepbot.sidecar.located import Sidecar

@@ -17,8 +17,7 @@ from .exchange.length_unit import LengthUnit, read_length_unit
 from .exchange.operators import correct_operators
 from .exchange.selection import entities, entity_of, forget_external_files, mechanism_count
 from .exchange.statements import report_long_tokens
-from .kernel import StepUnreadable, read_model, transfer
-from .kernel_errors import KERNEL_ERRORS, OUT_OF_MEMORY
+from .kernel import KERNEL_ERRORS, OUT_OF_MEMORY, StepUnreadable, read_model, transfer
 from .structure.definitions import Definitions
 from .structure.materials import Materials
 from .structure.products import Products

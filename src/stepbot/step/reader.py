@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
-from stepbot.runtime.attempts import Attempt
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
+from stepbot.runtime.parallel import Attempt
 from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import OutOfTime, RemoteError, Worker, WorkerDied
 

@@ -18,8 +18,7 @@ from OCP.TopExp import TopExp
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.geometry.mass_properties import prepare as prepare_measuring
 from stepbot.geometry.mesh import TriMesh
-from stepbot.runtime.attempts import Attempt
-from stepbot.runtime.parallel import Died, Raised, run
+from stepbot.runtime.parallel import Attempt, Died, Raised, run
 from stepbot.runtime.processes import thread_count
 
 from . import BODY_SECONDS
@@ -28,7 +27,7 @@ from .content import Content, read_content
 from .exchange.encodings import encoding_fact
 from .exchange.file_set import StepFile
 from .exchange.part21 import Part21
-from .kernel_errors import OUT_OF_MEMORY
+from .kernel import OUT_OF_MEMORY
 from .one_file import optional
 from .shapes.bodies import BodyRequest, Finding, ReadBody, read_body
 from .shapes.splitting import variant

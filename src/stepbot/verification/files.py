@@ -36,7 +36,7 @@ from .checks import (
 )
 from .compare import Compared
 from .correspondence import Correspondence
-from .counterparts import counterparts
+from .counterparts import Renaming, counterparts
 from .expectation import CONFIGURATIONS, SECONDS, SEED
 from .folders import is_robot_file
 from .joint_rows import joint_rows
@@ -44,7 +44,6 @@ from .judging import UNCHANGED, Asked, checks_within, compared_with_first, judge
 from .merged_observation import gather
 from .naming import Naming, moved
 from .probe import Probe, in_a_process
-from .renamed import Renaming
 
 _SIGNATURE = 16
 """Number of bytes that signatures of formats are within."""

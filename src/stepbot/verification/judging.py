@@ -16,10 +16,10 @@ from stepbot.robot.joint_table import JointRow
 from .checks import Subject, check_of, checks_without_observation, report_failure, report_unread
 from .compare import Compared, compare
 from .correspondence import Correspondence
+from .counterparts import Renaming
 from .deviation import Deviations
 from .merged_observation import Gathered, gather
 from .normalized import normalized
-from .renamed import Renaming
 from .restated import normalized_joints
 
 _EQUAL = Tolerance(absolute=1e-13, relative=1e-9)

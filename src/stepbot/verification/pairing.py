@@ -15,7 +15,7 @@ from stepbot.engines.observation import Quantity
 from stepbot.geometry.spatial import Array, rotation_about
 
 from .chains import Chain, Step, common_point, direction, foot
-from .tolerances import TOLERANCES
+from .deviation import TOLERANCES
 
 
 class BallAngles:

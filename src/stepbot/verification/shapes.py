@@ -8,8 +8,7 @@ import numpy as np
 from stepbot.engines.observation import Observation, ObservedLink, ObservedShape
 from stepbot.robot.surfaces import SURFACE_FIELDS, Surface
 
-from .deviation import Deviations
-from .tolerances import COLOR, SURFACE
+from .deviation import COLOR, SURFACE, Deviations
 
 
 def link_pairs(reference: Observation, observed: Observation) -> list[tuple[ObservedLink, ObservedLink]]:

@@ -17,10 +17,10 @@ from stepbot.robot.model import ActuatorKind, Limit
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
 from .checks import Subject, check_of, report_failure
+from .counterparts import Renaming
 from .files import observed
 from .judging import ENGINE_WARNING, compared_with_first, ranked
 from .merged_observation import Gathered, gather
-from .renamed import Renaming
 
 Bounds = tuple[float, float]
 

@@ -6,7 +6,7 @@ import pytest
 import trimesh
 
 from stepbot.geometry.mesh import TriMesh
-from stepbot.pictures.primitives import box_mesh, capsule_mesh, cylinder_mesh
+from stepbot.pictures.scene import box_mesh, capsule_mesh, cylinder_mesh
 
 R, L = 0.2, 0.5
 

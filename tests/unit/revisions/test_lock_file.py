@@ -9,8 +9,8 @@ import jsonschema
 import pytest
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.revisions import lock_path
 from stepbot.revisions.lock_file import lock_bytes, read_lock
-from stepbot.revisions.lock_path import lock_path
 from stepbot.revisions.snapshot import Joint, Part, Reference, Shape, Snapshot
 
 SCHEMA = Path(__file__).parents[3] / "schemas" / "lock-1.schema.json"

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.runtime.attempts import Attempt
+from stepbot.runtime.parallel import Attempt
 from stepbot.runtime.processes import NO_FORK, can_fork
 from stepbot.runtime.worker import OutOfTime, WorkerDied
 from stepbot.step import reader

@@ -26,8 +26,7 @@ from stepbot.robot.model import (
     Sphere,
 )
 from stepbot.robot.self_collision import PairClass, PairContact
-from stepbot.verification.self_collision.matrix import matrix
-from stepbot.verification.self_collision.search import LinkPair
+from stepbot.verification.self_collision.search import LinkPair, matrix
 from stepbot.verification.self_collision.shapes import Pair, shapes_of
 
 SAMPLES = 10_000

@@ -15,8 +15,7 @@ from ..sdformat_reader.frames import Frames, number_at, numbers, read_pose, thre
 from ..sdformat_reader.shapes import surface_of
 from ..sdformat_reader.tree import read_model, the_model
 from ..urdf_chains import xml_root
-from .description import DescribedShape, Description, Primitive
-from .meshes import MeshFiles
+from .description import DescribedShape, Description, MeshFiles, Primitive
 from .sdf_vocabulary import AROUND, MODEL
 from .vocabulary import Unread
 

@@ -19,8 +19,7 @@ from ..observation import EngineRefused, Observation, Request
 from ..urdf_chains import xml_root
 from ..urdf_extensions.ros2_control import initial_positions
 from ..urdf_versions import EXTRA_LIMITS, extra_limits, newer_than_stated, with_rpy
-from .description import DescribedShape, Description, Primitive
-from .meshes import MeshFiles
+from .description import DescribedShape, Description, MeshFiles, Primitive
 from .urdf_structure import check_structure, open_limits
 from .urdf_vocabulary import BULLET, URDF
 

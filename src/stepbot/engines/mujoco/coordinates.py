@@ -16,6 +16,11 @@ from .joints import screw_pitch
 if TYPE_CHECKING:
     from .model import NamedModel
 
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .model import NamedModel
+
 Balls = Mapping[str, tuple[str, str, str]]
 
 
@@ -97,3 +102,83 @@ class Coordinates:
     def _of_ball(self, joint: int) -> slice:
         start = self._model.jnt_dofadr[joint]
         return slice(start, start + 3)
+
+
+NEAR_LOCK = 0.5
+"""Volume spanned by the three unit axes, below which a motion towards the lock is reversed: 30 degrees from it."""
+_LIGHT = 1e-6
+"""Maximum mass of a body between hinges, as a share of the mass that it carries."""
+_SAME_PLACE = 1e-6
+"""Distance [m] up to which axes intersect in one point."""
+
+
+class Gimbals:
+    """The series of three hinges of a model, monitored during simulation."""
+
+    def __init__(self, compiled: "NamedModel", data: Any) -> None:
+        rows = _rows(compiled, data)
+        self._compiled = compiled
+        self._names = [_names(compiled, row) for row in rows]
+        self._rows = np.array(rows, dtype=np.intp).reshape(-1, 3)
+        self._volumes = self._spanned(data)
+        self._reversed: set[str] = set()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The changes made to the motion, for messages."""
+        return tuple(
+            f"motion reversed where hinges {names} approach gimbal lock; the ball joint they replace has no gimbal lock"
+            for names in self._names
+            if names in self._reversed
+        )
+
+    def turn_back(self, data: Any) -> None:
+        """Reverse all velocities if a series approaches its lock too closely."""
+        if not len(self._rows):
+            return
+        before, self._volumes = self._volumes, self._spanned(data)
+        closing = (self._volumes < NEAR_LOCK) & (self._volumes < before)
+        if closing.any():
+            data.qvel[:] = -data.qvel
+            self._reversed.update(names for names, near in zip(self._names, closing, strict=True) if near)
+
+    def _spanned(self, data: Any) -> Array:
+        """Volume spanned by the axes of each series: 1 if they are orthogonal, 0 in the lock."""
+        # a step leaves the axes as they were at its start
+        self._compiled.engine.mj_kinematics(self._compiled.model, data)
+        return np.asarray(np.abs(np.linalg.det(np.array(data.xaxis)[self._rows])))
+
+
+def _rows(compiled: "NamedModel", data: Any) -> list[tuple[int, int, int]]:
+    """Every series of three hinges with intersecting axes and nearly massless bodies in between that is not locked."""
+    found = []
+    for last in range(compiled.model.njnt):
+        middle = _before(compiled, last)
+        first = None if middle is None else _before(compiled, middle)
+        if first is None or middle is None:
+            continue
+        row = (first, middle, last)
+        anchors, axes = np.array(data.xanchor)[list(row)], np.array(data.xaxis)[list(row)]
+        meet = float(np.abs(anchors - anchors[0]).max()) < _SAME_PLACE
+        if meet and abs(float(np.linalg.det(axes))) >= NEAR_LOCK:
+            found.append(row)
+    return found
+
+
+def _before(compiled: "NamedModel", joint: int) -> int | None:
+    """The hinge before a hinge, in its body or in a massless parent; None if there is none."""
+    model, hinge = compiled.model, compiled.engine.mjtJoint.mjJNT_HINGE
+    if compiled.joint_type(joint) != hinge:
+        return None
+    body = int(model.jnt_bodyid[joint])
+    before = joint - 1
+    if joint == model.body_jntadr[body]:
+        above = int(model.body_parentid[body])
+        if not model.body_jntnum[above] or model.body_mass[above] > _LIGHT * model.body_subtreemass[above]:
+            return None
+        before = int(model.body_jntadr[above] + model.body_jntnum[above]) - 1
+    return before if compiled.joint_type(before) == hinge else None
+
+
+def _names(compiled: "NamedModel", row: tuple[int, int, int]) -> str:
+    return ", ".join(f"'{compiled.name('JOINT', joint)}'" for joint in row)

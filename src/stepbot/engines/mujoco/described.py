@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stepbot.engines.description.description import MeshFiles
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_files import KINDS
 from stepbot.geometry.spatial import Array, Pose
@@ -16,7 +17,6 @@ from stepbot.robot.tuning import Integrator, Simulation
 from stepbot.runtime.file import is_file
 
 from ..description.description import DescribedShape, Description, Primitive
-from ..description.meshes import MeshFiles
 from ..description.mjcf_vocabulary import unread_of_mjcf
 from ..description.vocabulary import Unread
 from ..observation import EngineRefused, Observation, Request

@@ -11,7 +11,7 @@ from stepbot.robot.closures import RANK_TOLERANCE, closure_gap
 from stepbot.robot.mesh_names import SCOPE
 
 from ..observation import ObservedClosure, Request
-from .gimbals import Gimbals
+from .coordinates import Gimbals
 
 if TYPE_CHECKING:
     from .compiled import Compiled

@@ -17,9 +17,10 @@ from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
+from stepbot.step.kernel import evaluated
+
 from ..assembly import AxisFace
 from ..kernel import MILLIMETRES_PER_METRE
-from ..kernel_errors import evaluated
 from .recognition import FREE_FORMS, revolved
 
 _SAMPLES = 16

@@ -16,10 +16,10 @@ from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
 from stepbot.geometry.spatial import Array, Vector3, dot
+from stepbot.step.kernel import evaluated
 
 from ..faces import Face, FaceKind
 from ..kernel import MILLIMETRES_PER_METRE
-from ..kernel_errors import evaluated
 from .axis_faces import cone_radius, extent, is_bore
 from .recognition import FREE_FORMS, recognized
 

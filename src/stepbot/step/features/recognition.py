@@ -13,7 +13,7 @@ from OCP.GeomAbs import GeomAbs_SurfaceType
 from OCP.gp import gp_Cone, gp_Cylinder, gp_Pln, gp_Sphere
 from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
 
-from ..kernel_errors import KERNEL_ERRORS, OUT_OF_MEMORY
+from stepbot.step.kernel import KERNEL_ERRORS, OUT_OF_MEMORY
 
 FREE_FORMS = (
     GeomAbs_SurfaceType.GeomAbs_BSplineSurface,

@@ -25,7 +25,7 @@ from OCP.TopoDS import TopoDS
 
 from stepbot.geometry.spatial import Array
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.step.kernel_errors import faces_of
+from stepbot.step.kernel import faces_of
 
 from ..kernel import MILLIMETRES_PER_METRE
 from .contours import Contours, Rule, add_curved, add_planar, gauss

@@ -19,14 +19,13 @@ from stepbot.geometry.predicates import is_watertight
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.robot.model import Rgba
 from stepbot.step.features.recognition import face_counts
-from stepbot.step.kernel_errors import faces_of
+from stepbot.step.kernel import OUT_OF_MEMORY, faces_of
+from stepbot.step.structure.source import BodySource
 
 from ..assembly import CERTAIN, AxisFace, Body, BodyKind, MeshTolerance
 from ..features.axis_faces import axis_faces
 from ..features.face_reading import read_faces
 from ..kernel import MILLIMETRES_PER_METRE
-from ..kernel_errors import OUT_OF_MEMORY
-from ..structure.source import BodySource
 from .error_estimate import Estimate, by_mesh, estimated
 from .exact import Refinement, integrate, refine, surface_area, volume_properties
 from .healing import Healed, copied, healed, sewn, unhealed, with_islands

@@ -30,7 +30,7 @@ from OCP.TopoDS import TopoDS
 from stepbot.geometry.predicates import is_watertight
 from stepbot.geometry.spatial import Array
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.step.kernel_errors import faces_of, mean_of_vertices
+from stepbot.step.kernel import faces_of, mean_of_vertices
 
 from ..assembly import CERTAIN
 from ..kernel import MILLIMETRES_PER_METRE

@@ -25,8 +25,7 @@ from OCP.TopExp import TopExp, TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Solid
 
-from stepbot.step.kernel import MILLIMETRES_PER_METRE
-from stepbot.step.kernel_errors import faces_of
+from stepbot.step.kernel import MILLIMETRES_PER_METRE, faces_of
 
 from .exact import integrate, surface_area
 

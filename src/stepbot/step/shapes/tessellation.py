@@ -23,7 +23,7 @@ from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
 from stepbot.geometry.predicates import is_watertight
-from stepbot.step.kernel_errors import faces_of
+from stepbot.step.kernel import faces_of
 
 from ..assembly import MeshTolerance
 from ..kernel import MILLIMETRES_PER_METRE

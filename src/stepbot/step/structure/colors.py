@@ -16,8 +16,7 @@ from OCP.TopExp import TopExp
 from OCP.XCAFDoc import XCAFDoc_ColorTool, XCAFDoc_ColorType, XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
 from stepbot.robot.model import Rgba
-
-from ..kernel_errors import evaluated
+from stepbot.step.kernel import evaluated
 
 _KINDS = (XCAFDoc_ColorType.XCAFDoc_ColorSurf, XCAFDoc_ColorType.XCAFDoc_ColorGen)
 _DIGITS = 6

@@ -12,9 +12,9 @@ import numpy as np
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
+from stepbot.step.structure.source import NONE, Definition
 
 from ..assembly import Body, BodyKind, Component, Quantity, Validation
-from ..structure.source import NONE, Definition
 from .subjects import Subject
 
 TOLERANCES = {Quantity.VOLUME: 1e-3, Quantity.AREA: 1e-2, Quantity.CENTROID: 1e-3}

@@ -7,9 +7,9 @@ from typing import Any
 from OCP.TopAbs import TopAbs_ShapeEnum
 
 from stepbot.geometry.spatial import Array
+from stepbot.step.structure.source import NONE, Definition
 
 from ..structure.products import Products
-from ..structure.source import NONE, Definition
 from ..structure.tree import Tree
 from .properties import Solids
 

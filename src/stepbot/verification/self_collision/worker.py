@@ -167,7 +167,7 @@ def find_self_collision(
     key = _key("self-collision", subject, str(samples)) if cache is not None else ""
     known = results.get(key) if key else None
     if known is None:
-        with Worker(f"{_ROOM}.matrix:matrix", memory_limit=memory_limit) as worker:
+        with Worker(f"{_ROOM}.search:matrix", memory_limit=memory_limit) as worker:
             known = worker.submit(subject, samples).result(timeout)
         if key:
             results.put(key, known)

@@ -11,7 +11,6 @@ import pytest
 from numpy.typing import NDArray
 from typing_extensions import TypeAliasType
 
-from stepbot.assemble.overlaps import FoundOverlaps
 from stepbot.diagnostics import Diagnostic, Span
 from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.jobs.incremental import Record
@@ -117,7 +116,7 @@ def test_arrays_come_back_read_only() -> None:
 
 
 @pytest.mark.parametrize(
-    "kind", [Assembly, Diagnostic, FoundOverlaps, Geometry, Observation, ReadOptions, Record, Report, Request, Robot]
+    "kind", [Assembly, Diagnostic, Geometry, Observation, ReadOptions, Record, Report, Request, Robot]
 )
 def test_all_that_is_kept_has_a_codec(kind: type) -> None:
     """Every field of cached data has an annotation that the codec supports, recursively."""

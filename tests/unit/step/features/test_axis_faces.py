@@ -14,7 +14,7 @@ from OCP.gp import gp_Ax2, gp_Ax3, gp_Dir, gp_Lin, gp_Pln, gp_Pnt
 
 from stepbot.step.assembly import AxisFace
 from stepbot.step.features.axis_faces import axis_faces
-from stepbot.step.kernel_errors import faces_of
+from stepbot.step.kernel import faces_of
 
 AXIS = gp_Ax2(gp_Pnt(300.0, -200.0, 150.0), gp_Dir(0.3, 0.5, 0.8))
 

@@ -15,7 +15,7 @@ from OCP.GProp import GProp_GProps
 from stepbot.geometry.spatial import Array
 from stepbot.step.faces import Face, FaceKind
 from stepbot.step.features.face_reading import read_faces
-from stepbot.step.kernel_errors import faces_of
+from stepbot.step.kernel import faces_of
 
 
 def drilled_block() -> Any:

@@ -11,7 +11,7 @@ import pytest
 from robot_library.moments import Array
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.step.assembly import Body, BodyKind
-from stepbot.step.kernel_errors import faces_of
+from stepbot.step.kernel import faces_of
 from stepbot.step.quadrature.solids import Boundary, properties_of, quadrature
 from stepbot.step.shapes.error_estimate import estimated, is_simple
 from stepbot.step.shapes.exact import integrate, volume_properties

@@ -323,7 +323,7 @@ def test_a_slanted_seam_is_straightened(tmp_path: Path) -> None:
     from OCP.TopAbs import TopAbs_Orientation
     from OCP.TopoDS import TopoDS
 
-    from stepbot.step.kernel_errors import faces_of
+    from stepbot.step.kernel import faces_of
     from stepbot.step.shapes.tessellation import straighten
 
     shape = solids.cone(9, 4, 20).shape
@@ -392,7 +392,7 @@ def test_a_straightened_edge_keeps_its_range(upper: float) -> None:
     from OCP.TopAbs import TopAbs_Orientation
     from OCP.TopoDS import TopoDS
 
-    from stepbot.step.kernel_errors import faces_of
+    from stepbot.step.kernel import faces_of
     from stepbot.step.shapes.tessellation import Fineness, straighten, tessellated
 
     shape = solids.cone(9, upper, 20).shape
