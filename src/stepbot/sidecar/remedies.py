@@ -75,6 +75,8 @@ def _named_items(values: Sequence[Tree]) -> list[str]:
 def _for_text(keys: Keys, name: str, value: Scalar) -> str:
     if missing := re.fullmatch(r"([^:\s]+):([\[{].*)", name):  # a colon without a space made it one key
         return f"add a space after the colon: `{missing[1]}: {missing[2]}: {value.text}`"
+    if "ignore_findings" in keys and value.text.isdecimal():
+        return f"write `SB{value.text}`"
     if len(keys) == 2 and keys[0] == "links":
         return f"write `{name}: {{parts: [{quoted(value.text)}]}}`"
     if len(keys) == 2 and keys[0] == "joints":

@@ -47,6 +47,7 @@ def findings(text: str) -> list[Diagnostic]:
         ("type: revolute", "type: [revolute]", "type: revolute"),
         ("type: revolute", "type: revolute, zero: [30 deg]", "zero: 30 deg"),
         ("  forearm: {parts: [forearm]}", "  forearm: {parts: [[forearm]]}", "forearm"),
+        ("joints:", "ignore_findings: [305]\njoints:", "SB305"),
         ("joints:", "self_collision: {exclude: [[base, forearm]]}\njoints:", "exclude: [always]"),
         ("joints:", "self_collision: {exclude: [base, forearm]}\njoints:", "exclude: [always]"),
         ("  elbow: {", "  elbow:{", "elbow: {type: revolute"),
