@@ -13,7 +13,7 @@ from stepbot_cli.diagnostic_text import counted
 
 from .columns import aligned
 from .command import Command, display_options, ignore_option, json_option
-from .convert import again_format_option, format_names, html_option, no_verify_option, strict_option
+from .convert import again_format_option, for_option, formats_with, html_option, no_verify_option, strict_option
 from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import paint, printable
 from .engines import require_option
@@ -52,6 +52,7 @@ def _cores(text: str) -> int:
 @click.option("-j", "--jobs", type=_cores, metavar="N", help="Number of cores.  [default: all]")
 @click.option("--scheduler", metavar="ADDRESS", help="Convert on the Dask cluster at tcp://HOST:PORT.")
 @again_format_option
+@for_option
 @no_verify_option
 @strict_option
 @html_option
@@ -69,6 +70,7 @@ def command(
     jobs: int | None,
     scheduler: str | None,
     formats: tuple[str, ...],
+    programs: tuple[str, ...],
     no_verify: bool,
     strict: bool,
     ignore: tuple[str, ...],
@@ -104,7 +106,8 @@ def command(
         return _report(found, [], output, as_json, display)
     options = options._replace(
         output=output,
-        formats=format_names(formats),
+        formats=formats_with(programs, formats),
+        programs=programs,
         verify=not no_verify,
         strict=strict,
         ignore=ignore,

@@ -109,8 +109,8 @@ for_option = click.option(
     multiple=True,
     callback=_programs,
     metavar="PROGRAM,...",
-    help="Also write a Python file that loads the robot in mjlab, maniskill, genesis or isaaclab, with its gains and "
-    "initial pose; implies their formats.",
+    help="Also write a Python file that loads the robot in mjlab, maniskill, genesis, isaaclab, playground or lerobot, "
+    "with its gains and initial pose; implies their formats.",
 )
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 

@@ -17,7 +17,14 @@ from tests.robots import two_link_arm
 
 from .conftest import Stepbot
 
-MODULES = {"mjlab": "mjlab", "maniskill": "mani_skill", "genesis": "genesis", "isaaclab": "isaaclab"}
+MODULES = {
+    "mjlab": "mjlab",
+    "maniskill": "mani_skill",
+    "genesis": "genesis",
+    "isaaclab": "isaaclab",
+    "playground": "mujoco_playground",
+    "lerobot": "lerobot",
+}
 NAMES = ",".join(PROGRAMS)
 
 
@@ -82,9 +89,35 @@ def test_uptodate_and_python_expect_the_same_files(
     sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
     asked = ("uptodate", str(sidecar), "-o", str(folder))
     assert stepbot(*asked, "--for", NAMES).code == 0
-    assert "no longer written" in stepbot(*asked, "-f", "urdf,sdf,mjcf,usd").out
+    left = stepbot(*asked, "-f", "urdf,sdf,mjcf,usd", "-v").out
+    assert "no longer written" in left
+    assert all(f"add {program} to `--for` of `uptodate`" in left for program in PROGRAMS)
     result = api.convert(sidecar, output=tmp_path, programs=["mjlab"], formats="mjcf", verify=False)
     assert result.files["arm2_mjlab.py"] == (folder / "arm2_mjlab.py").read_bytes()
+
+
+def test_a_batch_writes_the_same_files(folder: Path, robot_library: Path, tmp_path: Path, stepbot: Stepbot) -> None:
+    """`batch --for` writes for each robot what `convert --for` does, and the formats that the programs load."""
+    sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
+    options = ("-f", "urdf", "--for", "playground,lerobot", "--no-verify")
+    assert stepbot("batch", str(sidecar), "-o", str(tmp_path), *options).code == 0
+    (written,) = tmp_path.rglob("arm2.xml")
+    for program in ("playground", "lerobot"):
+        name = f"arm2_{program}.py"
+        assert (written.parent / name).read_bytes() == (folder / name).read_bytes()
+
+
+def test_lerobot_gets_the_longest_chain(folder: Path) -> None:
+    """Its joints, whose angles it takes in degrees, lead to the tip; slides are left out."""
+    found = {
+        node.targets[0].id: ast.literal_eval(node.value)
+        for node in tree(folder, "lerobot").body
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and node.targets[0].id != "MODEL"
+    }
+    assert found["JOINTS"] == ["shoulder", "elbow"] == list(found["HOME"])
+    urdf = (folder / "arm2.urdf").read_text(encoding="utf-8")
+    assert f'<link name="{found["TIP"]}"' in urdf
+    assert found["HOME"]["elbow"] == pytest.approx(0.5235987755982988)
 
 
 @pytest.mark.parametrize("program", PROGRAMS)

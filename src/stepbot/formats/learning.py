@@ -19,6 +19,10 @@ from stepbot.robot.tuning import Integrator
 from . import FORMATS
 from .lowering.devices import gears_at_joints
 from .rendering import main_file
+from .urdf.grippers import groups
+
+_CONTROL_STEP = 0.02
+"""Time [s] between actions, as in most tasks of MuJoCo Playground."""
 
 
 class Program(NamedTuple):
@@ -223,6 +227,99 @@ def _controllers(robot: Robot) -> list[tuple[str, str, list[str], str]]:
     return found
 
 
+def _playground(robot: Robot, file: str) -> str:
+    step = settings_of(robot).timestep
+    control = max(round(_CONTROL_STEP / step), 1) * step
+    return f'''"""{_words(robot)} in MuJoCo Playground: the environment `Robot`, to be derived from for a task."""
+
+from pathlib import Path
+
+import jax
+import mujoco
+from jax import numpy as jp
+from ml_collections import config_dict
+from mujoco import mjx
+from mujoco_playground._src import mjx_env
+
+MODEL = Path(__file__).with_name({_literal(file)})
+CONFIG = config_dict.create(ctrl_dt={control!r}, sim_dt={step!r}, episode_length=1000, action_repeat=1, impl="jax")
+
+
+class Robot(mjx_env.MjxEnv):
+    """Starts in the drawn pose; an action is the input of every actuator. A task states its reward."""
+
+    def __init__(self, config=CONFIG, config_overrides=None):
+        super().__init__(config.copy_and_resolve_references(), config_overrides)
+        self._mj_model = mujoco.MjModel.from_xml_path(str(MODEL))
+        self._mj_model.opt.timestep = self.sim_dt
+        self._mjx_model = mjx.put_model(self._mj_model, impl=self._config.impl)
+        start = self._mj_model.key("home") if self._mj_model.nkey else None
+        self._qpos = jp.array(self._mj_model.qpos0 if start is None else start.qpos)
+        self._ctrl = jp.zeros(self._mj_model.nu) if start is None else jp.array(start.ctrl)
+
+    def reset(self, rng):
+        data = mjx_env.make_data(self._mj_model, qpos=self._qpos, ctrl=self._ctrl, impl=self._config.impl)
+        data = mjx.forward(self._mjx_model, data)
+        return mjx_env.State(data, self.observation(data), jp.zeros(()), jp.zeros(()), {{}}, {{"rng": rng}})
+
+    def step(self, state, action):
+        data = mjx_env.step(self._mjx_model, state.data, action, self.n_substeps)
+        failed = jp.isnan(data.qpos).any() | jp.isnan(data.qvel).any()
+        reward, done = self.reward(data, action), failed.astype(jp.float32)
+        return state.replace(data=data, obs=self.observation(data), reward=reward, done=done)
+
+    def observation(self, data):
+        """Positions and velocities."""
+        return jp.concatenate([data.qpos, data.qvel])
+
+    def reward(self, data, action):
+        """None: that of a task."""
+        return jp.zeros(())
+
+    xml_path = property(lambda self: str(MODEL))
+    action_size = property(lambda self: self._mj_model.nu)
+    mj_model = property(lambda self: self._mj_model)
+    mjx_model = property(lambda self: self._mjx_model)
+
+
+if __name__ == "__main__":
+    robot = Robot()
+    state = jax.eval_shape(robot.reset, jax.random.PRNGKey(0))  # compiling takes minutes
+    state = jax.eval_shape(robot.step, state, robot._ctrl)
+    print(state.obs.shape, *(robot.mj_model.joint(i).name for i in range(robot.mj_model.njnt)))
+'''
+
+
+def _lerobot(robot: Robot, file: str) -> str:
+    turning = [one for one in groups(robot)[0] if all(joint.kind is not JointKind.PRISMATIC for joint in one.joints)]
+    longest = max(turning, key=lambda one: len(one.joints), default=None)
+    joints = [] if longest is None else [joint.name for joint in longest.joints]
+    home = _home(robot)
+    return f'''"""{_words(robot)} in LeRobot: `kinematics()` of its longest chain of turning joints."""
+
+from math import degrees
+from pathlib import Path
+
+import numpy as np
+from lerobot.model.kinematics import RobotKinematics
+
+MODEL = Path(__file__).with_name({_literal(file)})
+JOINTS = {_literal(joints)}
+TIP = {_literal("" if longest is None else longest.tip)}
+HOME = {_table({name: home[name] for name in joints})}
+
+
+def kinematics():
+    """Poses of the tip [m] from angles [deg], and angles from poses."""
+    return RobotKinematics(str(MODEL), target_frame_name=TIP, joint_names=JOINTS)
+
+
+if __name__ == "__main__":
+    pose = kinematics().forward_kinematics(np.array([degrees(HOME[name]) for name in JOINTS]))
+    print(TIP, pose[:3, 3], *JOINTS)
+'''
+
+
 def _genesis(robot: Robot, file: str) -> str:
     return f'''"""{_words(robot)} in Genesis: `add(scene)`, and after `scene.build()` `go_home(robot)`."""
 
@@ -295,5 +392,7 @@ PROGRAMS = {
     "maniskill": Program("urdf", _maniskill),
     "genesis": Program("mjcf", _genesis),
     "isaaclab": Program("usd", _isaaclab),
+    "playground": Program("mjcf", _playground),
+    "lerobot": Program("urdf", _lerobot),
 }
 """By name in commands."""

@@ -108,6 +108,11 @@ def _command(sidecar: Path, options: Options) -> list[str]:
 
 def _for_left_over(name: str) -> str:
     """What to do with a file that a conversion would not write."""
+    from stepbot.formats.learning import PROGRAMS
+
+    program = next((one for one in PROGRAMS if "/" not in name and name.endswith(f"_{one}.py")), "")
+    if program:
+        return f"remove it, or add {program} to `--for` of `uptodate`"
     of_format = next((one.name for one in FORMATS.values() if "/" not in name and name.endswith(one.suffix)), "")
     return f"remove it, or add {of_format} to `-f` of `uptodate`" if of_format else "remove it"
 
