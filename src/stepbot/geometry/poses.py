@@ -5,6 +5,7 @@ Every result is bit for bit that of :class:`.Pose` for each pose alone.
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from math import atan2, hypot
 
 import numpy as np
 
@@ -42,6 +43,14 @@ class Poses:
     def apply(self, points: Array) -> Array:
         """Points (3,) or (n, 3) [m] of each B, expressed in A: shape (n, 3)."""
         return rotated(self.R, np.broadcast_to(points, self.p.shape)) + self.p
+
+    def distances_to(self, others: "Poses") -> list[tuple[float, float]]:
+        """Distance [m] and angle [rad] of each to the other one at its place, as :meth:`.Pose.distance_to`."""
+        R = matrix_product(np.swapaxes(self.R, 1, 2), others.R)
+        turns = R[:, (2, 0, 1), (1, 2, 0)] - R[:, (1, 2, 0), (2, 0, 1)]
+        whole = np.trace(R, axis1=1, axis2=2) - 1.0
+        rows = zip((self.p - others.p).tolist(), turns.tolist(), whole.tolist(), strict=True)
+        return [(hypot(*apart), atan2(hypot(*turn), cosine)) for apart, turn, cosine in rows]
 
     def listed(self) -> list[Pose]:
         """Each as a :class:`.Pose`; equal rotations are one object, in memory and when they are pickled."""

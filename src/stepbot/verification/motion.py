@@ -8,6 +8,7 @@ from stepbot.engines import engine_named
 from stepbot.engines.engine import Tolerance
 from stepbot.engines.observation import Observation, ObservedClosure
 from stepbot.geometry.fixed_point import exact_sum
+from stepbot.geometry.poses import Poses
 from stepbot.geometry.spatial import ZERO3, Array, angle_between, vector3
 from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.mesh_names import SCOPE
@@ -22,8 +23,9 @@ round rotations to 1e-12, which turns weight times reach by as much."""
 def compare_poses(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     """Every link at every configuration, relative to the root link."""
     for number, (ours, theirs) in enumerate(zip(reference.poses, observed.poses, strict=False), start=1):
-        for link in (link for link in ours if link in theirs):
-            distance, angle = ours[link].distance_to(theirs[link])
+        links = [link for link in ours if link in theirs]
+        mine, others = (Poses.of(poses[link] for link in links) for poses in (ours, theirs))
+        for link, (distance, angle) in zip(links, mine.distances_to(others), strict=True):
             where = f"link '{link}' at configuration {number}"
             deviations.off(distance, where, "m")
             deviations.off(angle, where, "rad")

@@ -39,8 +39,17 @@ def test_bounds_at_each_pose() -> None:
     np.testing.assert_array_equal(np.stack([low, high], axis=1), expected)
 
 
+def test_distances_are_those_of_each_pair() -> None:
+    """Positions and angles differ by the same bits, equal poses and opposite ones among them."""
+    poses, about_x = some_poses(30), Pose.from_xyz_rpy((0.0, 0.0, 0.0), (np.pi, 0.0, 0.0))
+    others = [poses[0], poses[1] @ about_x, *reversed(poses[2:])]
+    expected = [pose.distance_to(other) for pose, other in zip(poses, others, strict=True)]
+    assert Poses.of(poses).distances_to(Poses.of(others)) == expected
+
+
 def test_no_pose() -> None:
     """There may be no pose at all."""
+    assert Poses.of([]).distances_to(Poses.of([])) == []
     assert Poses.of([]).seen_from(some_poses(1)[0]).tidy().listed() == []
 
 
