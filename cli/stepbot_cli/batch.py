@@ -9,18 +9,16 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
-from stepbot_cli.diagnostic_text import counted
 
 from .columns import aligned
 from .command import Command, display_options, ignore_option, json_option
 from .convert import again_format_option, for_option, formats_with, html_option, no_verify_option, strict_option
 from .descriptions import description_options, reject_descriptions
-from .diagnostic_text import paint, printable
-from .engines import require_option
+from .diagnostic_text import counted, paint, printable
 from .interrupts import interruptible
-from .junit import junit_option, write_junit
+from .machine_output import junit_option, write_junit
 from .progress import bar_column
-from .reading import reading_options
+from .reading import reading_options, require_option
 from .terminal import Display, show_diagnostics, wants_color, write_json, write_result
 
 if TYPE_CHECKING:

@@ -4,10 +4,9 @@ from pathlib import Path
 
 import click
 
-from .caching import folder_option, opened
+from .application import Group
+from .caching import folder_option, in_words, opened
 from .command import Command, json_option
-from .group import Group
-from .sizes import in_words
 from .terminal import write_json, write_result
 
 

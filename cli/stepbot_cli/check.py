@@ -3,17 +3,16 @@
 import shlex
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from stepbot.diagnostics import Diagnostics
-from stepbot_cli.diagnostic_text import counted
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
 from .descriptions import description_options, reject_descriptions
-from .diagnostic_text import printable
+from .diagnostic_text import counted, printable
 from .joint_table import show_joint_rows, show_joint_table
 from .machine_output import output_format_option
 from .progress import progress_bar
@@ -24,7 +23,48 @@ from .terminal import Display, show_diagnostics, write_json, write_result
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Checked, Options
 
-    from .fixing import Fixed
+
+class Fixed(NamedTuple):
+    """A sidecar that was rewritten."""
+
+    sidecar: Path
+    before: str
+    after: str
+    paths: Mapping[str, str]
+    """The new path for each one that changed."""
+
+    @property
+    def difference(self) -> str:
+        """What changed, as a unified diff."""
+        import difflib  # only `--fix` needs it
+
+        name = self.sidecar.as_posix()
+        before, after = self.before.splitlines(), self.after.splitlines()
+        return "\n".join(map(printable, difflib.unified_diff(before, after, name, name, lineterm="", n=0)))
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """What ``--json`` prints."""
+        return {"file": self.sidecar.as_posix(), "paths": dict(self.paths), "diff": self.difference}
+
+
+def fix_paths(sidecar: Path, options: "Options", found: Diagnostics) -> Fixed | None:
+    """Rewrite the paths of certainly renamed components in a sidecar and its lock; None where nothing was written."""
+    from stepbot.pipeline.locking import fix_renamed_paths
+    from stepbot.revisions import lock_path
+    from stepbot.runtime.file import write_file
+
+    fixed = fix_renamed_paths(sidecar, options, found)
+    if fixed is None:
+        return None
+    trouble = Diagnostics()
+    write_file(sidecar, fixed.sidecar, trouble, replaces=fixed.before)
+    found.extend(trouble)
+    if trouble.has_errors:
+        return None
+    write_file(lock_path(sidecar), fixed.lock, found)
+    return Fixed(sidecar, fixed.before.decode("utf-8"), fixed.sidecar.decode("utf-8"), fixed.paths)
+
 
 _NAMED = "the one that the sidecar names"
 
@@ -109,7 +149,7 @@ def command(
                 _add(of_one, variant, found)
     say_trouble(options.cache, found)
     if as_json:
-        from stepbot.report.joint_table import joint_table_document
+        from stepbot.report.words import joint_table_document
 
         write_json(
             {
@@ -134,7 +174,6 @@ def command(
 
 
 def _fixed(sidecar: Path, options: "Options", found: Diagnostics) -> "list[Fixed]":
-    from .fixing import fix_paths
 
     fixed = fix_paths(sidecar, options, found)
     return [] if fixed is None else [fixed]

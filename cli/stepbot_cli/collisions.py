@@ -8,13 +8,12 @@ import click
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.robot.self_collision import DEFAULT_SAMPLES, MOST_SAMPLES
-from stepbot_cli.diagnostic_text import counted
 
 from .caching import say_trouble
 from .columns import table_lines
 from .command import Command, display_options, ignore_option, json_option
 from .descriptions import package_path_option
-from .diagnostic_text import printable
+from .diagnostic_text import counted, printable
 from .progress import progress_bar
 from .reading import reading_options
 from .terminal import Display, show_diagnostics_of_use, write_json, write_result
@@ -69,7 +68,7 @@ def command(
     """
     from stepbot.formats.urdf.srdf import srdf as srdf_of
     from stepbot.pipeline.collisions import search
-    from stepbot.report.self_collision import self_collision_document
+    from stepbot.report.robot import self_collision_document
     from stepbot.runtime.file import write_file
 
     found = Diagnostics()

@@ -11,18 +11,15 @@ import click
 
 from stepbot.diagnostics import did_you_mean
 from stepbot.formats import FORMATS, default_formats, format_named
-from stepbot_cli.diagnostic_text import counted
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option, names_option, split_names
 from .descriptions import description_options, reject_descriptions
-from .engines import require_option
+from .diagnostic_text import counted
 from .joint_table import show_joint_rows, show_joint_table
-from .junit import junit_option, write_junit
-from .machine_output import output_format_option
-from .metadata_options import metadata_options
+from .machine_output import junit_option, output_format_option, write_junit
 from .progress import CONVERSION, progress_bar
-from .reading import reading_options, variant_option
+from .reading import metadata_options, reading_options, require_option, variant_option
 from .table import show_table, write_filled
 from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
@@ -285,13 +282,13 @@ def _driven(conversion: "Conversion", options: "Options", progress: Callable[[st
 
 
 def _driven_json(driven: "Driven | None") -> dict[str, object] | None:
-    from .drive_table import driven_json
+    from .drive import driven_json
 
     return None if driven is None else driven_json(driven)
 
 
 def _show_driven(driven: "Driven", display: Display) -> None:
-    from .drive_table import driven_lines
+    from .drive import driven_lines
 
     write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
 
@@ -321,7 +318,7 @@ def _show_files(files: Iterable[str], folder: Path, *, failed: bool) -> None:
 
 def _show_in_full(report: "Results") -> None:
     """Print the evidence for each joint, masses, the figures of motors, collision shapes, and each engine's results."""
-    from stepbot.report.mass_words import collision_summary, mass_summary, mass_words
+    from stepbot.report.words import collision_summary, mass_summary, mass_words
 
     show_joint_rows(report.joint_table, verbose=True)
     if report.masses:

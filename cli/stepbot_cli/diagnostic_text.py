@@ -5,9 +5,8 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-from stepbot.diagnostics import Diagnostic
+from stepbot.diagnostics import Diagnostic, source_lines
 from stepbot.diagnostics.codes import CODES
-from stepbot.diagnostics.source_lines import source_lines
 
 from .columns import cells, shortened
 

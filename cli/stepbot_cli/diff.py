@@ -10,13 +10,12 @@ import click
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.runtime.file import exists, is_folder
-from stepbot_cli.diagnostic_text import counted
 
 from .caching import say_trouble
 from .columns import wrapped_rows
 from .command import Command, display_options, json_option
 from .descriptions import package_path_option
-from .diagnostic_text import paint, printable
+from .diagnostic_text import counted, paint, printable
 from .machine_output import output_format_option
 from .progress import progress_bar
 from .reading import reading_options

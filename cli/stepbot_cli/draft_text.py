@@ -5,9 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from stepbot_cli.diagnostic_text import counted
-
-from .diagnostic_text import printable
+from .diagnostic_text import counted, printable
 
 if TYPE_CHECKING:
     from stepbot.draft.draft import Draft, DraftClosure, DraftJoint

@@ -142,7 +142,7 @@ def _exploded_view(
 
 def _document(inspection: "Inspection", between: tuple[str, str] | None, features: bool) -> dict[str, Any]:
     from .inspection_json import inspection_document, shared_axes_document
-    from .shared_axes import shared_axes
+    from .inspection_rows import shared_axes
 
     document = inspection_document(inspection, features=features)
     if between and inspection.assembly is not None:
@@ -159,8 +159,8 @@ def _text(
     tree: bool,
     verbose: bool,
 ) -> str:
+    from .inspection_rows import shared_axes
     from .inspection_text import inspection_text, shared_axes_text
-    from .shared_axes import shared_axes
 
     width = screen_width(sys.stdout)
     if between and inspection.assembly is not None:

@@ -11,7 +11,7 @@ from stepbot.step.features.axes import AxisLine, axis_faces, lines, selectors
 from stepbot.step.structure.paths import quoted
 
 from .contents import Contents, contents
-from .shared_axes import SharedAxes
+from .inspection_rows import SharedAxes
 
 
 def inspection_document(inspection: Inspection, *, features: bool) -> dict[str, Any]:

@@ -1,12 +1,100 @@
-"""Selects the components that ``inspect`` lists: up to a depth, matching a glob, repeated parts once."""
+"""Selects the components that ``inspect`` lists, and the axes that two of them share."""
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 import click
 
+from stepbot.diagnostics import did_you_mean
 from stepbot.step.assembly import Assembly, Component
-from stepbot.step.structure.paths import ComponentPaths, subtree_ends
+from stepbot.step.features.axes import AxisLine, NearMiss, axis_faces, choose, mates, near_misses, selectors
+from stepbot.step.structure.paths import ComponentPaths, quoted, subtree_ends
+
+_SHOWN = 12
+"""Maximum number of components in a remedy."""
+
+
+@dataclass(frozen=True)
+class SharedAxes:
+    """The result of ``inspect --between A B``."""
+
+    words: tuple[str, str]
+    """The compared elements, for messages."""
+    lines: tuple[AxisLine, ...]
+    """The heaviest first."""
+    chosen: AxisLine | None
+    """The line used by an origin without selectors."""
+    snippets: tuple[str, ...]
+    """For each line the ``origin`` that selects it."""
+    radii: tuple[tuple[tuple[float, ...], tuple[float, ...]], ...]
+    """For each line the radii [m] of the faces of either element, the widest first."""
+    misses: tuple[NearMiss, ...]
+    """Lines that nearly coincide."""
+    miss_places: tuple[tuple[str, str], ...]
+    """For each near miss the paths of the two components."""
+
+
+def shared_axes(assembly: Assembly, links: Mapping[str, tuple[int, ...]], a: str, b: str) -> SharedAxes:
+    """Compare two components or links.
+
+    Args:
+        links: Indices of the components of each link; empty without a sidecar.
+        a: Name of a link, or path of a component.
+        b: Name of a link, or path of a component.
+
+    Raises:
+        click.BadParameter: A name matches nothing, or more than one component.
+    """
+    paths = ComponentPaths(assembly.components)
+    parts_a, parts_b = (_components(assembly, paths, links, name) for name in (a, b))
+    faces_a, faces_b = axis_faces(assembly, parts_a), axis_faces(assembly, parts_b)
+    found = mates(faces_a, faces_b)
+    start = "{auto: true" if a in links and b in links else f"{{mate: [{quoted(a)}, {quoted(b)}]"
+    misses = near_misses(faces_a, faces_b)
+    return SharedAxes(
+        words=(_words(links, a), _words(links, b)),
+        lines=found,
+        chosen=choose(found).line,
+        snippets=tuple(f"{start}{selector}}}" for selector in selectors(found)) if found else (),
+        radii=tuple((_radii(line, parts_a), _radii(line, parts_b)) for line in found),
+        misses=misses,
+        miss_places=tuple((_place(assembly, miss.line_a), _place(assembly, miss.line_b)) for miss in misses),
+    )
+
+
+def _radii(line: AxisLine, parts: Collection[int]) -> tuple[float, ...]:
+    """The different radii [m], to a micrometre, of a line's faces that belong to some components."""
+    return tuple(dict.fromkeys(round(face.radius, 6) for face in line.members if face.component in parts))
+
+
+def _components(
+    assembly: Assembly, paths: ComponentPaths, links: Mapping[str, tuple[int, ...]], name: str
+) -> list[int]:
+    if name in links:
+        return list(links[name])
+    binding = paths.find_one(name)
+    if not binding.problem:
+        return paths.below(binding.topmost)
+    known = [*binding.candidates, *binding.help]
+    if binding.problem == "unknown":
+        known = list(dict.fromkeys((*did_you_mean(name, links), *known))) or _all_names(assembly, links)
+    raise click.BadParameter(f"'{name}' is {binding.problem}; {'; '.join(known)}", param_hint="--between")
+
+
+def _all_names(assembly: Assembly, links: Mapping[str, tuple[int, ...]]) -> list[str]:
+    """The links and the components below the root, where no name is similar."""
+    top = [quoted(component.path) for component in assembly.components if component.parent == 0]
+    more = f" and {len(top) - _SHOWN} more (`stepbot inspect`)" if len(top) > _SHOWN else ""
+    listed = [f"components below the root: {', '.join(top[:_SHOWN])}{more}"] if top else []
+    return [*([f"links: {', '.join(links)}"] if links else []), *listed]
+
+
+def _words(links: Mapping[str, tuple[int, ...]], name: str) -> str:
+    return f"link '{name}'" if name in links else f"'{name}'"
+
+
+def _place(assembly: Assembly, line: AxisLine) -> str:
+    return assembly.components[line.components[0]].path
 
 
 @dataclass(frozen=True)

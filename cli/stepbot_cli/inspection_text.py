@@ -18,13 +18,11 @@ from stepbot.pipeline.stages import Inspection
 from stepbot.step.assembly import Assembly, Body, BodyKind, Component, Quantity
 from stepbot.step.features.axes import AxisLine, axis_faces, lines, millimetres, selectors
 from stepbot.step.structure.paths import plain_name, quoted
-from stepbot_cli.diagnostic_text import counted
 
 from .columns import aligned, cells
 from .contents import Contents, contents
-from .diagnostic_text import printable
-from .inspection_rows import Choice, Row, Rows, listed
-from .shared_axes import SharedAxes
+from .diagnostic_text import counted, printable
+from .inspection_rows import Choice, Row, Rows, SharedAxes, listed
 
 _VALIDATION_HEADINGS = ("component", "validation property", "stored", "computed", "deviation", "")
 _MEASURES = {Quantity.VOLUME: ("cm^3", 1e6), Quantity.AREA: ("cm^2", 1e4), Quantity.CENTROID: ("mm", 1e3)}

@@ -11,12 +11,11 @@ import click
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.runtime.file import exists, is_file, read_regular
 
+from .application import Group
 from .columns import aligned, table_lines
 from .command import Command, display_options, json_option
 from .convert import format_names, format_option, no_verify_option, run_conversion
-from .engines import require_option
-from .group import Group
-from .reading import working_options
+from .reading import require_option, working_options
 from .terminal import Display, screen_width, show_diagnostics, text_width, write_json, write_result
 
 if TYPE_CHECKING:

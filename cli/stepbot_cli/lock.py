@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import Diagnostics
-from stepbot_cli.diagnostic_text import counted
 
 from .caching import say_trouble
 from .command import Command, display_options, ignore_option, json_option
 from .descriptions import reject_descriptions
-from .diagnostic_text import printable
+from .diagnostic_text import counted, printable
 from .progress import progress_bar
 from .reading import reading_options, variant_option
 from .terminal import Display, show_diagnostics, write_json, write_result

@@ -1,20 +1,42 @@
-"""Diagnostics in the formats of programs that show them beside the code: GitHub, GitLab, and SARIF for both."""
+"""Diagnostics in the formats of programs that show them beside the code: GitHub, GitLab, SARIF for both, and JUnit."""
 
 import hashlib
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import wraps
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from stepbot.diagnostics import Diagnostic
+from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.diagnostics.codes import CODES
 from stepbot.version import __version__
 
 from .terminal import Display
+
+if TYPE_CHECKING:
+    from stepbot.report.junit import Suite
+
+
+junit_option = click.option(
+    "--junit", type=click.Path(path_type=Path), metavar="FILE", help="Also write the results as JUnit XML."
+)
+
+
+def write_junit(path: Path, suites: "Sequence[Suite]") -> None:
+    """Write the results of robots to a file, creating its folder if necessary.
+
+    Raises:
+        StepbotError: It cannot be written (SB004).
+    """
+    from stepbot.report.junit import junit_bytes
+    from stepbot.runtime.file import write_file
+
+    write_file(path, junit_bytes(suites), found := Diagnostics())
+    found.raise_if_errors()
+
 
 _GITHUB = {"error": "error", "warning": "warning", "note": "notice"}
 _GITLAB = {"error": "major", "warning": "minor", "note": "info"}

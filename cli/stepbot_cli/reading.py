@@ -1,18 +1,101 @@
-"""Options of the commands that read STEP files: code page, limits and cache."""
+"""Options that several commands share: code page, limits and cache of the STEP; engines; data of the package."""
 
 from collections.abc import Callable
 from functools import wraps
+from math import isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from .caching import cache_options, opened
+from stepbot.runtime.memory import DEFAULT_TIMEOUT, worker_limit
+
+from .caching import cache_options, opened, size
+from .command import names_option
 from .diagnostic_text import printable
-from .engines import limit_options
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
+
+
+require_option = names_option(
+    "--require", metavar="ENGINE,...", help="Report an error if one of these engines is not installed; may be repeated."
+)
+
+
+def _limit(text: str) -> int | None:
+    """A size, or ``none``."""
+    return None if text.strip().lower() == "none" else size(text)
+
+
+def _seconds(text: str) -> float:
+    """A time limit [s]."""
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = nan
+    if not (isfinite(seconds) and seconds > 0.0):
+        raise click.BadParameter(f"'{text}' is not a positive number of seconds, such as 600 or 0.5")
+    return seconds
+
+
+def _default_limit() -> str:
+    """In the format of the option."""
+    return str(worker_limit() or "none")
+
+
+def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the limits of the worker processes."""
+    timeout = click.option(
+        "--timeout",
+        type=_seconds,
+        default=DEFAULT_TIMEOUT,
+        show_default=True,
+        metavar="SECONDS",
+        help="Time limit for the geometry kernel, more for STEP files above 30 MB, for each engine, and for the "
+        "processor time of the command itself.",
+    )
+    memory = click.option(
+        "--memory-limit",
+        type=_limit,
+        default=_default_limit,
+        metavar="SIZE",
+        help="Memory limit for the geometry kernel, each engine and the command itself, such as 4G, or none.  "
+        "[default: 3/4 of RAM]",
+    )
+    return timeout(memory(command))
+
+
+def _maintainer(context: click.Context, option: click.Parameter, given: str | None) -> str:  # noqa: ARG001
+    """The name and address of a maintainer."""
+    if given is None:
+        return ""
+    from stepbot.robot.metadata import is_maintainer
+
+    if not is_maintainer(given):
+        raise click.BadParameter("expected a name and an address: 'Ada Lovelace <ada@example.com>'")
+    return given
+
+
+_maintainer_option = click.option(
+    "--maintainer",
+    metavar="'NAME <ADDRESS>'",
+    callback=_maintainer,
+    help="Maintainer that packages state, instead of the one in SIDECAR.",
+)
+_license_option = click.option(
+    "--license", metavar="NAME", help="Licence that packages state, instead of the one in SIDECAR."
+)
+
+
+def metadata_options(command: Callable[..., int]) -> Callable[..., int]:
+    """Add ``--maintainer`` and ``--license`` to the ``options`` that :func:`.reading.reading_options` makes."""
+
+    @wraps(command)
+    def with_options(*, options: "Options", maintainer: str, license: str | None, **others: Any) -> int:
+        return command(options=options._replace(maintainer=maintainer, license=license or ""), **others)
+
+    return _maintainer_option(_license_option(with_options))
 
 
 def _code_page(name: str) -> str:

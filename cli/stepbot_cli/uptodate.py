@@ -22,9 +22,8 @@ from .convert import (
 )
 from .descriptions import description_options
 from .machine_output import output_format_option
-from .metadata_options import metadata_options
 from .progress import progress_bar
-from .reading import reading_options
+from .reading import metadata_options, reading_options
 from .terminal import Display, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:

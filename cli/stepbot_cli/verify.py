@@ -8,11 +8,10 @@ from stepbot.diagnostics import Diagnostics, Ignore, Span
 
 from .command import Command, display_options, ignore_option, json_option
 from .descriptions import folders_option
-from .engines import limit_options, require_option
 from .joint_table import show_joint_rows
-from .junit import junit_option, write_junit
-from .machine_output import output_format_option
+from .machine_output import junit_option, output_format_option, write_junit
 from .progress import progress_bar
+from .reading import limit_options, require_option
 from .table import show_table, write_filled
 from .terminal import Display, show_diagnostics, write_json, write_result
 

@@ -151,7 +151,6 @@ def test_version_loads_only_click(tmp_path: Path) -> None:
         "stepbot.version",
         "stepbot_cli",
         "stepbot_cli.application",
-        "stepbot_cli.group",
         "stepbot_cli.streams",
     }
     assert not modules & (SLOW | HEAVY)
@@ -162,5 +161,5 @@ def test_help_loads_no_command(tmp_path: Path) -> None:
     code, modules = loaded_by(["--help"], tmp_path)
     assert code == 0
     commands = {name for name in modules if name.startswith("stepbot_cli.")}
-    assert commands == {"stepbot_cli.application", "stepbot_cli.group", "stepbot_cli.streams"}
+    assert commands == {"stepbot_cli.application", "stepbot_cli.streams"}
     assert not modules & HEAVY

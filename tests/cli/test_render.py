@@ -15,7 +15,7 @@ import pytest
 from PIL import Image
 
 from stepbot.pictures import picture as pictures
-from stepbot_cli.joint_positions import read_positions
+from stepbot_cli.render import read_positions
 from tests import parts
 from tests.cli.conftest import Stepbot
 from tests.robots import ROBOTS

@@ -7,9 +7,14 @@ stage with errors; any other exception is a bug and keeps its traceback. All cod
 
 import re
 from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import Literal, NamedTuple
 
 from .codes import CODES, Severity, selects
+
+LARGEST_SOURCE = 16 * 2**20
+"""Size [bytes] of a file above which no lines are read, because reading it again would take too long."""
+
 
 _LONGEST_COMPARED = 200
 """Maximum length of a name to compare with similar names."""
@@ -200,3 +205,25 @@ def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:
     if not near:
         return ()
     return ("did you mean " + " or ".join(f"'{name}'" for name in near) + "?",)
+
+
+def source_lines(diagnostics: Iterable[Diagnostic]) -> dict[tuple[str, int], str]:
+    """The source lines of diagnostics, each file read once; an unreadable file gives none."""
+    wanted: dict[str, set[int]] = {}
+    for diagnostic in diagnostics:
+        if diagnostic.span.line:
+            wanted.setdefault(diagnostic.span.file, set()).add(diagnostic.span.line)
+    found: dict[tuple[str, int], str] = {}
+    for file, numbers in wanted.items():
+        try:
+            if Path(file).stat().st_size > LARGEST_SOURCE:
+                continue
+            with Path(file).open(encoding="utf-8", errors="replace") as source:
+                for number, line in enumerate(source, start=1):
+                    if number in numbers:
+                        found[file, number] = line.removeprefix("\ufeff").rstrip("\n")
+                    if number >= max(numbers):
+                        break
+        except OSError:  # missing or unreadable now: the headline is sufficient
+            continue
+    return found

@@ -12,7 +12,7 @@ from typing import Any
 from stepbot.assemble.assets import MeshAssets
 from stepbot.draft.draft import Draft, DraftConnection, DraftJoint
 from stepbot.geometry.spatial import IDENTITY, Pose, perpendicular_frame, unit, vector3
-from stepbot.report.joint_words import direction_words, point_words
+from stepbot.report.words import direction_words, point_words
 from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.model import GREY, Joint, JointKind, Limit, Link, LoopClosure, Robot, Visual
 from stepbot.step.assembly import Assembly, BodyKind

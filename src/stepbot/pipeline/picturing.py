@@ -9,7 +9,7 @@ import numpy as np
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import Array, Pose, Vector3, vector3
-from stepbot.pictures.marks import distinct_color
+from stepbot.pictures.picture import distinct_color
 from stepbot.pictures.scene import Axis, Shape, Subject, exploded, mesh_of
 from stepbot.robot.kinematics import Configuration, link_poses
 from stepbot.robot.model import GREY, JointKind, Rgba, Robot

@@ -5,8 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from stepbot.diagnostics import Diagnostics
-from stepbot.diagnostics.source_lines import source_lines
+from stepbot.diagnostics import Diagnostics, source_lines
 from stepbot.engines.workers import ObservationCache
 from stepbot.formats import default_formats, format_named
 from stepbot.formats.format import Format

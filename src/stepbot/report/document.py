@@ -14,7 +14,6 @@ from typing import Any
 from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.version import __version__
 
-from .joint_table import joint_table_document
 from .robot import (
     Check,
     LinkCollision,
@@ -26,6 +25,7 @@ from .robot import (
     number,
     robot_document,
 )
+from .words import joint_table_document
 
 _quoted = json.encoder.encode_basestring
 

@@ -12,13 +12,36 @@ from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, Module, Robot
 from stepbot.robot.motors import Motor
 from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
+from stepbot.robot.self_collision import PairContact, SelfCollision
 from stepbot.robot.sensors import SEEING, Sensor
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.standing import standing_height
 from stepbot.robot.tuning import Tuning
 
 from .results import Check, Content, LinkCollision, Results, Row, SimplifiedVisuals, Status, WrittenFile
-from .self_collision import self_collision_document
+
+Json = dict[str, Any]
+
+
+def self_collision_document(found: SelfCollision) -> Json:
+    """All pairs with their evidence: number of poses, depth [m] and joint positions [rad] or [m] of the first one."""
+    return {
+        "samples": found.samples,
+        "exclude": [kind.value for kind in found.exclude],
+        "pairs": [_pair(pair) for pair in found.pairs],
+    }
+
+
+def _pair(pair: PairContact) -> Json:
+    return {
+        "links": [pair.link_a, pair.link_b],
+        "class": pair.kind.value,
+        "contacts": pair.contacts,
+        "first": pair.first,
+        "depth": pair.depth,
+        "pose": dict(pair.pose),
+    }
+
 
 __all__ = [
     "Check",
@@ -60,9 +83,6 @@ class Report(Results):
 
     robot: Robot | None = None
     bodies: tuple[MeasuredBody, ...] = ()
-
-
-Json = dict[str, Any]
 
 
 def number(value: float | None) -> float | None:

@@ -4,9 +4,9 @@ from collections.abc import Collection, Iterator, Sequence
 
 from stepbot.robot.joint_table import Basis, JointRow
 
-from .joint_words import direction_words, evidence_words, face_words, point_words, rival_words
 from .results import Results, Row
 from .summary import JointTable, JointText
+from .words import direction_words, evidence_words, face_words, point_words, rival_words
 
 
 def joint_table_of(rows: Sequence[JointRow], *, verbose: bool = False) -> JointTable:

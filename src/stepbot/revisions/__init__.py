@@ -4,7 +4,7 @@ snapshot     an assembly by its fingerprints: shape, pose and mass of each compo
 lock_file    a snapshot as ``<robot>.lock.json``, and back
 shapes       whether two shapes are the same
 matching     corresponding components of two snapshots
-bindings     paths of the sidecar that no longer match the same components, and their replacements
+comparison   a lock with the current assembly; paths that no longer match the same components, and their replacements
 findings     differences as diagnostics at the lines of the sidecar
 differences  differences of two snapshots as rows of a table
 """

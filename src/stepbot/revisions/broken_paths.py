@@ -9,8 +9,7 @@ from stepbot.sidecar.component_paths import PathPlace
 from stepbot.sidecar.subjects import subject
 from stepbot.step.structure.paths import quoted
 
-from .bindings import BrokenPath, Fate
-from .comparison import Comparison
+from .comparison import BrokenPath, Comparison, Fate
 from .matching import Certainty, Pair
 from .snapshot import Reference, Snapshot
 from .wording import moved_words, shape_words

@@ -1,23 +1,176 @@
-"""Compares a lock with the current assembly, under one sidecar."""
+"""Compares a lock with the current assembly, under one sidecar: changed components, and paths that match others now."""
 
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 from pathlib import PurePath
 
 from stepbot.assemble.binder import Revised, listed
 from stepbot.assemble.bound import Bound, bind
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.volume import VolumeProperties
-from stepbot.sidecar.component_paths import component_paths
+from stepbot.sidecar.component_paths import PathPlace, component_paths
+from stepbot.sidecar.document import Document
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.tree import Keys
-from stepbot.step.assembly import Assembly, Component
-from stepbot.step.structure.paths import quoted
+from stepbot.step.assembly import ROOT_PATH, Assembly, Component
+from stepbot.step.structure.paths import ComponentPaths, is_glob, quoted, segments_of, without_ordinal
 
-from .bindings import BrokenPath, rebind
-from .matching import Match, match
+from .matching import Certainty, Match, Pair, match
 from .snapshot import Snapshot, part_components, snapshot, with_sidecar
+
+
+class Fate(StrEnum):
+    """The change of the components that a path matched."""
+
+    RENAMED = "renamed"
+    PROBABLY_RENAMED = "probably renamed"
+    REMOVED = "removed"
+
+
+def renamed_node(old: str, new: str) -> tuple[str, str]:
+    """The renamed component that explains the renaming of one below it: both paths without their common segments."""
+    ours, theirs = segments_of(old), segments_of(new)
+    while len(ours) > 1 and len(theirs) > 1 and ours[-1] == theirs[-1]:
+        ours, theirs = ours[:-1], theirs[:-1]
+    return "/".join(ours), "/".join(theirs)
+
+
+@dataclass(frozen=True)
+class BrokenPath:
+    """A path that no longer matches the same components."""
+
+    pattern: str
+    places: tuple[PathPlace, ...]
+    fate: Fate
+    old: tuple[str, ...]
+    """Canonical paths of the old matches; of nested components the topmost."""
+    new: tuple[str, ...] = ()
+    """Canonical paths of the same components now."""
+    replacement: str = ""
+    """A path that matches exactly these; empty if there is none, and for a glob that matched several."""
+    pairs: tuple[Pair, ...] = ()
+    """The parts below them."""
+    candidates: tuple[str, ...] = ()
+    """For removed components, candidate parts."""
+    names_others: bool = False
+    """Whether the path now matches other components."""
+
+    @property
+    def node(self) -> tuple[str, str] | None:
+        """Old and new path of the single renamed component that broke the path; None if there is no single one."""
+        nodes = {renamed_node(old, new) for old, new in zip(self.old, self.new, strict=False)}
+        return nodes.pop() if len(self.old) == len(self.new) and len(nodes) == 1 else None
+
+
+def rebind(
+    old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly, document: Document
+) -> tuple[tuple[BrokenPath, ...], Revised]:
+    """All paths of a sidecar that a revision has broken, and their replacements.
+
+    Args:
+        new: The parts of the assembly.
+        matched: Corresponding parts.
+    """
+    binding = _Binding(old, new, matched, assembly)
+    places: dict[str, list[PathPlace]] = {}
+    for place in component_paths(document):
+        places.setdefault(place.pattern, []).append(place)
+    locked = {reference.path: reference.components for reference in old.references}
+    broken = [
+        found
+        for pattern, several in places.items()
+        if pattern in locked and (found := binding.broken(pattern, tuple(several), locked[pattern])) is not None
+    ]
+    components = part_components(assembly)
+    added = frozenset(components[index].index for index in matched.added)
+    return tuple(broken), Revised({one.pattern: binding.indices(one.new) for one in broken}, added)
+
+
+class _Binding:
+    """Looks up old matches of paths in a revised assembly."""
+
+    def __init__(self, old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly) -> None:
+        self._old, self._new, self._match, self._assembly = old, new, matched, assembly
+        self._paths = ComponentPaths(assembly.components)
+        self._index = {component.path: component.index for component in assembly.components}
+        self._old_parts = frozenset(old.index_of)
+        self._pair_of = {pair.old: pair for pair in matched.pairs}
+
+    def indices(self, paths: Iterable[str]) -> tuple[int, ...]:
+        """Components by their canonical paths."""
+        return tuple(self._index[path] for path in paths)
+
+    def broken(self, pattern: str, places: tuple[PathPlace, ...], components: tuple[str, ...]) -> BrokenPath | None:
+        """The change of a path that matched some components; None if it still matches them."""
+        parts = [index for index, part in enumerate(self._old.parts) if is_below(part.path, components)]
+        pairs = tuple(self._pair_of[index] for index in parts if index in self._pair_of)
+        is_one = any(place.is_one for place in places)
+        now = self._paths.find_one(pattern) if is_one else self._paths.find(pattern)
+        if not parts:
+            return None  # it matched components without a body, which are only distinguished by name
+        if not now.problem:
+            if is_glob(pattern) or not all(path in self._old_parts for path in components):
+                return None  # additional and missing matches are reported by link
+            below = {self._assembly.components[index].path for index in self._paths.below(now.topmost)}
+            if pairs and all(self._new.parts[pair.new].path in below for pair in pairs):
+                return None
+        if not pairs:
+            several = dict.fromkeys(j for i in parts for j in self._match.candidates.get(i, ()))
+            candidates = tuple(self._new.parts[j].path for j in several)
+            fate = Fate.PROBABLY_RENAMED if candidates else Fate.REMOVED
+            return BrokenPath(pattern, places, fate, components, candidates=candidates, names_others=not now.problem)
+        nodes = tuple(dict.fromkeys(node for path in components for node in self._now(path)))
+        sure = all(pair.certainty is not Certainty.PROBABLE for pair in pairs)
+        fate = Fate.RENAMED if sure else Fate.PROBABLY_RENAMED
+        replacement = self._replacement(pattern, components, nodes, is_one=is_one)
+        return BrokenPath(pattern, places, fate, components, nodes, replacement, pairs, names_others=not now.problem)
+
+    def _now(self, path: str) -> tuple[str, ...]:
+        """Canonical paths, topmost, of one old component now."""
+        pairs = [
+            self._pair_of[i]
+            for i, part in enumerate(self._old.parts)
+            if is_below(part.path, (path,)) and i in self._pair_of
+        ]
+        names = [(self._old.parts[pair.old].path.removeprefix(path), self._new.parts[pair.new].path) for pair in pairs]
+        nodes = {new.removesuffix(rest) for rest, new in names if new.endswith(rest)}
+        if len(nodes) == 1 and (node := nodes.pop()) in self._index and all(is_below(new, (node,)) for _, new in names):
+            return (node,)
+        return tuple(new for _, new in names)
+
+    def _replacement(self, pattern: str, old: Sequence[str], new: Sequence[str], *, is_one: bool) -> str:
+        """A path that matches exactly the components at ``new``, as similar to ``pattern`` as possible."""
+        if is_glob(pattern) and (len(old) != 1 or len(new) != 1):
+            return ""
+        wanted = set(self.indices(new))
+        for candidate in dict.fromkeys(_spellings(pattern, old, new)):
+            found = self._paths.find_one(candidate) if is_one else self._paths.find(candidate)
+            if not found.problem and set(found.topmost) == wanted:
+                return candidate
+        return ""
+
+
+def is_below(path: str, above: Sequence[str]) -> bool:
+    """Whether a canonical path is one of several others, or below one of them."""
+    return any(path == one or one == ROOT_PATH or path.startswith(f"{one}/") for one in above)
+
+
+def _spellings(pattern: str, old: Sequence[str], new: Sequence[str]) -> Iterable[str]:
+    """Candidate paths of the components at ``new``, those most similar to ``pattern`` first."""
+    written = segments_of(pattern)
+    for path in new:
+        segments = segments_of(path)
+        if not is_glob(pattern):
+            for before in map(segments_of, old):
+                if len(before) == len(segments) >= len(written):
+                    kept = zip(written, before[-len(written) :], segments[-len(written) :], strict=True)
+                    yield "/".join(text if a == b else b for text, a, b in kept)
+            tail = segments[-len(written) :]
+            yield "/".join((*tail[:-1], without_ordinal(tail[-1])))
+            yield "/".join(tail)
+        yield path
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from stepbot.engines.observation import Quantity
 from stepbot.verification.compare import Compared
 from stepbot.verification.deviation import Deviation
 
-from .bindings import renamed_node
+from .comparison import renamed_node
 from .matching import Certainty, Match, Pair, match
 from .shapes import Motion
 from .snapshot import Snapshot

@@ -11,9 +11,8 @@ from stepbot.sidecar.subjects import subject
 from stepbot.sidecar.tree import Keys
 from stepbot.step.structure.paths import ComponentPaths, quoted, segments_of, without_ordinal
 
-from .bindings import is_below, renamed_node
 from .broken_paths import pair_words, report_broken, several
-from .comparison import Comparison
+from .comparison import Comparison, is_below, renamed_node
 from .matching import Certainty, Pair
 from .wording import axis_words, common_words, mass_words, moved_words, shape_words, stuff_words
 

@@ -13,12 +13,10 @@ from stepbot.pipeline.scenes import Shown, guessed, show
 from stepbot.runtime.file import resolved
 from stepbot.runtime.output import failed_output
 from stepbot.viewing.faces import clicked_face
-from stepbot.viewing.findings import diagnostic_documents, proof_document
 from stepbot.viewing.page import page_html
-from stepbot.viewing.scene import scene_text
+from stepbot.viewing.scene import diagnostic_documents, proof_document, scene_text
 
-from .axis_questions import axes_between, axes_of_joint
-from .contacts import Contacts
+from .axis_questions import Contacts, axes_between, axes_of_joint
 from .decisions import vocabulary, written
 from .editor import Editor
 from .local_server import LocalServer, Refused

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from stepbot.report.joint_words import direction_words, evidence_words, point_words, rival_words
+from stepbot.report.words import direction_words, evidence_words, point_words, rival_words
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import Joint, JointKind, LoopClosure, Robot

@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from stepbot.geometry.spatial import Vector3, vector3
-from stepbot.report.joint_words import direction_words, in_millimetres, point_words
+from stepbot.report.words import direction_words, in_millimetres, point_words
 from stepbot.robot.joint_table import Basis
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.axes import (

@@ -7,6 +7,7 @@ position; shapes, frames and inertia are in the frame of their link. Numbers tha
 import json
 from base64 import b64encode
 from collections.abc import Iterable, Mapping
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -21,8 +22,55 @@ from stepbot.robot.sensors import PLACED, Sensor
 from stepbot.step.assembly import Assembly
 
 from .connections import component_documents, connection_documents
-from .findings import diagnostic_documents, proof_document
 from .motion import motion_document, pose_numbers
+
+Json = dict[str, Any]
+
+
+def proof_document(report: Results) -> Json:
+    """The verification table: one row per file and engine; pairs of links that overlap as drawn."""
+    return {
+        "rows": [
+            {
+                "file": row.file,
+                "engine": row.engine,
+                "version": report.versions.get(row.engine, ""),
+                "against": row.against,
+                "status": row.status.value,
+                "compared": list(row.compared),
+                "worst": None
+                if row.worst is None
+                else {
+                    "quantity": row.worst.quantity,
+                    "deviation": row.worst.deviation,
+                    "tolerance": row.worst.tolerance,
+                    "unit": row.worst.unit,
+                    "where": row.worst.where,
+                },
+                "why": row.why,
+            }
+            for row in report.rows()
+        ],
+        "overlaps": [{"links": [a, b], "depth": depth} for a, b, depth in report.collisions],
+        "own_parsers": list(report.own_parsers),
+    }
+
+
+def diagnostic_documents(found: Iterable[Diagnostic]) -> list[Json]:
+    """Diagnostics with places relative to the folders of their files."""
+    return [
+        {
+            "code": one.code,
+            "severity": one.severity,
+            "message": one.message,
+            "file": PurePath(one.span.file).name,
+            "line": one.span.line,
+            "help": list(one.remedies),
+            "notes": list(one.notes),
+        }
+        for one in found
+    ]
+
 
 STEPS = 65535
 _FEW = 65536
@@ -48,8 +96,6 @@ def packed(mesh: TriMesh) -> dict[str, Any]:
         "wide": wide,
     }
 
-
-Json = dict[str, Any]
 
 VERSION = 1
 """Version of the document; page and document come from one stepbot, so it only guards against a mix-up."""

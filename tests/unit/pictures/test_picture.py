@@ -12,8 +12,7 @@ from stepbot.geometry.spatial import Pose
 from stepbot.pictures.camera import VIEWS, camera_of
 from stepbot.pictures.drawing import Drawing
 from stepbot.pictures.layout import anchors
-from stepbot.pictures.marks import COLOR, distinct_color
-from stepbot.pictures.picture import NothingToDraw, Sheet, draw, png_bytes
+from stepbot.pictures.picture import AXIS_COLOR, NothingToDraw, Sheet, distinct_color, draw, png_bytes
 from stepbot.pictures.scene import Axis, Shape, Subject, exploded
 
 SMALL = Sheet(400, 300, samples=1, view=VIEWS["front"])
@@ -60,7 +59,7 @@ def test_an_axis_is_drawn_through_its_point() -> None:
     """Between the cubes, a vertical line of the colour of axes, as long as a share of the scene."""
     axis = Axis("hinge", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0), turns=False, slides=False)
     sheet = Sheet(600, 300, samples=1, view=VIEWS["front"], labels=True)
-    red = (np.abs(draw(two_cubes(axes=(axis,)), sheet).pixels.astype(int) - COLOR) < 12).all(axis=2)
+    red = (np.abs(draw(two_cubes(axes=(axis,)), sheet).pixels.astype(int) - AXIS_COLOR) < 12).all(axis=2)
     rows = np.nonzero(red[:, 299:301].any(axis=1))[0]
     assert len(rows) > 20
     assert (rows.min() + rows.max()) / 2 == pytest.approx(149.5, abs=2.0)

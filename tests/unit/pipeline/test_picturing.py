@@ -9,8 +9,7 @@ import pytest
 
 from stepbot.geometry.spatial import IDENTITY
 from stepbot.pictures.camera import VIEWS, camera_of
-from stepbot.pictures.marks import distinct_color
-from stepbot.pictures.picture import Sheet, draw
+from stepbot.pictures.picture import Sheet, distinct_color, draw
 from stepbot.pictures.scene import scene_of
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.picturing import Label, assembly_subject, part_labels, robot_subject

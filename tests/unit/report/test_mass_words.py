@@ -2,7 +2,7 @@
 
 import pytest
 
-from stepbot.report.mass_words import mass_summary
+from stepbot.report.words import mass_summary
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.scenes import Shown
 from stepbot.robot.model import Sphere
-from stepbot.serving.contacts import Contacts
+from stepbot.serving.axis_questions import Contacts
 from stepbot.serving.local_server import Refused
 from tests.unit.verification.test_self_collision import robot
 

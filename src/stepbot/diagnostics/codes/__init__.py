@@ -17,17 +17,13 @@ from .renamed import RENAMED
 _RANGES = {
     "SB0": "environment",
     "SB1": "sidecar",
-    "SB15": "modules",
     "SB2": "assembly",
     "SB3": "binding",
-    "SB31": "revisions",
     "SB4": "kinematics",
-    "SB45": "mechanism",
     "SB5": "mass",
     "SB6": "meshes",
     "SB7": "formats",
     "SB8": "simulators",
-    "SB86": "sources",
     "SB9": "environment",
 }
 """The module of each range, by the start of its first code, in order; a range ends where the next one starts."""

@@ -10,7 +10,7 @@ from stepbot.pipeline.conversion import REPORT, REPORT_PAGE
 from stepbot.report.junit import Suite
 from stepbot.runtime.file import is_file, read_regular
 from stepbot.runtime.output import failed_output
-from stepbot.viewing.report.index import Entry, index_page
+from stepbot.viewing.report.page import Entry, index_page
 
 from .runs import Outcome, Status
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import PurePath
+from urllib.parse import quote
 
 import numpy as np
 
@@ -15,11 +16,68 @@ from stepbot.robot.model import Robot
 from stepbot.version import __version__
 
 from ..connections import evidence_of_rows
-from ..page import page_html
+from ..page import page_html, plain_page
 from ..scene import STEPS, scene_document
 from .markup import Markup, element, joined, mass_text
 from .result_tables import Places, findings_section, inputs_section, proof_section
-from .robot_tables import bodies_section, collisions_section, joints_section, masses_section, motors_section
+from .robot_tables import bodies_section, collisions_section, joints_section, masses_section, motors_section, table
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One robot."""
+
+    name: str
+    status: str
+    """``converted``, ``unchanged`` or ``failed``."""
+    page: str = ""
+    """Path of its report, relative to the index, with slashes; empty without one."""
+    passed: int = 0
+    failed: int = 0
+    not_run: int = 0
+    links: int | None = None
+    joints: int | None = None
+    mass: float | None = None
+    """[kg]."""
+    errors: tuple[str, ...] = ()
+    """Messages."""
+    warnings: int = 0
+
+
+def index_page(entries: Sequence[Entry]) -> bytes:
+    """The page."""
+    failed = sum(one.status == "failed" for one in entries)
+    words = (
+        f"{len(entries)} {'robot' if len(entries) == 1 else 'robots'}, {failed} failed"
+        if failed
+        else f"{len(entries)} robots"
+    )
+    headings = ("robot", "result", "checks", "mass", "links", "joints", "warnings", "errors")
+    body = element(
+        "div",
+        element("section", element("h2", words), table(headings, map(_row, entries))),
+        id="report",
+    )
+    return plain_page("Robots – stepbot report", body).encode("utf-8", "backslashreplace")
+
+
+def _row(one: Entry) -> Markup:
+    name = element("a", one.name, href=quote(one.page)) if one.page else one.name
+    failed = element("b.bad", f", {one.failed} failed") if one.failed else None
+    checks = (f"{one.passed} passed", failed) if one.passed or one.failed else "–"
+    return element(
+        "tr",
+        element("th", name),
+        element("td.bad" if one.status == "failed" else "td.good", one.status),
+        element("td", checks),
+        element("td.number", "–" if one.mass is None else mass_text(one.mass)),
+        element("td.number", "–" if one.links is None else one.links),
+        element("td.number", "–" if one.joints is None else one.joints),
+        element("td.number", one.warnings),
+        element("td", (element("div", message) for message in one.errors)),
+        data_robot=one.name,
+    )
+
 
 BUDGET = 2_100_000
 """Size [bytes] of all meshes in a page."""

@@ -3,9 +3,8 @@
 from collections.abc import Iterable
 
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.report.joint_words import direction_words, evidence_words, point_words, rival_words
-from stepbot.report.mass_words import shape_words
 from stepbot.report.robot import LinkCollision, MeasuredBody
+from stepbot.report.words import direction_words, evidence_words, point_words, rival_words, shape_words
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import ComponentMass, Joint, JointKind, Link, Robot
