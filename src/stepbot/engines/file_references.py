@@ -120,12 +120,11 @@ def refusals(file: str, written_in: str) -> tuple[Refusal, ...]:
 
 def _layer_refusals(main: Path) -> Iterator[Refusal]:
     """Layers of a stage that are outside of its folder, or not regular files."""
-    for one in layer_references(main):
-        if not resolved(one.path).is_relative_to(main.parent):
-            message = f"refers to '{one.name}', which is outside the folder of {main.name}"
-            yield Refusal(UNSAFE, message, str(one.layer))
-        elif _is_irregular(one.path):
-            yield Refusal(UNSAFE, f"'{one.name}' is not a regular file", str(one.layer))
+    for layer, name, path in layer_references(main):
+        if not resolved(path).is_relative_to(main.parent):
+            yield Refusal(UNSAFE, f"refers to '{name}', which is outside the folder of {main.name}", str(layer))
+        elif _is_irregular(path):
+            yield Refusal(UNSAFE, f"'{name}' is not a regular file", str(layer))
 
 
 def _shown(file: str, main: Path, given: Path) -> str:

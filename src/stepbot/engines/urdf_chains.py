@@ -5,7 +5,6 @@ robot, and names the directions of a plane itself. https://wiki.ros.org/urdf/XML
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -21,13 +20,8 @@ _UNLIMITED = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9
 """A prismatic joint must have limits."""
 
 
-@dataclass(frozen=True)
-class ChainNames:
-    """Names of what replaces a joint, from the parent on."""
-
-    joints: tuple[str, ...]
-    links: tuple[str, ...]
-    """The links in between, one less than the joints."""
+ChainNames = tuple[tuple[str, ...], tuple[str, ...]]
+"""Names of the joints that replace a joint, from the parent on, and of the links in between, one less."""
 
 
 def with_chains(robot: Element, chains: Mapping[str, ChainNames]) -> None:
@@ -46,11 +40,12 @@ def with_chains(robot: Element, chains: Mapping[str, ChainNames]) -> None:
 def _replace(robot: Element, joint: Element, names: ChainNames) -> None:
     from lxml import etree
 
-    ends = [joint.find(tag).get("link") for tag in ("parent", "child")]
-    links = [ends[0], *names.links, ends[1]]
-    for name in names.links:
+    parent, child = (joint.find(tag).get("link") for tag in ("parent", "child"))
+    joints, between = names
+    links = [parent, *between, child]
+    for name in between:
         etree.SubElement(robot, "link", name=name)
-    steps = zip(names.joints, _steps(joint), links[:-1], links[1:], strict=True)
+    steps = zip(joints, _steps(joint), links[:-1], links[1:], strict=True)
     for number, (name, (kind, axis), parent, child) in enumerate(steps):
         step = etree.SubElement(robot, "joint", name=name, type=kind)
         etree.SubElement(step, "parent", link=parent)

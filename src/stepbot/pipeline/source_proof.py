@@ -146,7 +146,7 @@ def _chains(description: Description, described: Described) -> dict[str, ChainNa
     found = {joint.name: steps[joint.child] for joint in several}
     old = {new: name for name, new in described.names.joints.items()}
     return {
-        old.get(name, name): ChainNames(tuple(one.name for one in chain), tuple(one.child for one in chain[:-1]))
+        old.get(name, name): (tuple(one.name for one in chain), tuple(one.child for one in chain[:-1]))
         for name, chain in found.items()
     }
 

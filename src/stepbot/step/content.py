@@ -8,7 +8,7 @@ from stepbot.diagnostics import Diagnostics, Span
 from .exchange.file_set import StepFile
 from .exchange.length_unit import LengthUnit
 from .one_file import FileContent, guarded, optional, read_file
-from .structure.composition import FileDefinitions, compose
+from .structure.composition import Composition, FileDefinitions
 from .structure.source import Definition
 from .structure.tree import Tree, grow
 from .validation.comparison import Stated
@@ -48,7 +48,7 @@ def _put_together(
     contents: Mapping[int, FileContent], files: tuple[StepFile, ...], found: Diagnostics
 ) -> Content | None:
     numbers = {file: number for number, file in enumerate(contents)}
-    composition = compose(
+    composition = Composition(
         [
             FileDefinitions(
                 content.definitions.all,
@@ -69,7 +69,7 @@ def _put_together(
         return None
 
     def read_stated() -> list[Stated]:
-        read = zip(contents.values(), composition.places, strict=True)
+        read = zip(contents.values(), composition.places(), strict=True)
         return [value for content, places in read for value in _stated(content, places, definitions, tree)]
 
     # Of an incomplete assembly, what the file states is of other parts, too.

@@ -5,7 +5,6 @@ parallel (:mod:`stepbot.step.shapes.healing`).
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -56,18 +55,8 @@ class StepUnreadable(Exception):
     """The kernel rejects the file; the message is the kernel's."""
 
 
-@dataclass(frozen=True)
-class StepModel:
-    """A STEP file that was read, its shapes not built yet."""
-
-    reader: Any
-    """``STEPCAFControl_Reader``."""
-    session: Any
-    """Its work session with the entities."""
-
-
-def read_model(path: Path) -> StepModel:
-    """Read the entities of a file in UTF-8.
+def read_model(path: Path) -> tuple[Any, Any]:
+    """Read the entities of a file in UTF-8: the ``STEPCAFControl_Reader``, and its work session with the entities.
 
     Raises:
         StepUnreadable: The kernel cannot parse the file.
@@ -82,16 +71,15 @@ def read_model(path: Path) -> StepModel:
     status = reader.ReadFile(str(path))
     if status != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise StepUnreadable(f"the kernel could not read it ({str(status).rpartition('_Ret')[2].lower()})")
-    return StepModel(reader, reader.Reader().WS())
+    return reader, reader.Reader().WS()
 
 
-def transfer(model: StepModel) -> Any:
-    """Build the shapes; returns the document that contains them.
+def transfer(reader: Any) -> Any:
+    """Build the shapes of a file that was read; returns the document that contains them.
 
     Raises:
         StepUnreadable: No shape could be built.
     """
-    reader = model.reader
     # Reading the file resets these settings, so they cannot be set earlier.
     switched_off = ParameterMap()
     for name in _HEALING:

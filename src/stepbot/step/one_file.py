@@ -92,30 +92,30 @@ def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent 
         if not check_numbers(text, place, found):
             return None
         try:
-            model = read_model(text)
+            reader, session = read_model(text)
         except StepUnreadable:
             if report_long_tokens(text, place, found):
                 return None
             raise
-        if not check_integrity(model.session, text, place, found):
+        if not check_integrity(session, text, place, found):
             return None
-    unit = read_length_unit(model.session, place, found)
+    unit = read_length_unit(session, place, found)
     if unit is None:
         return None
-    materials = optional("materials", place, found, lambda: Materials(model.session, place, found), None)
-    products = Products(model.session, take_out=take_out)
+    materials = optional("materials", place, found, lambda: Materials(session, place, found), None)
+    products = Products(session, take_out=take_out)
     if products.tree_size() > MAX_COMPONENTS:  # the kernel would expand each of them
         report_too_large(products.tree_size(), place, found)
         return None
-    correct_operators(model.session)
-    forget_external_files(model.session)
-    definitions = Definitions(transfer(model), products)
+    correct_operators(session)
+    forget_external_files(session)
+    definitions = Definitions(transfer(reader), products)
     if definitions.color_errors:
         message = f"reading {len(definitions.color_errors)} colors failed ({definitions.color_errors[0]})"
         found.add("SB233", message, Span(place))
-    written = optional("its solids", place, found, lambda: len(entities(model.session, StepShape_SolidModel)), 0)
+    written = optional("its solids", place, found, lambda: len(entities(session, StepShape_SolidModel)), 0)
     _check_solids(written, definitions.all, place, found)
-    elsewhere = _elsewhere(file, model.session, products, definitions.all, found)
+    elsewhere = _elsewhere(file, session, products, definitions.all, found)
     if elsewhere is None:
         return None
     made_of = optional(
@@ -125,8 +125,8 @@ def _read(file: StepFile, found: Diagnostics, *, take_out: bool) -> FileContent 
         lambda: [_material(definition, materials, products) for definition in definitions.all],
         [StepMaterial()] * len(definitions.all),
     )
-    mechanisms = optional("mechanisms", place, found, lambda: mechanism_count(model.session), 0)
-    return FileContent(place, model.session, unit, products, definitions, made_of, mechanisms, elsewhere)
+    mechanisms = optional("mechanisms", place, found, lambda: mechanism_count(session), 0)
+    return FileContent(place, session, unit, products, definitions, made_of, mechanisms, elsewhere)
 
 
 def _elsewhere(

@@ -1,7 +1,6 @@
 """The layers that a stage is composed of."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 from stepbot.runtime.file import is_file, resolved
@@ -9,21 +8,10 @@ from stepbot.runtime.file import is_file, resolved
 _MOST_LAYERS = 1000
 
 
-@dataclass(frozen=True)
-class LayerReference:
-    """A sublayer, reference or payload in another file."""
-
-    layer: Path
-    """The file that has it."""
-    name: str
-    """As it is in the file."""
-    path: Path
-    """Absolute path."""
-
-
-def layer_references(main: Path) -> Iterator[LayerReference]:
+def layer_references(main: Path) -> Iterator[tuple[Path, str, Path]]:
     """References to other files, in the main file and in those that it refers to below its folder; no other is opened.
 
+    Each is the file that has it, the name as it is there, and the absolute path of the sublayer, reference or payload.
     A file that USD cannot parse has none; without USD's library there are none, as no engine can read the file.
     """
     try:
@@ -40,7 +28,7 @@ def layer_references(main: Path) -> Iterator[LayerReference]:
         names = [] if layer is None else layer.GetCompositionAssetDependencies()
         for name in filter(None, names):  # a reference without a file is to a prim of the same one
             target = Path(layer.ComputeAbsolutePath(name.partition("[")[0]))
-            yield LayerReference(path, name, target)
+            yield path, name, target
             inside = resolved(target).is_relative_to(main.parent)
             if inside and is_file(target) and resolved(target) not in seen:
                 seen.add(resolved(target))

@@ -56,15 +56,6 @@ class StepFile:
     links: tuple[Link, ...] = ()
 
 
-@dataclass(frozen=True)
-class _Member:
-    """A file that was reached."""
-
-    path: Path
-    name: PurePosixPath
-    links: tuple[Link, ...]
-
-
 def check_files(step: Path, place: str, found: Diagnostics, encoding: str = "") -> tuple[StepFile, ...] | None:
     """Check an assembly's files, the main one first; None, with errors in ``found``, if one is not a STEP file.
 
@@ -84,17 +75,17 @@ def check_files(step: Path, place: str, found: Diagnostics, encoding: str = "") 
         return part21.references if part21 is not None else ()
 
     files = []
-    for member in _walk(step, references):
-        part21 = checked[member.path]
+    for path, name, links in _walk(step, references):
+        part21 = checked[path]
         if part21 is not None:
-            own = place if member.path == step else str(Path(place).parent / member.name)
-            files.append(StepFile(member.path, own, str(member.name), part21, member.links))
+            own = place if path == step else str(Path(place).parent / name)
+            files.append(StepFile(path, own, str(name), part21, links))
     return tuple(files) if len(files) == len(checked) else None
 
 
 def reached_files(step: Path) -> dict[str, Path]:
     """The files of an assembly by their names relative to its folder, the main one first; reports nothing."""
-    return {str(member.name): member.path for member in _walk(step, _references)}
+    return {str(name): path for path, name, _ in _walk(step, _references)}
 
 
 def _references(path: Path, _name: PurePosixPath) -> Sequence[ExternalReference]:
@@ -109,8 +100,10 @@ def _references(path: Path, _name: PurePosixPath) -> Sequence[ExternalReference]
         return ()
 
 
-def _walk(step: Path, references: Callable[[Path, PurePosixPath], Sequence[ExternalReference]]) -> Iterator[_Member]:
-    """All files that can be reached, each once, in the order of the references to them."""
+def _walk(
+    step: Path, references: Callable[[Path, PurePosixPath], Sequence[ExternalReference]]
+) -> Iterator[tuple[Path, PurePosixPath, tuple[Link, ...]]]:
+    """All files that can be reached, each once, in the order of the references to them: path, name, links."""
     folder = resolved(step.parent)
     index = {resolved(step): 0}
     pending = [(step, PurePosixPath(step.name))]
@@ -120,29 +113,22 @@ def _walk(step: Path, references: Callable[[Path, PurePosixPath], Sequence[Exter
         taken = {path.name, *(reading for reference in found for reading in reference.readings)}
         for reference in found:
             target = _resolve(reference, name.parent, step.parent, folder, taken)
-            if isinstance(target, _Refusal):
-                links.append(_link(reference, fault=target.fault, help=(*target.help, _ONE_FILE)))
+            if isinstance(target, tuple):
+                fault, help = target
+                links.append(_link(reference, fault=fault, help=(*help, _ONE_FILE)))
                 continue
             real = resolved(target)
             if real not in index:
                 index[real] = len(index)
                 pending.append((target, PurePosixPath(target.relative_to(step.parent).as_posix())))
             links.append(_link(reference, index[real]))
-        yield _Member(path, name, tuple(links))
-
-
-@dataclass(frozen=True)
-class _Refusal:
-    """Why a reference is not followed."""
-
-    fault: str
-    help: tuple[str, ...]
+        yield path, name, tuple(links)
 
 
 def _resolve(
     reference: ExternalReference, beside: PurePosixPath, root: Path, folder: Path, taken: Collection[str]
-) -> Path | _Refusal:
-    """The file of a reference, within the folder of the assembly.
+) -> Path | tuple[str, tuple[str, ...]]:
+    """The file of a reference, within the folder of the assembly; or why it is not followed, and remedies.
 
     Args:
         reference: The reference in another file.
@@ -155,10 +141,8 @@ def _resolve(
     for reading in reference.readings:
         name = reading.strip().replace("\\", "/")
         if _ABSOLUTE.match(name) or ".." in name.split("/") or "\0" in name:
-            return _Refusal(
-                "which is not beside it: only files in its folder are read",
-                ("put the file beside it, and name it without a folder in the STEP file",),
-            )
+            help = ("put the file beside it, and name it without a folder in the STEP file",)
+            return "which is not beside it: only files in its folder are read", help
         path = root / beside / name
         try:
             real = path.resolve(strict=True)
@@ -169,14 +153,11 @@ def _resolve(
             missing = missing or path
             continue
         if not real.is_relative_to(folder):
-            return _Refusal(
-                "which is a link to a file outside of its folder",
-                ("put the file itself there",),
-            )
+            return "which is a link to a file outside of its folder", ("put the file itself there",)
         return path
     where = root / beside
     help = (f"put '{reference.name}' into '{where}'",) if str(where) != "." else (f"put '{reference.name}' beside it",)
-    return _Refusal("which does not exist", (*help, *_meant(missing, taken)))
+    return "which does not exist", (*help, *_meant(missing, taken))
 
 
 def _meant(path: Path | None, taken: Collection[str]) -> tuple[str, ...]:

@@ -24,34 +24,11 @@ class FileDefinitions:
     """For each definition that another file has, the index of that file, which comes later or is read elsewhere."""
 
 
-@dataclass(frozen=True, eq=False)
 class Composition:
-    """The definitions of all files."""
+    """The definitions and materials of all files; references between the files have no cycle."""
 
-    definitions: list[Definition]
-    roots: list[int]
-    materials: list[StepMaterial]
-    places: list[dict[int, int]]
-    """For each file and each product in it the index of its definition here."""
-
-
-def compose(files: Sequence[FileDefinitions]) -> Composition:
-    """Put the definitions of files together; references between the files have no cycle.
-
-    Args:
-        files: The file of the assembly first.
-    """
-    composer = _Composer(files)
-    return Composition(
-        composer.definitions,
-        [composer.stand_in(root) for root in files[0].roots],
-        composer.materials,
-        [composer.places(number) for number in range(len(files))],
-    )
-
-
-class _Composer:
     def __init__(self, files: Sequence[FileDefinitions]) -> None:
+        """Put them together, the file of the assembly first."""
         self._files = files
         self._offsets: list[int] = []
         self.definitions: list[Definition] = []
@@ -69,22 +46,29 @@ class _Composer:
             for own in file.elsewhere:
                 self._name(self._offsets[number] + own)
         for definition in self.definitions if self._instead else ():
-            definition.children = [replace(c, definition=self.stand_in(c.definition)) for c in definition.children]
+            definition.children = [replace(c, definition=self._stand_in(c.definition)) for c in definition.children]
 
-    def stand_in(self, index: int) -> int:
+    @property
+    def roots(self) -> list[int]:
+        """The roots of the assembly."""
+        return [self._stand_in(root) for root in self._files[0].roots]
+
+    def _stand_in(self, index: int) -> int:
         """The definition that is used in place of another."""
         while index in self._instead:
             index = self._instead[index]
         return index
 
-    def places(self, number: int) -> dict[int, int]:
-        """For each product of a file the index of its definition."""
-        offset = self._offsets[number]
-        return {
-            definition.product: self.stand_in(offset + index)
-            for index, definition in enumerate(self._files[number].definitions)
-            if definition.product != NONE
-        }
+    def places(self) -> list[dict[int, int]]:
+        """For each file and each product in it the index of its definition here."""
+        return [
+            {
+                definition.product: self._stand_in(offset + index)
+                for index, definition in enumerate(file.definitions)
+                if definition.product != NONE
+            }
+            for offset, file in zip(self._offsets, self._files, strict=True)
+        ]
 
     def _replace(self, number: int) -> None:
         """Find the replacement of each definition whose shape is in another file."""
@@ -103,7 +87,7 @@ class _Composer:
         """Give the replacement of a definition its name in the referring file."""
         if index not in self._instead:
             return
-        target, referring = self.stand_in(index), self.definitions[index]
+        target, referring = self._stand_in(index), self.definitions[index]
         definition = self.definitions[target]
         name = referring.name or definition.name
         if target in self._named and definition.name != name:

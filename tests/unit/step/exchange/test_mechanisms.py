@@ -46,9 +46,9 @@ def test_file_with_a_mechanism_is_read(tmp_path: Path) -> None:
     """Shapes, poses and densities are those without the mechanism, and `inspect` names what was not read."""
     path = parts.write_slider(tmp_path / "slider.step").path
     plain = read_quietly(path)
-    assert mechanism_count(read_model(path).session) == 0
+    assert mechanism_count(read_model(path)[1]) == 0
     add_mechanism(path)
-    assert mechanism_count(read_model(path).session) == 1
+    assert mechanism_count(read_model(path)[1]) == 1
     assembly = read_quietly(path)
     assert [component.path for component in assembly.components] == [one.path for one in plain.components]
     assert [component.density for component in assembly.components] == [one.density for one in plain.components]
