@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import inf, isfinite
 
 from stepbot.engines.description import Description
-from stepbot.engines.observation import ObservedActuator, ObservedSensor, Quantity
+from stepbot.engines.observation import Observation, ObservedActuator, ObservedSensor, Quantity
 from stepbot.geometry.spatial import IDENTITY
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit
@@ -20,7 +20,7 @@ def actuators_of(description: Description, joints: Mapping[str, Joint], found: l
     """The actuators that move one joint; others are listed."""
     actuators = []
     taken: set[str] = set()
-    for one in description.observation.actuators or ():
+    for one in _without_alternatives(description.observation, found):
         joint = joints.get(one.joint)
         powerless = _powerless(one)
         if joint is None or joint.kind is JointKind.FIXED or one.kind not in set(ActuatorKind) or powerless:
@@ -36,6 +36,33 @@ def actuators_of(description: Description, joints: Mapping[str, Joint], found: l
         kp, kv = (0.0, 0.0) if tuning else (one.kp or 0.0, one.kv or 0.0)
         actuators.append(Actuator(name, one.joint, ActuatorKind(one.kind), kp, kv, gear, limit, tuning))
     return tuple(actuators)
+
+
+def _without_alternatives(seen: Observation, found: list[Finding]) -> list[ObservedActuator]:
+    """The actuators without the further command interfaces of a URDF's joint: ros2_control claims one at a time.
+
+    Of those without a transmission the first of position, velocity and effort stays, if no transmission drives the
+    joint: together, a velocity input of 0 would brake what the position input moves.
+    """
+    every, order = list(seen.actuators or ()), [kind.value for kind in ActuatorKind]
+    if seen.format != "urdf":
+        return every
+    claimed: dict[str, ObservedActuator] = {}
+    for one in sorted(
+        every, key=lambda one: (not one.name, order.index(one.kind) if one.kind in order else len(order))
+    ):
+        claimed.setdefault(one.joint, one)
+    kept = []
+    for one in every:
+        first = claimed[one.joint]
+        if one.name or first is one:
+            kept.append(one)
+            continue
+        text = (
+            f"command interface of type '{one.kind}' on '{one.joint}': not converted, as that of type '{first.kind}' is"
+        )
+        found.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
+    return kept
 
 
 def _gain(one: ObservedActuator) -> float | None:
@@ -59,7 +86,7 @@ def _own_limit(one: ObservedActuator, name: str, gear: float, joint: Limit, foun
     limit = Limit()
     if one.kind == ActuatorKind.POSITION:
         limit = Limit(low, high, effort=effort)
-        if one.control is not None and (low < joint.lower or high > joint.upper):
+        if one.control is not None and (-inf < low < joint.lower or inf > high > joint.upper):
             text = f"actuator '{name}': inputs beyond the limits of joint '{one.joint}' are not converted"
             found.append(Finding(DEVICE, f"{text}: {max(low, joint.lower):g} to {min(high, joint.upper):g} taken"))
     elif one.kind == ActuatorKind.VELOCITY:

@@ -16,7 +16,7 @@ from stepbot.formats.rendering import render
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.scenes import show
 from stepbot.robot.kinematics import independent_joints, initial_configuration, link_poses, moving_joints
-from stepbot.robot.model import JointKind, Robot
+from stepbot.robot.model import ActuatorKind, JointKind, Robot
 from stepbot.viewing.scene import scene_document
 from tests.robots import ROBOTS
 
@@ -174,3 +174,26 @@ def test_a_gear_of_zero_moves_nothing(tmp_path: Path) -> None:
     assert not made.robot.actuators
     lost = "actuator 'motor' of type 'motor' on 'hinge' with a gear of 0: not converted"
     assert ("SB863", lost) in [(one.code, one.text) for one in made.findings]
+
+
+def test_command_interfaces_of_a_joint_are_alternatives(tmp_path: Path) -> None:
+    """ros2_control claims one at a time: the position input stays, and unlimited inputs are beyond no limits."""
+    path = tmp_path / "three.urdf"
+    path.write_text(
+        """<robot name="three"><link name="base"/><link name="arm"/>
+        <joint name="hinge" type="revolute"><parent link="base"/><child link="arm"/>
+        <limit lower="-2" upper="2" effort="50" velocity="3"/></joint>
+        <ros2_control name="drives" type="system"><hardware><plugin>any</plugin></hardware><joint name="hinge">
+        <command_interface name="effort"/><command_interface name="velocity"/><command_interface name="position"/>
+        <state_interface name="position"><param name="initial_value">0.7</param></state_interface>
+        </joint></ros2_control></robot>""",
+        encoding="utf-8",
+    )
+    made = robot_of_description(describe(str(path), "urdf"), "three", path.name)
+    assert [(one.joint, one.kind) for one in made.robot.actuators] == [("hinge", ActuatorKind.POSITION)]
+    assert made.robot.joint_by_name["hinge"].drawn_position == 0.7
+    texts = [one.text for one in made.findings if one.code == "SB863"]
+    kinds = ("motor", "velocity")
+    assert texts == [
+        f"command interface of type '{kind}' on 'hinge': not converted, as that of type 'position' is" for kind in kinds
+    ]
