@@ -63,7 +63,7 @@ def convert(
         gazebo: Make ``output`` a Gazebo model, found by the name of the folder.
         programs: Program for learning, or several, that get a Python file which loads the robot; their formats are
             written, too.
-        base: ``fixed`` or ``floating``, for a URDF, which does not say; empty for fixed, with a warning.
+        base: ``fixed`` or ``floating``, for a URDF, which does not state it; empty for fixed, with a warning.
         package_path: Folder, or several, of the packages that a URDF, SDFormat or MJCF names in ``package://`` and ``model://``.
         xacro: Values of the arguments of a xacro, by name.
         assume_inertia: Density [kg/m^3] from which links of a URDF, SDFormat or MJCF without possible mass properties

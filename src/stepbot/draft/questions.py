@@ -87,7 +87,7 @@ class Dialogue:
 
     def answer_all(self, answers: Mapping[str, str]) -> None:
         """Infer again with all answers that apply; the others become notes of the draft."""
-        # What is said about two parts holds against what is said about many.
+        # An answer about two parts overrides one about many.
         left = dict(sorted(answers.items(), key=lambda one: one[0].startswith(_ALL)))
         for _ in range(_ROUNDS):
             used = [name for name, value in left.items() if self._take(name, value)]

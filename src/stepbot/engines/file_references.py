@@ -56,7 +56,7 @@ def excessive_sizes(root: Any) -> Iterator[tuple[Any, str]]:
 
 
 def _numbers(text: str) -> list[float]:
-    """The numbers of a text; those that are none are left to MuJoCo."""
+    """The numbers of a text; MuJoCo reports texts that are no numbers."""
     found = []
     for word in text.split():
         try:

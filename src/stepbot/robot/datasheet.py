@@ -22,7 +22,7 @@ from .standing import standing_height
 POSTURES = 96
 """Number of postures, the drawn one and random ones, in which forces are computed."""
 _STRETCHES = 4
-"""Share of the reach by which payloads are told apart: quarters."""
+"""Step of the reaches that payloads are given for, relative to the longest: a quarter."""
 _DIGITS = 4
 """Significant digits: more would depend on the last bits of the linear algebra."""
 _SHORTEST = 3

@@ -2,7 +2,7 @@
 
 A forked process shares what its parent has read; only numbers of inputs are sent to it. Each process takes the next
 number from a pipe, reports it, and writes its results to a file of its own; if it dies, or is stopped because of the
-time limit, the parent knows the input. Without fork, the function runs in this process, and an
+time limit, the parent has the input. Without fork, the function runs in this process, and an
 :class:`Attempt` continues after a crash.
 """
 

@@ -14,7 +14,7 @@ from .vocabulary import Vocabulary
 
 _VOCABULARIES = {"urdf": URDF, "sdf": AROUND, "mjcf": MJCF}
 _KEYS = ("name", "reference", "filename", "joint", "site", "class")
-"""Attributes by which elements of one tag are told apart."""
+"""Attributes that identify one of several elements of a tag."""
 
 
 @dataclass(frozen=True)

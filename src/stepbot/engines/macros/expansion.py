@@ -40,7 +40,7 @@ def expand(file: str, arguments: Mapping[str, str], packages: tuple[Path, ...]) 
 
 
 class _Packages:
-    """Finds packages by name, and knows what may be read: these packages, and that of the xacro itself."""
+    """Finds packages by name, and allows reads of these packages and that of the xacro alone."""
 
     def __init__(self, file: Path, packages: tuple[Path, ...]) -> None:
         above = [folder for folder in file.parents if is_file(folder / _MANIFEST)]

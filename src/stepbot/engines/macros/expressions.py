@@ -1,7 +1,7 @@
 """Evaluates the expressions of macros: arithmetic, texts, lists and dictionaries, and functions that cannot do harm.
 
 xacro looks for names with two underscores in an expression, but not within the comprehensions in it, nor for those
-that lead from a generator to the interpreter. Here each attribute is looked up by a function that knows what it may
+that lead from a generator to the interpreter. Here each attribute is looked up by a function that lists what it may
 return, and syntax that is not listed is rejected.
 """
 
