@@ -9,7 +9,7 @@ import numpy as np
 from robot_library.moments import Array
 from tests.solids import Solid, box, cylinder
 
-from . import machines
+from . import bought, machines
 from .devices import butt_hinges, drawers, neck, stage, tube_stand, turntable
 from .kit import SCREWS, Kit, at, drilled, rot
 from .still import board, frame
@@ -393,9 +393,16 @@ _FURTHER = (
     *(machines.side_by_side, stage, machines.five_bar, machines.excavator, turntable, butt_hinges),
     *(machines.rocker_bogie, tube_stand),
 )
-KINDS: dict[str, Callable[[Kit], None]] = {one.__name__: one for one in (*_FIRST, *_FURTHER)}
+_BOUGHT = (
+    *(bought.corexy, bought.v_slot, bought.rack_gripper, bought.coaxial_legs, bought.spline_scara),
+    *(bought.bearing_pan_tilt, bought.knee_brace, bought.dovetail_stage, bought.printed_arm, bought.hub_drive),
+)
+KINDS: dict[str, Callable[[Kit], None]] = {one.__name__: one for one in (*_FIRST, *_FURTHER, *_BOUGHT)}
 ASIDE = frozenset(Random(20261124).sample(sorted(one.__name__ for one in _FIRST), len(_FIRST) // 3))
 ASIDE_LATER = frozenset(Random(112420262).sample(sorted(one.__name__ for one in _FURTHER), 4))
-"""Of the first kinds and of the further ones, by lot, before any of these was drafted."""
-VARIED = frozenset(one.__name__ for one in _FURTHER)
+ASIDE_BOUGHT = frozenset(Random(181120263).sample(sorted(one.__name__ for one in _BOUGHT), 3))
+"""Of the first kinds, of the further ones and of robots of bought parts, by lot, before any of these was drafted."""
+MESSY = frozenset(one.__name__ for one in _BOUGHT)
+"""Kinds whose tree may be an import."""
+VARIED = frozenset(one.__name__ for one in _FURTHER) | MESSY
 """Kinds in further styles: one coordinate system, bodies of one product, subassemblies of what is bought."""

@@ -52,6 +52,7 @@ _WORDS: dict[str, tuple[str, str, str, str]] = {
     "cylinder": ("hydraulic cylinder", "Zylinder", "液压缸", "cilindro"),
     "rod": ("piston rod", "Kolbenstange", "活塞杆", "vastago"),
     "leaf": ("hinge leaf", "Lappen", "合页", "hoja"),
+    "frame": ("frame", "Rahmen", "框架", "marco"),
     "ring": ("slewing ring", "Drehkranz", "转盘轴承", "corona"),
 }
 SCREWS = "_screws"
@@ -76,6 +77,8 @@ class Kit:
     rng: Random
     is_varied: bool = False
     """Whether it has the further styles: everything in one coordinate system, several bodies in one product, units."""
+    is_messy: bool = False
+    """Whether some trees are imports, each with parts of several links, besides."""
     joints: list[Truth] = field(default_factory=list)
     root: str = "base"
 
@@ -98,6 +101,7 @@ class Kit:
             )
             self.is_baked, self.has_bodies = self.rng.random() < 0.25, self.rng.random() < 0.2
             self.has_units = self.rng.random() < 0.4
+        self.has_imports = self.is_messy and self.rng.random() < 0.2
         self._nodes: dict[str, list[Node]] = {}
         self._units: dict[str, list[tuple[str, Node]]] = {}
         self._count: dict[str, int] = {}
@@ -150,6 +154,12 @@ class Kit:
             else:
                 nodes += parts
                 link_of.update({part.name: link for part in parts})
+        if self.has_imports:
+            self.rng.shuffle(nodes)
+            half = len(nodes) // 2
+            folder = {node.name: f"Import {1 + (n >= half)}" for n, node in enumerate(nodes)}
+            link_of = {f"{folder[path.split('/')[0]]}/{path}": link for path, link in link_of.items()}
+            nodes = [Node(f"Import {n}", children=tuple(some)) for n, some in ((1, nodes[:half]), (2, nodes[half:]))]
         return assembled(*nodes), link_of
 
 

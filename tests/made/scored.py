@@ -11,7 +11,7 @@ from stepbot.draft.inference import Inferred, infer_mechanism
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
 
-from .kinds import KINDS, VARIED
+from .kinds import KINDS, MESSY, VARIED
 from .kit import SCREWS, Kit, Truth
 
 _DISTANCE, _ANGLE = 4e-4, 0.02
@@ -50,7 +50,7 @@ class Result:
 
 def drawn(kind: str, seed: int) -> Kit:
     """A mechanism of a kind."""
-    kit = Kit(Random(f"{kind} {seed}"), is_varied=kind in VARIED)
+    kit = Kit(Random(f"{kind} {seed}"), is_varied=kind in VARIED, is_messy=kind in MESSY)
     KINDS[kind](kit)
     return kit
 
