@@ -129,14 +129,17 @@ def _total(outcomes: Iterable[Outcome]) -> Outcome:
 
 
 def _outcome(truth: Mapping[str, Any], step: Path, timeout: float) -> Outcome:
-    result = Outcome(assemblies=1, joints=sum(len(joint) == 6 for joint in truth["joints"]))
     with TemporaryDirectory() as folder:
         draft = _document(["init", str(step), "-o", f"{folder}/draft.robot.yaml", "--json"], timeout)
     shown = _document(["inspect", str(step), "--json"], timeout) if draft and draft.get("links") else None
     if draft is None or shown is None:
-        result.failed = [""]
-        return result
-    parts = shown["components"]
+        return Outcome(1, [""], sum(len(joint) == 6 for joint in truth["joints"]))
+    return judged(truth, draft, shown["components"])
+
+
+def judged(truth: Mapping[str, Any], draft: Mapping[str, Any], parts: Sequence[Mapping[str, Any]]) -> Outcome:
+    """The outcome of a draft, as the command prints it, of an assembly of components, as ``inspect`` prints them."""
+    result = Outcome(assemblies=1, joints=sum(len(joint) == 6 for joint in truth["joints"]))
     drafted = _assigned(
         parts, {one["name"]: [*one["parts"], *(["*rest*"] if one["rest"] else [])] for one in draft["links"]}
     )

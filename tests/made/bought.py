@@ -206,7 +206,11 @@ def spline_scara(kit: Kit) -> None:
     for z in (6, 23):
         kit.add(SCREWS, "bearing", ring, A @ at(a, 0, z))
     E = A @ at(a, 0, 30) @ rot("z", rng.uniform(-1, 1))
-    fore = box(b + 70, 56, 20).at(b / 2, 0, 11 + kit.gap) + cylinder(12, 1 + kit.gap) - cylinder(12, 20).at(b, 0, 1 + kit.gap)
+    fore = (
+        box(b + 70, 56, 20).at(b / 2, 0, 11 + kit.gap)
+        + cylinder(12, 1 + kit.gap)
+        - cylinder(12, 20).at(b, 0, 1 + kit.gap)
+    )
     fore = fore + cylinder(8, 24).at(0, 0, -24)
     kit.add("fore", "arm", fore, E)
     kit.joint("revolute", "upper", "fore", E[:3, 3], Z)
@@ -217,7 +221,9 @@ def spline_scara(kit: Kit) -> None:
     Q = E @ at(b, 0, z)
     kit.add("quill", "shaft", shaft, Q)
     kit.add("quill", "ring", cylinder(12, 8) - cylinder(6, 8), Q @ at(0, 0, 190))
-    kit.add("quill", "flange", drilled(cylinder(20, 6), *circle(4, 14, 1.6)) - cylinder(6, 4).at(0, 0, 2), Q @ at(0, 0, -2))
+    kit.add(
+        "quill", "flange", drilled(cylinder(20, 6), *circle(4, 14, 1.6)) - cylinder(6, 4).at(0, 0, 2), Q @ at(0, 0, -2)
+    )
     kit.joint("prismatic", "fore", "quill", Q[:3, 3], Z)
 
 
@@ -374,5 +380,3 @@ def hub_drive(kit: Kit) -> None:
         kit.add(SCREWS, "pin", across(4, 52), V)
         kit.joint("revolute", "base", f"fork{side}", C[:3, 3], Z)
         kit.joint("revolute", f"fork{side}", link, V[:3, 3], F[:3, 1])
-
-

@@ -22,7 +22,7 @@ def drawers(kit: Kit) -> None:
     for z in (-13, 13):
         outer = outer + box(depth - 20, 1, 8).at(0, -5.5, z)
     inner = inner + box(depth - 20, 4, 12).at(0, -5, 0)
-    tray = box(depth - 10, w - 2 * (5 + 5 + 4), 60) - box(depth - 16, w - 34, 60).at(0, 0, 3)
+    tray = box(depth - 10, w - 24, 60) - box(depth - 16, w - 30, 60).at(0, 0, 3)
     front = box(4, w + 16, 80).at(depth / 2 - 3, 0, 0)
     for n in range(count):
         z, pull = (n - (count - 1) / 2) * 90, kit.rng.uniform(20, 120)

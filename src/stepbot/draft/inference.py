@@ -8,11 +8,10 @@ from stepbot.draft.contacts.relations import Via
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.draft import CHOSEN
 from stepbot.draft.evidence.bearings import bearing_evidence, ring_evidence
-from stepbot.draft.evidence.captured import captured_evidence
 from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvidence, Verdict, Weld
 from stepbot.draft.evidence.fingers import finger_evidence
 from stepbot.draft.evidence.gears import gear_evidence, mark_geared
-from stepbot.draft.evidence.guides import cross_evidence, guide_evidence
+from stepbot.draft.evidence.guides import captured_evidence, cross_evidence, guide_evidence, screw_evidence
 from stepbot.draft.evidence.knuckles import knuckle_evidence
 from stepbot.draft.evidence.linkages import linkage_evidence
 from stepbot.draft.evidence.motor_outputs import motor_evidence
@@ -102,6 +101,7 @@ def _infer(
     knuckle_evidence(survey, evidence)
     twin_evidence(survey, evidence)
     linkage_evidence(survey, motors, evidence)
+    captured_evidence(survey, motors, evidence, None)
     structure = Structure(survey, evidence.mechanisms)
     structure.welds(evidence)
     PairEvidence(survey, structure, evidence).collect(motors)
@@ -109,7 +109,8 @@ def _infer(
     bearing_evidence(survey, evidence)
     ring_evidence(survey, evidence)
     guide_evidence(survey, evidence)
-    captured_evidence(survey, motors, structure, evidence)
+    captured_evidence(survey, motors, evidence, structure)
+    screw_evidence(survey, evidence)
     finger_evidence(survey, evidence)
     gear_evidence(survey, evidence)
     wheel_evidence(survey, motors, evidence)

@@ -5,6 +5,7 @@ through manifold3d).
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,10 +25,23 @@ _SMALLEST = 5e-7
 _CELLS = 2000.0
 """Directions are sorted into cells of 1 / 2000, twice: neighbours across a border meet in the shifted cells."""
 
+_OPPOSITE = 1.0 - 5e-7
+"""Cosine from which two directions are antiparallel: 1 mrad."""
 _ROUNDED = 2.0 * GAP
 """The gap [m] with more than what rounding adds to numbers that sort planes."""
 
 Indices = NDArray[np.intp]
+
+
+@dataclass(frozen=True, eq=False)
+class Facing:
+    """Two planes that face each other."""
+
+    normal: Array
+    """Shape (3,): outward normal of the first part."""
+    gap: float
+    """[m]."""
+    patch: Patch
 
 
 def find_patches(scene: Scene, found: Contacts) -> None:
@@ -65,6 +79,18 @@ class Planes:
     def of(self, part: int) -> Indices:
         """The numbers of the planes of a part that have an outline."""
         return np.asarray(self._outlined[self.parts[self._outlined] == part])
+
+    def facing(self, a: int, b: int, reach: float) -> Iterator[Facing]:
+        """The planes of two parts that face each other at a distance up to ``reach`` [m]."""
+        one, two = self.of(a), self.of(b)
+        gaps = self.points[two] @ self.normals[one].T - np.einsum("ij,ij->i", self.points[one], self.normals[one])
+        near = ((self.normals[two] @ self.normals[one].T) < -_OPPOSITE) & (gaps > -GAP) & (gaps < reach)
+        for m, n in np.argwhere(near).tolist():
+            p, q = int(one[n]), int(two[m])
+            if (self._low[q] <= self._high[p] + reach).all() and (self._low[p] <= self._high[q] + reach).all():
+                patch = self.patch(p, q)
+                if patch is not None:
+                    yield Facing(self.normals[p], float(gaps[m, n]), patch)
 
     def candidates(self) -> Iterator[tuple[int, int]]:
         """Pairs of planes of different parts that face each other at one height and have overlapping boxes."""

@@ -153,7 +153,7 @@ def relate(
     free = freedom(fits, patches, sockets, about, size)
     relation = Relation(*pair, tuple(fits), tuple(patches), tuple(sockets), free)
     shafts = relation.shafts
-    if sockets and (free.kind == FreedomKind.BALL or not shafts):
+    if sockets and (free.kind == FreedomKind.BALL or not (shafts or patches)):
         centre = Axis(sockets[0].point, None)
         if all(centre.distance(s.point) < SAME_LINE for s in sockets):
             return replace(relation, via=Via.BALL, axis=centre, radius=sockets[0].radius)

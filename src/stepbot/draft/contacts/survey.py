@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from stepbot.draft.contacts.balls import find_sockets
+from stepbot.draft.contacts.captured import Captured, find_captured
 from stepbot.draft.contacts.contacts import Contacts, Pair
 from stepbot.draft.contacts.near_fits import NearFit, find_near_fits
 from stepbot.draft.contacts.planes import find_patches
@@ -112,6 +113,13 @@ class Survey:
     def near_fits(self) -> dict[Pair, list[NearFit]]:
         """Nearly coaxial faces of larger parts: what their contacts may have meant to be."""
         return find_near_fits(self.parts, self.small, self.contacts)
+
+    @cached_property
+    def captured(self) -> dict[Pair, Captured]:
+        """Larger parts that others hold across a line, and not along it."""
+        larger = [i for i in self.parts if i not in self.small]
+        slides = {i for i in larger if Role.SLIDE in self.parts[i].roles}
+        return find_captured(self.scene, self.relations, larger, slides, self.cut)
 
     @cached_property
     def tops(self) -> set[int]:

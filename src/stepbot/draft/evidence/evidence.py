@@ -104,6 +104,8 @@ class Evidence:
     welds: list[Weld] = field(default_factory=list)
     joints: list[JointEvidence] = field(default_factory=list)
     apart: list[Apart] = field(default_factory=list)
+    pins: set[int] = field(default_factory=set)
+    """Pins of linkages, which are no links."""
     wheels: dict[int, Axis] = field(default_factory=dict)
     """Axes of the hubs of omnidirectional wheels, by part."""
 

@@ -1,17 +1,30 @@
-"""Slides on two rods and crosses of universal joints: relations that only three bodies together reveal."""
+"""Slides in profiles and on two rods, and crosses of universal joints: what pairs in contact do not reveal."""
 
+from collections.abc import Sequence
 from itertools import combinations
 
 import numpy as np
 
+from stepbot.draft.contacts.contacts import Pair
 from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.survey import Survey
-from stepbot.draft.evidence.evidence import Evidence, JointEvidence
-from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.draft import CHOSEN
+from stepbot.draft.evidence.evidence import Apart, Evidence, JointEvidence, Priority
+from stepbot.draft.evidence.motors import Motor
+from stepbot.draft.evidence.subassemblies import Structure, is_guide
 from stepbot.draft.parts.axis import Axis, are_parallel
+from stepbot.draft.parts.names import Role
 from stepbot.robot.model import JointKind
 
+REVIEW = "captured on four sides and free along one direction: it may be fastened"
+"""What to review of each slide in a profile."""
+_PROFILE, _LOOSE, _TIGHT, _ACROSS = 0.77, 0.72, 0.67, 0.05
+"""Scores of profiles, of others with clearance and without, and what is added for parts of two subassemblies."""
+_TAG = 5e-4
+"""Share of the assembly's volume below which what is captured is a latch, a gear or a plug, not a link."""
+_SCREWED, _OFFERED = 0.785, 0.45
+"""Score from which screw and nut are kept apart, and that of turning in each other."""
 _LONGER = 1.3
 """Ratio of the lengths of a rod and its bore, from which a part can slide on it."""
 _LONG_BORE = 3.0
@@ -22,6 +35,37 @@ _MEET = 1e-5
 """Distance [m] up to which two axes intersect."""
 _CROSS_SHARE = 0.02
 """Share of the assembly's volume up to which a part can be a cross."""
+
+
+def captured_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence, structure: Structure | None) -> None:
+    """Add a joint for each part that is captured in another: as a profile or guide, or in another subassembly.
+
+    Args:
+        survey: The facts about the assembly.
+        motors: Their parts do not slide in each other.
+        found: Gets the evidence.
+        structure: None for profiles and guides, which tell subassemblies that move from links.
+    """
+    in_motor = {i for motor in motors for i in motor.parts}
+    for pair, captured in survey.captured.items():
+        tells = captured.is_profile or is_guide(survey, *pair)
+        if tells != (structure is None) or in_motor.intersection(pair) or _share_screw(survey, pair):
+            continue
+        if min(survey.parts[i].volume for i in pair) < _TAG * survey.volume:
+            continue
+        if structure is not None and structure.are_together(*pair):
+            continue
+        score = _LOOSE if captured.has_play else _TIGHT
+        score = _PROFILE if structure is None else score + _ACROSS * structure.are_across(*pair)
+        why = "captured on four sides" + (" with clearance" if captured.has_play else "")
+        relation = survey.relation(*pair)
+        found.joint(JointEvidence(score, *pair, JointKind.PRISMATIC, captured.axis, why, relation, review=REVIEW))
+
+
+def _share_screw(survey: Survey, pair: Pair) -> bool:
+    """Whether a screw or the like is in both parts."""
+    near = [{r.other(i) for r in survey.near.get(i, ()) if r.fits} & survey.small for i in pair]
+    return bool(near[0] & near[1])
 
 
 def guide_evidence(survey: Survey, found: Evidence) -> None:
@@ -65,6 +109,25 @@ def _have_one_holder(survey: Survey, part: int, one: int, two: int) -> bool:
 def _is_blocked(survey: Survey, part: int, axis: Axis) -> bool:
     """Whether a face blocks a part along an axis."""
     return any(abs(float(p.normal @ axis.d)) > 0.99 for _, r in survey.around(part) for p in r.patches)
+
+
+def screw_evidence(survey: Survey, found: Evidence) -> None:
+    """A shaft that turns elsewhere, in a bore along a slide, is the screw of that slide: neither holds the other."""
+    slides = [h for h in found.joints if h.type == JointKind.PRISMATIC and h.score >= CHOSEN]
+    turns = [h for h in found.joints if h.type == JointKind.REVOLUTE and (h.by_role or h.drives)]
+    for (a, b), r in survey.pairs() if slides else ():
+        if r.via != Via.PIN or r.axis is None or not any(h.axis.is_along(r.axis.d) for h in slides):
+            continue
+        screw = max(r.shafts, key=lambda fit: fit.length).shaft
+        nut = r.other(screw)
+        held = [h for h in turns if screw in (h.a, h.b) and nut not in (h.a, h.b) and h.axis.same(r.axis)]
+        if Role.BEARING not in survey.parts[nut].roles and held:
+            for h in held:
+                h.priority = max(h.priority, Priority.NEEDED)  # it is no pin of what holds it
+            found.apart.append(Apart(_SCREWED, a, b))
+            for h in found.joints:
+                if (h.a, h.b) == (a, b):
+                    h.score, h.why = min(h.score, _OFFERED), "a shaft that turns, in what slides along it: its screw"
 
 
 def cross_evidence(survey: Survey, structure: Structure, found: Evidence) -> None:

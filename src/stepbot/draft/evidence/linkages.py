@@ -126,6 +126,7 @@ class _Linkages:
                 if i not in survey.small and Role.BEARING not in survey.parts[i].roles and held:
                     tightest = min(held, key=lambda r: (round(r.shafts[0].clearance, 7), -r.length, r.a, r.b))
                     self._found.weld(_AXLE_HELD, i, tightest.other(i), "a pin of a joint")
+                    self._found.pins.add(i)
 
     def _joint(self, h: _Hinge, count: int, *, is_looped: bool) -> None:
         survey = self._survey

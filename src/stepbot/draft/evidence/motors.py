@@ -169,8 +169,14 @@ def _is_folder(survey: Survey, index: int, named: set[int]) -> bool:
 def _motors_by_use(survey: Survey) -> list[Motor]:
     """Equal blocks that are mounted off an axis and drive about it, each about the same axis of their definition."""
     equal: dict[int, list[int]] = defaultdict(list)
+    sliding = {i for pair, captured in survey.captured.items() if captured.is_profile for i in pair}
     for i, part in survey.parts.items():
-        if not part.is_small and part.volume > _LEAST * survey.volume and _fill(survey, i) > _BLOCK:
+        if (
+            i not in sliding
+            and not part.is_small
+            and part.volume > _LEAST * survey.volume
+            and _fill(survey, i) > _BLOCK
+        ):
             equal[part.definition].append(i)
     cases = [i for members in equal.values() if _is_used_like_motors(survey, members) for i in members]
     motors: dict[tuple[int, ...], Motor] = {}

@@ -12,12 +12,16 @@ from stepbot.robot.model import JointKind
 
 _BEARING = 0.79
 """Maximum score of a pin at a part named a bearing, which is between two links and none itself."""
+_OF_LINKAGE = 0.6
+"""The same of a linkage's pin: its sides turn on each other, and it is on one of them."""
 _RINGS, _TREAD, _AS_WIDE = 0.92, 3.0, 0.25
 """Score of a weld between the rings of one wheel; how far a tread may be from symmetric; share of a width up to which
 others are equal.
 """
-_DOME, _SEATED = 1.0, 0.55
-"""Ratio of the radius of a sphere and the size of a part, from which it is no ball; score of a weld there."""
+_DOME, _SEATED = 0.4, 0.55
+"""Ratio of the radius of a sphere and the size of a part, from which it is no ball, half of which has 1 / 3; score of
+a weld there.
+"""
 _EXACT = 1e-6
 """Difference of radii [m] up to which a shaft fills its bore."""
 
@@ -101,6 +105,8 @@ class PairEvidence:
             score -= 0.3
         if Role.BEARING in roles:
             score = min(score, _BEARING)
+        if not self._found.pins.isdisjoint((r.a, r.b)):
+            score = min(score, _OF_LINKAGE)
         if not across and r.axis is not None and self._survey.has_screw_at(r.axis):
             score -= 0.25
             self._weld(r, 0.51, "clamped by a screw on its axis")

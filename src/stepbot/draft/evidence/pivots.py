@@ -10,9 +10,12 @@ from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
+from stepbot.geometry.spatial import perpendicular_frame
 
 _AXLE = 0.05
 """Share of the assembly's volume up to which a turned part on a line is its pin, spacer or bearing."""
+_CLIP, _RING = 2e-3, 2.5
+"""The same for an open ring, and its outer radius in radii of its bore."""
 _HOLE, _WIDEST_HOLE = 0.17, 7e-3
 """Clearance of the medium hole for a screw (ISO 273), as a share of its radius; the radius [m] of the widest."""
 
@@ -93,4 +96,14 @@ def _is_axle(survey: Survey, i: int, axis: Axis) -> bool:
     fits = (fit for r in survey.near.get(i, ()) for fit in r.fits if fit.kind != FitKind.FLUSH and fit.full)
     if any(not fit.axis.same(axis) for fit in fits):
         return False  # what something else is held on is no pin
-    return 0.0 < part.volume < _AXLE * survey.volume and part.is_balanced(axis)
+    if part.is_balanced(axis):
+        return 0.0 < part.volume < _AXLE * survey.volume
+    return 0.0 < part.volume < _CLIP * survey.volume and _is_ring(survey, i, axis)
+
+
+def _is_ring(survey: Survey, i: int, axis: Axis) -> bool:
+    """Whether a part is hardly wider than its bore, as a circlip or a spring washer, which are open rings."""
+    bores = [fit.radius for r in survey.near.get(i, ()) for fit in r.shafts if fit.shaft != i and fit.axis.same(axis)]
+    across = perpendicular_frame(axis.d)[:, :2].T
+    ends = [abs(end - float(axis.point @ d)) for d in across for end in survey.scene.span(i, d)]
+    return bool(bores) and max(ends) < _RING * max(bores)

@@ -10,6 +10,8 @@ from stepbot.draft.parts.parts import largest
 
 _APART = 0.925
 """Score of a weld between bodies of one part that do not touch: below that of a motor's output."""
+_IMPORT, _PIECE = 0.15, 0.05
+"""Share of the assembly's volume from which a subassembly may be an import, and of its own that a second piece has."""
 
 
 class Structure:
@@ -83,10 +85,17 @@ class Structure:
                 self.groups.append(child)
 
     def _is_folder(self, members: Sequence[int]) -> bool:
-        """Whether a subassembly is only a list: disconnected pieces, two of them held from outside."""
-        inside = set(members)
-        islands = self._survey.islands(members)
-        held = sum(1 for island in islands if any(self._survey.holders(i) - inside for i in island))
+        """Whether a subassembly is only a list: disconnected pieces, two of them held from outside.
+
+        In an import, which has a large part of all, they may only touch what is outside.
+        """
+        survey, inside = self._survey, set(members)
+        islands = survey.islands(members)
+        volumes = sorted(map(survey.total_volume, islands))
+        if len(islands) > 1 and sum(volumes) > _IMPORT * survey.volume and volumes[-2] > _PIECE * sum(volumes):
+            held = sum(any(r.other(i) not in inside for i in one for _, r in survey.around(i)) for one in islands)
+        else:
+            held = sum(any(survey.holders(i) - inside for i in one) for one in islands)
         return len(islands) >= 2 and held >= 2
 
 

@@ -1,0 +1,149 @@
+"""Profiles that one part holds in another: a tube in a tube, a carriage around a rail, a dovetail, a T-slot's nut.
+
+Planes of both face each other, with clearance or without, and together hold one part in all directions across a
+line; nothing holds it along. Clearance alone says that one is to move in the other.
+"""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from stepbot.draft.contacts.contacts import Pair
+from stepbot.draft.contacts.planes import GAP, Facing, Planes
+from stepbot.draft.contacts.relations import Relation
+from stepbot.draft.parts.axis import Axis, are_parallel
+from stepbot.draft.parts.scene import Scene
+from stepbot.geometry.spatial import Array, cross, unit
+from stepbot.step.faces import FaceKind
+
+_CLEARANCE, _WIDE = 6e-4, 3e-3
+"""Gap [m] between faces of a slide up to which they guide it, and up to which they keep it in."""
+_DEEP = 1e-3
+"""Overlap [m] of two bounding boxes, in all directions, from which one part may be in the other."""
+_ENGAGED, _LONG, _PROFILE = 1.0, 3.0, 1.5
+"""Engaged length, in the least width of what is held, from which it slides: with guides all around, and if some are
+wide; the same in the largest width, from which it is a profile.
+"""
+_ALONG, _STRAIGHT, _SKEW = 0.99, 1e-2, 0.3
+"""Cosines from which a face ends a slide, and up to which it guides it; sine of the least angle between guides."""
+_SPAN = 1e-3
+"""Angle [rad] by which directions that hold a part on all sides are less than half a turn apart, at most."""
+_MOST_PLANES = 2000
+"""Number of planes of a part above which it is not looked at."""
+
+
+@dataclass(frozen=True, eq=False)
+class Captured:
+    """A direction along which one part is free in another."""
+
+    axis: Axis
+    has_play: bool
+    """Whether there is clearance on some side."""
+    is_profile: bool
+    """Whether it has clearance and is engaged over more than its widths: no motor in its seat is."""
+
+
+def find_captured(
+    scene: Scene,
+    relations: dict[Pair, Relation],
+    larger: Collection[int],
+    slides: Collection[int],
+    cut: dict[str, None],
+) -> dict[Pair, Captured]:
+    """Pairs of parts of which one is held in the other across a line, and free along it.
+
+    Args:
+        scene: The faces.
+        relations: Those of parts that touch.
+        larger: The parts to look at.
+        slides: Parts whose names say that they slide: faces on one side are enough in one direction across.
+        cut: Gets a note if a part is left out.
+    """
+    found: dict[Pair, Captured] = {}
+    planes: Planes | None = None
+    for pair in _overlapping(scene, larger, cut):
+        planes = planes or Planes(scene)
+        facing = list(planes.facing(*pair, _WIDE))
+        slide = _slide(facing, by_name=any(i in slides for i in pair)) if len(facing) > 1 else None
+        if slide is not None and not _is_locked(relations.get(pair), slide.axis):
+            found[pair] = slide
+    return found
+
+
+def _is_locked(r: Relation | None, axis: Axis) -> bool:
+    """Whether round faces or holes that are not along a slide hold its sides together."""
+    if r is None:
+        return False
+    return r.is_rigid or bool(r.sockets) or any(not axis.is_along(fit.axis.d) for fit in r.fits) or r.holes > 0
+
+
+def _overlapping(scene: Scene, larger: Collection[int], cut: dict[str, None]) -> Iterator[Pair]:
+    """Pairs of parts whose boxes overlap."""
+    counts = {i: len(scene.columns(i, FaceKind.PLANE).faces) for i in larger if i in scene.boxes}
+    if any(count > _MOST_PLANES for count in counts.values()):
+        cut[f"parts with more than {_MOST_PLANES} plane faces were not tried as slides in others"] = None
+    ids = [i for i, count in counts.items() if 0 < count <= _MOST_PLANES]
+    boxes = np.array([scene.boxes[i] for i in ids]).reshape(-1, 2, 3)
+    for n, a in enumerate(ids):
+        low, high = np.maximum(boxes[n, 0], boxes[n + 1 :, 0]), np.minimum(boxes[n, 1], boxes[n + 1 :, 1])
+        for m in np.flatnonzero(((high - low) > _DEEP).all(axis=1)).tolist():
+            yield min(a, ids[n + 1 + m]), max(a, ids[n + 1 + m])
+
+
+def _slide(facing: Sequence[Facing], *, by_name: bool) -> Captured | None:
+    """The longest direction that is free between faces that hold one part in the other."""
+    near = [one for one in facing if one.gap < _CLEARANCE]
+    normals = _distinct([one.normal for one in facing])
+    best: tuple[float, Captured] | None = None
+    for along in _distinct([unit(v) for u, w in combinations(normals, 2) if np.linalg.norm(v := cross(u, w)) > _SKEW]):
+        guides = [one for one in near if abs(float(one.normal @ along)) < _STRAIGHT]
+        ends = [float(one.normal @ along) for one in facing if abs(float(one.normal @ along)) > _ALONG]
+        if not guides or len(guides) < len(near) or (ends and min(ends) < 0.0 < max(ends)):
+            continue
+        wide = [one for one in facing if abs(float(one.normal @ along)) < _STRAIGHT]
+        least = _ENGAGED if _are_around(guides, along) else _LONG if _is_kept(guides, wide, along) else None
+        if least is None and by_name and _is_between(guides) and not all(_is_same(one, guides[0]) for one in guides):
+            least = _ENGAGED
+        hull = np.concatenate([one.patch.hull for one in guides])
+        widths = [float(np.ptp(hull @ one.normal)) for one in guides]
+        length = float(np.ptp(hull @ along))
+        if least is not None and length >= least * min(widths) and (best is None or length > best[0]):
+            has_play = max(one.gap for one in guides) > GAP
+            longest = max(float(np.ptp(one.patch.hull @ along)) for one in guides)
+            is_profile = has_play and longest >= _PROFILE * max(widths)
+            best = length, Captured(Axis(guides[0].patch.point, along), has_play, is_profile)
+    return best[1] if best is not None else None
+
+
+def _distinct(directions: Sequence[Array]) -> list[Array]:
+    """Directions without those that are parallel to earlier ones."""
+    found: list[Array] = []
+    for one in directions:
+        if not any(are_parallel(one, known) for known in found):
+            found.append(one)
+    return found
+
+
+def _is_same(one: Facing, two: Facing) -> bool:
+    return are_parallel(one.normal, two.normal)
+
+
+def _is_between(guides: Sequence[Facing]) -> bool:
+    """Whether two of some faces hold a part from opposite sides."""
+    return any(_is_same(one, two) and float(one.normal @ two.normal) < 0.0 for one, two in combinations(guides, 2))
+
+
+def _are_around(guides: Sequence[Facing], along: Array) -> bool:
+    """Whether faces hold a part on all sides across a direction."""
+    u = guides[0].normal
+    v = cross(along, u)
+    angles = np.sort([np.arctan2(float(one.normal @ v), float(one.normal @ u)) for one in guides])
+    gaps = np.diff(angles, append=angles[0] + 2.0 * np.pi)
+    return len(_distinct([one.normal for one in guides])) > 1 and bool(gaps.max() < np.pi + _SPAN)
+
+
+def _is_kept(guides: Sequence[Facing], wide: Sequence[Facing], along: Array) -> bool:
+    """Whether a part is guided on two opposite sides with clearance, and kept in by wider gaps on the others."""
+    return _is_between(guides) and max(one.gap for one in guides) > GAP and _are_around(wide, along)
