@@ -1,5 +1,6 @@
 """A composed robot is the sum of its modules: mass matrix, files and names, against each module converted alone."""
 
+import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from textwrap import dedent
@@ -10,9 +11,14 @@ import pytest
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import Conversion, Options
+from stepbot.pipeline.loading import Geometry, _GeometryCache
 from stepbot.pipeline.stages import produce
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache
+from tests.command_line import stepbot
+
+from .described import ARM as ARM_URDF
+from .described import composing, joint, link, urdf
 
 Compose = Callable[[Mapping[str, str], Diagnostics], Robot]
 ARM, HAND = "stepbot_arm2/arm2.robot.yaml", "robotiq_2f85/2f85.robot.yaml"
@@ -159,3 +165,97 @@ def test_modules_of_modules_are_flat(converted: Callable[..., Conversion]) -> No
         assert flat.files[path].replace(b"hand_mount", b"a_hand_mount") == nested.files[path], path
     assert nested.robot is not None
     assert [module.name for module in nested.robot.modules] == ["robot", "robot/arm", "robot/hand"]
+
+
+NESTED = """<mujoco model="nested"><compiler angle="degree" autolimits="true"/><option timestep="0.001"/>
+  <default><joint damping="0.1" armature="0.01"/><geom density="500"/>
+    <default class="wide"><joint range="-90 90" frictionloss="0.2"/>
+      <default class="strong"><position kp="40" kv="4" ctrlrange="-60 60" forcerange="-9 9"/></default>
+  </default></default>
+  <worldbody><body name="base"><geom size="0.1"/>
+    <body name="arm" pos="0 0 0.1" childclass="wide" euler="0 20 0"><joint name="lift" axis="0 1 0"/>
+      <geom type="capsule" size="0.02" fromto="0 0 0 0.3 0 0"/>
+      <body name="tip" pos="0.3 0 0"><joint name="roll" axis="1 0 0" range="-45 30"/>
+        <geom type="box" size="0.05 0.02 0.01"/></body>
+    </body></body></worldbody>
+  <actuator><position name="m" joint="lift" class="strong"/></actuator>
+  <keyframe><key name="other" qpos="0 0"/><key name="home" qpos="0.3 -0.2"/></keyframe></mujoco>
+"""
+
+
+def test_a_module_of_mjcf_is_what_convert_reads(converted: Callable[..., Conversion], tmp_path: Path) -> None:
+    """Defaults, degrees, several keyframes: the same links, joints and drives as the file converted alone."""
+    (tmp_path / "nested.xml").write_text(NESTED, encoding="utf-8")
+    alone = converted((tmp_path / "nested.xml").as_posix(), "alone").robot
+    text = f"version: 1\nrobot: both\nmodules:\n  a: {{file: {tmp_path}/nested.xml, prefix: ''}}\n"
+    composed = converted(text + f"  b: {{file: {tmp_path}/nested.xml, at: a/tip}}\n", "both").robot
+    assert alone is not None
+    assert composed is not None
+    names = set(alone.link_by_name)
+    assert [link for link in composed.links if link.name in names] == list(alone.links)
+    assert [joint for joint in composed.joints if joint.child in names] == list(alone.joints)
+    assert [one for one in composed.actuators if one.joint in alone.joint_by_name] == list(alone.actuators)
+    assert [round(joint.drawn_position, 9) for joint in alone.joints] == [0.3, -0.2]
+
+
+def test_home_of_a_module_with_a_branch(converted: Callable[..., Conversion], tmp_path: Path) -> None:
+    """The arm has a camera on its first link and a hand at its end, so that its coordinates are not contiguous."""
+    chain = [joint(f"j{i}", f"l{i}", f"l{i + 1}", axis="0 1 0", xyz="0 0 0.2") for i in range(3)]
+    eye = (link("pan"), link("tilt"), joint("p", "l1", "pan"), joint("t", "pan", "tilt"))
+    (tmp_path / "arm.urdf").write_text(urdf("arm", *(link(f"l{i}") for i in range(4)), *chain, *eye))
+    (tmp_path / "hand.urdf").write_text(ARM_URDF)
+    text = (
+        f"version: 1\nrobot: seeing\nbase: fixed\nmodules:\n"
+        f"  arm: {{file: {tmp_path}/arm.urdf, home: {{j0: 0.1, j1: 0.2, j2: 0.3, p: 0.4, t: 0.5}}}}\n"
+        f"  hand: {{file: {tmp_path}/hand.urdf, at: arm/l3, home: {{lift: 0.6}}}}\n"
+    )
+    converted(text, "seeing")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "seeing/seeing.xml"))
+    qpos, names = model.key("home").qpos, ("arm_j0", "arm_j1", "arm_j2", "arm_p", "arm_t", "hand_lift")
+    where = {name: int(model.joint(name).qposadr[0]) for name in names}
+    assert len(qpos) == len(names)
+    assert [qpos[where[name]] for name in names] == [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+    assert where["arm_j2"] < where["hand_lift"] < where["arm_p"]
+
+
+def test_each_module_is_in_the_report(tmp_path: Path) -> None:
+    """Poses, masses, inertias and settings of each module against its own file, for the report and for CI servers."""
+    (tmp_path / "arm.urdf").write_text(ARM_URDF)
+    modules = ("left: {file: arm.urdf}", "right: {mirror_of: left, at: left/tip, flip: [lift]}")
+    (tmp_path / "r.robot.yaml").write_text(composing(*modules))
+    run = stepbot("convert", "r.robot.yaml", "-f", "urdf", "-v", "-o", "out", "--junit", "j.xml", cwd=tmp_path)
+    assert run.code == 0, run.err
+    assert "module 'right' alone" in run.out
+    checks = json.loads((tmp_path / "out/report.json").read_text())["checks"]
+    of_modules = {(one["against"], one["quantity"]): one for one in checks if one["against"].startswith("module")}
+    quantities = ("poses", "mass", "inertia", "settings")
+    assert list(of_modules) == [(f"module '{name}' alone", one) for name in ("left", "right") for one in quantities]
+    assert {one["status"] for one in of_modules.values()} == {"passed"}
+    assert all(one["deviation"] <= one["tolerance"] == 1e-9 for (_, q), one in of_modules.items() if q != "settings")
+    assert (tmp_path / "j.xml").read_text().count("classname=\"whole.module 'right' alone\"") == 4
+
+
+def test_a_changed_step_of_a_module_is_read_alone(
+    tmp_path: Path, robot_library: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """After a change of the hand's STEP, the kernel reads it and no other; the composed robot has the new input."""
+    bytes_ = (robot_library / "robotiq_2f85/2f85.step").read_bytes()
+    for name in ("arm.step", "hand.step"):
+        (tmp_path / name).write_bytes(bytes_)
+    density = "set: {defaults: {density: 2700}}"
+    modules = (f"arm: {{file: arm.step, {density}}}", f"hand: {{file: hand.step, at: arm/body, {density}}}")
+    (tmp_path / "r.robot.yaml").write_text(composing(*modules))
+    read, put = list[str](), _GeometryCache.put
+
+    def noted(self: _GeometryCache, geometry: Geometry) -> None:
+        read.append(self._step.name)
+        put(self, geometry)
+
+    monkeypatch.setattr(_GeometryCache, "put", noted)
+    options = Options(tmp_path / "out", formats=("urdf",), verify=False, cache=Cache(tmp_path / "cache"))
+    before = produce(tmp_path / "r.robot.yaml", options)
+    assert read == ["arm.step", "hand.step"]
+    (tmp_path / "hand.step").write_bytes(bytes_.replace(b"ENDSEC;", b"ENDSEC; ", 1))
+    after = produce(tmp_path / "r.robot.yaml", options)
+    assert read[2:] == ["hand.step"]
+    assert before.geometry != after.geometry

@@ -12,6 +12,7 @@ from stepbot.compose.joining import composed
 from stepbot.diagnostics import Diagnostics, Span, StepbotError, did_you_mean
 from stepbot.engines.observation import Request
 from stepbot.engines.reference import observe_robot
+from stepbot.report.robot import Check
 from stepbot.revisions import lock_path
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.model import Robot
@@ -30,7 +31,7 @@ from stepbot.sidecar.starter import robot_name
 from stepbot.sidecar.tree import Mapping, way
 from stepbot.sidecar.variants import merged
 from stepbot.verification.joint_rows import joint_rows
-from stepbot.verification.modules import Alone, module_deviations
+from stepbot.verification.modules import ALLOWED, Alone, module_checks, module_deviations
 
 from .building import build, places
 from .conversion import Options, is_description
@@ -44,8 +45,6 @@ MOST = 256
 """Most modules of one robot, those of modules included."""
 LIBRARY = "library:"
 """Beginning of a file that is a robot of the library."""
-_ALLOWED = 1e-9
-"""Deviation of a module from the module alone: rounding of its poses in the composed robot."""
 _OPEN_BASE = "SB874:base"
 """A description does not say whether its base is fixed; what it is attached to decides."""
 _NO_DENSITY = "SB522"
@@ -63,6 +62,8 @@ class Composed:
     """The same, and the lock files that do not exist."""
     content: str
     """Hash of all of them; empty if one changed while it was read."""
+    checks: tuple[Check, ...]
+    """The comparison of each module with the module alone."""
 
     @property
     def joint_table(self) -> tuple[JointRow, ...]:
@@ -87,7 +88,8 @@ def compose(sidecar: Sidecar, options: Options, found: Diagnostics) -> Composed:
         check_expected(sidecar, robot, lambda path: _components(robot, path), found)
     read = tuple(path for path, digest in files.read.items() if digest is not None)
     is_unchanged = all(file_digest(path) == digest for path, digest in files.read.items())
-    return Composed(robot, read, tuple(files.read), files_digest(files.read) if is_unchanged else "")
+    content = files_digest(files.read) if is_unchanged else ""
+    return Composed(robot, read, tuple(files.read), content, tuple(files.checks))
 
 
 def _places(sidecar: Sidecar, robot: Robot) -> dict[str, Span]:
@@ -113,6 +115,7 @@ class _Files:
         self._modules = 0
         self.read: dict[Path, str | None] = {}
         """Hash of each file before it was read."""
+        self.checks: list[Check] = []
 
     def _note(self, *paths: Path) -> None:
         for path in paths:
@@ -134,7 +137,7 @@ class _Files:
         robot = composed(sidecar, own, robots, found)
         found.raise_if_errors()
         assert robot is not None  # a missing robot always has an error
-        _compare(sidecar, robot, robots, found)
+        self.checks = _compared(sidecar, robot, robots, found)  # last those of the file that composes all
         check_robot(robot, found, sidecar.span(), massless_between=True, places=lambda: _places(sidecar, robot))
         found.raise_if_errors()
         return robot
@@ -241,8 +244,9 @@ class _Files:
         return self._from_step(sidecar, named_step(sidecar, found), found)
 
 
-def _compare(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot], found: Diagnostics) -> None:
+def _compared(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot], found: Diagnostics) -> list[Check]:
     """Compare each module with its robot alone; report SB803 if they differ."""
+    checks: list[Check] = []
     sections = sidecar.document.modules
     stated = ((module, sections.get(module.name)) for module in robot.modules)
     modules = [  # a module of a module was compared where that was composed
@@ -252,11 +256,13 @@ def _compare(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot], fou
     ]
     for (module, *_), seen in zip(modules, module_deviations(robot, modules), strict=True):
         parts = f"poses {seen.pose:.3g} m, masses {seen.mass:.3g}, inertias {seen.inertia:.3g}"
-        if seen.largest <= _ALLOWED:
+        if seen.largest <= ALLOWED:
             parts = ", ".join(f"settings of '{name}'" for name in seen.settings)
-        if seen.largest > _ALLOWED or seen.settings:
+        if seen.largest > ALLOWED or seen.settings:
             message = f"module '{module.name}': differs from '{module.file}' alone: {parts}"
             found.add("SB803", message, sidecar.key_span("modules", module.name))
+        checks += module_checks(module, seen)
+    return checks
 
 
 def _unreadable(path: Path | None, file: str) -> tuple[str, tuple[str, ...]]:

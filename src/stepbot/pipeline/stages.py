@@ -151,7 +151,8 @@ def _produce(
             report, bodies=built.bodies, joint_table=built.joint_table, simplified_visuals=built.simplified
         )
     else:
-        report = replace(report, joint_table=composed.joint_table)
+        of_modules = composed.checks if options.verify else ()
+        report = replace(report, joint_table=composed.joint_table, checks=(*report.checks, *of_modules))
     if options.strict:
         found.make_strict()
     files = all_files(written, report, options, found)

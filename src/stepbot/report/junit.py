@@ -72,7 +72,8 @@ def _check(robot: str, check: Mapping[str, Any]) -> ET.Element:
     subject = f"{check['file']} in {check['engine']}" if check["file"] else str(check["engine"])
     if check.get("against", "model") not in ("", "model"):  # files may be compared with several others
         subject += f" against {check['against']}"
-    classname = f"{robot}.{check['format'] or 'robot'}"
+    group = check["against"] if str(check.get("against", "")).startswith("module ") else check["format"] or "robot"
+    classname = f"{robot}.{group}"
     case = ET.Element("testcase", classname=_clean(classname), name=_clean(f"{subject}: {check['quantity']}"))
     if check["status"] == "failed":
         why = str(check["why"] or check["where"])

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from stepbot.geometry.spatial import Array, Pose
+from stepbot.report.robot import Check, Status
 from stepbot.robot.kinematics import link_poses
 from stepbot.robot.model import Actuator, Joint, JointKind, Module, Robot
 
@@ -44,6 +45,32 @@ class ModuleDeviation:
     def largest(self) -> float:
         """The largest of all numbers."""
         return max(self.pose, self.mass, self.inertia)
+
+
+ALLOWED = 1e-9
+"""Deviation of a module from the module alone: rounding of its poses in the composed robot."""
+
+
+def module_checks(module: Module, seen: ModuleDeviation) -> tuple[Check, ...]:
+    """The comparison of a module with the module alone, as checks of the report."""
+    measured = {
+        "poses": (seen.pose, "m", f"{len(module.links)} links in {_CONFIGURATIONS} configurations"),
+        "mass": (seen.mass, "of each link", f"{len(module.links)} links"),
+        "inertia": (seen.inertia, "of the largest", f"{len(module.links)} links, with their centres of mass"),
+    }
+    against = f"module '{module.name}' alone"
+    checks = [
+        Check("", "", "stepbot", quantity, _status(off <= ALLOWED), off, ALLOWED, unit, where, against=against)
+        for quantity, (off, unit, where) in measured.items()
+    ]
+    other = ", ".join(f"'{name}'" for name in seen.settings)
+    where = other or "limits, dynamics, mimics, drives"
+    settings = Check("", "", "stepbot", "settings", _status(not other), where=where, against=against)
+    return *checks, settings
+
+
+def _status(passed: bool) -> Status:
+    return Status.PASSED if passed else Status.FAILED
 
 
 def module_deviations(robot: Robot, modules: Sequence[Alone]) -> Iterator[ModuleDeviation]:
