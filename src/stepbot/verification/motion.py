@@ -1,6 +1,8 @@
 """Compares motion: poses, equations of motion, closures."""
 
+from collections.abc import Iterator
 from dataclasses import replace
+from itertools import repeat
 
 import numpy as np
 
@@ -39,7 +41,8 @@ def compare_mass_matrix(deviations: Deviations, reference: Observation, observed
     order = _order(deviations, reference, observed)
     if order is None:
         return
-    for number, (ours, theirs) in enumerate(zip(reference.dynamics, observed.dynamics, strict=False), start=1):
+    pairs = zip(reference.dynamics, observed.dynamics, _inertias_about_root(reference), strict=False)
+    for number, (ours, theirs, whole) in enumerate(pairs, start=1):
         if ours.mass_matrix is None or theirs.mass_matrix is None:
             continue
         off = np.abs(theirs.mass_matrix[np.ix_(order, order)] - ours.mass_matrix)
@@ -47,7 +50,7 @@ def compare_mass_matrix(deviations: Deviations, reference: Observation, observed
         names = f"'{reference.coordinates[row]}', '{reference.coordinates[column]}'"
         scale = float(np.abs(ours.mass_matrix).max())
         where = f"mass matrix of {names} at configuration {number}"
-        deviations.off(float(off.max()), where, "SI", scale, whole=_inertia_about_root(reference, number))
+        deviations.off(float(off.max()), where, "SI", scale, whole=whole)
 
 
 def compare_gravity(deviations: Deviations, reference: Observation, observed: Observation) -> None:
@@ -90,17 +93,15 @@ def _order(deviations: Deviations, reference: Observation, observed: Observation
     return [observed.coordinates.index(name) for name in reference.coordinates]
 
 
-def _inertia_about_root(observation: Observation, number: int) -> float:
-    """Sum of mass times squared distance from the root [kg m2] at a configuration, counted from 1."""
-    if number > len(observation.poses):
-        return 0.0
-    poses = observation.poses[number - 1]
-    moved = (
-        (link.mass or 0.0, poses[link.name].apply(link.com or ZERO3))
-        for link in observation.links
-        if link.name in poses
-    )
-    return exact_sum(mass * float(np.square(com).sum()) for mass, com in moved)
+def _inertias_about_root(observation: Observation) -> Iterator[float]:
+    """Sum of mass times squared distance from the root [kg m2] at each configuration; then 0 without end."""
+    for poses in observation.poses:
+        links = [link for link in observation.links if link.name in poses]
+        coms = np.array([link.com or ZERO3 for link in links]).reshape(-1, 3)
+        moved = Poses.of(poses[link.name] for link in links).apply(coms)
+        masses = np.array([link.mass or 0.0 for link in links])
+        yield exact_sum((masses * np.square(moved).sum(axis=1)).tolist())
+    yield from repeat(0.0)
 
 
 def _weight_times_reach(observation: Observation) -> float:
