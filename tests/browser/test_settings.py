@@ -114,3 +114,20 @@ def test_convert(page: Page, edited: Callable[[str], Session], robot_library: Pa
     page.tab("findings")
     page.element("#findings .about").click()
     assert page.text("#card h2") == "rocker_swing"
+
+
+def test_all_parts_of_a_name_are_moved_together(page: Page, edited: Callable[[str], Session]) -> None:
+    """The search has a button that selects what it finds; a link takes all of it in one step."""
+    session = edited(UNDECIDED)
+    page.tab("parts")
+    paths = page.run("return stepbot.state.scene.links.flatMap(({components}) => components)")
+    found = [path for path in paths if "r" in path.lower()]
+    assert len(found) > 1
+    page.element("#search").send_keys("r")
+    page.wait("return document.querySelector('#select-all')")
+    assert page.text("#select-all") == f"select all {len(found)}"
+    page.element("#select-all").click()
+    assert sorted(page.run("return stepbot.state.selection.picked")) == sorted(found)
+    assert page.text("#card h2") == f"{len(found)} parts"
+    assert page.element("#card [data-edit=assign]").is_displayed()
+    assert session.target.read_text(encoding="utf-8") == UNDECIDED

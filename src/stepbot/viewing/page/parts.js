@@ -12,7 +12,7 @@ export function partsPanel(state) {
   const update = () => {
     const { selection } = state;
     if (selection?.component) list.opened.add(selection.link);
-    body.replaceChildren(element("h3", {}, "Links"), element("ul", {}, state.scene.links.map((link) => linkEntry(state, link, list))), ...rest(state));
+    body.replaceChildren(...everyFound(state, list.sought), element("h3", {}, "Links"), element("ul", {}, state.scene.links.map((link) => linkEntry(state, link, list))), ...rest(state));
   };
   const search = element("input", { type: "search", id: "search", placeholder: "search parts", "aria-label": "search parts", oninput: () => {
     list.sought = search.value.trim().toLowerCase();
@@ -23,6 +23,14 @@ export function partsPanel(state) {
     if (["scene", "selection", "show"].includes(what)) update();
   });
   return section;
+}
+
+// Selects all parts that the search finds, to move them to a link together.
+function everyFound(state, sought) {
+  const found = state.scene.links.flatMap(({ name, components }) => components.filter((path) => path.toLowerCase().includes(sought)).map((path) => ({ link: name, component: path })));
+  if (!sought || found.length < 2 || !document.body.classList.contains("editing")) return [];
+  const select = () => state.select({ ...found[0], picked: found.map(({ component }) => component) });
+  return [element("button", { type: "button", id: "select-all", onclick: select }, `select all ${found.length}`)];
 }
 
 function linkEntry(state, link, list) {
