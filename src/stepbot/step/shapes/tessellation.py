@@ -1,6 +1,6 @@
 """Meshes bodies with the kernel's mesher, to a tolerance relative to each.
 
-If the mesher leaves holes it is run again: after straightening curves of faces (:mod:`.straightening`), then with its
+If the mesher leaves holes it is run again: after straightening curves of faces (:func:`straighten`), then with its
 other algorithm and finer, up to a limit of processor time and of faces; the best mesh is kept.
 """
 
