@@ -197,3 +197,22 @@ def test_command_interfaces_of_a_joint_are_alternatives(tmp_path: Path) -> None:
     assert texts == [
         f"command interface of type '{kind}' on 'hinge': not converted, as that of type 'position' is" for kind in kinds
     ]
+
+
+@pytest.mark.parametrize(("text", "start"), [("", 0.0), ("0.5", 0.5), ("-7", -2.0)])
+def test_the_start_of_a_placeholder_is_the_drawn_pose(text: str, start: float, tmp_path: Path) -> None:
+    """An empty start is none, and one beyond the limits is moved to them and reported."""
+    path = tmp_path / "start.urdf"
+    path.write_text(
+        f"""<robot name="start"><link name="base"/><link name="arm"/>
+        <joint name="hinge" type="revolute"><parent link="base"/><child link="arm"/>
+        <limit lower="-2" upper="2" effort="50" velocity="3"/></joint>
+        <ros2_control name="drives" type="system"><hardware><plugin>any</plugin></hardware><joint name="hinge">
+        <command_interface name="position"/>
+        <state_interface name="position"><param name="initial_value">{text}</param></state_interface>
+        </joint></ros2_control></robot>""",
+        encoding="utf-8",
+    )
+    made = robot_of_description(describe(str(path), "urdf"), "start", path.name)
+    assert made.robot.joint_by_name["hinge"].drawn_position == start
+    assert any("initial position" in one.text for one in made.findings) == (text == "-7")

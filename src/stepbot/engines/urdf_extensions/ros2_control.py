@@ -114,10 +114,10 @@ def observed_actuators(top: Element) -> Iterator[ObservedActuator]:
 
 
 def initial_positions(top: Element) -> dict[str, float]:
-    """The positions [rad], [m] in which placeholders and simulators start."""
+    """The positions [rad], [m] in which placeholders and simulators start; an empty value states none."""
     path = "state_interface[@name='position']/param[@name='initial_value']"
     found = {one.get("name", ""): one.find(path) for one in top.findall("ros2_control/joint")}
-    return {joint: _one(parameter) for joint, parameter in found.items() if parameter is not None}
+    return {joint: _one(parameter) for joint, parameter in found.items() if parameter is not None and parameter.text}
 
 
 def _inputs(top: Element, joint: str) -> list[Element]:
