@@ -74,8 +74,9 @@ def command(word: str | None, no_open: bool, as_json: bool) -> int:
 
 
 def matching(sections: Sequence[Section], word: str) -> list[Section]:
-    """The sections about a word, best first: a page of this name, then headings with it, texts with it."""
+    """The sections about a word, best first: a page of this name, then headings with it, texts with it; codes last."""
     key = word.removesuffix(".md").casefold()
+    sections = sorted(sections, key=lambda one: one.page == "diagnostics")
     pages = [one for one in sections if one.page.casefold() == key][:1]
     begun = [one for one in sections if one.heading.casefold().startswith(key)]
     within = [one for one in sections if re.search(rf"\b{re.escape(key)}", one.heading.casefold())]

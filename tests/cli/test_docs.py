@@ -33,6 +33,7 @@ def opened(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
         ("sb131", "diagnostics", "sb130-unknown-name"),
         ("the install", "commands", "the-install"),
         ("completion", "commands", "shell-completion"),
+        ("lock", "revisions", "when-the-cad-changes-lock-files"),
     ],
 )
 def test_opens_the_site(word: str | None, page: str, anchor: str, opened: list[str], stepbot: Stepbot) -> None:
