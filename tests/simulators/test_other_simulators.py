@@ -6,6 +6,7 @@ all robots in a process of its own.
 
 import importlib.util
 import json
+import re
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -28,6 +29,7 @@ from stepbot.robot.kinematics import MOVING, link_poses
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache, default_folder
 from stepbot.runtime.robot_library import library_robot
+from tests.library.conftest import LIBRARY, ROBOTS
 
 pytestmark = [pytest.mark.long, pytest.mark.xdist_group("other simulators")]
 
@@ -52,6 +54,17 @@ def seen(file, q):
         model.body(i).name: [float(theirs.body_mass[i]), moved.xpos[i].tolist(), moved.xquat[i].tolist()]
         for i in range(1, model.nbody)
     }
+"""
+STEP = """
+def step(file, q):
+    import jax, numpy as np
+    model = mujoco.MjModel.from_xml_path(file)
+    theirs, moved = mjx.put_model(model), mjx.put_data(model, mujoco.MjData(model))
+    one = jax.jit(mjx.step)
+    for _ in range(3):
+        moved = one(theirs, moved)
+    assert np.isfinite(np.array(moved.qpos)).all(), file
+    return seen(file, q)
 """
 WARP = """
 import json, sys
@@ -123,8 +136,6 @@ def seen(robot, q):
 
 print("\\n" + json.dumps({name: seen(robots[name], q) for name, (_, q) in jobs.items()}))
 """
-CYLINDERS = ("ur5e", "sawyer")
-"""Robots whose collision shapes are in part cylinders: MJX has no contacts of these with meshes and boxes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,16 +163,20 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Written]:
 
 
 @pytest.fixture(scope="module")
-def without_cylinders(written: Mapping[str, Written], tmp_path_factory: pytest.TempPathFactory) -> dict[str, Written]:
-    """The robots, with hulls in place of cylinders, as the documentation of MJX advises."""
-    found = dict(written)
-    for name in CYLINDERS:
-        given, folder = library_robot(name).sidecar, tmp_path_factory.mktemp(f"{name}_hulls")
-        text = given.read_text(encoding="utf-8")
-        assert "collision: auto" in text
+def for_mjx(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Written]:
+    """All robots of the library, with shapes that MJX accepts."""
+    found = {}
+    for name in ROBOTS:
+        (given,), (step,) = ((LIBRARY / name).glob(kind) for kind in ("*.robot.yaml", "*.step"))
+        text = given.read_text(encoding="utf-8").replace("collision: auto}", "collision: {for: mjx}}")
+        if "for: mjx" not in text:
+            text = re.sub(r"(?m)^defaults: \{", "defaults: {collision: {for: mjx}, ", text)
+        if "for: mjx" not in text:
+            text += "\ndefaults: {collision: {for: mjx}}\n"
+        folder = tmp_path_factory.mktemp(f"{name}_mjx")
         sidecar = folder / given.name
-        sidecar.write_text(text.replace("collision: auto", "collision: decompose"), encoding="utf-8")
-        found[name] = converted(sidecar, folder, given.with_name(f"{name}.step"))
+        sidecar.write_text(text, encoding="utf-8")
+        found[step.stem] = converted(sidecar, folder, step)
     return found
 
 
@@ -210,9 +225,19 @@ def compare(module: str, format_: str, program: str, written: Mapping[str, Writt
             assert angle < 10.0 * SINGLE, (name, link.name)
 
 
-def test_mjx(without_cylinders: Mapping[str, Written]) -> None:
-    """MJX: masses and poses of the MJCF."""
-    compare("mujoco.mjx", "mjcf", MJX + EACH, without_cylinders)
+def test_mjx(for_mjx: Mapping[str, Written]) -> None:
+    """MJX accepts every robot of the library: `put_model`, and masses and poses of the MJCF."""
+    compare("mujoco.mjx", "mjcf", MJX + EACH, for_mjx)
+
+
+def test_mjx_steps(for_mjx: Mapping[str, Written]) -> None:
+    """A robot with wheels, sensors and a closed loop each move in MJX, with all their contacts."""
+    compare(
+        "mujoco.mjx",
+        "mjcf",
+        MJX + STEP + EACH.replace("seen(", "step("),
+        {name: for_mjx[name] for name in ("diff_drive", "four_bar")},
+    )
 
 
 def test_mjx_has_no_contacts_of_cylinders(written: Mapping[str, Written]) -> None:

@@ -74,11 +74,11 @@ class MeshAssets:
         """The name of a body's mesh."""
         return self._bases[body]
 
-    def hull(self, body: int, max_vertices: int | None = None) -> MeshRef | None:
+    def hull(self, body: int, max_vertices: int | None = None, max_faces: int | None = None) -> MeshRef | None:
         """The convex hull of a body, or one that encloses it with fewer vertices; None if the body is flat."""
-        key = ("hull", body, max_vertices)
+        key = ("hull", body, max_vertices, max_faces)
         if key not in self._made:
-            mesh = _bounded(convex_hull(self._assembly.bodies[body].mesh.vertices), max_vertices)
+            mesh = _bounded(convex_hull(self._assembly.bodies[body].mesh.vertices), max_vertices, max_faces)
             self._made[key] = (
                 None if mesh is None else self._named(f"{self._bases[body]}_hull", mesh, self._source(body))
             )
@@ -97,10 +97,12 @@ class MeshAssets:
             self._made[key] = self._named(name, mesh, source)
         return self._reference(key)
 
-    def merged_hull(self, link: str, points: Array, max_vertices: int | None = None) -> MeshRef | None:
+    def merged_hull(
+        self, link: str, points: Array, max_vertices: int | None = None, max_faces: int | None = None
+    ) -> MeshRef | None:
         """The convex hull of points (n, 3) [m] of a link, in the link's frame; None if they are coplanar."""
         key = ("merged hull", link)
-        mesh = _bounded(convex_hull(points), max_vertices)
+        mesh = _bounded(convex_hull(points), max_vertices, max_faces)
         self._made[key] = None if mesh is None else self._named(f"{ascii_name(link)}_hull", mesh, link)
         return None if mesh is None else self._reference(key)
 
@@ -144,5 +146,5 @@ class MeshAssets:
         return self._product_name(self._assembly.components[component.parent]) if component.parent >= 0 else FALLBACK
 
 
-def _bounded(hull: TriMesh | None, max_vertices: int | None) -> TriMesh | None:
-    return hull if hull is None or max_vertices is None else bounded_hull(hull, max_vertices)
+def _bounded(hull: TriMesh | None, max_vertices: int | None, max_faces: int | None) -> TriMesh | None:
+    return None if hull is None else bounded_hull(hull, max_vertices, max_faces)

@@ -6,6 +6,10 @@ from stepbot.geometry.solids.collision_sets import CLOSE, FEW, MAX_HULLS, MAX_VE
 from stepbot.sidecar.contact import Contact
 from stepbot.sidecar.document import CollisionSettings, CollisionShape, Derived, Document, MergedCollision
 
+MJX_FACES = 20
+"""Maximum number of flat faces of a hull for MJX, which compares each with all of the other hull."""
+_ROUND_OR_HOLLOW = (CollisionShape.CYLINDER, CollisionShape.MESH)
+"""Shapes that MJX lacks: it takes the hull of a mesh, with all of its faces."""
 DECOMPOSED = (CollisionShape.AUTO, CollisionShape.DECOMPOSE)
 """Types that treat a link as one solid."""
 
@@ -19,6 +23,8 @@ class CollisionRule:
     """Only for :data:`DECOMPOSED`."""
     max_vertices: int | None = None
     """Of each hull; None for no limit."""
+    max_faces: int | None = None
+    """Of each hull; None for no limit, and :data:`MJX_FACES` for MJX, where no shape is a cylinder or a mesh."""
 
     @property
     def filled(self) -> float:
@@ -39,7 +45,10 @@ def rule_of(given: Derived, document: Document) -> CollisionRule:
     max_vertices = budgets.max_vertices if own.max_vertices is None else own.max_vertices
     if max_vertices is None and own.shape in DECOMPOSED:
         max_vertices = MAX_VERTICES
-    return CollisionRule(own.shape, own.max_hulls or budgets.max_hulls or MAX_HULLS, max_vertices)
+    if own.for_ is None and budgets.for_ is None:
+        return CollisionRule(own.shape, own.max_hulls or budgets.max_hulls or MAX_HULLS, max_vertices)
+    shape = CollisionShape.HULL if own.shape in _ROUND_OR_HOLLOW else own.shape
+    return CollisionRule(shape, own.max_hulls or budgets.max_hulls or MAX_HULLS, max_vertices, MJX_FACES)
 
 
 def link_rule(link: str, document: Document) -> CollisionRule | None:

@@ -16,6 +16,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.enclosing_shapes import box_around, capsule_around, cylinder_around, sphere_around
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.solids.collision_sets import CollisionSet
+from stepbot.geometry.solids.manifolds import convex_hull
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, tidy
 from stepbot.robot.kinematics import neighbours
 from stepbot.robot.mesh_names import ascii_name
@@ -29,7 +30,7 @@ from stepbot.step.structure.paths import quoted
 
 from .assets import MeshAssets
 from .binder import Binder, listed
-from .collision_rules import CollisionRule, is_merged, link_rule, part_rule, useless_budgets
+from .collision_rules import CollisionRule, is_merged, link_rule, part_rule, rule_of, useless_budgets
 from .fitted_collisions import FittedCollisions, joined_part, joined_parts
 from .material_assignment import MaterialAssignment
 
@@ -78,7 +79,7 @@ class Collisions:
                 placed += ((shape, surface_of(touch, contact)) for shape in self._component(part, rule))
         if isinstance(given, tuple):
             for shape in given:
-                geometry, X_LG = _given(shape)
+                geometry, X_LG = self._given(link, shape)
                 placed.append(((geometry, tidy(X_LG)), surface_of(shape.contact, contact)))
         elif common is not None and whole:
             made = self._joined(link, whole, common) if common.is_decomposed else self._merged(link, whole, common)
@@ -121,6 +122,15 @@ class Collisions:
                 help=("raise it: `collision: {shape: auto, max_hulls: 32}`",),
                 notes=listed(tuple(self._coarse)),
             )
+
+    def _given(self, link: str, shape: Shape) -> _Placed:
+        """A shape that the link lists; a cylinder for MJX as the prism around it."""
+        geometry, X_LG = _given(shape)
+        defaults = rule_of(self._binder.document.defaults.collision or CollisionShape.HULL, self._binder.document)
+        if not isinstance(geometry, Cylinder) or defaults.max_faces is None:
+            return geometry, X_LG
+        key = (link, geometry.radius, geometry.length)
+        return self._assets.piece(key, f"{ascii_name(link)}_cylinder", _prism(geometry, defaults.max_faces), link), X_LG
 
     def _component(self, part: Placed, rule: CollisionRule) -> list[_Placed]:
         body = self._binder.assembly.components[part.index].body
@@ -179,7 +189,7 @@ class Collisions:
         if rule.shape is CollisionShape.MESH:
             return self._assets.body(body), IDENTITY
         if rule.shape is CollisionShape.HULL:
-            hull = self._assets.hull(body, rule.max_vertices)
+            hull = self._assets.hull(body, rule.max_vertices, rule.max_faces)
             return None if hull is None else (hull, IDENTITY)
         component = self._binder.assembly.components[index]
         widest = lines(axis_faces(self._binder.assembly, [index]))[:1]
@@ -198,7 +208,7 @@ class Collisions:
         if shape is CollisionShape.MESH:
             fit = self._assets.merged(link, meshes), IDENTITY
         elif shape is CollisionShape.HULL:
-            hull: MeshRef | None = self._assets.merged_hull(link, points, rule.max_vertices)
+            hull: MeshRef | None = self._assets.merged_hull(link, points, rule.max_vertices, rule.max_faces)
             fit = None if hull is None else (hull, IDENTITY)
         else:
             fit = _simple(shape, points, [*np.eye(3)])
@@ -230,6 +240,17 @@ def _given(shape: Shape) -> _Placed:
     if isinstance(shape, CapsuleShape):
         return Capsule(shape.radius, shape.length), X_LG
     return Sphere(shape.radius), X_LG
+
+
+def _prism(cylinder: Cylinder, faces: int) -> TriMesh:
+    """The prism with some faces, ends included, whose sides touch a cylinder from outside."""
+    sides = faces - 2
+    angles = 2.0 * np.pi * np.arange(sides) / sides
+    ring = cylinder.radius / np.cos(np.pi / sides) * np.column_stack([np.cos(angles), np.sin(angles)])
+    ends = [np.column_stack([ring, np.full(sides, z)]) for z in (-0.5 * cylinder.length, 0.5 * cylinder.length)]
+    hull = convex_hull(np.vstack(ends))
+    assert hull is not None  # a cylinder has a volume
+    return hull
 
 
 def without_contacts_of(robot: Robot, sidecar: Sidecar, found: Diagnostics) -> Robot:

@@ -10,7 +10,7 @@ from stepbot.robot.model import Actuator, FormatVersions, Frame, JointKind, Limi
 from stepbot.robot.sensors import SEEING, Sensor, SensorKind, View
 from stepbot.robot.tuning import Simulation, Tuning
 from stepbot.sidecar.devices import ActuatorSection, SensorSection
-from stepbot.sidecar.document import Document
+from stepbot.sidecar.document import CollisionSettings, Document
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.motion import LimitsSection
 
@@ -93,8 +93,10 @@ def build_mesh_formats(document: Document) -> MeshFormats:
 
 
 def build_versions(document: Document) -> FormatVersions:
-    """The versions of formats to write."""
-    return FormatVersions(urdf=document.urdf.version, mjcf=document.mjcf.version)
+    """The versions of formats to write; MJX reads what MuJoCo 3.3 does."""
+    collision = document.defaults.collision
+    is_for_mjx = isinstance(collision, CollisionSettings) and collision.for_ is not None
+    return FormatVersions(urdf=document.urdf.version, mjcf=3.3 if is_for_mjx else document.mjcf.version)
 
 
 def build_sensors(binder: Binder, frames: Frames) -> tuple[Sensor, ...] | None:

@@ -42,7 +42,12 @@ def keys_of(sections: tuple[type[Section], ...]) -> tuple[str, ...]:
     """The keys of one section, or of all forms of an origin for any of them."""
     if is_origin(sections):
         sections = tuple(_sections(Origin))
-    return tuple(dict.fromkeys(key for section in sections for key in section.model_fields))
+    return tuple(dict.fromkeys(key_of(name) for section in sections for name in section.model_fields))
+
+
+def key_of(name: str) -> str:
+    """The key of a field: its name, where this is no word of Python; ``for`` of ``for_``."""
+    return name.removesuffix("_")
 
 
 def is_origin(sections: tuple[type[Section], ...]) -> bool:
@@ -84,7 +89,7 @@ def descriptions(section: type[Section]) -> dict[str, str]:
     for field, text in pairwise(body):
         if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(text, ast.Expr):
             assert isinstance(text.value, ast.Constant)
-            found[field.target.id] = inspect.cleandoc(str(text.value.value))
+            found[key_of(field.target.id)] = inspect.cleandoc(str(text.value.value))
     return found
 
 
@@ -94,8 +99,10 @@ def _step(annotation: Any, part: str | int) -> Any:
         if any(isinstance(extra, Tag) and extra.tag == part for extra in _extras(member)):
             return member
         plain = _plain(member)
-        if isinstance(plain, type) and issubclass(plain, Section) and part in plain.model_fields:
-            return plain.model_fields[str(part)].annotation
+        if isinstance(plain, type) and issubclass(plain, Section):
+            for name, field in plain.model_fields.items():
+                if key_of(name) == part:
+                    return field.annotation
         if get_origin(plain) is dict and isinstance(part, str):
             return get_args(plain)[1]
         if get_origin(plain) is tuple and isinstance(part, int):

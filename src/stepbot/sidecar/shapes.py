@@ -96,11 +96,19 @@ Shape = Annotated[
 ]
 
 
+class CollisionTarget(StrEnum):
+    """A simulator that accepts fewer shapes than others."""
+
+    MJX = "mjx"
+
+
 class CollisionSettings(Section):
     """Type of collision geometry, and its budgets."""
 
     shape: CollisionShape = CollisionShape.AUTO
     """Type of collision geometry."""
+    for_: Annotated[CollisionTarget | None, Field(alias="for")] = None
+    """The simulator that must accept all shapes: `mjx` gets no cylinders, and hulls of at most 20 faces."""
     max_hulls: Annotated[int, Field(ge=1, le=1000)] | None = None
     """Maximum number of convex pieces of a link, or of a component with its own rule; 16 by default."""
     max_vertices: Annotated[int, Field(ge=8, le=10000)] | None = None

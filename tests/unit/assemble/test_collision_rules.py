@@ -1,18 +1,21 @@
 """Which collision rule applies to a link or a component, and the shapes of ``auto`` and ``decompose``."""
 
-from math import pi, sqrt
+from math import cos, pi, sqrt
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from stepbot.assemble import build_robot
+from stepbot.geometry.solids.slivers import face_normals
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Box, Cylinder, Geometry, MeshRef, Robot
 from stepbot.step.assembly import BodyKind
 from tests.conftest import ReadDiagnostics
 from tests.unit.assemble.workshop import Workshop, at, build, built, sidecar
 
+CYLINDER = "[{type: cylinder, radius: 5 mm, length: 10 mm}]"
+FIXED = "    joints: {weld: {type: fixed, parent: base, child: cube, origin: {xyz: [0, 0, 0]}}}\n"
 REST = "    links: {base: {rest: true}}\n"
 
 
@@ -144,6 +147,26 @@ def test_bounded_hull_of_a_component(tmp_path: Path) -> None:
     mesh = robot.mesh_by_name["pin_hull"].mesh
     assert len(mesh.vertices) == 8
     assert [*mesh.bounds[0], *mesh.bounds[1]] == pytest.approx([-0.005] * 3 + [0.005] * 3, abs=3e-9)
+
+
+@pytest.mark.parametrize("rule", ["", "auto", "hull", "cylinder", "mesh", "{merge: hull}", CYLINDER])
+def test_for_mjx_there_are_no_cylinders_and_no_hulls_of_many_faces(rule: str, tmp_path: Path) -> None:
+    """Whatever a link asks for, a rod gets a prism of 20 faces around it; a box stays a box."""
+    shop = Workshop()
+    shop.rod("pin", radius=5.0, length=10.0, sides=64)
+    shop.box("cube", X_PC=at(50, 0, 0))
+    links = f"    links: {{base: {{rest: true{f', collision: {rule}' * bool(rule)}}}, cube: {{parts: [cube]}}}}\n"
+    robot = built(shop, tmp_path, f"    defaults: {{density: 1000, collision: {{for: mjx}}}}\n{links}{FIXED}")
+    (shape,), (box,) = robot.links[0].collisions, robot.links[1].collisions
+    assert isinstance(box.geometry, Box)
+    assert isinstance(shape.geometry, MeshRef)
+    mesh = robot.mesh_by_name[shape.geometry.name].mesh
+    normals = face_normals(mesh.vertices, mesh.faces)[0]
+    assert len({tuple(np.round(normal, 4) + 0.0) for normal in normals.tolist()}) <= 20
+    across = np.linalg.norm(mesh.vertices[:, :2], axis=1)
+    assert across.min() > 0.00499
+    assert across.max() < 0.005 / cos(pi / 18) * 1.05
+    assert robot.versions.mjcf == 3.3
 
 
 def test_error_of_a_bounded_hull_is_reported(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ their own, and voids that nothing can enter are filled. The shapes together encl
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -30,22 +31,24 @@ _TOUCHING = 1.0 / GRID_PER_METRE
 """Distance [m] up to which a vertex counts as on the hull."""
 
 
-def bounded_hull(hull: TriMesh, max_vertices: int) -> TriMesh:
-    """A convex mesh of at most ``max_vertices`` vertices that encloses a convex mesh, up to the vertex grid.
+def bounded_hull(hull: TriMesh, max_vertices: int | None, max_faces: int | None = None) -> TriMesh:
+    """A convex mesh of few vertices and flat faces that encloses a convex mesh, up to the vertex grid.
 
     Args:
         hull: A convex mesh; returned as it is if it is small enough.
-        max_vertices: At least :data:`FEWEST`.
+        max_vertices: At least :data:`FEWEST`; None for any number.
+        max_faces: At least 6, those of a box; None for any number.
     """
-    if len(hull.vertices) <= max_vertices:
+    vertices, faces = (inf if most is None else most for most in (max_vertices, max_faces))
+    if len(hull.vertices) <= vertices and len(hull.faces) <= faces:
         return hull
     center = hull.vertices.mean(axis=0)  # inside, which the middle of the bounding box need not be
-    made = convex_hull(_outline(hull, center, max_vertices) + center)
+    made = convex_hull(_outline(hull, center, vertices, faces) + center)
     assert made is not None  # it encloses a hull, which is not flat
     return made
 
 
-def _outline(hull: TriMesh, center: Array, max_vertices: int) -> Array:
+def _outline(hull: TriMesh, center: Array, max_vertices: float, max_faces: float) -> Array:
     """Vertices (n, 3) [m] of the polyhedron, relative to ``center``."""
     points = hull.vertices - center
     normals, offsets = _planes(points, hull)
@@ -56,7 +59,7 @@ def _outline(hull: TriMesh, center: Array, max_vertices: int) -> Array:
         depths = matrix_product(best, normals.T) - offsets
         vertex = int(depths.max(axis=1).argmax())
         plane = int(depths[vertex].argmax())
-        if depths[vertex, plane] <= _TOUCHING:
+        if depths[vertex, plane] <= _TOUCHING or len(chosen) >= max_faces:
             return best
         chosen = np.vstack([chosen, normals[plane]])
         # A thin face is tilted by the rounding of its corners: move its plane out to the outermost vertex.
@@ -148,6 +151,8 @@ class Wanted:
     """Share of the total volume of the pieces' hulls that the solids have to fill."""
     max_hulls: int
     max_vertices: int
+    max_faces: int | None = None
+    """Of each hull. With a bound no shape is a cylinder: MJX, which needs it, cannot collide these with hulls."""
     beside: tuple[PlacedSolid, ...] = ()
     """Other meshes of the same link, each of which gets a hull unless the shapes enclose it."""
     is_whole: bool = True
@@ -197,22 +202,23 @@ def _scored_set(wanted: Wanted) -> CollisionSet:
     if not wanted.is_whole:
         return made
     beside = [one for i, one in enumerate(wanted.beside) if i not in made.enclosed]
-    shapes = (*made.shapes, *_hulls(beside, wanted.max_vertices))
+    shapes = (*made.shapes, *_hulls(beside, wanted))
     score = collision_score(Unscored(wanted.solids, wanted.missing, shapes), encloses)
     return replace(made, score=score, scored=len(shapes))
 
 
-def _hulls(meshes: Sequence[PlacedSolid], max_vertices: int) -> Iterator[PlacedShape]:
+def _hulls(meshes: Sequence[PlacedSolid], wanted: Wanted) -> Iterator[PlacedShape]:
     """The hull of each mesh that is not too flat for one."""
     for one in meshes:
         hull = convex_hull(one.mesh.vertices)
         if hull is not None:
-            yield PlacedShape(bounded_hull(hull, max_vertices), one.X_AC)
+            yield PlacedShape(bounded_hull(hull, wanted.max_vertices, wanted.max_faces), one.X_AC)
 
 
 def _collision_set(wanted: Wanted, solid: Union) -> tuple[CollisionSet, bool]:
     """The shapes, and whether they enclose the whole solid: not if a piece is too flat for a hull."""
-    fits = PrimitiveFits(main_axes(*face_normals(*solid.arrays)[:2]), wanted.shafts)
+    axes = main_axes(*face_normals(*solid.arrays)[:2])
+    fits = PrimitiveFits(axes, wanted.shafts, cylinders=wanted.max_faces is None)
     if wanted.primitives:
         corners = mesh_arrays(solid.manifold.hull())[0]
         fit = fits.best(corners, solid.volume + wanted.missing, FEW)
@@ -234,4 +240,4 @@ def _piece(points: Array, wanted: Wanted, fits: PrimitiveFits) -> PlacedShape | 
         fit = fits.best(hull.vertices, hull_volume(hull.vertices), CLOSE)
         if fit is not None:
             return PlacedShape(fit.shape, fit.X_AG)
-    return PlacedShape(bounded_hull(hull, wanted.max_vertices), IDENTITY)
+    return PlacedShape(bounded_hull(hull, wanted.max_vertices, wanted.max_faces), IDENTITY)

@@ -45,14 +45,15 @@ class Fit:
 class PrimitiveFits:
     """Finds primitives around solids, along given axes."""
 
-    def __init__(self, axes: Array, shafts: Sequence[RoundFace]) -> None:
+    def __init__(self, axes: Array, shafts: Sequence[RoundFace], *, cylinders: bool = True) -> None:
         """Keep the axes.
 
         Args:
             axes: Three orthogonal unit vectors (3, 3), as rows, to align boxes with.
             shafts: Cylindrical faces to align cylinders and capsules with.
+            cylinders: Whether a cylinder is a primitive.
         """
-        self._axes, self._shafts = axes, shafts
+        self._axes, self._shafts, self._cylinders = axes, shafts, cylinders
         self._directions = [*axes, *(shaft.direction for shaft in shafts)]
         self._frames = [perpendicular_frame(direction) for direction in self._directions]
 
@@ -77,10 +78,11 @@ class PrimitiveFits:
         box = box_around(matrix_product(points, R))
         if box is not None:
             yield box[0], Pose.of(R, rotated(R, box[1].p))
-        yield from self._cylinders_on_shafts(points, most)
+        if self._cylinders:
+            yield from self._cylinders_on_shafts(points, most)
         sizes = [_size_along(points, frame) for frame in self._frames]
         for direction, (radius, length) in zip(self._axes, sizes[:3], strict=True):
-            if primitive_volume(Cylinder(radius, length)) <= most:
+            if self._cylinders and primitive_volume(Cylinder(radius, length)) <= most:
                 found = cylinder_around(points, [direction])
                 if found is not None:
                     yield found
