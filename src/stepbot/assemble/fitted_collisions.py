@@ -174,9 +174,9 @@ def _wanted(assembly: Assembly, joined: Joined, bodies: Sequence[MeasuredBody], 
         rule.filled,
         rule.max_hulls,
         rule.max_vertices,
-        rule.max_faces,
         tuple(_placed(assembly, assembly.components[index], X_AW) for index in others.beside),
         others.is_all,
+        rule.max_faces,
     )
 
 

@@ -14,7 +14,7 @@ from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.compose import compose
 from stepbot.sidecar.contact import MATERIALS, ContactMaterial
 from stepbot.sidecar.document import CollisionShape
-from stepbot.sidecar.fields import section_classes
+from stepbot.sidecar.fields import key_of, section_classes
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.tree import plain_data
 from stepbot.sidecar.units import known_units
@@ -81,7 +81,7 @@ def test_errors_of_examples_are_those_on_the_page() -> None:
 def test_every_key_and_word_is_explained() -> None:
     """Every key, type of joint, sensor and shape, and every unit is on the page."""
     code = set(re.findall(r"[\w°µ%]+", " ".join(re.findall(r"`([^`\n]+)`", PAGE + COMPOSE) + EXAMPLES)))
-    keys = {key for section in section_classes() for key in section.model_fields}
+    keys = {key_of(name) for section in section_classes() for name in section.model_fields}
     words = {str(word) for kinds in (JointKind, SensorKind, CollisionShape) for word in kinds}
     assert keys | words | set(known_units()) <= code
 

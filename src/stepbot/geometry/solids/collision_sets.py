@@ -151,12 +151,12 @@ class Wanted:
     """Share of the total volume of the pieces' hulls that the solids have to fill."""
     max_hulls: int
     max_vertices: int
-    max_faces: int | None = None
-    """Of each hull. With a bound no shape is a cylinder: MJX, which needs it, cannot collide these with hulls."""
     beside: tuple[PlacedSolid, ...] = ()
     """Other meshes of the same link, each of which gets a hull unless the shapes enclose it."""
     is_whole: bool = True
     """Whether the link has no shapes but these and the hulls."""
+    max_faces: int | None = None
+    """Of each hull. With a bound no shape is a cylinder: MJX, which needs it, cannot collide these with hulls."""
 
 
 @dataclass(frozen=True, eq=False)
