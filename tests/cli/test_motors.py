@@ -1,8 +1,10 @@
 """Motors of the catalogue in a sidecar: the figures reach files and reports, with their sources; `stepbot motors`."""
 
 import json
+import re
 from math import pi
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import pytest
 
@@ -111,3 +113,21 @@ def test_a_draft_proposes_the_servos_of_so101(tmp_path: Path, corpus: Path, step
     assert len(lines) == 6
     assert all("REVIEW" in line and 'part: "STS3215_03a:' in line for line in lines)
     assert "STS3215-12V" in lines[0]
+
+    # With the member of the family that the arm has, six joints have the figures of the maker's joints_properties.xml.
+    text = re.sub(r"(?m)^# ( *)(?=actuators:|.*motor: STS3215)", r"\1", sidecar.read_text(encoding="utf-8"))
+    sidecar.write_text(text.replace("motor: STS3215,", "motor: STS3215-7.4V,"), encoding="utf-8")
+    assert stepbot("convert", str(sidecar), "-f", "mjcf", "-o", str(tmp_path / "out"), "--no-verify").code in (0, 1)
+    model = ET.parse(tmp_path / "out" / "so101.xml").getroot()
+    driven = {one.get("joint"): one for one in model.iterfind("actuator/position")}
+    joints = [one for one in model.iter("joint") if one.get("name") in driven]
+    assert len(joints) == len(driven) == 6
+    for joint in joints:
+        servo = driven[joint.get("name")]
+        friction, armature = (float(joint.get(key, 0.0)) for key in ("frictionloss", "armature"))
+        damping = sum(float(one.get("damping", 0.0)) for one in (joint, servo)) + float(servo.get("kv", 0.0))
+        assert (friction, armature) == pytest.approx((0.052, 0.028), rel=0.02)
+        assert (damping, float(servo.get("kp", 0.0))) == pytest.approx((0.60, 17.8), rel=0.02)
+        assert (
+            1.9 < float(servo.get("forcerange", "0 0").split()[1]) < 3.36
+        )  # 1.91 N m published, 2.94 and 3.35 simulated

@@ -55,17 +55,6 @@ def seen(file, q):
         for i in range(1, model.nbody)
     }
 """
-STEP = """
-def step(file, q):
-    import jax, numpy as np
-    model = mujoco.MjModel.from_xml_path(file)
-    theirs, moved = mjx.put_model(model), mjx.put_data(model, mujoco.MjData(model))
-    one = jax.jit(mjx.step)
-    for _ in range(3):
-        moved = one(theirs, moved)
-    assert np.isfinite(np.array(moved.qpos)).all(), file
-    return seen(file, q)
-"""
 WARP = """
 import json, sys
 import mujoco
@@ -228,16 +217,6 @@ def compare(module: str, format_: str, program: str, written: Mapping[str, Writt
 def test_mjx(for_mjx: Mapping[str, Written]) -> None:
     """MJX accepts every robot of the library: `put_model`, and masses and poses of the MJCF."""
     compare("mujoco.mjx", "mjcf", MJX + EACH, for_mjx)
-
-
-def test_mjx_steps(for_mjx: Mapping[str, Written]) -> None:
-    """A robot with wheels, sensors and a closed loop each move in MJX, with all their contacts."""
-    compare(
-        "mujoco.mjx",
-        "mjcf",
-        MJX + STEP + EACH.replace("seen(", "step("),
-        {name: for_mjx[name] for name in ("diff_drive", "four_bar")},
-    )
 
 
 def test_mjx_has_no_contacts_of_cylinders(written: Mapping[str, Written]) -> None:
