@@ -15,7 +15,7 @@ from stepbot.geometry.spatial import Array
 from .configurations import Configurations, diverged
 from .controls import Controls, home_control
 from .model import Model, own_copy
-from .observations import Observations
+from .observations import LARGEST, UNKNOWN, Observations
 from .rendering import MODES, Marker, Pictures
 
 Info = dict[str, Any]
@@ -115,8 +115,9 @@ class RobotEnv(gymnasium.Env, ABC):  # type: ignore[misc]
 
     def _spaces(self) -> tuple[Any, Any]:
         low, high = (bound.astype(np.float32) for bound in self._controls.bounds)
-        most = np.full(len(self.observation_names), np.inf)
-        most[: len(self._observations.values)] = [value.most for value in self._observations.values]
+        most = np.array([LARGEST.get(unit, UNKNOWN) for unit in self.observation_units])
+        values = self._observations.values
+        most[: len(values)] = np.minimum(most[: len(values)], [value.most for value in values])
         return gymnasium.spaces.Box(low, high, dtype=np.float32), gymnasium.spaces.Box(-most, most, dtype=np.float64)
 
     def reset(self, *, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Array, Info]:

@@ -94,6 +94,12 @@ def _contact_parts(selected: int, size: int) -> list[tuple[str, str]]:
     return parts if count == 1 else [(f"{number}/{part}", unit) for number in range(count) for part, unit in parts]
 
 
+LARGEST = {"m": 1e2, "rad": 1e2, "m/s": 1e2, "rad/s": 1e3, "m/s^2": 1e4, "rad/s^2": 1e5, "N": 1e5, "N*m": 1e4}
+"""Magnitudes beyond which values of a unit are clipped, far above those of a robot."""
+UNKNOWN = 1e6
+"""The same for values of other units."""
+_BEYOND = 2.0
+"""Ratio of that of a limited joint's position and its limit."""
 CHOICES = ("all", "state", "sensors")
 _XYZ, _QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 _JOINT_SENSORS = (mujoco.mjtSensor.mjSENS_JOINTPOS, mujoco.mjtSensor.mjSENS_JOINTVEL)
@@ -110,7 +116,7 @@ class Value:
     """``qpos``, ``cos``, ``sin``, ``qvel`` or ``sensordata``."""
     index: int
     most: float = np.inf
-    """Largest magnitude."""
+    """Largest magnitude; infinite for that of the unit, :data:`LARGEST`."""
 
 
 class Observations:
@@ -165,7 +171,8 @@ def _positions(model: Model) -> Iterator[Value]:
         elif kind == "hinge" and not model.jnt_limited[joint]:
             yield from (Value(f"{of}/{source}", "", source, start, 1.0) for source in ("cos", "sin"))
         else:
-            yield Value(f"{of}/position", "rad" if kind == "hinge" else "m", "qpos", start)
+            most = _BEYOND * float(np.abs(model.jnt_range[joint]).max()) if model.jnt_limited[joint] else np.inf
+            yield Value(f"{of}/position", "rad" if kind == "hinge" else "m", "qpos", start, most)
 
 
 def _velocities(model: Model) -> Iterator[Value]:

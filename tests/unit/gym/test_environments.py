@@ -205,6 +205,21 @@ def test_pushes_change_the_velocity(box: Make) -> None:
     assert np.argmax(jumps) in (4, 9)
 
 
+@pytest.mark.parametrize("observe", ["all", "state"])
+def test_bounds_are_finite_and_beyond_the_limits(arm: Make, observe: str) -> None:
+    """Positions of limited joints have twice their limits, the rest the bound of its unit; no state reaches them."""
+    env = arm(observe=observe)
+    space = env.observation_space
+    assert np.isfinite(space.low).all()
+    assert np.isfinite(space.high).all()
+    high = named(env, space.high)
+    assert (high["shoulder/position"], high["shoulder/velocity"]) == (4.0, 1e3)
+    env.reset(seed=0)
+    for _ in range(20):
+        observation, *_ = env.step(env.action_space.sample())
+        assert (np.abs(observation) < space.high).all()
+
+
 def test_same_seed_same_trajectory(arm: Make) -> None:
     """A seed fixes the whole episode, whatever came before; another seed gives another one."""
 
