@@ -217,8 +217,6 @@ class _Files:
                         help = (f"`base: fixed` or `base: floating` in {sidecar.path.name}",)
                     if folder and place.file.startswith(folder):  # the same text on every machine
                         place = place._replace(file=LIBRARY + place.file.removeprefix(folder).removeprefix("/"))
-                    if one.code == _OPEN_BASE:
-                        help = ("write `base: fixed` or `base: floating`",)
                     if one.code == _NO_DENSITY and is_step_name(path.name):  # there is no sidecar to write it into
                         place, help = span, (density,)
                     found.add(one.code, one.message, place, help=help, notes=(*one.notes, note))
