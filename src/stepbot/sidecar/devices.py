@@ -39,7 +39,7 @@ def _count(value: Any) -> int:
     return value
 
 
-_BYTES = re.compile(r"([0-9]+(?:\.[0-9]+)?) ?([kKMG]?)B?")
+_BYTES = re.compile(r"([0-9]+(\.[0-9]+)?) ?([kKMG]?)B?")
 _POWERS = {"": 1, "k": 10**3, "K": 10**3, "M": 10**6, "G": 10**9}
 
 
@@ -50,7 +50,7 @@ def _bytes(value: Any) -> int:
         if isinstance(value, str):
             raise fault("SB122", f"expected a number of bytes such as 10M, not {described(value)}")
         return _count(value)
-    return _count(int(Fraction(given[1]) * _POWERS[given[2]]))
+    return _count(int(Fraction(given[1]) * _POWERS[given[3]]))
 
 
 Bytes = Annotated[
