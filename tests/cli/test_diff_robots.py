@@ -122,3 +122,16 @@ def test_a_file_that_no_engine_reads_is_named(tmp_path: Path, stepbot: Stepbot) 
     assert run.code == 2
     assert "SB815" in run.err
     assert "2 root links" in run.err or "only validates files" in run.err  # libsdformat's command, if installed
+
+
+@pytest.mark.parametrize("old", ['<child link="{tool}"/>', '<parent link="{arm}"/>'])
+def test_a_joint_to_a_link_that_is_missing(old: str, tmp_path: Path, stepbot: Stepbot) -> None:
+    """Engines that read such a file are no reason for an internal error, whichever of two files it is."""
+    paths = [
+        _arm(tmp_path / "sound.urdf"),
+        _arm(tmp_path / "main.urdf", (old.format(**NAMES), old.format(arm="x", tool="x"))),
+    ]
+    for pair in (paths, paths[::-1]):
+        run = stepbot("diff", *pair)
+        assert run.code in (1, 2)
+        assert "SB901" not in run.err

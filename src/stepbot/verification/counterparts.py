@@ -156,8 +156,9 @@ def _names(side: _Side) -> list[str]:
 
 
 def _side(seen: Observation) -> _Side:
-    above = {joint.child: joint for joint in seen.joints}
-    return _Side({link.name: link for link in seen.links}, above, seen.poses[0] if seen.poses else {})
+    links = {link.name: link for link in seen.links}
+    above = {joint.child: joint for joint in seen.joints if joint.child in links}  # some engines read others, too
+    return _Side(links, above, seen.poses[0] if seen.poses else {})
 
 
 def _children(ours: _Side, theirs: _Side, a: str, b: str) -> list[tuple[str, str]]:
