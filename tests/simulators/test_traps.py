@@ -4,6 +4,7 @@ import re
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -200,6 +201,32 @@ def test_mujoco_keeps_base_visuals_and_folders_of_a_urdf(arm: Folder) -> None:
     assert seen.links[0].mass == pytest.approx(arm.robot.root.mass_properties.mass, rel=1e-12)
     assert all(link.has_visuals for link in seen.links[:3])
     assert failures(arm.expected("urdf"), seen) == set()
+
+
+@pytest.mark.mujoco
+def test_mujoco_lets_the_base_of_a_urdf_collide_with_what_moves_on_it(tmp_path: Path) -> None:
+    """MuJoCo excludes contacts of adjacent links, but not with a parent fixed to the world; stepbot does."""
+    mujoco = pytest.importorskip("mujoco")
+    from stepbot.engines.mujoco.observer import _compile
+
+    link = (
+        '<link name="{}"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+        "</inertial>"
+        '<collision><origin xyz="0 0 {}"/><geometry><sphere radius="0.2"/></geometry></collision></link>'
+    )
+    joint = '<joint name="{1}" type="{2}"><parent link="{0}"/><child link="{1}"/><axis xyz="1 0 0"/></joint>'
+    top = "".join([link.format(name, z) for name, z in (("base", 0), ("stand", 0.1), ("arm", 0.2), ("tool", 0.15))])
+    top += joint.format("base", "stand", "fixed") + joint.format("stand", "arm", "continuous")
+    path = tmp_path / "two.urdf"
+    path.write_text(f'<robot name="two">{top}{joint.format("arm", "tool", "fixed")}</robot>', encoding="utf-8")
+
+    def contacts(model: Any) -> int:
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        return int(data.ncon)
+
+    assert contacts(mujoco.MjModel.from_xml_path(str(path))) > 0
+    assert contacts(_compile(mujoco, Request(str(path), "urdf"))[0]) == 0
 
 
 @pytest.mark.mujoco

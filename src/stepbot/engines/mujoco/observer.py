@@ -7,6 +7,7 @@ solved on their own rows. https://mujoco.readthedocs.io/en/stable/XMLreference.h
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -112,6 +113,7 @@ def _compile(engine: Any, request: Request) -> tuple[Any, tuple[str, ...]]:
             for mesh in spec.meshes:  # URDF states every mass, so a flat mesh is not a fault
                 mesh.inertia = engine.mjtMeshInertia.mjMESH_INERTIA_SHELL
             unstated = _without_inferred_masses(spec)
+            _exclude_contacts_of_base(spec)
             model, notes = _with_weightless_links(engine, spec)
             model, rounded = without_rounding(engine, model, lambda: spec)
             return model, (*unstated, *notes, *rounded, *substitutes.notes())
@@ -137,6 +139,24 @@ def _without_inferred_masses(spec: Any) -> tuple[str, ...]:
         body.explicitinertial, body.mass, body.inertia, body.ipos = True, 0.0, [0.0] * 3, [0.0] * 3
     names = ", ".join(inferred)
     return (f"mass 0 in place of one that MuJoCo computes from geometry, without <inertial>: {names}",) if names else ()
+
+
+def _exclude_contacts_of_base(spec: Any) -> None:
+    """Exclude contacts of the base with the links that move on it, as MuJoCo excludes those of other adjacent links.
+
+    It does not where the parent is fixed to the world, and a URDF cannot state the exclusion.
+    """
+    base = [body for top in spec.worldbody.bodies if not top.joints for body in _welded(top)]
+    for body in base:
+        for moving in (child for child in body.bodies if child.joints):
+            for one, other in product(base, _welded(moving)):
+                if one.geoms and other.geoms:
+                    spec.add_exclude(bodyname1=one.name, bodyname2=other.name)
+
+
+def _welded(body: Any) -> list[Any]:
+    """A body and those fixed to it."""
+    return [body, *(each for child in body.bodies if not child.joints for each in _welded(child))]
 
 
 def _with_weightless_links(engine: Any, spec: Any) -> tuple[Any, tuple[str, ...]]:
