@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
@@ -105,17 +106,24 @@ class _Side:
     above: Mapping[str, ObservedJoint]
     poses: Mapping[str, Pose]
 
+    @cached_property
+    def _below(self) -> dict[str, list[str]]:
+        found = dict[str, list[str]]()
+        for joint in self.above.values():
+            found.setdefault(joint.parent, []).append(joint.child)
+        return found
+
     def children(self, parent: str) -> list[str]:
-        return [joint.child for joint in self.above.values() if joint.parent == parent]
+        return self._below.get(parent, [])
 
     @property
     def root(self) -> str:
         return next((name for name in self.links if name not in self.above), "")
 
-    def shape(self, link: str) -> tuple[object, ...]:
-        """Types of the joints below a link, whatever their order."""
+    def shape(self, link: str) -> str:
+        """Types of the joints above and below a link, whatever their order; its length is that of the tree."""
         kind = self.above[link].kind
-        return (_SINGLE.get(kind, kind), tuple(sorted(map(repr, map(self.shape, self.children(link))))))
+        return f"{_SINGLE.get(kind, kind)}({','.join(sorted(map(self.shape, self.children(link))))})"
 
 
 def counterparts(first: Observation, other: Observation) -> Renaming:
