@@ -16,6 +16,7 @@ def test_the_table_replaces_the_one_of_the_page() -> None:
     once = page_with(page, table([LINE], "two cores"))
     assert row(LINE) in once
     assert page_with(once, table([LINE], "two cores")) == once
-    start, end = page.index("<!-- table -->"), page.index("<!-- end -->")
+    start = page.index("<!-- table -->")
+    end = page.index("<!-- end -->", start)
     assert once.startswith(page[:start])
     assert once.endswith(page[end:])

@@ -7,6 +7,7 @@ from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import largest
+from stepbot.geometry.fixed_point import exact_sum
 
 _APART = 0.925
 """Score of a weld between bodies of one part that do not touch: below that of a motor's output."""
@@ -92,7 +93,8 @@ class Structure:
         survey, inside = self._survey, set(members)
         islands = survey.islands(members)
         volumes = sorted(map(survey.total_volume, islands))
-        if len(islands) > 1 and sum(volumes) > _IMPORT * survey.volume and volumes[-2] > _PIECE * sum(volumes):
+        whole = exact_sum(volumes)
+        if len(islands) > 1 and whole > _IMPORT * survey.volume and volumes[-2] > _PIECE * whole:
             held = sum(any(r.other(i) not in inside for i in one for _, r in survey.around(i)) for one in islands)
         else:
             held = sum(any(survey.holders(i) - inside for i in one) for one in islands)
