@@ -10,7 +10,7 @@ import pytest
 from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.engines.observation import Quantity
+from stepbot.engines.observation import EngineRefused, Quantity
 from stepbot.formats.rendering import render
 from stepbot.robot.dynamics import equations_of_motion
 from stepbot.robot.kinematics import moving_joints
@@ -179,6 +179,19 @@ def test_drake_needs_a_scene_to_miss_a_mesh(tmp_path: Path) -> None:
     assert build(request, shapes=False).bodies
     with pytest.raises((WorkerDied, RemoteError), match="upper_arm_1"):
         call_isolated("stepbot.engines.drake.observer:observe", request, timeout=120.0)
+
+
+def test_drake_rejects_the_frames_of_sensors_in_gazebo(tmp_path: Path) -> None:
+    """Drake rejects `<gz_frame_id>`; it is verified with a copy without, and a note says so."""
+    skip_without("drake")
+    from stepbot.engines.drake.plant import build
+
+    request = replace(write(ROBOTS["equipped"](), tmp_path).request("sdf"), simulate=0.0)
+    assert "<gz_frame_id>" in Path(request.file).read_text(encoding="utf-8")
+    with pytest.raises(EngineRefused, match="gz_frame_id"):
+        build(request)
+    seen = call_isolated("stepbot.engines.drake.observer:observe", request, timeout=120.0)
+    assert any("gz_frame_id" in note for note in seen.notes)
 
 
 def test_drake_does_not_read_mimics_of_sdformat(tmp_path: Path) -> None:

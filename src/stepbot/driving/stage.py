@@ -3,13 +3,13 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from math import atan2, degrees, hypot, isfinite
+from math import atan2, copysign, degrees, hypot, isfinite
 
 import numpy as np
 
 from stepbot.engines.simulation import Mechanism, Motor, Setup, Simulation
 from stepbot.geometry.spatial import Array, Pose
-from stepbot.robot.model import ActuatorKind, JointKind, LoopClosure
+from stepbot.robot.model import ActuatorKind, JointKind, LoopClosure, Robot
 
 from .mechanism import Wheels
 from .results import Measure, largest
@@ -111,8 +111,9 @@ def tilt(X_WR: Pose) -> float:
 class Speeds:
     """The largest speed of each joint, relative to its limit [%]: driven by its motor, and pushed against it."""
 
-    def __init__(self) -> None:
+    def __init__(self, robot: Robot) -> None:
         """Nothing is measured yet."""
+        self._dynamics = {joint.name: joint.dynamics for joint in robot.joints}
         self._driven: dict[Motor, float] = {}
         self._pushed: dict[str, float] = {}
 
@@ -121,9 +122,11 @@ class Speeds:
         v = simulation.speeds()[motor.joint]
         if isfinite(motor.limit.velocity):
             share = 100.0 * abs(v) / motor.limit.velocity
-            # Beyond its limit, a joint whose motor brakes is driven on by gravity, other joints or its loop.
-            brakes = share > 100.0 and simulation.effort(motor.joint) * v <= 0.0
-            if brakes:
+            # Beyond its limit, a joint whose motor gives less than its damping and friction take is driven on by
+            # gravity, other joints or its loop.
+            own = self._dynamics[motor.joint]
+            left = copysign(1.0, v) * simulation.effort(motor.joint) - own.damping * abs(v) - own.friction
+            if share > 100.0 and left <= 0.0:
                 self._pushed[motor.joint] = max(self._pushed.get(motor.joint, 0.0), share)
             else:
                 self._driven[motor] = max(self._driven.get(motor, 0.0), share)

@@ -4,7 +4,7 @@ https://docs.ros.org/en/rolling/p/urdfdom/ defines what the versions add. MuJoCo
 capsules of 1.1 whatever version a file states, and ignore the limits of 1.2.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -90,27 +90,36 @@ def with_rpy(robot: Element) -> bool:
 
 
 @contextmanager
-def readable(request: Request, *, capsules: bool = True) -> Iterator[tuple[Request, tuple[str, ...]]]:
-    """A request for a file of URDF 1.0, and a note if that is a copy; meshes have absolute paths in it.
+def readable(
+    request: Request, *, capsules: bool = True, rejected: Mapping[str, str] = {}
+) -> Iterator[tuple[Request, tuple[str, ...]]]:
+    """A request for a file that the engine reads, and a note if that is a copy; meshes have absolute paths in it.
+
+    URDF 1.1 and 1.2 become URDF 1.0.
 
     Args:
         request: A request for a file of any format.
         capsules: Whether the engine reads capsules; for one that does not and reports no sizes they become cylinders.
+        rejected: By format, an element without which the engine reads the file, and which it does not report.
     """
     from lxml import etree
 
-    file = Path(request.file)
-    top = xml_root(file) if request.format == "urdf" and is_file(file) else None
+    file, tag = Path(request.file), rejected.get(request.format, "")
+    top = xml_root(file) if (request.format == "urdf" or tag) and is_file(file) else None
     round_ended = [] if capsules or top is None else top.findall("link//geometry/capsule")
+    left_out = list(top.iter(tag)) if top is not None and tag else []
     turned = top is not None and with_rpy(top)
-    if top is None or not (turned or round_ended):
+    if top is None or not (turned or round_ended or left_out):
         yield request, ()
         return
     for capsule in round_ended:
         capsule.tag = "cylinder"
+    for one in left_out:
+        one.getparent().remove(one)
     locate(top, file, ())
     with TemporaryDirectory(dir=run_folder()) as folder:
         copy = Path(folder) / file.name
         copy.write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
         done = ([_RPY] if turned else []) + ([_CYLINDERS] if round_ended else [])
+        done += [f"no <{tag}>, which this engine rejects"] if left_out else []
         yield replace(request, file=str(copy)), (f"read from a copy with {' and '.join(done)}",)

@@ -296,6 +296,9 @@ def answer(function: str, memory_limit: int | None) -> NoReturn:
         except MemoryError:
             sys.stderr.write("MemoryError\n")
             sys.exit(1)
+        except SystemExit as end:  # as Drake's bindings raise it, with the message of a failed assertion
+            sys.stderr.write(f"{end}\n")
+            sys.exit(1)
         except Exception as error:  # noqa: BLE001 - raised again by the caller, as a RemoteError
             outcome = ("raised", (type(error).__name__, str(error), traceback.format_exc()))
         payload = pickle.dumps(outcome, protocol=5)

@@ -34,6 +34,11 @@ def double_or_leave(number: int | None) -> int:
     return 2 * number
 
 
+def exit_with(message: str) -> None:
+    """Raise SystemExit with a message, as Drake's bindings do."""
+    sys.exit(message)
+
+
 def start_thread() -> None:
     """Leave a thread running, as some libraries do when imported."""
     threading.Thread(target=time.sleep, args=(600.0,), daemon=True).start()

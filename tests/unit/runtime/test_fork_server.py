@@ -75,6 +75,13 @@ def test_an_exit_without_a_result_is_a_death(server: ForkServer) -> None:
         call(server, "leave", 3)
 
 
+def test_the_message_of_an_exit_is_the_last_line(server: ForkServer) -> None:
+    """Python prints it at the end of an interpreter; a forked worker has no such end."""
+    with pytest.raises(WorkerDied, match="exit code 1") as caught:
+        call(server, "exit_with", "condition failed")
+    assert caught.value.last_lines == ("condition failed",)
+
+
 def test_too_long_is_a_death(server: ForkServer) -> None:
     """A call is ended after its timeout."""
     with pytest.raises(WorkerDied, match=r"no result after 0.5 s"):

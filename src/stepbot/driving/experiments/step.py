@@ -49,7 +49,7 @@ def _spinning(stage: Stage) -> list[Motor]:
 
 class _Drive:
     def __init__(self, stage: Stage, gaps: Gaps) -> None:
-        self._stage, self._gaps, self.speeds = stage, gaps, Speeds()
+        self._stage, self._gaps, self.speeds = stage, gaps, Speeds(stage.mechanism.robot)
 
     def step(self, simulation: Simulation, motor: Motor, move: Move) -> tuple[float, float, Series]:
         """Overshoot [%], final error [rad] or [m], and the response."""

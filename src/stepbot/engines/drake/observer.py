@@ -54,6 +54,8 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
         Quantity.LIMITS: "Drake ignores actuatorfrcrange",
     },
 }
+_REJECTED = {"sdf": "gz_frame_id"}
+"""Gazebo's name of the frame of a sensor, which libsdformat ignores with a warning, and Drake rejects."""
 _GAP = re.compile(r"not (currently |yet )?support|unsupported|not implemented|(will be|element) ignored", re.IGNORECASE)
 """Drake's warnings about features that it reads but does not support."""
 
@@ -79,7 +81,7 @@ def observe(request: Request) -> Observation:
     unmoved = inner_joints(path) if request.format == "urdf" else ""
     if unmoved:
         raise EngineCannotRead(f"Drake names the coordinates of these joints itself, or gives them none: {unmoved}")
-    with readable(request) as (request, replaced), _messages(Path(request.file)) as messages:
+    with readable(request, rejected=_REJECTED) as (request, replaced), _messages(Path(request.file)) as messages:
         built = build(request)
         observation = _static(built, request)
         if request.closures and request.format == "drake.sdf":
