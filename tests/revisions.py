@@ -202,14 +202,14 @@ def lock(sidecar: Path) -> None:
     """Write the lock of a sidecar, as ``stepbot lock`` does."""
     from stepbot.diagnostics import Diagnostics
     from stepbot.pipeline.conversion import Options
-    from stepbot.pipeline.locking import make_lock
+    from stepbot.pipeline.locking import make_locks
     from stepbot.revisions import lock_path
     from stepbot.revisions.lock_file import lock_bytes
 
     found = Diagnostics()
-    made = make_lock(sidecar, Options(output=Path()), found)
-    assert made is not None, list(map(str, found))
-    lock_path(sidecar).write_bytes(lock_bytes(made))
+    made = make_locks(sidecar, Options(output=Path()), found)
+    assert made, list(map(str, found))
+    lock_path(sidecar).write_bytes(lock_bytes(made[lock_path(sidecar)]))
 
 
 def write_locked_lever(folder: Path = Path(), sidecar: str = LEVER) -> Revision:

@@ -44,12 +44,11 @@ def command(
     """Write `<robot>.lock.json` beside each sidecar: shape, pose and mass of each component, axis of each joint.
 
     After a CAD change, `check --step` and `convert` compare the STEP file with it and report what was renamed, moved,
-    added, removed or reshaped. Folders are searched recursively; the default is the current folder. A robot with errors
-    is not locked.
+    added, removed or reshaped. The sidecars that a robot is composed of have a lock each. Folders are searched
+    recursively; the default is the current folder. A robot with errors is not locked.
     """
     from stepbot.jobs.discovery import find_sidecars
-    from stepbot.pipeline.locking import make_lock
-    from stepbot.revisions import lock_path
+    from stepbot.pipeline.locking import make_locks
     from stepbot.revisions.lock_file import lock_bytes
     from stepbot.runtime.file import write_file
 
@@ -61,14 +60,12 @@ def command(
     with progress_bar([str(path) for path in paths], options) as progress:
         for sidecar in paths:
             progress(str(sidecar))
-            of_one = Diagnostics()
-            locked = make_lock(sidecar, options, of_one)
-            if locked is not None:
-                write_file(lock_path(sidecar, options.variant), lock_bytes(locked), of_one)
-            if locked is not None and not of_one.has_errors:
-                written[lock_path(sidecar, options.variant)] = locked
-            # `check --step` and `convert` report the rest
-            found.extend(one for one in of_one if one.severity == "error")
+            for path, locked in make_locks(sidecar, options, found, written).items():
+                writing = Diagnostics()
+                write_file(path, lock_bytes(locked), writing)
+                if not writing.has_errors:
+                    written[path] = locked
+                found.extend(writing)
     say_trouble(options.cache, found)
     if as_json:
         files = [{"lock": path.as_posix(), **_counts(taken)} for path, taken in written.items()]
@@ -79,6 +76,8 @@ def command(
             for path, taken in written.items():
                 words = ", ".join(counted(number, noun.removesuffix("s")) for noun, number in _counts(taken).items())
                 write_result(printable(f"{path.as_posix()}: {words} of {taken.source}"))
+            if not (written or found.has_errors):
+                write_result("nothing to lock: composed of modules without sidecars of their own, or of the library")
     return found.exit_code
 
 

@@ -214,6 +214,73 @@ def test_robot_with_errors_is_not_locked(lever: Revision, stepbot: Stepbot) -> N
     assert Path("lever.lock.json").read_bytes() == before
 
 
+CART = """
+version: 1
+robot: cart
+base: fixed
+modules:
+  left: {file: work/lever.robot.yaml}
+  right: {file: work/lever.robot.yaml, at: left/base, offset: {xyz: [1, 0, 0]}}
+  post: {file: post.urdf, at: left/base, offset: {xyz: [2, 0, 0]}}
+"""
+POST = """<robot name="post"><link name="post"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
+
+
+def test_modules_are_locked_beside_their_sidecars(lever: Revision, stepbot: Stepbot) -> None:
+    """`lock` of a robot of modules locks each sidecar once, at any depth; `check --step` of the whole compares it."""
+    Path("work").mkdir()
+    for name in ("lever.step", "lever.robot.yaml"):
+        Path(name).rename(f"work/{name}")
+    Path("cart.robot.yaml").write_text(CART, encoding="utf-8")
+    Path("post.urdf").write_text(POST, encoding="utf-8")
+    cell = "version: 1\nrobot: cell\nmodules: {cart: {file: cart.robot.yaml, at: world}, me: {file: cell.robot.yaml}}\n"
+    Path("cell.robot.yaml").write_text(cell, encoding="utf-8")
+    line = "work/lever.lock.json: 7 components, 1 joint of lever.step\n"
+    for target in ("cart.robot.yaml", "cell.robot.yaml", "."):
+        run = stepbot("lock", target)
+        assert (run.code, run.err, run.out) == (0, "", line)
+    assert Path("work/lever.lock.json").read_bytes() == Path("lever.lock.json").read_bytes()
+    assert not [*Path().glob("c*.lock.json")]
+    lever.move("motor:1", pose((0, 5.0, 0))).write(Path("work/lever.step"))
+    run = stepbot("check", "--step", "--json", "cart.robot.yaml")
+    assert "SB318:pose" in [one["code"] for one in json.loads(run.out)["diagnostics"]]
+
+
+def test_errors_of_modules_are_reported_by_lock(lever: Revision, stepbot: Stepbot) -> None:
+    """A module with errors is not locked; others are. Without a sidecar to lock, `lock` states so."""
+    Path("bad.robot.yaml").write_text(LEVER.replace("motor]", "moter]"), encoding="utf-8")
+    modules = "modules: {a: {file: bad.robot.yaml}, b: {file: lever.robot.yaml, at: a/base}}"
+    Path("pair.robot.yaml").write_text(f"version: 1\nrobot: pair\n{modules}\n", encoding="utf-8")
+    run = stepbot("lock", "pair.robot.yaml")
+    assert run.code == 1
+    assert "bad.robot.yaml" in run.err
+    assert "SB301" in run.err
+    assert run.out.startswith("lever.lock.json: ")
+    assert not Path("bad.lock.json").exists()
+    Path("post.urdf").write_text(POST, encoding="utf-8")
+    text = "version: 1\nrobot: r\nmodules: {a: {file: post.urdf}, b: {file: 'library:2f85', at: a/post}}\n"
+    Path("r.robot.yaml").write_text(text, encoding="utf-8")
+    run = stepbot("lock", "r.robot.yaml")
+    assert (run.code, run.err) == (0, "")
+    assert run.out.startswith("nothing to lock")
+
+
+def test_inspect_of_modules_names_the_commands(lever: Revision, stepbot: Stepbot) -> None:
+    """A robot of modules has no STEP to show: SB150 with commands that work for its modules and for the whole."""
+    hung = "b: {file: post.urdf, at: a/base}, c: {file: 'library:arm2', at: a/base}"
+    modules = f"modules: {{a: {{file: lever.robot.yaml}}, {hung}}}"
+    Path("post.urdf").write_text(POST, encoding="utf-8")
+    Path("r.robot.yaml").write_text(f"version: 1\nrobot: r\nbase: fixed\n{modules}\n", encoding="utf-8")
+    run = stepbot("inspect", "r.robot.yaml")
+    assert run.code == 1
+    assert "r.robot.yaml:4:1: error[SB150]" in run.err
+    commands = re.findall("`stepbot (.*?)`", run.err)
+    assert commands == ["library export arm2", "inspect lever.robot.yaml", "check --step r.robot.yaml"]
+    for command in commands:
+        assert stepbot(*shlex.split(command)).code == 0, command
+
+
 def test_lock_in_json(lever: Revision, stepbot: Stepbot) -> None:
     """`lock --json` has files, counts and exit code."""
     run = stepbot("lock", "--json", "lever.robot.yaml")

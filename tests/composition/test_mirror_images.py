@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from fnmatch import fnmatch
 from math import inf
 from pathlib import Path
 
@@ -52,6 +53,43 @@ def test_followers_are_at_their_images(flip: str, q: float, composed: Compose) -
     for name in ("finger", "thumb", "tail"):
         expected = image_of(poses[f"left_{name}"].matrix)
         assert np.allclose(poses[f"right_{name}"].matrix, expected, rtol=0.0, atol=1e-12), name
+
+
+@pytest.mark.parametrize(
+    ("of_arm", "of_hand"),
+    [("", ""), ("*_lift", ""), ("*_roll", "*_turn"), ("", "*_turn"), ("*", "*"), ("*', '*_roll", "*_roll")],
+)
+@pytest.mark.parametrize("leader", ["left_arm_lift", "left_arm/finger_roll", "left_hand/finger_roll"])
+def test_images_of_joints_follow_the_image_of_their_leader(
+    leader: str, of_arm: str, of_hand: str, composed: Compose
+) -> None:
+    """A mimic of the composing file above a mirrored module: its leader is in a mirrored module, or above one."""
+    limits = "limits: {lower: -9, upper: 9, effort: 1, velocity: 1}"
+    above = f"""joints:
+  left_arm_lift: {{type: revolute, parent: trunk/tip, child: left_arm, axis: [0.6, 0, 0.8], {limits}}}
+  left_hand_turn:
+    {{type: revolute, parent: left_arm/tail, child: left_hand, axis: [0, 0.6, 0.8], {limits},
+     mimic: {{joint: {leader}, multiplier: 0.5, offset: 0.1}}}}
+"""
+    modules = ["trunk: {file: trunk.urdf}"]
+    for name, flip in (("arm", of_arm), ("hand", of_hand)):
+        flips = f", flip: ['{flip}']" if flip else ""
+        modules += [f"left_{name}: {{file: hand.urdf}}", f"right_{name}: {{mirror_of: left_{name}{flips}}}"]
+    trunk = urdf("trunk", link("tip"))
+    files = {"r.robot.yaml": composing(*modules, more=above), "hand.urdf": HAND, "trunk.urdf": trunk}
+    robot = composed(files, Diagnostics())
+    q = {"left_arm_lift": 0.3, "left_arm_finger_roll": 0.7, "left_hand_finger_roll": -0.2}
+    flips_of = {True: of_arm.split("', '"), False: of_hand.split("', '")}
+    for name, position in list(q.items()):
+        is_reversed = any(fnmatch(name, pattern) for pattern in flips_of["_arm_" in name])
+        q[name.replace("left", "right")] = -position if is_reversed else position
+    poses = link_poses(robot, q)
+    for name in ("arm_tail", "hand_palm", "hand_tail"):
+        expected = image_of(poses[f"left_{name}"].matrix)
+        assert np.allclose(poses[f"right_{name}"].matrix, expected, rtol=0.0, atol=1e-12), name
+    followed = robot.joint_by_name["right_hand_turn"].mimic
+    assert followed is not None
+    assert followed.joint == leader.replace("left", "right").replace("/", "_")
 
 
 def test_flipped_twice_is_the_robot(composed: Compose) -> None:

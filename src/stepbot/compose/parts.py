@@ -157,10 +157,11 @@ class Parts:
         of = section.mirror_of or ""
         above = [image_name(joint, of, name) for joint in self._above(of)]
         for index, pattern in enumerate(section.flip):
-            one = flipped(image, [pattern])
-            if one.joints == image.joints and not any(fnmatchcase(joint, pattern) for joint in above):
+            if flipped(image, [pattern]).joints == image.joints and not any(
+                fnmatchcase(joint, pattern) for joint in above
+            ):
                 self._unknown(name, ("flip", index), pattern, "matches no joint that moves", names)
-            image = one
+        image = flipped(image, section.flip)
         span = self._sidecar.key_span("modules", name)
         threads = [joint.name for joint in robot.joints if joint.pitch]
         if threads:

@@ -224,8 +224,35 @@ class Places:
                 continue
             root = self._parts[name].robot.root.name
             made = self._joint_of(above, joint, port.link, root, IDENTITY)
+            made = replace(made, mimic=self._image_mimic(name, above))
             image = _mirrored_joint(replace(made, name=image_name(above, of, name)), section)
             self._attach(root, _mount(replace(image, X_PC=tidy(port.X_LP)), X_RC), name)
+
+    def _image_mimic(self, name: str, above: str) -> Mimic | None:
+        """The mimic of the image of a joint: of the leader's image, or of the leader itself if it has none.
+
+        Args:
+            name: The mirrored module.
+            above: The joint of the composing file whose image is above it.
+        """
+        mimic = self._document.joints[above].mimic
+        if mimic is None:
+            return None
+        reference, multiplier, modules = mimic.joint, mimic.multiplier.value, self._document.modules
+        own = self._document.joints.get(reference)
+        module, _, path = (reference if own is None else own.child).partition("/")
+        images = [one for one, section in modules.items() if section.mirror_of == module and one in self._parts]
+        if own is not None:  # the image of a joint exists where the mirrored module has no other place
+            images = [one for one in images if modules[one].at is None and not self._joints_above(one)]
+        if images:
+            image = name if name in images else images[0]
+            part = self._parts[image]
+            reference = f"{image}/{path}" if own is None else image_name(reference, module, image)
+            leader = part.written(path).removeprefix(part.prefix) if own is None else reference
+            if any(fnmatchcase(leader, pattern) for pattern in modules[image].flip):
+                multiplier = 0.0 - multiplier
+        joint = self._ports.joint(reference, ("joints", above, "mimic", "joint"))
+        return None if joint is None else Mimic(joint, multiplier, mimic.offset.value)
 
     def _image_port(self, name: str, reference: str, keys: tuple[str, ...], offset: Pose, m: Array) -> Port | None:
         """The mirror image of a port: on the mirror image of its module, or in its own link, which is in the middle."""

@@ -37,14 +37,12 @@ from .building import build, places
 from .conversion import Options, is_description
 from .expectations import check_expected
 from .loading import Loading
-from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
+from .sidecars import LIBRARY, SIDECAR_SUFFIXES, load, named_step, what_to_read
 
 DEEPEST = 8
 """Most modules within modules."""
 MOST = 256
 """Most modules of one robot, those of modules included."""
-LIBRARY = "library:"
-"""Beginning of a file that is a robot of the library."""
 _OPEN_BASE = "SB874:base"
 """A description does not say whether its base is fixed; what it is attached to decides."""
 _NO_DENSITY = "SB522"

@@ -1,7 +1,7 @@
 """Locks of sidecars: created from an assembly, and compared with it after a change of the CAD."""
 
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
@@ -16,7 +16,7 @@ from stepbot.revisions.comparison import Comparison, report_outdated, revised
 from stepbot.revisions.findings import report_changes
 from stepbot.revisions.lock_file import lock_bytes, read_lock
 from stepbot.revisions.snapshot import Snapshot, snapshot, with_sidecar
-from stepbot.runtime.file import exists, is_file, read_regular
+from stepbot.runtime.file import exists, is_file, read_regular, resolved
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.own_part import own_part
 from stepbot.sidecar.rewriting import rewritten
@@ -25,7 +25,7 @@ from stepbot.step.structure.paths import quoted
 
 from .conversion import Options
 from .loading import Loading
-from .sidecars import load, named_step, what_to_read
+from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
 
 
 def compared_with_lock(
@@ -59,24 +59,59 @@ def compared_with_lock(
     return compared
 
 
-def make_lock(sidecar: Path, options: Options, found: Diagnostics) -> Snapshot | None:
-    """The content of the lock of a sidecar and its STEP; None if the robot has errors, which are in ``found``."""
-    try:
-        loaded = own_part(load(sidecar, options, found))
-        step = options.step or named_step(loaded, found)
-        with closing(Loading(step, what_to_read(loaded, options), options, found)) as loading:
-            assembly, measures = loading.assembly(found), partial(loading.measures, found)
-            built = build_robot(assembly, loaded, measures, found, options.cache, loading.mesh_worker)
-            found.raise_if_errors()
-            assert built is not None  # a missing robot always has an error
-            taken = snapshot(assembly, loading.content, measures())
-    except StepbotError as error:
-        found.extend(error.diagnostics)
-        return None
+def make_locks(sidecar: Path, options: Options, found: Diagnostics, done: Iterable[Path] = ()) -> dict[Path, Snapshot]:
+    """The lock of a sidecar with a STEP, and of each sidecar that it is composed of, other than those of the library.
+
+    Args:
+        sidecar: The sidecar.
+        options: The codes to ignore, and another STEP, for the sidecar itself.
+        found: Receives the errors.
+        done: Paths of locks that are not made again.
+
+    Returns:
+        Their content by path; a robot with errors has none.
+    """
+    made: dict[Path, Snapshot] = {}
+    seen = {resolved(path) for path in done}
+    waiting = [(sidecar, options)]
+    for path, of_path in waiting:
+        lock = lock_path(path, of_path.variant)
+        if resolved(lock) in seen:
+            continue
+        seen.add(resolved(lock))
+        local = Diagnostics()
+        try:
+            loaded = load(path, of_path, local)
+            for module in loaded.document.modules.values():
+                file = path.parent / (module.file or "")
+                if is_file(file) and file.suffix.lower() in SIDECAR_SUFFIXES:
+                    waiting.append((file, options._replace(step=None, ignore=(), variant=module.variant or "")))
+            if loaded.document.step or not loaded.document.modules:
+                made[lock] = _lock(own_part(loaded), of_path, local)
+        except StepbotError as error:
+            local.extend(error.diagnostics)
+        # `check --step` and `convert` report the rest
+        found.extend(one for one in local if one.severity == "error")
+    return made
+
+
+def _lock(sidecar: Sidecar, options: Options, found: Diagnostics) -> Snapshot:
+    """The content of the lock of a sidecar's own STEP.
+
+    Raises:
+        StepbotError: The robot has errors.
+    """
+    step = options.step or named_step(sidecar, found)
+    with closing(Loading(step, what_to_read(sidecar, options), options, found)) as loading:
+        assembly, measures = loading.assembly(found), partial(loading.measures, found)
+        built = build_robot(assembly, sidecar, measures, found, options.cache, loading.mesh_worker)
+        found.raise_if_errors()
+        assert built is not None  # a missing robot always has an error
+        taken = snapshot(assembly, loading.content, measures())
     if not taken.digest:
-        found.add("SB001", "the file changed while it was read", loaded.span("step"), help=["run the command again"])
-        return None
-    return with_sidecar(taken, assembly, loaded.document, bind(assembly, loaded, measures()))
+        found.add("SB001", "the file changed while it was read", sidecar.span("step"), help=["run the command again"])
+        found.raise_if_errors()
+    return with_sidecar(taken, assembly, sidecar.document, bind(assembly, sidecar, measures()))
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,6 @@
 """Loads and checks a sidecar on its own; its STEP file and read options."""
 
+import shlex
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,6 +18,8 @@ from stepbot.step.assembly import ReadOptions
 from .conversion import Options
 
 SIDECAR_SUFFIXES = (".yaml", ".yml")
+LIBRARY = "library:"
+"""Beginning of a module's file that is a robot of the library."""
 
 
 def load(
@@ -52,8 +55,19 @@ def named_step(sidecar: Sidecar, found: Diagnostics) -> Path:
         StepbotError: It does not exist.
     """
     if not sidecar.document.step:
-        help = ["name the sidecar or the STEP of a module"]
-        found.add("SB150", "sidecar: composed of modules alone, without a STEP of its own", sidecar.span(), help=help)
+        files = dict.fromkeys(module.file or "" for module in sidecar.document.modules.values())
+        help = [
+            f"`stepbot library export {one.removeprefix(LIBRARY)}` writes the STEP of '{one}'"
+            for one in files
+            if one.startswith(LIBRARY)
+        ]
+        paths = [sidecar.path.parent / one for one in files if not one.startswith(LIBRARY)]
+        with_step = [one for one in paths if is_step_name(one.name) or one.suffix.lower() in SIDECAR_SUFFIXES]
+        help += [f"`{shlex.join(['stepbot', 'inspect', one.as_posix()])}`" for one in with_step]
+        whole = shlex.join(["stepbot", "check", "--step", sidecar.path.as_posix()])
+        help = [*help[:_SHOWN], f"`{whole}` lists the joints of the whole"]
+        message = "modules: the robot is composed of them alone, without a STEP of its own"
+        found.add("SB150", message, sidecar.key_span("modules"), help=help)
         found.raise_if_errors()
     path = sidecar.step_path
     if not exists(path):

@@ -213,8 +213,9 @@ def inspect(path: Path, options: Options) -> Inspection:
     """Read a STEP file and measure its bodies; for a sidecar, read its STEP, with its links' components."""
     found = Diagnostics()
     try:
-        sidecar = own_part(load(path, options, found)) if path.suffix.lower() in SIDECAR_SUFFIXES else None
+        sidecar = load(path, options, found) if path.suffix.lower() in SIDECAR_SUFFIXES else None
         step = path if sidecar is None else options.step or named_step(sidecar, found)
+        sidecar = None if sidecar is None else own_part(sidecar)
         what = what_to_read(sidecar, options)
         with closing(Loading(step, what, options, found)) as loading:
             assembly = loading.incomplete_assembly(found)

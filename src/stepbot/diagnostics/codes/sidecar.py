@@ -269,9 +269,9 @@ CODES = (
         "error",
         "module cannot be read",
         "The file of a module is missing, a module names neither a file nor another module, a file contains "
-        "itself through its modules, or there are too many.",
-        "Correct the path, which is relative to the sidecar, set exactly one of `file` and `mirror_of`, or "
-        "remove one of the modules in the listed chain.",
+        "itself through its modules, or there are too many. Or a command shows one STEP, and the sidecar has modules alone.",
+        "Correct the path, which is relative to the sidecar, set exactly one of `file` and `mirror_of`, "
+        "remove one of the modules in the listed chain, or run a listed command.",
     ),
     Code(
         "SB152",
