@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.runtime.robot_library import library_robot
 from stepbot_cli import main
 from tests.library.conftest import LIBRARY, ROBOTS, Converted
 
@@ -47,6 +48,21 @@ def test_gripper_holds_with_the_force_of_its_data_sheet(
     code = main(["drive", str(converted(robot).folder), *options])
     document = json.loads(capsys.readouterr().out)
     assert [one["status"] for one in document["tests"]] == ["passed"], document
+    assert code == 0
+
+
+@pytest.mark.long
+@pytest.mark.pybullet
+@pytest.mark.parametrize(("robot", "test"), [("ur5e_2f85", "grip"), ("panda_hand", "grip"), ("dog", "stand")])
+def test_composed_robots_do_as_their_modules(
+    robot: str, test: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A gripper holds its cube on an arm, too, and a trunk with one leg four times stands, in both engines."""
+    sidecar = library_robot(robot).sidecar
+    code = main(["drive", str(sidecar), "--test", test, "--cache", str(tmp_path), "--json"])
+    document = json.loads(capsys.readouterr().out)
+    seen = {(one["test"], one["engine"], one["status"]) for one in document["tests"]}
+    assert seen == {(test, engine, "passed") for engine in ("mujoco", "pybullet")}, document
     assert code == 0
 
 
