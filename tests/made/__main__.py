@@ -2,7 +2,7 @@
 
 from argparse import ArgumentParser
 
-from .kinds import ASIDE, ASIDE_BOUGHT, ASIDE_LATER, KINDS
+from .kinds import ASIDE, ASIDE_BOUGHT, ASIDE_LATER, ASIDE_LATEST, KINDS
 from .scored import Result, drawn, scored
 
 
@@ -17,7 +17,7 @@ def main() -> None:
     whole = Result()
     print("| kind | found | merged | wrong, unmarked | wrong, REVIEW | volume | root |\n| --- |" + " --- |" * 6)
     for kind in KINDS:
-        if chosen.kind not in kind or (kind in ASIDE | ASIDE_LATER | ASIDE_BOUGHT) != chosen.aside:
+        if chosen.kind not in kind or (kind in ASIDE | ASIDE_LATER | ASIDE_BOUGHT | ASIDE_LATEST) != chosen.aside:
             continue
         total = Result()
         for seed in range(chosen.seeds):

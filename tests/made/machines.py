@@ -285,3 +285,44 @@ def rocker_bogie(kit: Kit) -> None:
             W, link = T @ at(0, side * 9, 0), f"wheel{side}{n}"
             kit.add(link, "wheel", across(32, 18) - across(r + c, 18), W)
             kit.joint("revolute", host, link, W[:3, 3], Y)
+
+
+def module_arm(kit: Kit) -> None:
+    """An arm of joint modules, each a round housing with a flange in its end, on brackets and plates by turns."""
+    rng, c, g, R = kit.rng, kit.clearance, kit.gap, kit.rng.uniform(28, 45)
+    high, r, hollow = rng.uniform(1.4, 2.4) * R, rng.uniform(0.55, 0.75) * R, rng.choice((0.0, 0.0, 5.0, 8.0))
+    feet, heads = circle(6, R - 5, 1.6), circle(rng.choice((4, 6, 8)), r - 5, 1.6)
+    housing = cylinder(R, high) - cylinder(r + c, 8).at(0, 0, high - 8)
+    flange = cylinder(r, 10 - g).at(0, 0, high - 8 + g)
+    for x, y, _ in feet:
+        housing = housing - cylinder(1.3, 8).at(x, y, 0)
+    for x, y, _ in heads:
+        flange = flange - cylinder(1.3, 6).at(x, y, high - 4)
+    if hollow:
+        housing, flange = drilled(housing, (0, 0, hollow)), drilled(flange, (0, 0, hollow))
+    kit.add("base", "base", drilled(box(3 * R, 3 * R, 6).at(0, 0, -3), *feet))
+    T, here, count = np.eye(4), "base", rng.choice((3, 4, 5, 6))
+    for n in range(count):
+        link = f"link{n}"
+        kit.add(here, "motor", housing, T, unit=f"joint module {n}")
+        kit.add(link, "flange", flange, T, unit=f"joint module {n}")
+        for x, y, _ in feet:
+            kit.screw(T @ at(x, y, 8) @ rot("x", pi), 1.3, 14)
+        kit.joint("revolute", here, link, T[:3, 3], T[:3, 2])
+        out = T @ at(0, 0, high + 2) @ rot("z", rng.uniform(-1, 1))
+        for x, y, _ in heads:
+            kit.screw(out @ at(x, y, -6), 1.3, 12)
+        if n + 1 == count:
+            kit.add(link, "plate", drilled(cylinder(R, 6), *heads), out)
+        elif n % 3 == 1:
+            reach = rng.uniform(3, 5) * R
+            plate = drilled(box(reach + 2 * R, 2 * R, 6).at(reach / 2, 0, 3), *heads)
+            T = out @ at(reach, 0, 6) if rng.random() < 0.5 else out @ at(reach) @ rot("x", pi)
+            kit.add(link, "arm", drilled(plate, *((reach + x, y, s) for x, y, s in feet)), out)
+        else:
+            foot = box(high, 2 * R, 6).at(0, 0, 3)
+            F = at(6 - high / 2, 0, R + 10) @ TO_X
+            wall = drilled(box(2 * R, 2 * R + 20, 6).at(0, 0, -3), *feet).moved(rot("z", pi / 2)).moved(F)
+            kit.add(link, "bracket", drilled(foot, *heads) + wall, out)
+            T = out @ F @ rot("z", pi / 2)
+        here = link

@@ -12,8 +12,12 @@ from stepbot.robot.model import JointKind
 
 _RINGS = 0.93
 """Score of two rings that are each bolted to another part: above that of a bearing in its seat."""
-_BOLTS, _SAME_AXIS = 3, 5e-5
-"""Fewest holes in a circle; distance [m] up to which its axis is that of the rings."""
+_DISC, _REVIEW = 0.79, "no bolts of the disc are drawn in line with holes of what it carries"
+"""Score and review of a disc in the end of a bolted part, with another part on its face alone."""
+_BOLTS, _SAME_AXIS, _EXACT = 3, 5e-5, 1e-6
+"""Fewest holes in a circle; distance [m] up to which its axis is that of the rings; difference of radii [m] of a press
+fit.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,6 +43,22 @@ def ring_evidence(survey: Survey, found: Evidence) -> None:
         if r.via == Via.PIN and r.axis is not None and _are_bolted(survey, a, _Seat(b, r, r.length)):
             why = "rings in each other, each bolted to another part"
             found.joint(JointEvidence(_RINGS, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True))
+        elif r.via == Via.PIN and r.axis is not None and (carried := _carried(survey, r, r.axis)) >= 0:
+            why = "a disc with play in the end of what is bolted to another part"
+            found.joint(JointEvidence(_DISC, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True, review=_REVIEW))
+            found.weld(_DISC, max(r.shafts, key=lambda f: f.length).shaft, carried, "on the face of a disc that turns")
+
+
+def _carried(survey: Survey, r: Relation, axis: Axis) -> int:
+    """The only part on the face of a disc in the end of a bolted part, such as drawn at another angle; -1 for none."""
+    fit = max(r.shafts, key=lambda f: f.length)
+    disc, case = fit.shaft, r.other(fit.shaft)
+    if fit.clearance <= _EXACT or not survey.parts[disc].is_balanced(axis):
+        return -1
+    around = [(other, s) for other, s in survey.around(disc) if other not in survey.small and other != case]
+    holding = _bolted_to(survey, case, axis)
+    on_face = [s.via == Via.FACE and s.turns is not None and s.turns.same(axis, _SAME_AXIS) for _, s in around]
+    return around[0][0] if holding and on_face == [True] and around[0][0] not in holding else -1
 
 
 def _are_bolted(survey: Survey, part: int, seat: _Seat) -> bool:

@@ -96,6 +96,11 @@ class JointEvidence:
     priority: Priority = Priority.FOUND
     verdict: Verdict = Verdict.OPEN
 
+    @property
+    def is_bolted(self) -> bool:
+        """Whether each side is a ring or a disc that carries another part, so that neither only spins."""
+        return self.by_role and self.through < 0
+
 
 @dataclass(eq=False)
 class Evidence:

@@ -182,7 +182,9 @@ def _motors_by_use(survey: Survey) -> list[Motor]:
     motors: dict[tuple[int, ...], Motor] = {}
     for i in sorted(cases, key=lambda i: (-survey.parts[i].volume, i)):
         members = _around_case(survey, i, cases)
-        if not any(i in known for known in motors):
+        count = len(equal[survey.parts[i].definition])
+        carries = any(len(equal[survey.parts[k].definition]) > count for k in members if k in cases)
+        if not carries and not any(i in known for known in motors):
             motors[members] = Motor(survey.parts[i].path, members, i, is_named=False)
     return list(motors.values())
 

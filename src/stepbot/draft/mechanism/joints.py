@@ -7,7 +7,7 @@ drafted as a universal joint. A shaft in a bore with one swivel on each side is 
 from collections import defaultdict, deque
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import hypot
+from math import hypot, nan
 
 import numpy as np
 
@@ -151,7 +151,7 @@ class Mechanism:
         of = self._of()
         for root in sorted(of, key=lambda r: (self._volume(r), r)):
             joints = of[root]
-            if any(j.evidence.drives or j.evidence.priority for j in joints):
+            if any(j.evidence.drives or j.evidence.priority or j.evidence.is_bolted for j in joints):
                 continue
             members = self._clusters.members(root)
             if not self._spins(members, joints[0].axis):
@@ -209,7 +209,8 @@ class Mechanism:
                     # Two equal bodies that are connected to nothing else are wheels, not two sides of one.
                     if len(of[one]) == len(of[two]) == 1 and self._are_equal(one, two):
                         continue
-                    if self._are_serial(hub, one, two) or (j.evidence.of_linkage and k.evidence.of_linkage):
+                    is_chain = self._is_carried(hub, j) + self._is_carried(hub, k) == 1
+                    if is_chain or self._are_serial(hub, one, two) or (j.evidence.of_linkage and k.evidence.of_linkage):
                         continue
                     first_goes = len(of[one]) == 1 and (len(of[two]) > 1 or j.evidence.score < k.evidence.score)
                     gone, kept, leaf = (j, k, one) if first_goes else (k, j, two)
@@ -235,6 +236,17 @@ class Mechanism:
             return False
         least = _IDLER * self._survey.total_volume(self._clusters.members(hub))
         return all(self._survey.total_volume(parts) > least for parts in members)
+
+    def _is_carried(self, hub: int, joint: Joint) -> float:
+        """Whether a body carries the housing of an actuator, 1, or what it turns, 0; of one on each side, it is both.
+
+        Not a number if the joint is that of no actuator.
+        """
+        h = joint.evidence
+        if not (h.drives or (h.is_bolted and h.relation is not None and h.relation.shafts)):
+            return nan
+        inner = h.b if h.drives or h.relation is None else max(h.relation.shafts, key=lambda f: f.length).shaft
+        return float(self._clusters.find(inner) != hub)
 
     def _hold(self, joint: Joint) -> tuple[float, ...]:
         """Looseness of a spinning body on one side: the tightest side is not a joint."""
