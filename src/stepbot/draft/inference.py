@@ -100,6 +100,7 @@ def _infer(
     motor_evidence(survey, motors, evidence)
     knuckle_evidence(survey, evidence)
     twin_evidence(survey, evidence)
+    wheel_evidence(survey, motors, evidence)
     linkage_evidence(survey, motors, evidence)
     captured_evidence(survey, motors, evidence, None)
     structure = Structure(survey, evidence.mechanisms)
@@ -113,7 +114,6 @@ def _infer(
     screw_evidence(survey, evidence)
     finger_evidence(survey, evidence)
     gear_evidence(survey, evidence)
-    wheel_evidence(survey, motors, evidence)
     roller_evidence(survey, evidence)
     several_axes(structure, evidence)
     for hinge in repeats:

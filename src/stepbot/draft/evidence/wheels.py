@@ -62,7 +62,7 @@ def wheel_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> 
     driven = {h.b for h in found.joints if h.drives} | {i for motor in motors for i in motor.parts}
     of, hinges = wheels(survey), defaultdict(list)
     for i, axis in of.items():
-        for other, r in survey.around(i) if i not in driven else ():
+        for other, r in _held_by(survey, i, axis) if i not in driven else ():
             part = survey.parts[other]
             if other not in of and not part.is_balanced(axis, _TREAD) and _turns_about(r, axis):
                 a, b = sorted((i, other))
@@ -73,6 +73,14 @@ def wheel_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> 
         for h in on_host:
             h.of_roller = several and len(on_host) >= _ROLLERS
             found.joint(h)
+
+
+def _held_by(survey: Survey, wheel: int, axis: Axis) -> list[tuple[int, Relation]]:
+    """What touches a wheel, else what holds the axle that it is on, with the relation of this."""
+    around = list(survey.around(wheel))
+    if any(not survey.parts[other].is_balanced(axis, _TREAD) for other, _ in around):
+        return around
+    return [row for axle, r in around if _turns_about(r, axis) for row in survey.around(axle) if row[0] != wheel]
 
 
 def _turns_about(r: Relation, axis: Axis) -> bool:
