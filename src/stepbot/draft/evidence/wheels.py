@@ -18,11 +18,12 @@ from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
-from stepbot.geometry.spatial import Array, perpendicular_frame
+from stepbot.geometry.spatial import Array, cross, perpendicular_frame
 from stepbot.robot.model import JointKind
 
 REVIEW = "a wheel that one line holds: it may be clamped"
 """What to review of each such joint."""
+_REVIEW_SWIVEL = "the swivel of a caster, which one line holds: it may be clamped"
 _SCORE = 0.79
 _TREAD = 3.0
 """How far a tread may be from symmetric, in tolerances of a turned part."""
@@ -32,6 +33,8 @@ _WIDEST = 3.0
 """Width in radii up to which a round body is a wheel, not a roll or a shaft."""
 _SLIGHT = 0.02
 """Share of the assembly's volume up to which what is on the ground beside wheels is a skid or a ball."""
+_TRAIL = 2e-3
+"""Distance [m] of a caster's wheel from the line of its swivel, from which it trails."""
 _ROLLERS = 4
 """Number of wheels in several directions on one part, from which they are rollers around a hub."""
 _SHARE = 0.2
@@ -73,6 +76,26 @@ def wheel_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> 
         for h in on_host:
             h.of_roller = several and len(on_host) >= _ROLLERS
             found.joint(h)
+    for host, (h, *others) in hinges.items():
+        if not others and (swivel := _swivel(survey, host, h.axis)) is not None:
+            found.joint(swivel)
+
+
+def _swivel(survey: Survey, fork: int, wheel: Axis) -> JointEvidence | None:
+    """The swivel of a caster: a line across its wheel's axis and off it, that alone holds its fork."""
+    held = [(other, r) for other, r in survey.around(fork) if r.turns is None or not r.turns.same(wheel)]
+    axis = next((r.turns for _, r in held if r.turns is not None and r.fits), None)
+    if axis is None or abs(float(axis.d @ wheel.d)) > _FLAT:
+        return None
+    trail = abs(float(cross(axis.d, wheel.d) @ (axis.point - wheel.point)))
+    if trail < _TRAIL or not all(_turns_about(r, axis) for _, r in held):
+        return None
+    held += [row for pin, _ in held for row in survey.around(pin) if row[0] != fork and _turns_about(row[1], axis)]
+    top, r = max(held, key=lambda row: (survey.parts[row[0]].volume, -row[0]))
+    a, b = sorted((fork, top))
+    return JointEvidence(
+        *(_SCORE, a, b, JointKind.REVOLUTE, axis, "a fork whose wheel is behind its pivot", r), review=_REVIEW_SWIVEL
+    )
 
 
 def _held_by(survey: Survey, wheel: int, axis: Axis) -> list[tuple[int, Relation]]:
