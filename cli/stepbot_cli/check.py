@@ -193,10 +193,11 @@ def _show(checked: "Mapping[str, Checked]", failed: set[str], display: Display, 
 
     for label, robot in checked.items():
         name = printable(label)
-        if robot.links and label not in failed:
+        if (robot.links or not robot.named) and label not in failed:
             several = f"{name}: " if len(checked) > 1 else ""
             read = open_step or is_description(Path(label))
             size = f"{counted(robot.links, 'link')}, {counted(robot.joints, 'joint')}; STEP not read (--step)"
+            size = size if robot.named else "modules not read (--step)"
             write_filled(f"{several}ok: {robot.robot if read else size}")
         if display.verbose:
             show_joint_rows(robot.joint_table, verbose=True)

@@ -266,8 +266,8 @@ def test_errors_of_modules_are_reported_by_lock(lever: Revision, stepbot: Stepbo
     assert run.out.startswith("nothing to lock")
 
 
-def test_inspect_of_modules_names_the_commands(lever: Revision, stepbot: Stepbot) -> None:
-    """A robot of modules has no STEP to show: SB150 with commands that work for its modules and for the whole."""
+def test_modules_without_a_step(lever: Revision, stepbot: Stepbot) -> None:
+    """`check` states that modules are not read; SB150 of `inspect` lists commands that work for them and the whole."""
     hung = "b: {file: post.urdf, at: a/base}, c: {file: 'library:arm2', at: a/base}"
     modules = f"modules: {{a: {{file: lever.robot.yaml}}, {hung}}}"
     Path("post.urdf").write_text(POST, encoding="utf-8")
@@ -275,6 +275,7 @@ def test_inspect_of_modules_names_the_commands(lever: Revision, stepbot: Stepbot
     run = stepbot("inspect", "r.robot.yaml")
     assert run.code == 1
     assert "r.robot.yaml:4:1: error[SB150]" in run.err
+    assert stepbot("check", "r.robot.yaml").out == "ok: modules not read (--step)\n"
     commands = re.findall("`stepbot (.*?)`", run.err)
     assert commands == ["library export arm2", "inspect lever.robot.yaml", "check --step r.robot.yaml"]
     for command in commands:
