@@ -13,9 +13,11 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import Pose
 from stepbot.pipeline.conversion import Conversion, Options
+from stepbot.pipeline.differences import differing_sidecars
 from stepbot.pipeline.stages import convert
 from stepbot.robot.kinematics import link_poses
 from stepbot.robot.model import Base, Robot
+from stepbot.runtime.cache import Cache
 from tests.command_line import stepbot
 
 from .described import ARM, box, composing, joint, link, urdf
@@ -211,3 +213,36 @@ def test_a_hand_is_left_out(composed: Compose) -> None:
     assert masses[0] - masses[1] == pytest.approx(sum(whole.link_by_name[one].mass_properties.mass for one in gone))
     for name, link_of_both in bare.link_by_name.items():
         assert link_of_both.mass_properties == whole.link_by_name[name].mass_properties, name
+
+
+def test_a_module_that_is_mounted_elsewhere_is_one_difference(tmp_path: Path, write: Write) -> None:
+    """Its links, and what is fixed to it, are compared within it: one changed limit is the only other difference."""
+    whole = """
+        version: 1
+        robot: both
+        modules:
+          arm: {file: arm.urdf, prefix: ""}
+          hand: {file: arm.urdf, at: arm/tip, offset: {rpy: [0, 0, ANGLE deg]}}
+          tool: {file: arm.urdf, at: hand/tip, set: {joints: {lift: {limits: {upper: UPPER}}}}}
+        """
+    files = {f"{angle}.robot.yaml": whole.replace("ANGLE", angle).replace("UPPER", "0.7") for angle in ("0", "30")}
+    changed = whole.replace("ANGLE", "30").replace("UPPER", "0.6")
+    one_less = whole.replace("ANGLE", "0").partition("          tool:")[0]
+    write({"arm.urdf": ARM, **files, "limit.robot.yaml": changed, "less.robot.yaml": one_less})
+    options = Options(tmp_path / "out", cache=Cache(tmp_path / "cache"))
+
+    def rows(old: str, new: str) -> list[tuple[str, str, str]]:
+        found = Diagnostics()
+        made = differing_sidecars(tmp_path / f"{old}.robot.yaml", tmp_path / f"{new}.robot.yaml", options, found)
+        assert made is not None, list(found)
+        return [(row.kind, row.name, row.detail) for row in made.rows]
+
+    turned = ("modules", "module 'hand' on link 'tip'", "turned by 30 deg")
+    assert rows("0", "0") == []
+    assert rows("0", "30") == [turned]
+    limits = rows("0", "limit")
+    assert limits[0] == turned
+    assert {kind for kind, _, _ in limits[1:]} <= {"limits", "actuators"}
+    assert any("tool_lift" in name for _, name, _ in limits[1:])
+    assert rows("less", "0")[0] == ("modules", "module 'tool'", "added")
+    assert rows("0", "less")[0] == ("modules", "module 'tool'", "removed")

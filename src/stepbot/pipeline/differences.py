@@ -1,7 +1,7 @@
 """What differs between two STEP files, two sidecars, or two robots."""
 
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -10,7 +10,9 @@ from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.engines.observation import Observation, Request
 from stepbot.engines.reference import observe_robot
 from stepbot.revisions.differences import Difference, not_compared, robot_differences, step_differences
+from stepbot.revisions.shapes import Motion
 from stepbot.revisions.snapshot import Snapshot, snapshot
+from stepbot.revisions.wording import moved_words
 from stepbot.robot.model import Robot
 from stepbot.runtime.file import exists, is_file, is_folder
 from stepbot.step.assembly import ReadOptions
@@ -48,10 +50,36 @@ def differing_steps(old: Path, new: Path, options: Options, found: Diagnostics) 
 
 def differing_sidecars(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
     """Compare the robots that two sidecars describe: links, joints, limits, masses, frames; None after errors."""
-    seen = [_observed(path, options, found) for path in (old, new)]
-    if seen[0] is None or seen[1] is None:
+    robots = [_described(path, options, found) for path in (old, new)]
+    if robots[0] is None or robots[1] is None:
         return None
-    return Differences(old.as_posix(), new.as_posix(), robot_differences(compare(seen[0], seen[1])))
+    rows, placed = _modules(robots[0], robots[1])
+    results = compare(_at_zero(old, robots[0]), _at_zero(new, placed))
+    return Differences(old.as_posix(), new.as_posix(), (*rows, *robot_differences(results)))
+
+
+def _modules(old: Robot, new: Robot) -> tuple[list[Difference], Robot]:
+    """Modules that are new, gone or elsewhere; and the new robot with its modules at their old places.
+
+    So links are compared within their module: a hand that is mounted elsewhere is one difference, and not one of each
+    of its links and of all that it carries.
+    """
+    named = [{module.name: module for module in robot.modules} for robot in (old, new)]
+    rows = [Difference("modules", f"module '{name}'", "removed") for name in named[0] if name not in named[1]]
+    rows += [Difference("modules", f"module '{name}'", "added") for name in named[1] if name not in named[0]]
+    mounts = {joint.child: joint for joint in old.joints}
+    joints = {joint.child: joint for joint in new.joints}
+    for name, module in named[1].items():
+        before, after = mounts.get(module.links[0]), joints.get(module.links[0])
+        if name not in named[0] or before is None or after is None or before.parent != after.parent:
+            continue
+        motion = Motion(*before.X_PC.distance_to(after.X_PC))
+        if not motion.is_none:
+            where = f"module '{name}' on link '{after.parent}'"
+            words = moved_words(motion)
+            rows.append(Difference("modules", where, words, amount=motion.distance, unit="m", angle=motion.angle))
+        joints[after.child] = replace(after, X_PC=before.X_PC)
+    return rows, replace(new, joints=tuple(joints[joint.child] for joint in new.joints))
 
 
 def differing_robots(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
@@ -116,13 +144,13 @@ def _snapshot(step: Path, options: Options, found: Diagnostics) -> Snapshot | No
         return None
 
 
-def _observed(sidecar: Path, options: Options, found: Diagnostics) -> Observation | None:
-    """The robot of a sidecar as an observation, with all joints at zero."""
+def _described(sidecar: Path, options: Options, found: Diagnostics) -> Robot | None:
+    """The robot of a sidecar; None after errors."""
     reported = Diagnostics()
     try:
         loaded = load(sidecar, options, reported)
         if loaded.document.modules:
-            return _at_zero(sidecar, compose(loaded, options, reported).robot)
+            return compose(loaded, options, reported).robot
         step = named_step(loaded, reported)
         with closing(Loading(step, what_to_read(loaded, options), options, reported)) as loading:
             assembly, measures = loading.assembly(reported), partial(loading.measures, reported)
@@ -132,8 +160,9 @@ def _observed(sidecar: Path, options: Options, found: Diagnostics) -> Observatio
         found.extend(one for one in error.diagnostics if one.severity == "error")
         return None
     assert built is not None  # a missing robot always has an error
-    return _at_zero(sidecar, built.robot)
+    return built.robot
 
 
 def _at_zero(sidecar: Path, robot: Robot) -> Observation:
+    """A robot as it is observed with all joints at zero."""
     return observe_robot(robot, Request(sidecar.as_posix(), _MODEL, configurations=({},)))
