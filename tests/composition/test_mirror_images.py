@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from stepbot.compose.mirroring import flipped, mirrored
+from stepbot.compose.parts import image_name
 from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.stages import convert, produce
@@ -90,6 +91,22 @@ def test_images_of_joints_follow_the_image_of_their_leader(
     followed = robot.joint_by_name["right_hand_turn"].mimic
     assert followed is not None
     assert followed.joint == leader.replace("left", "right").replace("/", "_")
+
+
+@pytest.mark.parametrize(
+    ("joint", "of", "name", "image"),
+    [
+        ("left_roll", "left_arm", "right_arm", "right_roll"),
+        ("left_arm_lift", "left_arm", "right_arm", "right_arm_lift"),
+        ("roll_l", "leg_l", "leg_r", "roll_r"),
+        ("front_left_hip", "front_left", "front_right", "front_right_hip"),
+        ("shoulder", "left_arm", "right_arm", "right_arm_shoulder"),
+        ("leftmost_roll", "left_arm", "right_arm", "right_arm_leftmost_roll"),
+    ],
+)
+def test_the_image_of_a_joint_has_the_side_of_its_module(joint: str, of: str, name: str, image: str) -> None:
+    """A joint that is not named after the module gets the module's name in front."""
+    assert image_name(joint, of, name) == image
 
 
 def test_flipped_twice_is_the_robot(composed: Compose) -> None:

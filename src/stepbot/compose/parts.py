@@ -218,8 +218,20 @@ def _with_prefix(robot: Robot, prefix: str) -> Robot:
 
 
 def image_name(joint: str, of: str, name: str) -> str:
-    """The name of the image of a joint above module ``of``, for its mirror image ``name``."""
-    return joint.replace(of, name) if of in joint else f"{name}_{joint}"
+    """The name of the image of a joint above module ``of``, for its mirror image ``name``.
+
+    ``left_roll`` above ``left_arm`` becomes ``right_roll`` for ``right_arm``: what differs between the modules' names
+    is replaced in the joint's. A joint without it gets the image's name in front.
+    """
+    if of in joint:
+        return joint.replace(of, name)
+    ours, theirs = of.split("_"), name.split("_")
+    while len(ours) > 1 and len(theirs) > 1 and ours[-1] == theirs[-1]:
+        ours, theirs = ours[:-1], theirs[:-1]
+    while len(ours) > 1 and len(theirs) > 1 and ours[0] == theirs[0]:
+        ours, theirs = ours[1:], theirs[1:]
+    words = f"_{joint}_".replace(f"_{'_'.join(ours)}_", f"_{'_'.join(theirs)}_", 1)[1:-1]
+    return words if words != joint else f"{name}_{joint}"
 
 
 def module_record(name: str, part: Part, at: str) -> tuple[Module, ...]:
