@@ -10,6 +10,7 @@ from stepbot.pipeline.stages import convert, produce
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.robot_library import LibraryRobot, library_robot, library_robots
+from tests.simulators.conftest import skip_without
 
 COMPOSED = tuple(robot for robot in library_robots() if robot.is_composed)
 
@@ -58,3 +59,16 @@ def test_engines_prove_it(robot: LibraryRobot, tmp_path: Path) -> None:
     assert made.report is not None
     engines = {row.engine for row in made.report.rows() if row.status.value == "passed"}
     assert {"mujoco", "pybullet"} <= engines
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["ur5e_2f85", "dog"])
+def test_newton_reads_one_articulation(name: str, tmp_path: Path) -> None:
+    """Newton's mass matrix of the OpenUSD is the model's, which is the sum of its modules."""
+    skip_without("newton")
+    made = convert(library_robot(name).sidecar, Options(tmp_path, ("usd",), require=("newton",)))
+    assert not made.diagnostics.has_errors, [str(one) for one in made.diagnostics if one.severity == "error"]
+    assert made.report is not None
+    seen = {check.quantity: check.status.value for check in made.report.checks if check.engine == "newton"}
+    assert (seen["mass matrix"], seen["poses"], seen["inertia"]) == ("passed",) * 3
+    assert (tmp_path / f"{name}.usda").read_text(encoding="utf-8").count('"PhysicsArticulationRootAPI"') == 1

@@ -178,6 +178,14 @@ def test_ros_gets_a_system_and_a_controller_for_each_module(
     }
     joints = [joint.get("name") for joint in urdf.iterfind("ros2_control/joint")]
     assert sorted(joints) == ["a_left_lift", "a_right_lift"]
+    # KDL ignores the mass of a root link: that of a cell has none, and Gazebo fixes it to the world.
+    mass = urdf.find("link[@name='a_cell']/inertial/mass")
+    assert mass is not None
+    assert mass.get("value") == "0"
+    in_world = subprocess.run([*arguments, "parent:=world"], check=True, capture_output=True).stdout
+    mounts = ET.fromstring(in_world).findall("joint/parent[@link='world']/..")
+    assert [joint.get("type") for joint in mounts] == ["fixed"]
+    assert mounts[0].find("child[@link='a_cell']") is not None
     settings = (tmp_path / "out/config/ros2_controllers.yaml").read_text(encoding="utf-8")
     assert "left_position_controller:" in settings
     groups = ET.parse(tmp_path / "out/cell.srdf").getroot().findall("group")
