@@ -208,7 +208,9 @@ class _Files:
             folder = path.parent.as_posix() if file.startswith(LIBRARY) else ""
             new_names = [former for names in section.rename.values() for former in names]
             for one in local:
-                is_settled = one.code == _UNPORTABLE and any(f"'{name}'" in one.message for name in new_names)
+                is_settled = one.code == _UNPORTABLE and (
+                    one.message.startswith("robot ") or any(f"'{name}'" in one.message for name in new_names)
+                )
                 if not is_settled and (one.code != _OPEN_BASE or not is_placed):
                     place, help = one.span, one.help
                     if one.code == _OPEN_BASE:

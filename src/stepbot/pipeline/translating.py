@@ -200,11 +200,11 @@ def _tuned(robot: Robot, span: Span, found: Diagnostics) -> Robot:
 
 def _report_names(robot: Robot, span: Span, found: Diagnostics) -> None:
     """Report names that not every reader takes (SB129), as in a sidecar."""
-    for section, members in elements(robot).items():
-        kind = section.removesuffix("s")
-        for name in (one.name for one in members):
+    named = {section.removesuffix("s"): [one.name for one in members] for section, members in elements(robot).items()}
+    for kind, names in {"robot": [robot.name], **named}.items():
+        for name in names:
             if (portable := portable_name(name, kind)) != name:
-                help = [f"rename it to '{portable}' in the source, or by `rename` in a sidecar: `stepbot view --edit`"]
+                help = [f"rename it to '{portable}' in the source, or in a sidecar: `stepbot view --edit`"]
                 found.add("SB129", f"{kind} '{name}': {UNPORTABLE}", span, help=help)
 
 

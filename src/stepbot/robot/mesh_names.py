@@ -34,15 +34,16 @@ def portable_name(name: str, kind: str) -> str:
     """A name that every reader takes, resembling ``name``; the name itself if it is one.
 
     Readers of all formats, ROS, xacro, shells and file systems agree on ASCII letters, digits, ``_``, ``-`` and ``.``,
-    without a digit at the beginning.
+    without a digit at the beginning. Robots name files, which may begin with a digit.
 
     Args:
         kind: What it names, to begin a name with: ``link``.
     """
-    if _PORTABLE.fullmatch(name):
+    is_file = kind == "robot"
+    if _PORTABLE.fullmatch(f"_{name}" if is_file else name):
         return name
     known = ascii_name(name)
-    return f"{kind}_{known}" if known[0].isdigit() else known
+    return f"{kind}_{known}" if known[0].isdigit() and not is_file else known
 
 
 def _plain(letter: str) -> str:

@@ -3,7 +3,7 @@
 import unicodedata
 from collections.abc import Iterator
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, Span
 from stepbot.robot.mesh_names import is_device, portable_name
 
 from .document import Document
@@ -17,6 +17,11 @@ Named = tuple[str, str]
 
 def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
     """Report SB126 reserved names, SB129 names that not every reader takes, and SB135 duplicate names."""
+
+    def report_unportable(name: str, kind: str, what: str, place: Span) -> None:
+        if (portable := portable_name(name, kind)) != name:
+            found.add("SB129", f"{what}: {UNPORTABLE}", place, help=[f"rename it to '{portable}'"])
+
     first: dict[str, Named] = {}
     for section, name in _shared_names(sidecar.document):
         if name in first:
@@ -34,14 +39,23 @@ def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
         for key, text in ((("modules", name), name), (("modules", name, "prefix"), module.prefix or "")):
             if reason := _reserved("modules", text):
                 found.add("SB126", f"{subject(key)}: {reason}", sidecar.key_span(*key))
-    if reason := _not_a_file(sidecar.document.robot):
+            elif text:
+                report_unportable(text, "module", f"{subject(key)}: '{text}'", sidecar.key_span(*key))
+        for section, names in module.rename.items():
+            for former, new in names.items():
+                keys = "modules", name, "rename", section, former
+                report_unportable(new, section.removesuffix("s"), f"{subject(keys)}: '{new}'", sidecar.span(*keys))
+    robot = sidecar.document.robot
+    if reason := _not_a_file(robot):
         found.add("SB126", f"robot: {reason}", sidecar.span("robot"))
+    else:
+        report_unportable(robot, "robot", f"robot '{robot}'", sidecar.span("robot"))
     for section, name in _all_names(sidecar.document):
         if reason := _reserved(section, name):
             found.add("SB126", f"{subject((section, name))}: {reason}", sidecar.key_span(section, name))
-        elif (portable := portable_name(name, section.removesuffix("s"))) != name:
-            help = [f"rename it to '{portable}'"]
-            found.add("SB129", f"{subject((section, name))}: {UNPORTABLE}", sidecar.key_span(section, name), help=help)
+        else:
+            place = sidecar.key_span(section, name)
+            report_unportable(name, section.removesuffix("s"), subject((section, name)), place)
 
 
 def _shared_names(document: Document) -> Iterator[Named]:

@@ -105,6 +105,8 @@ class _Side:
     links: Mapping[str, ObservedLink]
     above: Mapping[str, ObservedJoint]
     poses: Mapping[str, Pose]
+    known: dict[tuple[str, tuple[int, ...]], int]
+    """Numbers of the shapes of trees, shared by both files."""
 
     @cached_property
     def _below(self) -> dict[str, list[str]]:
@@ -120,10 +122,18 @@ class _Side:
     def root(self) -> str:
         return next((name for name in self.links if name not in self.above), "")
 
-    def shape(self, link: str) -> str:
-        """Types of the joints above and below a link, whatever their order; its length is that of the tree."""
-        kind = self.above[link].kind
-        return f"{_SINGLE.get(kind, kind)}({','.join(sorted(map(self.shape, self.children(link))))})"
+    @cached_property
+    def shapes(self) -> dict[str, int]:
+        """For each link but the root a number for the types of the joints above and below it, whatever their order."""
+        order = [self.root]
+        for link in order:
+            order += self.children(link)
+        numbers = dict[str, int]()
+        for link in reversed(order[1:]):
+            kind = self.above[link].kind
+            shape = _SINGLE.get(kind, kind), tuple(sorted(numbers[child] for child in self.children(link)))
+            numbers[link] = self.known.setdefault(shape, len(self.known))
+        return numbers
 
 
 def counterparts(first: Observation, other: Observation) -> Renaming:
@@ -132,7 +142,8 @@ def counterparts(first: Observation, other: Observation) -> Renaming:
     Roots are one another's counterparts. Below counterparts, links of one name are; of the rest those that are alone
     in the types of the joints above and below them, and else those whose joints are nearest to each other at zero.
     """
-    ours, theirs = _side(first), _side(other)
+    known = dict[tuple[str, tuple[int, ...]], int]()
+    ours, theirs = _side(first, known), _side(other, known)
     links = dict[str, str]()
     waiting = [(ours.root, theirs.root)]
     while waiting:
@@ -163,10 +174,10 @@ def _names(side: _Side) -> list[str]:
     return [joint.name for joint in side.above.values()]
 
 
-def _side(seen: Observation) -> _Side:
+def _side(seen: Observation, known: dict[tuple[str, tuple[int, ...]], int]) -> _Side:
     links = {link.name: link for link in seen.links}
     above = {joint.child: joint for joint in seen.joints if joint.child in links}  # some engines read others, too
-    return _Side(links, above, seen.poses[0] if seen.poses else {})
+    return _Side(links, above, seen.poses[0] if seen.poses else {}, known)
 
 
 def _children(ours: _Side, theirs: _Side, a: str, b: str) -> list[tuple[str, str]]:
@@ -177,8 +188,8 @@ def _children(ours: _Side, theirs: _Side, a: str, b: str) -> list[tuple[str, str
     right = [name for name in others if name not in ours.links]
     left, right = _solid(ours, left, right), _solid(theirs, right, left)
     for name in left:
-        like = [one for one in right if theirs.shape(one) == ours.shape(name)]
-        rivals = [one for one in left if ours.shape(one) == ours.shape(name)]
+        like = [one for one in right if theirs.shapes[one] == ours.shapes[name]]
+        rivals = [one for one in left if ours.shapes[one] == ours.shapes[name]]
         best = like[0] if len(like) == len(rivals) == 1 else _nearest(ours, theirs, name, like)
         if best:
             pairs.append((name, best))

@@ -387,3 +387,24 @@ joints:
     else:
         assert not list(found)
         assert mimic.multiplier.value == pytest.approx(value, rel=1e-12)
+
+
+def test_every_name_that_is_written_is_portable() -> None:
+    """The robot's, which names files, modules', prefixes, and those that `rename` gives; each with a remedy."""
+    text = """version: 1
+robot: my 2f85
+modules:
+  the arm: {file: arm.urdf, prefix: ""}
+  hand: {file: hand.urdf, at: the arm/tip, prefix: hånd_, rename: {links: {base: der Fuß}}}
+"""
+    found = checked(text)
+    assert [(one.code, one.span.line, one.help) for one in found] == [
+        ("SB129", 2, ("rename it to 'my_2f85'",)),
+        ("SB129", 4, ("rename it to 'the_arm'",)),
+        ("SB129", 5, ("rename it to 'hand'",)),
+        ("SB129", 5, ("rename it to 'der_Fuss'",)),
+    ]
+    portable = (
+        text.replace("my 2f85", "2f85").replace("the arm", "arm").replace("hånd_", "h.").replace("der Fuß", "foot")
+    )
+    assert codes(portable) == []

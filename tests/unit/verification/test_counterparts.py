@@ -12,4 +12,4 @@ def _chain(count: int, prefix: str) -> Observation:
 
 def test_long_chains() -> None:
     """The work does not grow with two to the power of the length: sixty links never ended."""
-    assert len(counterparts(_chain(200, "a"), _chain(200, "b")).links) == 200
+    assert len(counterparts(_chain(3000, "a"), _chain(3000, "b")).links) == 3000

@@ -123,7 +123,7 @@ CODES = (
         "SB129",
         "warning",
         "name that not every reader takes",
-        "A name has a space, a letter beyond a to z, or a digit at its beginning. Formats allow it, and "
+        "A name has a space, a letter beyond a to z, or a digit at its beginning (of a robot: a space or such a letter). Formats allow it, and "
         "stepbot writes it; ROS refuses it in topics and parameters, xacro evaluates parts of it, and shells "
         "and simulators split it.",
         "Rename it as the message proposes; the rule is the same for all formats. For one reader alone, ignore "
