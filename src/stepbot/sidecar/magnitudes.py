@@ -129,9 +129,12 @@ def _check_rate(sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostic
 
 
 def _report(sidecar: Sidecar, keys: Keys, message: str, other: str, own: str, found: Diagnostics) -> None:
-    written = sidecar.written(*keys)
+    span, written = sidecar.span(*keys), sidecar.written(*keys)
+    behind = sidecar.text.split("\n")[span.line - 1][span.end_column - 1 :]
+    if isinstance(keys[-1], str) and behind[:1] == "," and behind[1:2].isdigit():
+        return  # half of a number with a decimal comma, which is an error of its own
     help = [f"write `{written} {other}` if the unit is {other}, or `{written} {own}` to confirm {own}"]
-    found.add("SB139", f"{subject(keys)}: {message}", sidecar.span(*keys), help=help)
+    found.add("SB139", f"{subject(keys)}: {message}", span, help=help)
 
 
 def _turns(radians: float) -> str:

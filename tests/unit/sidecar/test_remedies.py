@@ -164,6 +164,9 @@ def test_decimal_comma_in_braces() -> None:
     text = ARM.replace("upper: 1}", "upper: 1,5 rad, effort: 2}")
     (fault,) = findings(text)
     assert (fault.code, SNIPPET.findall(fault.help[0])) == ("SB110", ["1.5 rad"])
+    text = ARM.replace("joints:", "defaults: {density: 1,04}\njoints:")
+    (fault,) = findings(text)  # not that 1 kg/m^3 is less than foam
+    assert (fault.code, SNIPPET.findall(fault.help[0])) == ("SB110", ["1.04"])
 
 
 def test_comma_that_is_missing_is_shown() -> None:
