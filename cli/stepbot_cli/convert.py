@@ -18,6 +18,7 @@ from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import counted
 from .joint_table import show_joint_rows, show_joint_table
 from .machine_output import junit_option, output_format_option, write_junit
+from .picture_file import require_packages
 from .progress import CONVERSION, progress_bar
 from .reading import metadata_options, reading_options, require_option, variant_option
 from .table import show_table, write_filled
@@ -92,12 +93,15 @@ def _programs(context: click.Context, option: click.Parameter, given: tuple[str,
     names = split_names(context, option, given)
     if not names:
         return ()
-    from stepbot.formats.learning import program_names
+    from stepbot.formats.learning import MENAGERIE, program_names
 
     try:
-        return program_names(names)
+        programs = program_names(names)
     except ValueError as error:
         raise click.BadParameter(str(error)) from None
+    if MENAGERIE in programs:
+        require_packages()  # its picture
+    return programs
 
 
 for_option = click.option(
@@ -107,7 +111,7 @@ for_option = click.option(
     callback=_programs,
     metavar="PROGRAM,...",
     help="Also write a Python file that loads the robot in mjlab, maniskill, genesis, isaaclab, playground or lerobot, "
-    "with its gains and initial pose; implies their formats.",
+    "with its gains and initial pose; menagerie: a folder for MuJoCo Menagerie. Implies their formats.",
 )
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 

@@ -21,6 +21,8 @@ from .lowering.devices import gears_at_joints
 from .rendering import main_file
 from .urdf.grippers import groups
 
+MENAGERIE = "menagerie"
+"""MuJoCo Menagerie, which gets a folder with the MJCF instead of a Python file."""
 _CONTROL_STEP = 0.02
 """Time [s] between actions, as in most tasks of MuJoCo Playground."""
 
@@ -35,32 +37,35 @@ class Program(NamedTuple):
 
 
 def program_names(given: Iterable[str]) -> tuple[str, ...]:
-    """Names of programs, each once, in the order of :data:`PROGRAMS`.
+    """Names of programs, each once, in the order of :data:`PROGRAMS`, :data:`MENAGERIE` last.
 
     Raises:
         ValueError: A name is not known.
     """
     names = {name.lower() for name in given}
-    if unknown := sorted(names - set(PROGRAMS)):
-        raise ValueError(f"no program '{unknown[0]}'; there are {', '.join(PROGRAMS)}")
-    return tuple(name for name in PROGRAMS if name in names)
+    known = (*PROGRAMS, MENAGERIE)
+    if unknown := sorted(names - set(known)):
+        raise ValueError(f"no program '{unknown[0]}'; there are {', '.join(known)}")
+    return tuple(name for name in known if name in names)
 
 
 def formats_for(programs: Sequence[str], formats: Sequence[str]) -> tuple[str, ...]:
     """The formats, and those that programs load."""
-    return tuple(dict.fromkeys((*formats, *(PROGRAMS[name].format for name in programs))))
+    loaded = (PROGRAMS[name].format if name in PROGRAMS else "mjcf" for name in programs)
+    return tuple(dict.fromkeys((*formats, *loaded)))
 
 
 def program_files(programs: Sequence[str], lowered: Mapping[str, Robot]) -> dict[str, dict[str, bytes]]:
     """For each format, the files of programs that load it, by path relative to the output folder.
 
     Args:
-        programs: Names of :data:`PROGRAMS`.
+        programs: Names from :func:`program_names`.
         lowered: For each format, the robot as that format expresses it.
     """
     files: dict[str, dict[str, bytes]] = {}
-    for name in programs:
-        program = PROGRAMS[name]
+    for name, program in PROGRAMS.items():
+        if name not in programs:
+            continue
         robot = lowered[program.format]
         text = program.write(gears_at_joints(robot), main_file(robot, FORMATS[program.format]))
         path = f"{re.sub(r'[^A-Za-z0-9_]', '_', robot.name)}_{name}.py"

@@ -2,7 +2,8 @@
 
 Robot files and meshes are compared byte by byte, ``report.json`` only in the parts that depend on the input alone: the
 robot, its bodies, names and joints. The verification results depend on the installed engines, and the diagnostics on
-options. ``report.html`` is not compared. No engine is started, so the result is the same on every machine.
+options. ``report.html`` is not compared, nor are pictures, whose pixels depend on the processor. No engine is started,
+so the result is the same on every machine.
 """
 
 import fnmatch
@@ -80,7 +81,7 @@ def check_up_to_date(
     if not expected:
         found.extend(diagnostics)
         return
-    files = {name: content for name, content in expected.items() if not _is_excluded(name, excluded)}
+    files = {name: content for name, content in expected.items() if not _is_excluded(name, (*excluded, "*.png"))}
     if not exists(folder / REPORT):
         files.pop(REPORT, None)
     for name, what in _differences(files, folder):
@@ -108,8 +109,10 @@ def _command(sidecar: Path, options: Options) -> list[str]:
 
 def _for_left_over(name: str) -> str:
     """What to do with a file that a conversion would not write."""
-    from stepbot.formats.learning import PROGRAMS
+    from stepbot.formats.learning import MENAGERIE, PROGRAMS
 
+    if name.startswith(f"{MENAGERIE}/"):
+        return f"remove it, or add {MENAGERIE} to `--for` of `uptodate`"
     program = next((one for one in PROGRAMS if "/" not in name and name.endswith(f"_{one}.py")), "")
     if program:
         return f"remove it, or add {program} to `--for` of `uptodate`"

@@ -9,8 +9,10 @@ from stepbot.diagnostics import Diagnostics, source_lines
 from stepbot.engines.workers import ObservationCache
 from stepbot.formats import default_formats, format_named
 from stepbot.formats.format import Format
-from stepbot.formats.learning import program_files
+from stepbot.formats.learning import MENAGERIE, program_files
 from stepbot.formats.lowering import lower
+from stepbot.formats.mjcf import FORMAT as MJCF
+from stepbot.formats.mjcf.menagerie import report_missing_license
 from stepbot.formats.rendering import files_of, joined, main_file
 from stepbot.formats.sdformat import FORMAT as SDFORMAT
 from stepbot.formats.sdformat.gazebo_model import MODEL, gazebo_model
@@ -130,6 +132,8 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
             report_gaps(lowered[URDF.name], found)
     if any(path.endswith(".srdf") for path in by_format.get(URDF.name, ())):
         report_guesses(lowered[URDF.name], found)
+    if MENAGERIE in options.programs:
+        report_missing_license(robot, found)
     for name, files in program_files(options.programs, lowered).items():
         by_format[name] |= files
     if options.gazebo and SDFORMAT.name in by_format:
@@ -179,6 +183,10 @@ def _sources(written: Rendered) -> dict[str, str]:
 def all_files(written: Rendered, report: Report, options: Options, found: Diagnostics) -> dict[str, bytes]:
     """All files to write, by path: those of the formats, and the report."""
     files = {**joined(written.by_format), REPORT: report_bytes(report, found)}
+    if MENAGERIE in options.programs:
+        from .menagerie import menagerie_folder
+
+        files |= menagerie_folder(written.lowered[MJCF.name], written.by_format[MJCF.name], report)
     if options.html:
         from stepbot.viewing.report.page import report_page
 

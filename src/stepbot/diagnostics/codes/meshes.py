@@ -132,4 +132,14 @@ CODES = (
         "without this joint.",
         "If the joint is no jaw, rename it, or add it to the arm's group in the SRDF.",
     ),
+    Code(
+        "SB643",
+        "warning",
+        "no text of the licence",
+        "MuJoCo Menagerie's checks ask for a file LICENSE in each folder. stepbot writes it for Apache-2.0, BSD-2-Clause, "
+        "BSD-3-Clause and MIT, the licences that Menagerie recognizes; the texts of all but the first name the holder, "
+        "which is the maintainer of the sidecar.",
+        "State both in the sidecar: `metadata: {maintainer: Ada Lovelace <ada@example.com>, license: MIT}`, or use "
+        "`--maintainer` and `--license`. Put the text of another licence into the folder as LICENSE.",
+    ),
 )
