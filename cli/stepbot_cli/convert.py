@@ -110,8 +110,8 @@ for_option = click.option(
     multiple=True,
     callback=_programs,
     metavar="PROGRAM,...",
-    help="Also write a Python file that loads the robot in mjlab, maniskill, genesis, isaaclab, playground or lerobot, "
-    "with its gains and initial pose; menagerie: a folder for MuJoCo Menagerie. Implies their formats.",
+    help="Also write a Python file that loads the robot in mjlab, maniskill, genesis, isaaclab, playground, lerobot "
+    "or newton, with its gains and initial pose; menagerie: a folder for MuJoCo Menagerie. Implies their formats.",
 )
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 

@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 import stepbot as api
+from stepbot.diagnostics import Diagnostics
 from stepbot.formats.learning import PROGRAMS, program_files
 from tests.command_line import convert_once
 from tests.robots import two_link_arm
@@ -24,6 +25,7 @@ MODULES = {
     "isaaclab": "isaaclab",
     "playground": "mujoco_playground",
     "lerobot": "lerobot",
+    "newton": "newton",
 }
 NAMES = ",".join(PROGRAMS)
 
@@ -127,7 +129,9 @@ def test_no_name_becomes_code(program: str) -> None:
     joints = tuple(replace(one, name=one.name + name) for one in plain.joints)
     actuators = tuple(replace(one, name=name, joint=one.joint + name) for one in plain.actuators)
     foreign = replace(plain, name=name, joints=joints, actuators=actuators)
-    ((_, content),) = program_files([program], {PROGRAMS[program].format: foreign})[PROGRAMS[program].format].items()
+    ((_, content),) = program_files([program], {PROGRAMS[program].format: foreign}, Diagnostics())[
+        PROGRAMS[program].format
+    ].items()
     nodes = list(ast.walk(ast.parse(content)))
     assert not [node for node in nodes if isinstance(node, ast.Name) and node.id == "boom"]
     assert any(isinstance(node, ast.Constant) and "boom()" in str(node.value) for node in nodes)

@@ -4,21 +4,21 @@ Each has the joints, gains, limits and the initial pose of the robot as that pro
 when it is run. ``docs/use-it-in.md`` states what each was run with.
 """
 
-import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from math import inf
 from typing import NamedTuple
 
-from stepbot.robot.kinematics import initial_configuration
+from stepbot.diagnostics import Diagnostics, Span
 from stepbot.robot.model import Actuator, ActuatorKind, Base, JointKind, Robot
 from stepbot.robot.simulation_settings import settings_of
-from stepbot.robot.standing import standing_height
 from stepbot.robot.tuning import Integrator
 
 from . import FORMATS
 from .lowering.devices import gears_at_joints
+from .python_text import height, home, literal, table, words
 from .rendering import main_file
+from .urdf.chains import Chain
 from .urdf.grippers import groups
 
 MENAGERIE = "menagerie"
@@ -34,6 +34,8 @@ class Program(NamedTuple):
     """The format of the file that it loads."""
     write: Callable[[Robot, str], str]
     """The Python file of a robot lowered for the format, whose description has that name."""
+    rejects: Callable[[Robot], str] = lambda _robot: ""
+    """Why the program cannot use such a robot; empty if it can."""
 
 
 def program_names(given: Iterable[str]) -> tuple[str, ...]:
@@ -55,18 +57,25 @@ def formats_for(programs: Sequence[str], formats: Sequence[str]) -> tuple[str, .
     return tuple(dict.fromkeys((*formats, *loaded)))
 
 
-def program_files(programs: Sequence[str], lowered: Mapping[str, Robot]) -> dict[str, dict[str, bytes]]:
+def program_files(
+    programs: Sequence[str], lowered: Mapping[str, Robot], found: Diagnostics
+) -> dict[str, dict[str, bytes]]:
     """For each format, the files of programs that load it, by path relative to the output folder.
 
     Args:
         programs: Names from :func:`program_names`.
         lowered: For each format, the robot as that format expresses it.
+        found: Receives SB644 for a robot that a program cannot use.
     """
     files: dict[str, dict[str, bytes]] = {}
     for name, program in PROGRAMS.items():
         if name not in programs:
             continue
         robot = lowered[program.format]
+        if why := program.rejects(robot):
+            help = [f"convert without `--for {name}`"]
+            found.add("SB644", f"{name}: {why}", Span(robot.source), help=help)
+            continue
         text = program.write(gears_at_joints(robot), main_file(robot, FORMATS[program.format]))
         path = f"{re.sub(r'[^A-Za-z0-9_]', '_', robot.name)}_{name}.py"
         files.setdefault(program.format, {})[path] = text.encode()
@@ -77,10 +86,10 @@ def _mjlab(robot: Robot, file: str) -> str:
     settings = settings_of(robot)
     integrator = "euler" if settings.integrator is Integrator.EULER else "implicitfast"  # mjlab has no others
     driven = tuple(re.escape(one.joint) for one in robot.actuators)
-    actuators = f"(XmlActuatorCfg(target_names_expr={_literal(driven)}),)" if driven else "()"
+    actuators = f"(XmlActuatorCfg(target_names_expr={literal(driven)}),)" if driven else "()"
     has_ball = any(joint.kind is JointKind.BALL for joint in robot.joints)
     positions = "None" if has_ball else "{re.escape(name): q for name, q in HOME.items()}"  # None: the file's keyframe
-    return f'''"""{_words(robot)} in mjlab: the entity `ROBOT`, and `MUJOCO`, the options that attaching drops."""
+    return f'''"""{words(robot)} in mjlab: the entity `ROBOT`, and `MUJOCO`, the options that attaching drops."""
 
 import re
 from pathlib import Path
@@ -90,13 +99,13 @@ from mjlab.actuator import XmlActuatorCfg
 from mjlab.entity import EntityArticulationInfoCfg, EntityCfg
 from mjlab.sim import MujocoCfg
 
-MODEL = Path(__file__).with_name({_literal(file)})
-HOME = {_table(_home(robot))}
+MODEL = Path(__file__).with_name({literal(file)})
+HOME = {table(home(robot))}
 
 ROBOT = EntityCfg(
     spec_fn=lambda: mujoco.MjSpec.from_file(str(MODEL)),
     init_state=EntityCfg.InitialStateCfg(
-        pos=(0.0, 0.0, {_height(robot)!r}),
+        pos=(0.0, 0.0, {height(robot)!r}),
         joint_pos={positions},
     ),
     articulation=EntityArticulationInfoCfg(actuators={actuators}),
@@ -113,14 +122,14 @@ if __name__ == "__main__":
 
 def _isaaclab(robot: Robot, file: str) -> str:
     rows = "".join(
-        f"        {_literal(one.name)}: ImplicitActuatorCfg(\n"
-        f"            joint_names_expr=[{_literal(re.escape(one.joint))}],\n"
+        f"        {literal(one.name)}: ImplicitActuatorCfg(\n"
+        f"            joint_names_expr=[{literal(re.escape(one.joint))}],\n"
         f"            stiffness={one.kp!r},\n            damping={one.kv!r},\n"
         + "".join(f"            {key}={value!r},\n" for key, value in _bounds(robot, one).items())
         + "        ),\n"
         for one in robot.actuators
     )
-    return f'''"""{_words(robot)} in Isaac Lab: the articulation `ROBOT`."""
+    return f'''"""{words(robot)} in Isaac Lab: the articulation `ROBOT`."""
 
 from pathlib import Path
 
@@ -128,13 +137,13 @@ import isaaclab.sim as sim_utils
 from isaaclab.actuators import ImplicitActuatorCfg
 from isaaclab.assets import ArticulationCfg
 
-MODEL = Path(__file__).with_name({_literal(file)})
+MODEL = Path(__file__).with_name({literal(file)})
 
 ROBOT = ArticulationCfg(
     spawn=sim_utils.UsdFileCfg(usd_path=str(MODEL)),
     init_state=ArticulationCfg.InitialStateCfg(
-        pos=(0.0, 0.0, {_height(robot)!r}),
-        joint_pos={_table(_home(robot), 8)},
+        pos=(0.0, 0.0, {height(robot)!r}),
+        joint_pos={table(home(robot), 8)},
     ),
     actuators={{
 {rows}    }},
@@ -154,10 +163,10 @@ def _bounds(robot: Robot, actuator: Actuator) -> dict[str, float]:
 def _maniskill(robot: Robot, file: str) -> str:
     name = "".join(word.capitalize() for word in re.findall(r"[A-Za-z0-9]+", robot.name)) or "Robot"
     controllers = "".join(
-        f"            {_literal(key)}: {control}(\n                {_literal(joints)},\n{arguments}            ),\n"
+        f"            {literal(key)}: {control}(\n                {literal(joints)},\n{arguments}            ),\n"
         for key, control, joints, arguments in _controllers(robot)
     )
-    return f'''"""{_words(robot)} in ManiSkill: the agent `{_words(robot)}`, as `robot_uids` of an environment."""
+    return f'''"""{words(robot)} in ManiSkill: the agent `{words(robot)}`, as `robot_uids` of an environment."""
 
 from pathlib import Path
 
@@ -171,22 +180,22 @@ from mani_skill.agents.controllers import (
 )
 from mani_skill.agents.registration import register_agent
 
-HOME = {_table(_home(robot))}
+HOME = {table(home(robot))}
 
 
 @register_agent()
 class {name if not name[0].isdigit() else f"Robot{name}"}(BaseAgent):
-    """{_words(robot)}, with position targets [rad, m], velocity targets [rad/s, m/s], and joints without a drive."""
+    """{words(robot)}, with position targets [rad, m], velocity targets [rad/s, m/s], and joints without a drive."""
 
-    uid = {_literal(robot.name)}
-    urdf_path = str(Path(__file__).with_name({_literal(file)}))
+    uid = {literal(robot.name)}
+    urdf_path = str(Path(__file__).with_name({literal(file)}))
     fix_root_link = {robot.base is not Base.FLOATING!r}
 
     @property
     def keyframes(self):
         """The drawn pose."""
         qpos = np.array([HOME.get(joint.name, 0.0) for joint in self.robot.active_joints])
-        return {{"home": Keyframe(qpos=qpos, pose=sapien.Pose([0.0, 0.0, {_height(robot)!r}]))}}
+        return {{"home": Keyframe(qpos=qpos, pose=sapien.Pose([0.0, 0.0, {height(robot)!r}]))}}
 
     @property
     def _controller_configs(self):
@@ -203,7 +212,7 @@ if __name__ == "__main__":
     import gymnasium
 
     options = {{"control_mode": "stepbot", "render_backend": "none"}}  # without a graphics card
-    agent = gymnasium.make("Empty-v1", robot_uids={_literal(robot.name)}, **options).unwrapped.agent
+    agent = gymnasium.make("Empty-v1", robot_uids={literal(robot.name)}, **options).unwrapped.agent
     print(agent.action_space.shape, *(joint.name for joint in agent.robot.active_joints))
 '''
 
@@ -227,7 +236,7 @@ def _controllers(robot: Robot) -> list[tuple[str, str, list[str], str]]:
             "force_limit": [1e10 if one == inf else one for one in effort],
             "normalize_action": False,
         }
-        arguments = "".join(f"                {key}={_literal(value)},\n" for key, value in rows.items())
+        arguments = "".join(f"                {key}={literal(value)},\n" for key, value in rows.items())
         found.append((kind.value, control, [one.joint for one in group], arguments))
     return found
 
@@ -235,7 +244,7 @@ def _controllers(robot: Robot) -> list[tuple[str, str, list[str], str]]:
 def _playground(robot: Robot, file: str) -> str:
     step = settings_of(robot).timestep
     control = max(round(_CONTROL_STEP / step), 1) * step
-    return f'''"""{_words(robot)} in MuJoCo Playground: the environment `Robot`, to be derived from for a task."""
+    return f'''"""{words(robot)} in MuJoCo Playground: the environment `Robot`, to be derived from for a task."""
 
 from pathlib import Path
 
@@ -246,7 +255,7 @@ from ml_collections import config_dict
 from mujoco import mjx
 from mujoco_playground._src import mjx_env
 
-MODEL = Path(__file__).with_name({_literal(file)})
+MODEL = Path(__file__).with_name({literal(file)})
 CONFIG = config_dict.create(ctrl_dt={control!r}, sim_dt={step!r}, episode_length=1000, action_repeat=1, impl="jax")
 
 
@@ -295,12 +304,16 @@ if __name__ == "__main__":
 '''
 
 
+def _turning(robot: Robot) -> list[Chain]:
+    """The chains whose joints all turn: LeRobot's angles are in degrees."""
+    return [one for one in groups(robot)[0] if all(joint.kind is not JointKind.PRISMATIC for joint in one.joints)]
+
+
 def _lerobot(robot: Robot, file: str) -> str:
-    turning = [one for one in groups(robot)[0] if all(joint.kind is not JointKind.PRISMATIC for joint in one.joints)]
-    longest = max(turning, key=lambda one: len(one.joints), default=None)
-    joints = [] if longest is None else [joint.name for joint in longest.joints]
-    home = _home(robot)
-    return f'''"""{_words(robot)} in LeRobot: `kinematics()` of its longest chain of turning joints."""
+    chain = max(_turning(robot), key=lambda one: len(one.joints))
+    joints = [joint.name for joint in chain.joints]
+    drawn = home(robot)
+    return f'''"""{words(robot)} in LeRobot: `kinematics()` of its longest chain of turning joints."""
 
 from math import degrees
 from pathlib import Path
@@ -308,10 +321,10 @@ from pathlib import Path
 import numpy as np
 from lerobot.model.kinematics import RobotKinematics
 
-MODEL = Path(__file__).with_name({_literal(file)})
-JOINTS = {_literal(joints)}
-TIP = {_literal("" if longest is None else longest.tip)}
-HOME = {_table({name: home[name] for name in joints})}
+MODEL = Path(__file__).with_name({literal(file)})
+JOINTS = {literal(joints)}
+TIP = {literal(chain.tip)}
+HOME = {table({name: drawn[name] for name in joints})}
 
 
 def kinematics():
@@ -326,19 +339,19 @@ if __name__ == "__main__":
 
 
 def _genesis(robot: Robot, file: str) -> str:
-    return f'''"""{_words(robot)} in Genesis: `add(scene)`, and after `scene.build()` `go_home(robot)`."""
+    return f'''"""{words(robot)} in Genesis: `add(scene)`, and after `scene.build()` `go_home(robot)`."""
 
 from pathlib import Path
 
 import genesis as gs
 
-MODEL = Path(__file__).with_name({_literal(file)})
-HOME = {_table(_home(robot))}
+MODEL = Path(__file__).with_name({literal(file)})
+HOME = {table(home(robot))}
 
 
 def add(scene):
     """The entity of the robot, with the gains and force limits of the MJCF."""
-    return scene.add_entity(gs.morphs.MJCF(file=str(MODEL), pos=(0.0, 0.0, {_height(robot)!r})))
+    return scene.add_entity(gs.morphs.MJCF(file=str(MODEL), pos=(0.0, 0.0, {height(robot)!r})))
 
 
 def go_home(robot):
@@ -359,37 +372,37 @@ if __name__ == "__main__":
 '''
 
 
-def _home(robot: Robot) -> dict[str, float]:
-    """The drawn position of each joint with one coordinate."""
-    drawn = initial_configuration(robot)
-    return {joint.name: drawn[joint.name] for joint in robot.joints if joint.name in drawn}
+def _newton(robot: Robot, file: str) -> str:
+    """Newton starts at q = 0, and has no floor of its own."""
+    return f'''"""{words(robot)} in Newton: `model()`, in the drawn pose on a floor."""
+
+from pathlib import Path
+
+import newton  # before the first import of pxr: it adds schemas
+from pxr import Usd
+
+MODEL = Path(__file__).with_name({literal(file)})
+HOME = {table(home(robot))}
 
 
-def _height(robot: Robot) -> float:
-    """Height [m] of the root link above the floor that a floating robot stands on."""
-    return standing_height(robot, initial_configuration(robot)) if robot.base is Base.FLOATING else 0.0
+def model():
+    """The model on the default device; `newton.eval_fk` gives the poses of its links."""
+    builder = newton.ModelBuilder()
+    stage = Usd.Stage.Open(str(MODEL))
+    builder.add_usd(stage)
+    for label, start in zip(builder.joint_label, builder.joint_q_start):
+        prim = stage.GetPrimAtPath(label)
+        name = (prim.GetDisplayName() or prim.GetName()) if prim else ""  # the free joint of a base has no prim
+        if name in HOME:
+            builder.joint_q[start] = HOME[name]
+    builder.add_ground_plane()
+    return builder.finalize()
 
 
-def _table(values: Mapping[str, float], indent: int = 0) -> str:
-    """A dictionary, one row per line."""
-    space = " " * indent
-    rows = "".join(f"{space}    {_literal(name)}: {value!r},\n" for name, value in values.items())
-    return f"{{\n{rows}{space}}}"
-
-
-def _words(robot: Robot) -> str:
-    """The robot's name in a docstring, which nothing in a foreign name may end."""
-    return re.sub(r"[^\w .-]", "_", robot.name)
-
-
-def _literal(value: object) -> str:
-    """A value as formatters of Python write it: with double quotes."""
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
-    if isinstance(value, list | tuple):
-        inner = ", ".join(map(_literal, value))
-        return f"[{inner}]" if isinstance(value, list) else f"({inner}{',' * (len(value) == 1)})"
-    return repr(value)
+if __name__ == "__main__":
+    robot = model()
+    print(robot.joint_count, "joints;", *(label.rpartition("/")[2] for label in robot.joint_label))
+'''
 
 
 PROGRAMS = {
@@ -398,6 +411,7 @@ PROGRAMS = {
     "genesis": Program("mjcf", _genesis),
     "isaaclab": Program("usd", _isaaclab),
     "playground": Program("mjcf", _playground),
-    "lerobot": Program("urdf", _lerobot),
+    "lerobot": Program("urdf", _lerobot, lambda robot: "" if _turning(robot) else "no chain of turning joints"),
+    "newton": Program("usd", _newton),
 }
 """By name in commands."""

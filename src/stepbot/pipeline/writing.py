@@ -134,7 +134,7 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
         report_guesses(lowered[URDF.name], found)
     if MENAGERIE in options.programs:
         report_missing_license(robot, found)
-    for name, files in program_files(options.programs, lowered).items():
+    for name, files in program_files(options.programs, lowered, found).items():
         by_format[name] |= files
     if options.gazebo and SDFORMAT.name in by_format:
         by_format[SDFORMAT.name] = gazebo_model(lowered[SDFORMAT.name], by_format[SDFORMAT.name], options.gazebo)

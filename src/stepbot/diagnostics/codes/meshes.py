@@ -142,4 +142,12 @@ CODES = (
         "State both in the sidecar: `metadata: {maintainer: Ada Lovelace <ada@example.com>, license: MIT}`, or use "
         "`--maintainer` and `--license`. Put the text of another licence into the folder as LICENSE.",
     ),
+    Code(
+        "SB644",
+        "error",
+        "program cannot use the robot",
+        "A program of `--for` cannot use a robot of this form. LeRobot's kinematics is of one chain of joints that turn, "
+        "with angles in degrees, so that it needs one.",
+        "Convert without this program.",
+    ),
 )
