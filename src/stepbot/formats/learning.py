@@ -11,11 +11,10 @@ from typing import NamedTuple
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.robot.model import Actuator, ActuatorKind, Base, JointKind, Robot
-from stepbot.robot.simulation_settings import settings_of
-from stepbot.robot.tuning import Integrator
 
 from . import FORMATS
 from .lowering.devices import gears_at_joints
+from .mjcf.learning import genesis, mjlab, playground
 from .python_text import height, home, literal, table, words
 from .rendering import main_file
 from .urdf.chains import Chain
@@ -23,8 +22,6 @@ from .urdf.grippers import groups
 
 MENAGERIE = "menagerie"
 """MuJoCo Menagerie, which gets a folder with the MJCF instead of a Python file."""
-_CONTROL_STEP = 0.02
-"""Time [s] between actions, as in most tasks of MuJoCo Playground."""
 
 
 class Program(NamedTuple):
@@ -80,44 +77,6 @@ def program_files(
         path = f"{re.sub(r'[^A-Za-z0-9_]', '_', robot.name)}_{name}.py"
         files.setdefault(program.format, {})[path] = text.encode()
     return files
-
-
-def _mjlab(robot: Robot, file: str) -> str:
-    settings = settings_of(robot)
-    integrator = "euler" if settings.integrator is Integrator.EULER else "implicitfast"  # mjlab has no others
-    driven = tuple(re.escape(one.joint) for one in robot.actuators)
-    actuators = f"(XmlActuatorCfg(target_names_expr={literal(driven)}),)" if driven else "()"
-    has_ball = any(joint.kind is JointKind.BALL for joint in robot.joints)
-    positions = "None" if has_ball else "{re.escape(name): q for name, q in HOME.items()}"  # None: the file's keyframe
-    return f'''"""{words(robot)} in mjlab: the entity `ROBOT`, and `MUJOCO`, the options that attaching drops."""
-
-import re
-from pathlib import Path
-
-import mujoco
-from mjlab.actuator import XmlActuatorCfg
-from mjlab.entity import EntityArticulationInfoCfg, EntityCfg
-from mjlab.sim import MujocoCfg
-
-MODEL = Path(__file__).with_name({literal(file)})
-HOME = {table(home(robot))}
-
-ROBOT = EntityCfg(
-    spec_fn=lambda: mujoco.MjSpec.from_file(str(MODEL)),
-    init_state=EntityCfg.InitialStateCfg(
-        pos=(0.0, 0.0, {height(robot)!r}),
-        joint_pos={positions},
-    ),
-    articulation=EntityArticulationInfoCfg(actuators={actuators}),
-)
-MUJOCO = MujocoCfg(timestep={settings.timestep!r}, integrator="{integrator}", cone="elliptic", impratio=10.0)
-
-if __name__ == "__main__":
-    from mjlab.scene import Scene, SceneCfg
-
-    scene = Scene(SceneCfg(num_envs=1, entities={{"robot": ROBOT}}), device="cpu")
-    print(scene.compile().nu, "actuators;", *scene["robot"].joint_names)
-'''
 
 
 def _isaaclab(robot: Robot, file: str) -> str:
@@ -241,69 +200,6 @@ def _controllers(robot: Robot) -> list[tuple[str, str, list[str], str]]:
     return found
 
 
-def _playground(robot: Robot, file: str) -> str:
-    step = settings_of(robot).timestep
-    control = max(round(_CONTROL_STEP / step), 1) * step
-    return f'''"""{words(robot)} in MuJoCo Playground: the environment `Robot`, to be derived from for a task."""
-
-from pathlib import Path
-
-import jax
-import mujoco
-from jax import numpy as jp
-from ml_collections import config_dict
-from mujoco import mjx
-from mujoco_playground._src import mjx_env
-
-MODEL = Path(__file__).with_name({literal(file)})
-CONFIG = config_dict.create(ctrl_dt={control!r}, sim_dt={step!r}, episode_length=1000, action_repeat=1, impl="jax")
-
-
-class Robot(mjx_env.MjxEnv):
-    """Starts in the drawn pose; an action is the input of every actuator. A task states its reward."""
-
-    def __init__(self, config=CONFIG, config_overrides=None):
-        super().__init__(config.copy_and_resolve_references(), config_overrides)
-        self._mj_model = mujoco.MjModel.from_xml_path(str(MODEL))
-        self._mj_model.opt.timestep = self.sim_dt
-        self._mjx_model = mjx.put_model(self._mj_model, impl=self._config.impl)
-        start = self._mj_model.key("home") if self._mj_model.nkey else None
-        self._qpos = jp.array(self._mj_model.qpos0 if start is None else start.qpos)
-        self._ctrl = jp.zeros(self._mj_model.nu) if start is None else jp.array(start.ctrl)
-
-    def reset(self, rng):
-        data = mjx_env.make_data(self._mj_model, qpos=self._qpos, ctrl=self._ctrl, impl=self._config.impl)
-        data = mjx.forward(self._mjx_model, data)
-        return mjx_env.State(data, self.observation(data), jp.zeros(()), jp.zeros(()), {{}}, {{"rng": rng}})
-
-    def step(self, state, action):
-        data = mjx_env.step(self._mjx_model, state.data, action, self.n_substeps)
-        failed = jp.isnan(data.qpos).any() | jp.isnan(data.qvel).any()
-        reward, done = self.reward(data, action), failed.astype(jp.float32)
-        return state.replace(data=data, obs=self.observation(data), reward=reward, done=done)
-
-    def observation(self, data):
-        """Positions and velocities."""
-        return jp.concatenate([data.qpos, data.qvel])
-
-    def reward(self, data, action):
-        """None: that of a task."""
-        return jp.zeros(())
-
-    xml_path = property(lambda self: str(MODEL))
-    action_size = property(lambda self: self._mj_model.nu)
-    mj_model = property(lambda self: self._mj_model)
-    mjx_model = property(lambda self: self._mjx_model)
-
-
-if __name__ == "__main__":
-    robot = Robot()
-    state = jax.eval_shape(robot.reset, jax.random.PRNGKey(0))  # compiling takes minutes
-    state = jax.eval_shape(robot.step, state, robot._ctrl)
-    print(state.obs.shape, *(robot.mj_model.joint(i).name for i in range(robot.mj_model.njnt)))
-'''
-
-
 def _turning(robot: Robot) -> list[Chain]:
     """The chains whose joints all turn: LeRobot's angles are in degrees."""
     return [one for one in groups(robot)[0] if all(joint.kind is not JointKind.PRISMATIC for joint in one.joints)]
@@ -335,40 +231,6 @@ def kinematics():
 if __name__ == "__main__":
     pose = kinematics().forward_kinematics(np.array([degrees(HOME[name]) for name in JOINTS]))
     print(TIP, pose[:3, 3], *JOINTS)
-'''
-
-
-def _genesis(robot: Robot, file: str) -> str:
-    return f'''"""{words(robot)} in Genesis: `add(scene)`, and after `scene.build()` `go_home(robot)`."""
-
-from pathlib import Path
-
-import genesis as gs
-
-MODEL = Path(__file__).with_name({literal(file)})
-HOME = {table(home(robot))}
-
-
-def add(scene):
-    """The entity of the robot, with the gains and force limits of the MJCF."""
-    return scene.add_entity(gs.morphs.MJCF(file=str(MODEL), pos=(0.0, 0.0, {height(robot)!r})))
-
-
-def go_home(robot):
-    """Put the joints into the drawn pose, and hold them there."""
-    joints = [robot.get_joint(name) for name in HOME]
-    places = [index for joint in joints for index in joint.dofs_idx_local]
-    robot.set_dofs_position(list(HOME.values()), places)
-    robot.control_dofs_position(list(HOME.values()), places)
-
-
-if __name__ == "__main__":
-    gs.init(backend=gs.cpu)
-    scene = gs.Scene(show_viewer=False)
-    robot = add(scene)
-    scene.build()
-    go_home(robot)
-    print(robot.n_dofs, "degrees of freedom;", *HOME)
 '''
 
 
@@ -406,11 +268,11 @@ if __name__ == "__main__":
 
 
 PROGRAMS = {
-    "mjlab": Program("mjcf", _mjlab),
+    "mjlab": Program("mjcf", mjlab),
     "maniskill": Program("urdf", _maniskill),
-    "genesis": Program("mjcf", _genesis),
+    "genesis": Program("mjcf", genesis),
     "isaaclab": Program("usd", _isaaclab),
-    "playground": Program("mjcf", _playground),
+    "playground": Program("mjcf", playground),
     "lerobot": Program("urdf", _lerobot, lambda robot: "" if _turning(robot) else "no chain of turning joints"),
     "newton": Program("usd", _newton),
 }
