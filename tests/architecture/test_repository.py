@@ -61,7 +61,7 @@ def test_heavy_imports_live_in_one_place() -> None:
         "fcl": r"src/stepbot/(verification/self_collision/|geometry/mesh_distance\.py)",
         "manifold3d": r"src/stepbot/geometry/solids/",
         "gymnasium": r"src/stepbot/(gym/|formats/learning\.py)",  # there in the text of files that it writes
-        "mujoco": r"src/stepbot/((engines/mujoco|gym)/|formats/learning\.py)",
+        "mujoco": r"src/stepbot/((engines/mujoco|gym)/|formats/mjcf/learning\.py)",
         "pybullet": r"src/stepbot/(engines/pybullet/|robot/pybullet_closures\.py)",
         "pydantic": r"src/stepbot/sidecar/",
         "ruamel": r"src/stepbot/sidecar/",
