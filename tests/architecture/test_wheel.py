@@ -42,7 +42,7 @@ def test_wheel_holds_both_packages_and_no_more(wheel: zipfile.ZipFile) -> None:
         file.relative_to(package.parent).as_posix()
         for package in packages
         for file in package.rglob("*")
-        if file.suffix in (".py", ".toml", ".json", ".html", ".css", ".js") or file.name == "py.typed"
+        if file.suffix in (".py", ".toml", ".json", ".html", ".css", ".js", ".txt") or file.name == "py.typed"
     }
     content = {name for name in wheel.namelist() if ".dist-info/" not in name}
     data = ("stepbot/robots/", "stepbot/schemas/", *DOCUMENTATION)
