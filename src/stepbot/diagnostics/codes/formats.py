@@ -31,8 +31,9 @@ CODES: tuple[Code, ...] = (
         "note",
         "setting left to the program that loads the file",
         "The format cannot represent a setting: whether the base is fixed, the initial pose, settings of the "
-        "simulation. The loading program starts the robot with its own. Of moving links without mass in a "
-        "URDF, Gazebo drops all links below. PyBullet and Drake have no setting for `closure_stiffness`.",
+        "simulation. The loading program starts the robot with its own. The drawn pose of a URDF is only in its "
+        "`<ros2_control>`, as `initial_value` of the driven joints, which ROS 2 and Gazebo read. Of moving links without "
+        "mass in a URDF, Gazebo drops all links below. PyBullet and Drake have no setting for `closure_stiffness`.",
         "Set it after loading, such as `useFixedBase` and `setTimeStep` in PyBullet; `report.json` has the "
         "values. For Gazebo, convert to SDFormat, or start the ROS 2 package with its "
         "`launch/gazebo.launch.py`.",
