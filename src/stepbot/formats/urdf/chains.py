@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from stepbot.robot.kinematics import rigid_bodies
-from stepbot.robot.model import Joint, JointKind, Robot
+from stepbot.robot.model import ActuatorKind, Joint, JointKind, Robot
 
 from ..lowering.joints import UNLIMITED
 
@@ -43,6 +43,21 @@ def chains(robot: Robot) -> tuple[Chain, ...]:
         if independent and not _is_free(along):
             found.append(Chain(tip, start.parent, tip, independent))
     return tuple(found)
+
+
+def is_planned(robot: Robot, chain: Chain) -> bool:
+    """Whether there is something to plan for a chain: an actuator that is not a wheel's, or no actuator at all."""
+    driven = {one.joint: one.kind for one in robot.actuators}
+    kinds = [(joint.kind, driven[joint.name]) for joint in chain.joints if joint.name in driven]
+    wheel = (JointKind.CONTINUOUS, ActuatorKind.VELOCITY)
+    return not driven or any(one != wheel for one in kinds)
+
+
+def passive_joints(robot: Robot) -> list[str]:
+    """Joints that move on their own, without an actuator, on a robot that has some: none publishes their positions."""
+    driven = {one.joint for one in robot.actuators}
+    moving = (joint for joint in robot.joints if joint.kind is not JointKind.FIXED and joint.mimic is None)
+    return [joint.name for joint in moving if driven and joint.name not in driven]
 
 
 def _is_free(along: Sequence[Joint]) -> bool:

@@ -17,7 +17,7 @@ from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, JointKind, Robot
 from stepbot.robot.standing import is_jaw
 
-from .chains import Chain, chains, module_of_joint, moving_joints
+from .chains import Chain, chains, is_planned, module_of_joint, moving_joints
 
 _OPPOSITE = -0.99
 """Cosine below which two directions are opposite."""
@@ -48,11 +48,11 @@ Groups = tuple[tuple[Chain, ...], tuple[Gripper, ...]]
 
 
 def groups(robot: Robot) -> Groups:
-    """The chains of a robot without those of its grippers, and the grippers."""
+    """The chains of a robot that something drives, without those of its grippers, and the grippers."""
     found = chains(robot)
     grippers = _grippers(robot, found)
     fingers = {joint.name for gripper in grippers for joint in gripper.joints}
-    arms = [one for one in found if one.joints[0].name not in fingers]
+    arms = [one for one in found if one.joints[0].name not in fingers and is_planned(robot, one)]
     carriers = {gripper.arm for gripper in grippers}
     split = [(one, None) if one.name in carriers else _without_jaw(robot, one) for one in arms]
     return _named(robot, [arm for arm, _ in split], [*grippers, *(jaw for _, jaw in split if jaw is not None)])

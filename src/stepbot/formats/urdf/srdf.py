@@ -11,6 +11,7 @@ from stepbot.robot.model import Base, Joint, Robot
 from stepbot.robot.self_collision import PairClass, SelfCollision
 
 from ..xml import Element, document, element, root
+from .chains import passive_joints
 from .grippers import groups
 
 REASONS = {PairClass.ADJACENT: "Adjacent", PairClass.ALWAYS: "Always", PairClass.NEVER: "Never"}
@@ -84,6 +85,8 @@ def _groups(top: Element, robot: Robot) -> None:
     kind = "fixed" if robot.base is Base.FIXED else "floating"
     name = f"{robot.root.name}_to_world"
     element(top, "virtual_joint", name=name, type=kind, parent_frame="world", child_link=robot.root.name)
+    for joint in passive_joints(robot):  # MoveIt waits for the positions of all others
+        element(top, "passive_joint", name=joint)
 
 
 def _states(top: Element, group: str, joints: Sequence[Joint]) -> None:
