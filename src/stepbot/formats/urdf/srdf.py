@@ -85,8 +85,8 @@ def _groups(top: Element, robot: Robot) -> None:
     kind = "fixed" if robot.base is Base.FIXED else "floating"
     name = f"{robot.root.name}_to_world"
     element(top, "virtual_joint", name=name, type=kind, parent_frame="world", child_link=robot.root.name)
-    for joint in passive_joints(robot):  # MoveIt waits for the positions of all others
-        element(top, "passive_joint", name=joint)
+    for passive in passive_joints(robot):  # MoveIt waits for the positions of all others
+        element(top, "passive_joint", name=passive)
 
 
 def _states(top: Element, group: str, joints: Sequence[Joint]) -> None:
