@@ -67,6 +67,18 @@ def package(converted: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(converted, tmp_path / "src" / PACKAGE))
 
 
+def test_the_manifest_names_all_that_launch_files_need(package: Path) -> None:
+    """The packages that they import and whose nodes they start, and those of the plugins in their settings."""
+    needed = set()
+    for file in (package / "launch").glob("*.py"):
+        text = file.read_text(encoding="utf-8")
+        needed |= set(re.findall(r"^(?:from|import) (\w+)", text, re.MULTILINE)) - sys.stdlib_module_names
+        needed |= set(re.findall(r'(?:package=|share_directory\()"(\w+)"', text))
+    manifest = ET.parse(package / "package.xml")
+    assert needed <= {one.text for one in manifest.iter("exec_depend")}
+    assert {"launch_ros", "controller_manager", "ros_gz_sim", "moveit_configs_utils"} <= needed
+
+
 def xacro(file: Path, **arguments: str) -> ET.Element:
     """The URDF that xacro makes of a file."""
     program = "import xml.parsers.expat, xacro; xacro.main()"  # 2.1.1 forgets to import what it catches

@@ -22,7 +22,10 @@ from .moveit import (
 from .xacro import instance_xacro, macro_xacro
 
 MANIFEST = "package.xml"
-_RUN = ("robot_state_publisher", "joint_state_publisher_gui", "rviz2", "ros_gz_bridge", "ros_gz_sim", "xacro")
+_RUN = (
+    *("ament_index_python", "launch", "launch_ros"),
+    *("robot_state_publisher", "joint_state_publisher_gui", "rviz2", "ros_gz_bridge", "ros_gz_sim", "xacro"),
+)
 _CONTROL = ("controller_manager", "gz_ros2_control", "ros2_controllers")
 """Further packages for a robot with actuators."""
 _PLAN = ("moveit", "moveit_configs_utils")
