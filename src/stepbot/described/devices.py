@@ -8,7 +8,7 @@ from stepbot.engines.observation import Observation, ObservedActuator, ObservedS
 from stepbot.geometry.spatial import IDENTITY
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit
-from stepbot.robot.sensors import PLACED, SEEING, Sensor, SensorKind, View
+from stepbot.robot.sensors import MOST_RAYS, PLACED, SEEING, Sensor, SensorKind, View
 from stepbot.robot.tuning import Tuning
 
 from .finding import DEVICE, Finding
@@ -125,6 +125,10 @@ def sensors_of(
             found.append(
                 Finding(DEVICE, f"sensor '{one.name}' of type '{one.kind}': not converted", (Quantity.SENSORS,))
             )
+            continue
+        if kind is SensorKind.LIDAR and (one.columns or 0) > MOST_RAYS:
+            text = f"sensor '{one.name}': {one.columns} rays, more than {MOST_RAYS}: not converted"
+            found.append(Finding(DEVICE, text, (Quantity.SENSORS,)))
             continue
         name = free_name(one.name or f"{one.joint or link}_{kind.value}_{number}", "_2", taken)
         X_LS = (one.X_LS or IDENTITY) if kind in PLACED else IDENTITY

@@ -34,6 +34,10 @@ OPTICAL = Pose.of(((0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0)))
 """Pose of an optical frame in its camera: z is forward, x right, y down (REP 103)."""
 
 
+MOST_RAYS = 100_000
+"""Largest number of rays of a lidar: MJCF has an element for each."""
+
+
 @dataclass(frozen=True)
 class View:
     """The field of view of a camera or a lidar; the rays of a lidar are evenly spaced, the outermost at the edges."""

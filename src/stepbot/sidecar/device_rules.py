@@ -4,7 +4,7 @@ from math import pi
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.robot.model import ActuatorKind, JointKind
-from stepbot.robot.sensors import PLACED, SEEING, SensorKind
+from stepbot.robot.sensors import MOST_RAYS, PLACED, SEEING, SensorKind
 
 from .devices import ActuatorSection, GainsSection, SensorSection
 from .joint_settings import ONE_FREEDOM, joint_settings, settings_of
@@ -170,6 +170,9 @@ def _check_view(sidecar: Sidecar, name: str, sensor: SensorSection, found: Diagn
         found.add(
             "SB125", message, sidecar.key_span("sensors", name), help=["a single ray along x is `fov: 0, samples: 1`"]
         )
+    if sensor.type is SensorKind.LIDAR and (sensor.samples or 0) > MOST_RAYS:
+        message = f"{who}: samples: {sensor.samples} exceeds the maximum of {MOST_RAYS}"
+        found.add("SB125", message, sidecar.span("sensors", name, "samples"))
     if sensor.range is not None and sensor.range[0] >= sensor.range[1]:
         message = f"{who}: range: minimum is not below maximum"
         found.add("SB125", message, sidecar.span("sensors", name, "range"))

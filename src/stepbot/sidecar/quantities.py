@@ -285,7 +285,7 @@ StepShare = Annotated[
     BeforeValidator(finite(units.RATIO, above=0.0, high=1.0)),
     quantity_schema(units.RATIO, exclusiveMinimum=0, maximum=1),
 ]
-_Distance = Annotated[float, BeforeValidator(_distance), quantity_schema(units.LENGTH, minimum=0)]
+_Distance = Annotated[float, PlainValidator(_distance), quantity_schema(units.LENGTH, minimum=0)]
 DistanceRange = Annotated[tuple[_Distance, _Distance], BeforeValidator(two)]
 Mass = Annotated[float, BeforeValidator(finite(units.MASS, above=0.0)), quantity_schema(units.MASS, exclusiveMinimum=0)]
 Density = Annotated[

@@ -389,6 +389,26 @@ joints:
         assert mimic.multiplier.value == pytest.approx(value, rel=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("seen", "code"),
+    [
+        ("samples: 100, range: [0.1 m, .inf]", ""),
+        ("samples: 100, range: [0.1 m, .nan]", "SB125"),
+        ("samples: 100_001, range: [0.1 m, 3 m]", "SB122"),
+        ("samples: 100001, range: [0.1 m, 3 m]", "SB125"),
+    ],
+)
+def test_ranges_without_end_and_numbers_of_rays(seen: str, code: str) -> None:
+    """A lidar may see without end; MJCF has an element for each ray, so that their number is bounded."""
+    text = f"""version: 1
+robot: r
+step: r.step
+links: {{a: {{rest: true}}}}
+sensors: {{scan: {{type: lidar, link: a, fov: 90 deg, {seen}}}}}
+"""
+    assert codes(text) == ([code] if code else [])
+
+
 def test_every_name_that_is_written_is_portable() -> None:
     """The robot's, which names files, modules', prefixes, and those that `rename` gives; each with a remedy."""
     text = """version: 1
