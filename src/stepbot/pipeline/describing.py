@@ -5,6 +5,7 @@ from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from xml.sax.saxutils import escape
 
 from stepbot.described.finding import UNSUPPORTED
 from stepbot.described.robot import robot_of_description
@@ -26,6 +27,9 @@ from .sidecars import report_missing
 _DESCRIBE = "stepbot.engines.describe:describe"
 _EXPAND = "stepbot.engines.macros.expansion:expand"
 _MOST_CALLS = 8
+_SUBJECT = re.compile(r"(link|joint|closure|actuator|sensor|mesh) '([^']+)'")
+_TAGS = {"link": "link|body", "joint": "joint|freejoint"}
+"""Elements that state what a finding is about; other subjects are elements of any name."""
 _HEAD = 1 << 24
 """Number of bytes in which macros are searched for."""
 
@@ -64,9 +68,9 @@ def _described(
             if error.kind not in ("EngineRefused", "EngineCannotRead"):
                 raise
             first, *more = error.text.splitlines() or [""]
-            if macros is not None:
-                first, span = _where(first, macros)
-            found.add("SB823", first, span, notes=more)
+            text, line = _without_line(first)
+            span = Span(span.file, line) if macros is None else Span(*macros.places[min(line, len(macros.places) - 1)])
+            found.add("SB823", text, span, notes=more)
             return None
         except WorkerDied as death:
             message = f"the process that reads the description died: {death.reason}"
@@ -131,11 +135,26 @@ def _remedies(error: str) -> list[str]:
     return []
 
 
-def _where(message: str, macros: Expanded) -> tuple[str, Span]:
-    """A message about a line of the expanded URDF, without the line, and the place that this is from."""
+def _without_line(message: str) -> tuple[str, int]:
+    """A message of a parser without the line that it begins with, and this line; 0 for none."""
     line, text = re.match(r"(?:line (\d+): )?(.*)", message, re.DOTALL).groups()  # type: ignore[union-attr]
-    number = int(line or 0)
-    return text, Span(*(macros.places[number] if number < len(macros.places) else macros.places[0]))
+    return text, int(line or 0)
+
+
+def place_of(finding: str, path: Path, description: Description) -> Span:
+    """Where a description states what a finding begins with: ``joint 'elbow' ...``; the file alone if nowhere."""
+    subject = _SUBJECT.match(finding)
+    if subject is None:
+        return Span(path.as_posix())
+    kind, name = subject.groups()
+    with open_regular(path) as file:
+        content = description.expanded or file.read(_HEAD)
+    text = content.decode("utf-8", "replace")
+    quoted = rf"""["']{re.escape(escape(name))}["']"""
+    pattern = quoted if kind == "mesh" else rf"<(?:{_TAGS.get(kind, '[a-z_]+')})\b[^<>]*\bname\s*=\s*{quoted}"
+    stated = re.search(pattern, text)
+    line = 0 if stated is None else text.count("\n", 0, stated.start()) + 1
+    return Span(*description.place(path.as_posix(), line))
 
 
 def described_robot(path: Path, options: Options, found: Diagnostics, *, drawn: bool = True) -> Robot | None:
@@ -155,7 +174,7 @@ def described_robot(path: Path, options: Options, found: Diagnostics, *, drawn: 
     if not drawn:
         lacking = [one for one in described.findings if one.code == UNSUPPORTED]
         for one in lacking:
-            found.add(one.code, one.text, Span(path.as_posix()))
+            found.add(one.code, one.text, place_of(one.text, path, description))
         return None if lacking else described.robot
     if described.missing:
         count = len(described.missing)

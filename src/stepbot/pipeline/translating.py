@@ -32,7 +32,7 @@ from stepbot.sidecar.self_collision import SelfCollisionSection
 from stepbot.verification.joint_rows import joint_rows
 
 from .conversion import Checked, Conversion, Options, is_description
-from .describing import read_description
+from .describing import place_of, read_description
 from .loading import input_hashes, input_names
 from .self_collisions import with_self_collision
 from .verdict import robot_words
@@ -143,7 +143,7 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
     if options.assume_inertia:
         described = _with_assumed(described, options)
     for one in described.findings:
-        found.add(one.code, one.text, span)
+        found.add(one.code, one.text, place_of(one.text, path, description))
     computed = {one.text.split("'")[1] for one in described.findings if one.code == ASSUMED}
     links = ", ".join(f"'{link}'" for link in description.assumed if link not in computed)
     if links:

@@ -133,7 +133,8 @@ CODES: tuple[Code, ...] = (
         "robot description cannot be read",
         "The URDF, SDFormat or MJCF to convert, to view, or given by `init --from` is invalid, or uses a feature that "
         "stepbot does not support. Nothing is written.",
-        "`stepbot verify FILE` shows what each engine reports. Without `--from`, `init` drafts from the STEP alone.",
+        "Correct what the message names, where it names it. `stepbot verify FILE` shows what other readers report. "
+        "Without `--from`, `init` drafts from the STEP alone.",
     ),
     Code(
         "SB824",
@@ -206,9 +207,9 @@ CODES: tuple[Code, ...] = (
         "part of the source cannot be converted",
         "A mesh of a URDF, SDFormat or MJCF cannot be found or read; or a joint, mimic or closure is of a type "
         "that stepbot's model does not have, or does not belong to one tree of links.",
-        "Put the mesh where the file names it, name the folder of its package with `--package-path`, or "
-        "convert it to STL, OBJ, PLY, Collada or glTF. Express motion by the types of joints and closures in "
-        "`stepbot docs sidecar`.",
+        "Of a mesh: put it where the file names it, name the folder of its package with `--package-path`, or "
+        "convert it to STL, OBJ, PLY, Collada or glTF. Of a joint, mimic or closure: let it follow a joint that moves "
+        "by itself, and express motion by the types in `stepbot docs sidecar`.",
     ),
     Code(
         "SB863",
