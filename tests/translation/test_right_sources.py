@@ -236,3 +236,93 @@ def test_only_files_beside_a_gltf_are_its_buffers(tmp_path: Path) -> None:
     assert content is not None
     assert len(content.mesh.faces) == 4
     assert content.buffers == ()
+
+
+@pytest.mark.parametrize("limit", ['effort="10" velocity="0"', 'effort="0" velocity="0"'])
+def test_limits_of_0_are_none(limit: str, tmp_path: Path) -> None:
+    """As the SolidWorks exporter states them: nothing would move, MuJoCo, PyBullet and MoveIt ignore them."""
+    servo = """<transmission name="servo"><type>transmission_interface/SimpleTransmission</type>
+      <joint name="turn"><hardwareInterface>hardware_interface/PositionJointInterface</hardwareInterface></joint>
+      <actuator name="servo"><mechanicalReduction>1</mechanicalReduction></actuator></transmission>"""
+    source = urdf(f'<link name="base">{_INERTIAL}</link>', servo).replace('effort="10" velocity="2"', limit)
+    conversion = proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf")
+    zero = "velocity and effort" if limit.startswith('effort="0"') else "velocity"
+    assert told(conversion, "SB874:limit") == [
+        f"joint 'turn': {zero} limit of 0, at which nothing moves: read as unlimited"
+    ]
+    (limits,) = ET.parse(tmp_path / "out" / "robot.urdf").getroot().iter("limit")
+    assert float(limits.get("velocity", "")) >= 1e9
+
+
+def test_several_collisions_of_one_name(tmp_path: Path) -> None:
+    """URDF identifies collisions by their order; the written ones have names of their own, and the same places."""
+    shapes = "".join(
+        f'<collision name="c"><origin xyz="{x} 0 0"/><geometry><sphere radius="{r}"/></geometry></collision>'
+        for x, r in ((0.1, 0.05), (0.3, 0.04), (0.6, 0.03))
+    )
+    proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}{shapes}</link>'), "urdf", "sdf", "mjcf")
+
+
+def test_light_link_far_from_a_heavy_root(tmp_path: Path) -> None:
+    """MuJoCo computes with distances from the common centre of mass: m r^2 of the link is rounded, not its inertia."""
+    base = _INERTIAL.replace('"1"', '"1e6"').replace("1e-2", "1e4")
+    source = urdf(f'<link name="base">{base}</link>').replace(
+        '<axis xyz="0 1 0"/>', '<axis xyz="0 1 0"/><origin xyz="1000 0 0"/>'
+    )
+    proven(
+        tmp_path, ".urdf", source.replace('<mass value="1"/>', '<mass value="1e-3"/>').replace("1e-2", "1e-6"), "mjcf"
+    )
+
+
+def test_payload_that_lies_on_a_moving_link(tmp_path: Path) -> None:
+    """A floating joint connects nothing: what lies on a tray collides with it, in MJCF, too."""
+    box = "<geometry><box size='0.1 0.1 0.1'/></geometry>"
+    base, tray, load = (
+        f'<link name="{name}">{_INERTIAL}<collision>{box}</collision></link>' for name in ("base", "tray", "load")
+    )
+    joints = """<joint name="hold" type="fixed"><parent link="arm"/><child link="tray"/><origin xyz="0 0 1"/></joint>
+      <joint name="free" type="floating"><parent link="tray"/><child link="load"/><origin xyz="0 0 0.099"/></joint>"""
+    proven(tmp_path, ".urdf", urdf(base, tray, load, joints), "mjcf")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    names = [{model.geom(geom).name for geom in contact.geom} for contact in data.contact]
+    assert {"tray_collision", "load_collision"} in names
+
+
+def test_one_name_for_the_collisions_of_all_links(tmp_path: Path) -> None:
+    """As in most models of Gazebo; a continuous joint ignores the limits that its axis states."""
+    inertial = "<inertial><mass>1</mass><inertia><ixx>.01</ixx><iyy>.01</iyy><izz>.01</izz></inertia></inertial>"
+    shape = "<geometry><box><size>.1 .1 .1</size></box></geometry>"
+    shapes = f'<visual name="visual">{shape}</visual><collision name="collision">{shape}</collision>'
+    links = "".join(
+        f'<link name="{one}"><pose>0 0 {z} 0 0 0</pose>{inertial}{shapes}</link>' for z, one in enumerate("abc")
+    )
+    joints = "".join(
+        f'<joint name="{child}" type="continuous"><parent>{parent}</parent><child>{child}</child><axis><xyz>0 0 1</xyz>'
+        "<limit><lower>-1</lower><upper>1</upper></limit></axis></joint>"
+        for parent, child in ("ab", "bc")
+    )
+    model = f'<sdf version="1.7"><model name="robot">{links}{joints}</model></sdf>'
+    proven(tmp_path, ".sdf", model, "urdf", "sdf", "mjcf")
+    robot = ET.parse(tmp_path / "out" / "robot.urdf").getroot()
+    assert [joint.get("type") for joint in robot.iter("joint")] == ["continuous", "continuous"]
+
+
+def test_joint_between_frames(tmp_path: Path) -> None:
+    """SDFormat joins frames as well as links: the pose of the joint is relative to the child that the file names."""
+    inertial = "<inertial><mass>1</mass><inertia><ixx>.01</ixx><iyy>.01</iyy><izz>.01</izz></inertia></inertial>"
+    model = f"""<sdf version="1.9"><model name="robot"><link name="a">{inertial}</link>
+      <link name="b"><pose>1 2 3 0 0 0</pose>{inertial}</link>
+      <frame name="of_a" attached_to="a"><pose>0 0 5 0 0 0</pose></frame>
+      <frame name="of_b" attached_to="b"><pose>0.5 0 0 0 0 1.5707963267948966</pose></frame>
+      <frame name="below" attached_to="of_b"><pose>0 0.25 0 0 0 0</pose></frame>
+      <joint name="turn" type="revolute"><parent>of_a</parent><child>below</child><axis><xyz>1 0 0</xyz>
+      <limit><lower>-1</lower><upper>1</upper></limit></axis></joint></model></sdf>"""
+    proven(tmp_path, ".sdf", model, "mjcf")
+    compiled = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    data = mujoco.MjData(compiled)
+    mujoco.mj_forward(compiled, data)
+    turn = compiled.joint("turn").id
+    assert np.allclose(data.xaxis[turn], [0.0, 1.0, 0.0], atol=1e-12)  # x of `of_b`, a quarter turn about z
+    assert np.allclose(data.xanchor[turn] - data.body("a").xpos, [1.25, 2.0, 3.0], atol=1e-12)  # y of `of_b` is -x

@@ -261,7 +261,7 @@ def robot_of_description(
     _report_contacts(robot, seen, found)
     rooted = _without_world(robot, found)
     _report_place(rooted, description.X_WR, found)
-    known = seen.base is not None or rooted is not robot
+    known = seen.base is not None or robot.root.name == _WORLD  # which may have several joints, or one that moves
     placed = _at_initial(share_meshes(rooted), seen.initial or {}, None if drawn else found)
     robot, names = with_valid_names(_with_turned_balls(placed), found)
     return Described(robot, tuple(found), known, names)

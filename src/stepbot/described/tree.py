@@ -11,13 +11,13 @@ from math import inf, isfinite, isnan
 import numpy as np
 
 from stepbot.engines.description import Description
-from stepbot.engines.observation import ObservedJoint, Quantity
+from stepbot.engines.observation import NEVER_ZERO, ObservedJoint, Quantity
 from stepbot.geometry.spatial import IDENTITY, ZERO3, Pose
 from stepbot.robot.kinematics import MOVING
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link
 
-from .finding import LOST, REARRANGED, UNSUPPORTED, Finding
+from .finding import LOST, OPEN_LIMIT, REARRANGED, UNSUPPORTED, Finding
 
 _UNLIMITED = (
     *(("lower", -inf), ("upper", inf), ("velocity", inf), ("effort", inf)),
@@ -155,6 +155,11 @@ def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, 
     if unknown:
         text = f"joint '{name}': {' and '.join(unknown)} limit, not the same in both directions: not converted"
         found.append(Finding(LOST, text))
+    zero = [field for field in NEVER_ZERO if getattr(limit, field) == 0.0]
+    if zero:
+        text = f"joint '{name}': {' and '.join(zero)} limit of 0, at which nothing moves: read as unlimited"
+        found.append(Finding(OPEN_LIMIT, text))
+        limit = replace(limit, **dict.fromkeys(zero, inf))
     if kind is JointKind.BALL and isfinite(limit.upper):
         text = f"joint '{name}': the cone of {limit.upper:g} rad that limits it: not converted"
         found.append(Finding(LOST, text, (Quantity.JOINTS, Quantity.LIMITS)))

@@ -106,6 +106,10 @@ class ObservedLink:
     """Share of the weight that the file takes away: 1 where gravity does not act on the link."""
 
 
+NEVER_ZERO = ("velocity", "effort", "acceleration", "deceleration", "jerk")
+"""Limits at which, if they are 0, nothing moves: files state them for want of a number, and readers ignore them."""
+
+
 @dataclass(frozen=True)
 class ObservedJoint:
     """A joint as reported by an engine; None if not reported."""

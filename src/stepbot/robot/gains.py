@@ -23,7 +23,7 @@ the other motors hold. The base is held, too. With loops the postures are the dr
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import floor, isfinite, log10, pi, sqrt
+from math import floor, inf, isfinite, log10, pi, sqrt
 
 import numpy as np
 
@@ -98,10 +98,11 @@ def line_damping(actuator: Actuator, joint: Joint) -> float:
     """Damping [N m s/rad] or [N s/m] at the joint that uses up a position actuator's effort at its velocity limit.
 
     That of the joint is subtracted; 0 without both limits, and for other actuators: a velocity actuator does not drive
-    beyond its range.
+    beyond its range. 0 also for a velocity limit of 0, which many URDFs state for want of a number.
     """
     limit = actuator_limit(actuator, joint)
-    if actuator.kind is not ActuatorKind.POSITION or not (isfinite(limit.effort) and isfinite(limit.velocity)):
+    is_limited = isfinite(limit.effort) and 0.0 < limit.velocity < inf
+    if actuator.kind is not ActuatorKind.POSITION or not is_limited:
         return 0.0
     return max(0.0, limit.effort / limit.velocity - joint.dynamics.damping)
 

@@ -5,7 +5,7 @@ from math import inf
 
 import numpy as np
 
-from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
+from stepbot.engines.observation import NEVER_ZERO, Observation, ObservedJoint, ObservedLink
 from stepbot.formats.lowering.joints import UNLIMITED
 from stepbot.formats.lowering.masses import LEAST_MASS, LEAST_MOMENT, STAND_IN_MASS, STAND_IN_MOMENT
 from stepbot.geometry.spatial import ZERO3, ZERO33
@@ -48,6 +48,8 @@ def _freed(joint: ObservedJoint) -> ObservedJoint:
 
 
 def _free(limit: Limit) -> Limit:
+    zero = [name for name in NEVER_ZERO if getattr(limit, name) == 0.0]
+    limit = replace(limit, **dict.fromkeys(zero, inf))
     return replace(
         limit,
         lower=-inf if limit.lower <= -NO_BOUND else limit.lower,

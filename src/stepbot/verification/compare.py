@@ -236,7 +236,7 @@ def _compare_com(deviations: Deviations, reference: Observation, observed: Obser
 
 def _gyration(link: ObservedLink) -> float:
     """Radius of gyration [m]: the size of a link according to its inertia."""
-    if not link.mass or link.inertia is None:
+    if not link.mass or link.mass < 0.0 or link.inertia is None:
         return 0.0
     return float(np.sqrt(max(np.trace(np.array(link.inertia)), 0.0) / (2.0 * link.mass)))
 

@@ -23,7 +23,7 @@ TOLERANCES: Mapping[Quantity, Tolerance] = {
     Quantity.INERTIA: Tolerance(relative=1e-9),
     Quantity.GRAVITY_SETTINGS: Tolerance(absolute=1e-9),
     Quantity.POSES: Tolerance(absolute=1e-9),
-    Quantity.MASS_MATRIX: Tolerance(relative=1e-9),
+    Quantity.MASS_MATRIX: Tolerance(relative=1e-9, of_whole=1e-15),
     Quantity.GRAVITY: Tolerance(relative=1e-9),
     Quantity.INVERSE_DYNAMICS: Tolerance(relative=1e-9),
     Quantity.CLOSURES: Tolerance(absolute=1e-9),

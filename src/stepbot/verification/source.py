@@ -3,6 +3,7 @@
 Quantities with a declared loss are not compared: their difference is the loss that was reported.
 """
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from math import inf, isnan
@@ -16,6 +17,7 @@ from stepbot.report.robot import Check
 from stepbot.robot.model import ActuatorKind, Limit
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
+from .bounds import without_stand_ins
 from .checks import Subject, check_of, report_failure
 from .counterparts import Renaming
 from .files import observed
@@ -122,7 +124,7 @@ def verify_against_source(
         if not seen:
             continue
         gathered = gather(seen)
-        theirs = replace(gathered, observation=with_effective_ranges(gathered.observation))
+        theirs = replace(gathered, observation=with_effective_ranges(without_stand_ins(gathered.observation)))
         for compared in compared_with_first(ours, theirs, asked):
             if compared.quantity in _OWN:
                 continue
@@ -139,16 +141,26 @@ def verify_against_source(
 def _comparable(gathered: Gathered) -> Gathered:
     """The source without what the written files have by conventions of their own.
 
-    These are names and colours of shapes to which the source gives none, groups of shapes, ranges of actuators beyond
-    the limits of their joints, and ambient colours: one that is not the diffuse colour is reported as lost.
+    These are names of shapes to which the source gives none or that several have, colours of shapes without one, groups
+    of shapes, ranges of actuators beyond the limits of their joints, limits of 0, and ambient colours: one that is not
+    the diffuse colour is reported as lost.
     """
     seen = gathered.observation
+    often = Counter(
+        shape.name for link in seen.links for shapes in (link.visuals, link.collisions) for shape in shapes or ()
+    )
 
     def plain(shapes: tuple[ObservedShape, ...] | None) -> tuple[ObservedShape, ...] | None:
         return shapes and tuple(
-            replace(shape, name=shape.name or None, rgba=shape.rgba or None, group=None, ambient=None)
+            replace(
+                shape,
+                name=shape.name if shape.name and often[shape.name] == 1 else None,
+                rgba=shape.rgba or None,
+                group=None,
+                ambient=None,
+            )
             for shape in shapes
         )
 
     links = tuple(replace(link, visuals=plain(link.visuals), collisions=plain(link.collisions)) for link in seen.links)
-    return replace(gathered, observation=with_effective_ranges(replace(seen, links=links)))
+    return replace(gathered, observation=with_effective_ranges(without_stand_ins(replace(seen, links=links))))

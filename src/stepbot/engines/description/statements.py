@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from .vocabulary import Vocabulary
 _VOCABULARIES = {"urdf": URDF, "sdf": AROUND, "mjcf": MJCF}
 _KEYS = ("name", "reference", "filename", "joint", "site", "class")
 """Attributes that identify one of several elements of a tag."""
+_LONGEST_PLACE = 1000
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,14 @@ def statements(file: Path, written_in: str) -> tuple[Statement, ...]:
     return tuple(_below(top, vocabulary))
 
 
+def _short(place: str) -> str:
+    """A place of bounded length: of elements nested by thousands, each place would name all those above it."""
+    if len(place) <= _LONGEST_PLACE:
+        return place
+    head, tail = place[: -_LONGEST_PLACE // 2], place[-_LONGEST_PLACE // 2 :]
+    return f"({sha256(head.encode()).hexdigest()[:12]}){tail}"
+
+
 def _below(top: Any, vocabulary: Vocabulary) -> Iterator[Statement]:
     """The statements in the order of the file, without recursion: elements may be nested by thousands."""
     waiting = [(top, str(top.tag), str(top.tag), vocabulary, True)]
@@ -59,5 +69,5 @@ def _below(top: Any, vocabulary: Vocabulary) -> Iterator[Statement]:
             tag = f"{child.tag} {key}".strip()
             numbers[tag] += 1
             numbered = tag if numbers[tag] == 1 else f"{tag} {numbers[tag]}"
-            children.append((child, below, f"{place}/{numbered}", words, read and below in words.read))
+            children.append((child, below, _short(f"{place}/{numbered}"), words, read and below in words.read))
         waiting += reversed(children)

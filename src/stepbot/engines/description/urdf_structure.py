@@ -70,6 +70,8 @@ def check_structure(robot: Element) -> None:
                 _numbers(element, name, count)
             if element.tag == "origin":
                 _check_rotation(element)
+            if element.tag == "color":
+                _check_color(element)
 
 
 def open_limits(robot: Element) -> Iterator[OpenLimit]:
@@ -122,6 +124,14 @@ def _check_rotation(origin: Element) -> None:
         raise _refused(origin, f"<origin> has 'rpy' and '{QUATERNION}': remove one")
     if not any(_numbers(origin, QUATERNION, 4)):
         raise _refused(origin, f"'{QUATERNION}' of <origin> is zero, and no rotation")
+
+
+def _check_color(color: Element) -> None:
+    """Check that channels are shares: of colours written in bytes, each reader shows another one."""
+    rgba = _numbers(color, "rgba", 4)
+    if not all(0.0 <= channel <= 1.0 for channel in rgba):
+        hint = "; divide by 255" if max(rgba) > 1.0 and max(rgba) <= 255.0 and min(rgba) >= 0.0 else ""
+        raise _refused(color, f"'rgba' of <color> is '{color.get('rgba')}', not numbers from 0 to 1{hint}")
 
 
 def _check_link(link: Element) -> None:

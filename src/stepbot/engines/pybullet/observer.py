@@ -321,7 +321,14 @@ def _dynamics(body: Body, request: Request) -> tuple[Dynamics, ...]:
     """The equations of motion at every configuration; changes the masses of the body."""
     if not body.coordinates:
         return tuple(Dynamics(np.zeros((0, 0)), np.zeros(0), np.zeros(0)) for _ in request.moments)
-    whole = 1.0 / _lightened(body)
+    try:
+        return _equations(body, request, 1.0 / _lightened(body))
+    except (ArithmeticError, SystemError, ValueError) as error:  # of masses and inertias that no body has
+        raise EngineRefused("masses or inertias with which PyBullet cannot compute the motion") from error
+
+
+def _equations(body: Body, request: Request, whole: float) -> tuple[Dynamics, ...]:
+    """The equations of motion of a body whose masses and inertias are to be multiplied by ``whole``."""
     equations = []
     for q, rates in request.moments:
         positions, *moving = ([float(given.get(name, 0.0)) for name in body.coordinates] for given in (q, *rates))

@@ -27,12 +27,15 @@ def numbers(text: str | None) -> list[float]:
     """The numbers in a text.
 
     Raises:
-        EngineRefused: One of them is not a number.
+        EngineRefused: One of them is not a finite number.
     """
     try:
-        return [float(word) for word in (text or "").split()]
-    except ValueError as error:
-        raise EngineRefused(f"'{text}' is not a list of numbers") from error
+        values = [float(word) for word in (text or "").split()]
+    except ValueError:
+        values = [math.nan]
+    if not all(map(math.isfinite, values)):
+        raise EngineRefused(f"'{text}' is not a list of numbers")
+    return values
 
 
 def three_at(element: Element, path: str, default: str = "") -> tuple[float, float, float]:
@@ -141,9 +144,15 @@ class Frames:
         return self.X_M(frame).turn(np.array(direction))
 
     def link_of(self, name: str) -> str:
-        """The link that a frame is attached to."""
+        """The link that a frame is attached to.
+
+        Raises:
+            EngineRefused: There is no such frame, or its definition is circular.
+        """
         for _ in self._element:
             element = self._element.get(name)
+            if element is None and name not in (MODEL, WORLD):
+                raise EngineRefused(f"no link or frame '{name}'")
             if element is None or element.tag == "link":
                 return name
             name = (element.get("attached_to") or MODEL) if element.tag == "frame" else ends(element)[1]

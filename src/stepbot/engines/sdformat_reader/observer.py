@@ -5,6 +5,7 @@ limits, closing joints, frames and mimics, which PyBullet ignores; poses and dyn
 kinematics from the parsed values, so they confirm the text, not the behaviour of an engine.
 """
 
+from dataclasses import replace
 from math import inf, nan, pi
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -175,6 +176,8 @@ def _joint(joint: Element, frames: Frames) -> ObservedJoint:
     a_C = frames.X_M(child).inverse().turn(unit(frames.axis(joint, axis)))
     b_C = None if second is None else vector3(frames.X_M(child).inverse().turn(unit(frames.axis(joint, second))))
     limit, dynamics = _limit(axis), _dynamics(axis)
+    if joint.get("type") == "continuous":  # such joints ignore them
+        limit = replace(limit, lower=-inf, upper=inf)
     if second is not None and (_limit(second), _dynamics(second)) != (limit, dynamics):
         limit = Limit(nan, nan, nan, nan)  # no joint of the model has two
     return ObservedJoint(

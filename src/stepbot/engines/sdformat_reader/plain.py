@@ -1,4 +1,4 @@
-"""An SDFormat model in plain form: without nested models, and with poses of shapes in their links.
+"""An SDFormat model in plain form: without nested models, with joints between links and poses of shapes in their links.
 
 http://sdformat.org/tutorials?tut=composition: the elements of a nested model are ``model::element`` outside of it.
 """
@@ -31,6 +31,26 @@ def plain(model: Element) -> Element:
     _move_to_links(model)
     _add_world(model)
     return model
+
+
+def join_links(model: Element) -> None:
+    """State the links of joints between frames; a joint's pose is relative to its child, as the file names it.
+
+    Raises:
+        EngineRefused: A frame does not exist, or its definition is circular.
+    """
+    from lxml import etree
+
+    frames = Frames(model)
+    for joint in model.findall("joint"):
+        for end in (*joint.findall("parent"), *joint.findall("child")):
+            frame = (end.text or "").strip()
+            link = frames.link_of(frame)
+            if link != frame and end.tag == "child":
+                pose = joint.find("pose")
+                pose = etree.SubElement(joint, "pose") if pose is None else pose
+                pose.set("relative_to", pose.get("relative_to") or frame)
+            end.text = link
 
 
 def _dissolve(nested: Element, into: Element) -> None:

@@ -18,7 +18,7 @@ from ..observation import EngineCannotRead, EngineRefused
 from ..resources import resolve
 from ..urdf_chains import xml_root
 from .frames import ends, read_pose
-from .plain import plain
+from .plain import join_links, plain
 
 if TYPE_CHECKING:
     from lxml.etree import _Element as Element
@@ -42,6 +42,7 @@ def read_model(file: Path) -> Element:
     """
     model = plain(the_model(xml_root(file)))
     check_names(model)
+    join_links(model)
     return model
 
 

@@ -57,7 +57,7 @@ def observe(request: Request) -> Observation:
             chained = _mimic_chains(joints)
             closed = [q for way in request.ways for q in way]
             poses = () if chained else tuple(_poses(urdf, q) for q in [*request.configurations, *closed])
-        except (ValueError, KeyError, TypeError, AttributeError, IndexError, engine.urdf.URDFError) as error:
+        except (ArithmeticError, ValueError, LookupError, TypeError, AttributeError, engine.urdf.URDFError) as error:
             raise EngineRefused(f"{type(error).__name__}: {error}") from error
     not_run = dict(_NOT_RUN)
     if chained:

@@ -1,7 +1,7 @@
 """Contacts: how stiff they are, the surfaces of geoms, and which bodies have none."""
 
 from stepbot.robot.kinematics import rigid_bodies, without_contacts
-from stepbot.robot.model import Base, Robot
+from stepbot.robot.model import Base, JointKind, Robot
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.surfaces import Surface, damping_ratio
 
@@ -45,13 +45,20 @@ def surface(given: Surface, timestep: float) -> dict[str, Value]:
     return attributes
 
 
+def has_payload(robot: Robot) -> bool:
+    """Whether a floating joint connects a link to one that moves, which it may touch: MuJoCo's filter forbids that."""
+    weld = _welds(robot)
+    return any(joint.kind is JointKind.FLOATING and weld[joint.parent] != _WORLD for joint in robot.joints)
+
+
 def excludes(top: Element, robot: Robot) -> None:
     """Excludes for adjacent links, as MuJoCo's own filter covers neither bodies fixed to the world nor closures.
 
     And for the links whose contacts are excluded because of how often they overlap.
     """
     close, weld = without_contacts(robot), _welds(robot)
-    left_out = {frozenset((weld[joint.parent], weld[joint.child])) for joint in robot.joints}
+    filtered = () if has_payload(robot) else robot.joints
+    left_out = {frozenset((weld[joint.parent], weld[joint.child])) for joint in filtered}
     touching = [link.name for link in robot.links if link.collisions]
     pairs = [
         (a, b)

@@ -155,7 +155,11 @@ def render(robot: Robot) -> bytes:
         element(top, "compiler", angle="radian")
     settings = settings_of(robot)
     friction = contacts.FRICTION if any(link.collisions for link in robot.links) else {}
-    element(top, "option", timestep=settings.timestep, integrator=_INTEGRATORS[settings.integrator], **friction)
+    option = element(
+        top, "option", timestep=settings.timestep, integrator=_INTEGRATORS[settings.integrator], **friction
+    )
+    if contacts.has_payload(robot):
+        element(option, "flag", filterparent="disable")
     _defaults(top, robot)
     _assets(top, robot)
     _bodies(top, robot)
