@@ -68,10 +68,3 @@ export function across(direction) {
   const x = unit(minus(towards, scaled(z, dot(towards, z))));
   return [x, cross(z, x)];
 }
-
-// A pose whose z axis is a direction.
-export function frameAlong(direction, origin) {
-  const z = unit(direction);
-  const [x, y] = across(z);
-  return [x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2], ...origin];
-}
