@@ -68,6 +68,25 @@ def test_spigot_does_not_guide() -> None:
     assert found.joints[0].score == pytest.approx(long.joints[0].score - 0.25, abs=0.04)
 
 
+@pytest.mark.parametrize(("depth", "kind"), [(25.0, "prismatic"), (2.0, "weld")])
+def test_spigots_on_two_lines_do_not_guide(depth: float, kind: str) -> None:
+    """A part slides on two pins unless they are in it by less than half of their radius: spigots of a cover."""
+    pins, cover = plate(), box(80, 60, 30).at(0, 0, 16)
+    for x in (-20, 20):
+        pins += cylinder(10, depth + 1).at(x, 0, 0)
+        cover -= cylinder(10.02, 30).at(x, 0, 0)
+    assert strongest(evidence(group("a", part("plate", pins)), group("b", part("cover", cover)))) == kind
+
+
+def test_tyre_is_one_wheel_with_a_rim_with_two_spokes() -> None:
+    """Spokes in one line make the inertia of a rim uneven about its axis; that of its tyre is even."""
+    rim = cylinder(40, 20) - cylinder(33, 20) + box(70, 6, 20).at(0, 0, 10)
+    tyre = cylinder(42, 20) - cylinder(40, 20)
+    found = evidence(part("wheel", rim), part("tyre", tyre))
+    assert strongest(found) == "weld"
+    assert not found.joints
+
+
 def test_two_axes_between_subassemblies_are_no_joint() -> None:
     """Two parallel pins, each in a bore of the other subassembly, turn about neither."""
     pins = [part(f"pin {x}", cylinder(5, 30), x=x) for x in (-25.0, 25.0)]

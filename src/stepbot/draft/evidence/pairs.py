@@ -76,6 +76,9 @@ class PairEvidence:
         self._joint(r, score, JointKind.BALL, f"ball of r {_mm(r.radius)} in a socket")
 
     def _slide(self, r: Relation) -> None:
+        if all(fit.length < SPIGOT * fit.radius for fit in r.shafts):
+            self._weld(r, 0.82, "centred by spigots on several lines")
+            return
         across = self._across(r)
         guides = across or is_guide(self._survey, r.a, r.b)
         score = 0.82 if across else 0.78 if guides else 0.4
@@ -119,10 +122,13 @@ class PairEvidence:
     def _are_rings(self, r: Relation) -> bool:
         """Whether two parts are hub, rim or tyre of one wheel: turned about one axis and fitted, by name or as wide."""
         one, two = self._survey.parts[r.a], self._survey.parts[r.b]
-        if r.axis is None or not (one.is_balanced(r.axis, _TREAD) and two.is_balanced(r.axis, _TREAD)):
+        if r.axis is None:
             return False
-        if Role.WHEEL in one.roles and Role.WHEEL in two.roles:
+        balanced = [part.is_balanced(r.axis, _TREAD) for part in (one, two)]
+        if any(balanced) and Role.WHEEL in one.roles and Role.WHEEL in two.roles:  # a rim may have two spokes
             return True
+        if not all(balanced):
+            return False
         if self._roles(r) & {Role.BEARING, Role.MOTOR, Role.SEAL}:
             return False
         widths = [self._survey.scene.span(i, r.axis.d) for i in (r.a, r.b)]
