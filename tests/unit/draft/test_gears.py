@@ -27,6 +27,19 @@ def train(radii: tuple[float, float], *, belt: bool = False) -> list[Node]:
     return nodes
 
 
+def test_belt_turns_on_no_pulley() -> None:
+    """A belt that is drawn around its pulleys, with half of a bore on each, moves with one of them."""
+    belt = box(90, 40, 12) + cylinder(20, 12).at(-45, 0, -6) + cylinder(20, 12).at(45, 0, -6)
+    belt = belt - box(90, 36, 12) - cylinder(18, 12).at(-45, 0, -6) - cylinder(18, 12).at(45, 0, -6)
+    plate = box(160, 60, 10)
+    nodes = [part("belt GT2", belt, z=17)]
+    for name, x in (("one", -45.0), ("two", 45.0)):
+        plate -= cylinder(4, 10).at(x, 0, -5)
+        nodes.append(part(f"pulley {name}", cylinder(18, 14) + cylinder(4, 16).at(0, 0, -16), x, 0, 10))
+    draft = infer(assembled(part("base", plate), *nodes), "belt")
+    assert [(joint.parent, joint.child) for joint in draft.joints] == [("base", "pulley_one"), ("base", "pulley_two")]
+
+
 @pytest.mark.parametrize(("radii", "belt", "ratio"), [((21.0, 11.0), False, -2.0), ((20.0, 10.0), True, 2.0)])
 def test_meshing_gears_follow_each_other(radii: tuple[float, float], *, belt: bool, ratio: float) -> None:
     """The joint of one gear follows the other's by the pitch circles, against it; a belt turns both the same way."""

@@ -16,7 +16,7 @@ from stepbot.draft.contacts.roles import read_parts, spoken_names
 from stepbot.draft.contacts.shafts import find_fits
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
-from stepbot.draft.parts.names import Role, roles
+from stepbot.draft.parts.names import Role, is_belt, roles
 from stepbot.draft.parts.parts import box_gaps, joint_box
 from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.fixed_point import exact_sum
@@ -59,7 +59,9 @@ class Survey:
         self.volume = exact_sum(part.volume for part in self.parts.values()) or 1.0
         self.cut: dict[str, None] = {}
         """Searches that a bound cut short, in words, in the order in which they were."""
-        self.small = {i for i, p in self.parts.items() if p.is_small and self._is_trifle(i)}
+        self._belts = {i for i, p in self.parts.items() if sources.names and is_belt(p.name)}
+        self.small = self._belts | {i for i, p in self.parts.items() if p.is_small and self._is_trifle(i)}
+        """Parts that move with their host and form no joint: fasteners, seals, and belts, which are no rigid bodies."""
 
     def _is_trifle(self, part: int) -> bool:
         """Whether a part that is named a fastener may be one: it is small, or turned."""
@@ -168,7 +170,8 @@ class Survey:
     @cached_property
     def _screws(self) -> tuple[list[Axis], Array]:
         """Lines of fasteners, and the fasteners' bounding boxes (n, 2, 3)."""
-        rows = [(line.axis, part) for line in self.contacts.lines for part in line.faces if part in self.small]
+        screws = self.small - self._belts
+        rows = [(line.axis, part) for line in self.contacts.lines for part in line.faces if part in screws]
         return [axis for axis, _ in rows], np.array([self.parts[part].box for _, part in rows]).reshape(-1, 2, 3)
 
 
