@@ -326,3 +326,18 @@ def test_joint_between_frames(tmp_path: Path) -> None:
     turn = compiled.joint("turn").id
     assert np.allclose(data.xaxis[turn], [0.0, 1.0, 0.0], atol=1e-12)  # x of `of_b`, a quarter turn about z
     assert np.allclose(data.xanchor[turn] - data.body("a").xpos, [1.25, 2.0, 3.0], atol=1e-12)  # y of `of_b` is -x
+
+
+def test_files_included_below_the_root(tmp_path: Path) -> None:
+    """MJCF includes files anywhere: what they state counts as stated there, and nothing of it is lost."""
+    (tmp_path / "robot.xml").write_text(
+        '<mujoco model="robot"><worldbody><include file="base.xml"/></worldbody></mujoco>', encoding="utf-8"
+    )
+    base = '<body name="base"><geom size=".1"/><body name="arm" pos="0 0 .3"><include file="arm.xml"/></body></body>'
+    (tmp_path / "base.xml").write_text(f"<mujocoinclude>{base}</mujocoinclude>", encoding="utf-8")
+    arm = '<joint name="j" axis="0 1 0"/><geom size=".03" margin=".001"/>'
+    (tmp_path / "arm.xml").write_text(f"<mujocoinclude>{arm}</mujocoinclude>", encoding="utf-8")
+    conversion = convert(tmp_path / "robot.xml", Options(tmp_path / "out", formats=("mjcf",), verify=False))
+    lost = [(one.span.file.rpartition("/")[2], one.message) for one in conversion.diagnostics if one.code == "SB860"]
+    assert lost[0] == ("arm.xml", "attribute 'margin' of <geom>: not converted")
+    assert not [message for _, message in lost if "include" in message or "<" in message[0]]

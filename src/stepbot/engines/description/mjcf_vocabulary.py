@@ -45,7 +45,6 @@ _CONTACT = "contact friction and stiffness are those of the formats' defaults"
 MJCF = Vocabulary(
     read={
         "mujoco": "model",
-        "mujoco/include": "file",
         "mujoco/compiler": "*",
         "mujoco/option": "timestep integrator",
         "mujoco/default": "class",
@@ -108,30 +107,20 @@ MJCF = Vocabulary(
         "user": "data for programs",
     },
     nests=("default", "body"),
-    holders={"frame": f"name childclass {_PLACE}", "replicate": "count offset euler sep"},
+    holders={"frame": f"name childclass {_PLACE}", "replicate": "count offset euler sep", "include": "file"},
     kinds={"mujoco/keyframe/key": "name"},
 )
 
 
-def unread_of_mjcf(root: Any, file: str) -> tuple[Unread, ...]:
+def unread_of_mjcf(root: Any, file: str, at: str) -> tuple[Unread, ...]:
     """What of a document is not read.
 
     Args:
         root: The root element; it is changed.
         file: The file, relative to the description's folder; empty for the description itself.
+        at: Path of the element that its content is part of: ``mujoco``, or ``mujoco/worldbody`` of an included one.
     """
     for number in root.iter("numeric"):
         if number.get("name", "").endswith(f"{SCOPE}velocity"):  # a limit, as stepbot writes it
             number.tag = "velocity"
-    return (MJCF if root.tag == "mujoco" else _INCLUDED).unread(root, file)
-
-
-_INCLUDED = Vocabulary(
-    {**MJCF.read, **{f"mujocoinclude{path.removeprefix('mujoco')}": names for path, names in MJCF.read.items()}},
-    {**MJCF.neutral, **{f"mujocoinclude{key.removeprefix('mujoco')}": one for key, one in MJCF.neutral.items()}},
-    MJCF.effects,
-    MJCF.nests,
-    MJCF.holders,
-    {"mujocoinclude/keyframe/key": "name"},
-)
-"""Of an included file, which may have another root element."""
+    return MJCF.unread(root, file, at)

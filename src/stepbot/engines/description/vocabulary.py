@@ -45,16 +45,17 @@ class Vocabulary:
     twins: Mapping[str, str] = field(default_factory=dict)
     """Elements that are not read, and have no effect beside an equal element of another tag."""
 
-    def unread(self, root: Element, file: str = "") -> tuple[Unread, ...]:
+    def unread(self, root: Element, file: str = "", at: str = "") -> tuple[Unread, ...]:
         """What of a document is not read, in the order of its first occurrence.
 
         Args:
             root: The root element, without expanded entities.
             file: The file, relative to the description's folder; empty for the description itself.
+            at: Path of the root element; empty for its tag.
         """
         elements: dict[tuple[str, str], list[int]] = {}
         attributes: dict[str, dict[str, list[int]]] = {}
-        for path, tag, name, line in self._lost(root, str(root.tag)):
+        for path, tag, name, line in self._lost(root, at or str(root.tag)):
             if name:
                 attributes.setdefault(f"{path}>{tag}", {}).setdefault(name, []).append(line)
             else:
@@ -103,6 +104,13 @@ class Vocabulary:
         below = path if tag in self.nests and path.rpartition("/")[2] == tag else f"{path}/{tag}"
         kind = self.kinds.get(below)
         return below if kind is None else f"{below}[{child.get(kind, '')}]"
+
+    def path_of(self, element: Element, top: str) -> str:
+        """The path of an element of a document whose root element has the path ``top``."""
+        path = top
+        for one in [element, *element.iterancestors()][-2::-1]:
+            path = self.below(path, one)
+        return path
 
     def _is_neutral(self, element: Element, path: str) -> bool:
         """Whether an element that is not read has a value without effect."""

@@ -17,7 +17,7 @@ from stepbot.robot.tuning import Integrator, Simulation
 from stepbot.runtime.file import is_file
 
 from ..description.description import DescribedShape, Description, Primitive
-from ..description.mjcf_vocabulary import unread_of_mjcf
+from ..description.mjcf_vocabulary import MJCF, unread_of_mjcf
 from ..description.vocabulary import Unread
 from ..observation import EngineRefused, Observation, Request
 from ..urdf_chains import xml_root
@@ -65,32 +65,35 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         X_PC,
         shapes,
         tuple(sorted({*unread, *meshes.files.unread})),
-        (*(lost for root, name in roots for lost in unread_of_mjcf(root, name)), *_direct(compiled)),
-        (*(path.parent / name for _, name in roots if name), *meshes.files.files),
+        (*(lost for root, name, at in roots for lost in unread_of_mjcf(root, name, at)), *_direct(compiled)),
+        (*(path.parent / name for _, name, _ in roots if name), *meshes.files.files),
         X_WR=compiled.X_WB(compiled.data({}), first) if first else Pose(),
         free_roots=tuple(_free(compiled)),
         assumed=_from_geoms(spec, compiled),
         unsupported=tuple(_unsupported(compiled)),
-        simulation=_simulation(root for root, _ in roots),
+        simulation=_simulation(root for root, *_ in roots),
     )
 
 
-def _roots(path: Path) -> list[tuple[Any, str]]:
-    """The root element of the file and of each included one, with its name relative to the folder; empty for the first.
+def _roots(path: Path) -> list[tuple[Any, str, str]]:
+    """The root element of the file and of each included one, its name, and the path of the element that includes it.
+
+    Names are relative to the folder of the file; its own is empty.
 
     Raises:
         EngineRefused: One is not XML.
     """
-    pending, found = [""], list[tuple[Any, str]]()
+    pending, found = [("", "mujoco")], list[tuple[Any, str, str]]()
     while pending:
-        name = pending.pop(0)
+        name, at = pending.pop(0)
         try:
             root = xml_root(path.parent / name if name else path)
         except (EngineRefused, OSError) as error:
             raise EngineRefused(f"{name or path.name}: {error}") from error
-        found.append((root, name))
-        known = {one for _, one in found}
-        pending += [one for one in (include.get("file", "") for include in root.iter("include")) if one not in known]
+        found.append((root, name, at))
+        known = {one for _, one, _ in found}
+        includes = ((one.get("file", ""), MJCF.path_of(one, at)) for one in root.iter("include"))
+        pending += [one for one in includes if one[0] not in known]
     return found
 
 
