@@ -223,6 +223,19 @@ def test_a_leader_minds_those_who_follow() -> None:
     assert high == pytest.approx(0.2 * 7 / 100, abs=1e-15)
 
 
+@pytest.mark.parametrize(
+    ("multiplier", "expected"),
+    [(1.0, (-0.6, 0.4)), (-1.0, (-0.4, 0.6)), (2.0, (-0.3, 0.2)), (0.25, (-1.0, 1.0)), (0.0, (-1.0, 1.0))],
+)
+def test_the_range_that_a_follower_leaves_its_leader(multiplier: float, expected: tuple[float, float]) -> None:
+    """Where multiplier * q + 0.1 is between -0.5 and 0.5, within its own; one that stands still bounds nothing."""
+    robot = _chain(
+        Joint("a", JointKind.REVOLUTE, "base", "x", limit=Limit(-1.0, 1.0)),
+        Joint("b", JointKind.REVOLUTE, "x", "y", limit=Limit(-0.5, 0.5), mimic=Mimic("a", multiplier, 0.1)),
+    )
+    assert leader_range(robot, "a") == pytest.approx(expected, abs=1e-15)
+
+
 def test_contradicting_followers_leave_the_leader_its_own_range() -> None:
     """Contradicting mimics leave the leader its own range, so that poses can still be compared."""
     robot = _chain(
