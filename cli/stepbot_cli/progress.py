@@ -26,7 +26,7 @@ BETWEEN_LINES = 10.0
 BAR_WIDTH = 20
 """Width of a progress bar."""
 STAGES = {
-    "read": "reading the STEP file",
+    "read": "reading the source",
     "joints": "inferring links and joints",
     "stops": "searching for stops of joints",
     "build": "building the robot",

@@ -291,7 +291,10 @@ def test_payload_that_lies_on_a_moving_link(tmp_path: Path) -> None:
 
 
 def test_one_name_for_the_collisions_of_all_links(tmp_path: Path) -> None:
-    """As in most models of Gazebo; a continuous joint ignores the limits that its axis states."""
+    """As in most models of Gazebo; a continuous joint ignores the limits that its axis states.
+
+    SDFormat keeps the names; MuJoCo, where they are unique in the file, gets the link's with them. A sun is no robot.
+    """
     inertial = "<inertial><mass>1</mass><inertia><ixx>.01</ixx><iyy>.01</iyy><izz>.01</izz></inertia></inertial>"
     shape = "<geometry><box><size>.1 .1 .1</size></box></geometry>"
     shapes = f'<visual name="visual">{shape}</visual><collision name="collision">{shape}</collision>'
@@ -303,8 +306,15 @@ def test_one_name_for_the_collisions_of_all_links(tmp_path: Path) -> None:
         "<limit><lower>-1</lower><upper>1</upper></limit></axis></joint>"
         for parent, child in ("ab", "bc")
     )
-    model = f'<sdf version="1.7"><model name="robot">{links}{joints}</model></sdf>'
-    proven(tmp_path, ".sdf", model, "urdf", "sdf", "mjcf")
+    around = "<include><uri>model://sun</uri></include>"
+    world = f'<world name="w">{around}<model name="robot">{links}{joints}</model></world>'
+    conversion = proven(tmp_path, ".sdf", f'<sdf version="1.7">{world}</sdf>', "urdf", "sdf", "mjcf")
+    assert "<include> in <world>: not converted" in told(conversion, "SB860")
+    written = ET.parse(tmp_path / "out" / "robot.sdf").getroot()
+    assert [one.get("name") for one in written.iter("collision")] == ["collision"] * 3
+    compiled = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    names = {compiled.geom(i).name for i in range(compiled.ngeom)}
+    assert names == {f"{kind}{link}" for kind in ("visual", "collision") for link in ("", "_b", "_c")}
     robot = ET.parse(tmp_path / "out" / "robot.urdf").getroot()
     assert [joint.get("type") for joint in robot.iter("joint")] == ["continuous", "continuous"]
 
@@ -341,3 +351,21 @@ def test_files_included_below_the_root(tmp_path: Path) -> None:
     lost = [(one.span.file.rpartition("/")[2], one.message) for one in conversion.diagnostics if one.code == "SB860"]
     assert lost[0] == ("arm.xml", "attribute 'margin' of <geom>: not converted")
     assert not [message for _, message in lost if "include" in message or "<" in message[0]]
+
+
+@pytest.mark.parametrize("limit", ['lower="-1" upper="1"', 'lower="-1" upper="1" effort="10"'])
+def test_limits_without_effort_or_velocity(limit: str, tmp_path: Path) -> None:
+    """The written URDF has 1e9 for them, which its format requires, and is the robot of the source."""
+    joint = _TURN.replace('lower="-1" upper="1" effort="10" velocity="2"', limit)
+    assert joint != _TURN
+    source = urdf(f'<link name="base">{_INERTIAL}</link>').replace(_TURN, joint)
+    proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf")
+
+
+def test_capsules_without_names(tmp_path: Path) -> None:
+    """Formats without capsules have three shapes for each, which together are one of the source."""
+    capsules = "".join(
+        f'<collision><origin xyz="{x} 0 0"/><geometry><capsule radius="0.05" length="0.1"/></geometry></collision>'
+        for x in (0.1, 0.4)
+    )
+    proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}{capsules}</link>'), "urdf", "sdf", "mjcf")

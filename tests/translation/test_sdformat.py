@@ -133,3 +133,16 @@ def test_a_loop_whose_home_is_not_zero(turned: str, tmp_path: Path) -> None:
     conversion = convert(tmp_path / "loop.xml", Options(tmp_path / "out", formats=("sdf",), base="fixed"))
     assert not conversion.diagnostics.has_errors, list(conversion.diagnostics)
     assert any(one.message.startswith("SDFormat: loops must close at q = 0") for one in conversion.diagnostics)
+
+
+def test_mass_that_sdformat_computes_is_an_error(tmp_path: Path) -> None:
+    """The default of 1 kg would be wrong: since SDFormat 1.11, `auto` computes mass properties from the collisions."""
+    path = tmp_path / "box.sdf"
+    path.write_text(
+        '<sdf version="1.11"><model name="box"><link name="body"><inertial auto="true"/>'
+        '<collision name="c"><geometry><box><size>1 1 1</size></box></geometry></collision></link></model></sdf>',
+        encoding="utf-8",
+    )
+    found = convert(path, Options(tmp_path / "out")).diagnostics
+    assert [one.code for one in found if one.severity == "error"] == ["SB823"]
+    assert "link 'body': mass properties" in str(next(iter(found)))

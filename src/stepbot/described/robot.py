@@ -8,7 +8,6 @@ import re
 import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import PurePosixPath
 from urllib.parse import unquote
 
@@ -58,7 +57,6 @@ class Shapes:
         self._solid = [shape for shape in description.shapes if shape.collides]
         self._meshes = UniqueNames()
         self._assets: dict[int, tuple[TriMesh, MeshAsset]] = {}
-        self._taken: tuple[set[str], set[str]] = set(), set()
 
     @property
     def assets(self) -> tuple[MeshAsset, ...]:
@@ -67,7 +65,7 @@ class Shapes:
 
     def visuals(self, link: str) -> tuple[Visual, ...]:
         """The visuals of a link; for a picture its collisions if it has none."""
-        name = self._namer(link, 0)
+        name = _namer(link, "visual")
         return tuple(
             Visual(name(shape), self._geometry(shape), shape.X_LG, shape.rgba or GREY)
             for shape in self._shown
@@ -76,17 +74,12 @@ class Shapes:
 
     def collisions(self, link: str) -> tuple[Collision, ...]:
         """The collisions of a link."""
-        name = self._namer(link, 1)
+        name = _namer(link, "collision")
         return tuple(
             Collision(name(shape), self._geometry(shape), shape.X_LG, shape.surface)
             for shape in self._solid
             if shape.link == link
         )
-
-    def _namer(self, link: str, kind: int) -> Callable[[DescribedShape], str]:
-        """Names of the shapes of a link, unique among those of all links."""
-        suffix = ("_visual", "_collision")[kind]
-        return lambda shape: free_name(shape.name or f"{link}{suffix}", f"_{link}", self._taken[kind])
 
     def _geometry(self, shape: DescribedShape) -> Geometry:
         """A primitive, or the asset of a mesh; equal objects are one."""
@@ -97,6 +90,12 @@ class Shapes:
             name = self._meshes.unique(ascii_name(_stem(shape.mesh) or shape.name or shape.link))
             self._assets[id(mesh)] = mesh, MeshAsset(name, mesh, shape.mesh)
         return MeshRef(self._assets[id(mesh)][1].name)
+
+
+def _namer(link: str, kind: str) -> Callable[[DescribedShape], str]:
+    """Valid names of the shapes of a link: those that they have, each once."""
+    taken = set[str]()
+    return lambda shape: free_name(valid_name(shape.name or f"{link}_{kind}", kind), "_2", taken)
 
 
 def _stem(uri: str) -> str:
@@ -158,8 +157,6 @@ def with_valid_names(robot: Robot, found: list[Finding]) -> tuple[Robot, Names]:
         frame=frames.__getitem__,
         actuator=actuators.__getitem__,
         sensor=sensors.__getitem__,
-        visual=partial(_free, "visual", set()),
-        collision=partial(_free, "collision", set()),
     )
     changes = ({old: new for old, new in of_kind.items() if old != new} for of_kind in (links, joints, frames))
     return with_names, Names(*changes)
@@ -167,14 +164,6 @@ def with_valid_names(robot: Robot, found: list[Finding]) -> tuple[Robot, Names]:
 
 def _renamed(names: Iterable[str], kind: str, taken: set[str]) -> dict[str, str]:
     return {name: free_name(valid_name(name, kind), f"_{kind}", taken) for name in names}
-
-
-def _free(kind: str, taken: set[str], name: str) -> str:
-    """A valid name for a shape that no earlier one has; the shapes are named in the robot's order."""
-    return free_name(valid_name(name, kind), "_2", taken)
-
-
-"""Kinds of closures that the loop solver has."""
 
 
 def closures_of(seen: Iterable[ObservedClosure], links: set[str], found: list[Finding]) -> Iterator[LoopClosure]:

@@ -87,16 +87,19 @@ def check_robot(
 
 
 def _check_names(robot: Robot, report: Report) -> bool:
-    """Frames become links in URDF, and closures become joints in SDFormat; the others are unique among themselves."""
+    """Frames become links in URDF, and closures become joints in SDFormat; the others are unique among themselves.
+
+    Shapes are so within their link.
+    """
     groups: dict[str, Iterable[_Named]] = {
         "links and frames": (*robot.links, *robot.frames),
         "joints and closures": (*robot.joints, *robot.closures),
         "actuators": robot.actuators,
         "sensors": robot.sensors,
         "meshes": robot.meshes,
-        "visuals": tuple(visual for link in robot.links for visual in link.visuals),
-        "collisions": tuple(collision for link in robot.links for collision in link.collisions),
     }
+    for link in robot.links:
+        groups |= {f"visuals of '{link.name}'": link.visuals, f"collisions of '{link.name}'": link.collisions}
     sound = True
     for group, members in groups.items():
         for name, count in Counter(member.name for member in members).items():

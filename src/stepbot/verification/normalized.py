@@ -155,8 +155,8 @@ def _with_common_looks(a: Observation, b: Observation) -> tuple[Observation, Obs
     for link in a.links:
         other = theirs.get(link.name)
         if other is not None:
-            visuals = _common_shapes(link.visuals, other.visuals)
-            collisions = _common_shapes(link.collisions, other.collisions)
+            visuals = _common_shapes(link.visuals, other.visuals, link.name)
+            collisions = _common_shapes(link.collisions, other.collisions, link.name)
             ours[link.name], others[link.name] = (
                 replace(one, visuals=visuals[i], collisions=collisions[i]) for i, one in enumerate((link, other))
             )
@@ -170,8 +170,17 @@ Shapes = tuple[ObservedShape, ...] | None
 Named = dict[str, ObservedShape]
 
 
-def _common_shapes(a: Shapes, b: Shapes) -> tuple[Shapes, Shapes]:
-    ours, theirs = ({plain_name(shape.name): shape for shape in side or () if shape.name} for side in (a, b))
+def _common_shapes(a: Shapes, b: Shapes, link: str) -> tuple[Shapes, Shapes]:
+    names = [[plain_name(shape.name, link) for shape in side or () if shape.name] for side in (a, b)]
+    of = link if all(len(set(some)) == len(some) for some in names) else ""  # one name may be another with the link's
+    ours, theirs = (
+        {
+            plain: replace(shape, name=plain)
+            for shape in side or ()
+            if shape.name and (plain := plain_name(shape.name, of))
+        }
+        for side in (a, b)
+    )
     ours, theirs = _with_whole_capsules(ours, theirs), _with_whole_capsules(theirs, ours)
     pairs = [_same_looks(ours[name], theirs[name]) for name in ours if name in theirs]
     if a and b and len(a) == len(b) and not (ours and theirs):
@@ -187,7 +196,7 @@ def _with_capsules_of(a: Observation, b: Observation) -> Observation:
 
     def whole(shapes: Shapes, others: Shapes) -> Shapes:
         named = {shape.name: shape for shape in shapes or () if shape.name}
-        wanted = {other.name: other for other in others or () if other.name}
+        wanted = {other.name: other for other in others or () if other.name} or _capsules(named, others or ())
         capsules = {capsule_parts(name)[0]: name for name in wanted if name not in named}
         split = {part for name in capsules.values() for part in capsule_parts(name)}
         if shapes is None or not split & set(named):
@@ -207,6 +216,13 @@ def _with_capsules_of(a: Observation, b: Observation) -> Observation:
         for link in a.links
     )
     return replace(a, links=tuple(links))
+
+
+def _capsules(shapes: Named, others: Sequence[ObservedShape]) -> Named:
+    """The shapes named as three parts of a capsule, under its name; none unless as many are left as the others are."""
+    middles = {capsule_parts(name)[0]: name for name in (part.removesuffix("_middle") for part in shapes)}
+    split = {name: shapes[part] for part, name in middles.items() if set(capsule_parts(name)) <= set(shapes)}
+    return split if len(shapes) - 2 * len(split) == len(others) else {}
 
 
 def _with_whole_capsules(shapes: Mapping[str, ObservedShape], others: Mapping[str, ObservedShape]) -> Named:

@@ -21,9 +21,9 @@ _RENAMED = re.compile(r"(_geom)+(_\d+)?$")
 """Suffixes of formats that require different names of visuals and collisions."""
 
 
-def plain_name(name: str) -> str:
-    """The name of a shape, without the format's suffix."""
-    return _RENAMED.sub("", name)
+def plain_name(name: str, link: str = "") -> str:
+    """The name of a shape, without the format's suffixes, such as its link where names are unique in the file."""
+    return _RENAMED.sub("", name).removesuffix(f"_{link}" if link else "")
 
 
 def compare_meshes(deviations: Deviations, reference: Observation, observed: Observation) -> None:
@@ -95,7 +95,7 @@ def _compare_series(
     for number, (a, b) in enumerate(zip(expected, found, strict=False), start=1):
         which = f"{side} {_called(a, number)} of link '{link}'"
         if a.name is not None and b.name is not None:
-            deviations.equal(plain_name(a.name) == plain_name(b.name), f"{which}: named '{b.name}'")
+            deviations.equal(plain_name(a.name, link) == plain_name(b.name, link), f"{which}: named '{b.name}'")
         if a.rgba is not None and b.rgba is not None and (a.rgba or not b.rgba_is_default):
             _compare_colors(deviations, f"colour of {which}", a.rgba, b.rgba)
         if a.ambient is not None and b.ambient is not None:

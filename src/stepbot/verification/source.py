@@ -141,16 +141,14 @@ def verify_against_source(
 def _comparable(gathered: Gathered) -> Gathered:
     """The source without what the written files have by conventions of their own.
 
-    These are names of shapes to which the source gives none or that several have, colours of shapes without one, groups
-    of shapes, ranges of actuators beyond the limits of their joints, limits of 0, and ambient colours: one that is not
-    the diffuse colour is reported as lost.
+    These are names of shapes to which the source gives none or that several of a link have, colours of shapes without
+    one, groups of shapes, ranges of actuators beyond the limits of their joints, limits of 0, and ambient colours: one
+    that is not the diffuse colour is reported as lost.
     """
     seen = gathered.observation
-    often = Counter(
-        shape.name for link in seen.links for shapes in (link.visuals, link.collisions) for shape in shapes or ()
-    )
 
     def plain(shapes: tuple[ObservedShape, ...] | None) -> tuple[ObservedShape, ...] | None:
+        often = Counter(shape.name for shape in shapes or ())
         return shapes and tuple(
             replace(
                 shape,

@@ -35,6 +35,11 @@ def describe_sdf(file: str, packages: Iterable[Path] = ()) -> Description:
     observation = engine_of("reader").observer.observe(Request(file, "sdf", configurations=({},), simulate=0.0))
     files = MeshFiles(Path(file), packages)
     model = read_model(Path(file))
+    for link in model.findall("link"):
+        inertial = link.find("inertial")
+        if inertial is not None and inertial.get("auto", "") in ("true", "1"):
+            what = "mass properties that SDFormat computes from collisions (`auto`) are not supported"
+            raise EngineCannotRead(f"link '{link.get('name')}': {what}: state its mass and inertia")
     shapes = tuple(shape for link in model.findall("link") for shape in _shapes(link, files))
     assumed = tuple(link.get("name", "") for link in model.findall("link") if not _is_weighed(link))
     return Description(

@@ -127,6 +127,7 @@ AROUND = Vocabulary(
     neutral={"sdf/world/gravity": ("0 0 -9.8", "0 0 -9.81", "0 0 -9.80665")},
     effects={
         "gravity": "the written worlds have standard gravity",
+        "include": "only the robot is converted",
         "model": "only the robot is converted",
         "physics": "the written scenes have settings of their own",
     },

@@ -76,16 +76,18 @@ def repeated_names(model: Element) -> Iterator[str]:
 def the_model(top: Element) -> Element:
     """The only model below a root element, or of several the only one that is not static.
 
+    Models that a world includes are its surroundings: a sun, a floor.
+
     Raises:
-        EngineCannotRead: It has no model, several, or an include.
+        EngineCannotRead: It has no model, several, or an include within the model.
     """
     models: list[Element] = [*top.findall("model"), *top.findall("world/model")]
     if len(models) > 1:  # a floor is not a robot
         models = [model for model in models if (model.findtext("static") or "").strip() not in ("true", "1")]
+    if next((models[0] if models else top).iter("include"), None) is not None:
+        raise EngineCannotRead("<include> is not supported")
     if len(models) != 1:
         raise EngineCannotRead(f"{len(models)} models in the file, one expected")
-    if next(top.iter("include"), None) is not None:
-        raise EngineCannotRead("<include> is not supported")
     return models[0]
 
 

@@ -246,19 +246,21 @@ def _bodies(top: Element, robot: Robot) -> None:
             taken = set(robot.joint_by_name)
             element(body, "freejoint", name=free_name(f"{link.name}_floating", "_joint", taken))
         for shape in link.shapes:
-            _geom(body, shape, names.of(shape.name), meshes, patterns, step)
+            _geom(body, shape, names.of(shape.name, link.name), meshes, patterns, step)
         _sites(body, link, robot)
         devices.mounts(body, link, robot)
 
 
 class _GeomNames:
-    """Visuals and collisions are both geoms, and no two geoms may share a name."""
+    """Visuals and collisions are both geoms, and no two geoms may share a name, not even of two links."""
 
     def __init__(self) -> None:
+        self._first: dict[str, str] = {}
         self._taken: set[str] = set()
 
-    def of(self, name: str) -> str:
-        return free_name(name, "_geom", self._taken)
+    def of(self, name: str, link: str) -> str:
+        is_first = self._first.setdefault(name, link) == link
+        return free_name(name if is_first else f"{name}_{link}", "_geom", self._taken)
 
 
 def _inertial(body: Element, mass: MassProperties) -> None:
