@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from stepbot.draft.text.densities import typical_densities
-from stepbot.sidecar.draft_comments import reviews
+from stepbot.sidecar.draft_comments import drafted_actuators, reviews
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.motors import catalogue_names
 from stepbot.sidecar.schema import json_schema
@@ -37,29 +37,47 @@ def written(view: Edited, scene: Json) -> Json:
 
 
 def decisions(sidecar: Sidecar, scene: Json) -> list[Json]:
-    """What is left to decide; equal doubts about several joints are one decision with several places.
+    """What is left to decide; what is asked of several elements alike is one decision with several places.
 
     Each is ``{kind, keys, text, help, code, rank}``: ``keys`` lists the places of all elements that it is about.
     ``kind`` is ``axis`` for a joint on weak evidence, ``review`` for another mark of the draft, ``todo`` for a
-    placeholder, ``finding`` for a diagnostic.
+    placeholder, ``motor`` for actuators in comments of the draft, ``finding`` for a diagnostic.
     """
     found = [*_axes(scene)]
     about = {tuple(keys) for one in found for keys in one["keys"]}
+    marks: dict[tuple[str, str], list[Keys]] = defaultdict(list)
     for line, text in reviews(sidecar.text):
         keys = _keys_at(sidecar, line)
         if keys and keys not in about:
-            found.append(_decision("review", [keys], text))
+            marks[str(keys[0]), text].append(keys)
             about.add(keys)
+    found += [_decision("review", equal, text) for (_, text), equal in marks.items()]
     todo = [keys for keys, value in _scalars(sidecar.root, ()) if value == "todo"]
-    found += [_decision("todo", [keys], f"{keys[-1]}: not known yet") for keys in todo if keys[:1] not in about]
+    kinds = {name: joint.type.value for name, joint in sidecar.document.joints.items()}
+    places: dict[tuple[Any, ...], list[Keys]] = defaultdict(list)
+    for keys in todo:
+        if keys[:1] not in about:
+            is_joint = keys[0] == "joints" and len(keys) == 3
+            places[(kinds.get(str(keys[1])), keys[2]) if is_joint else keys].append(keys)
+    found += [_decision("todo", equal, str(equal[0][-1])) for equal in places.values()]
+    found += _motors(sidecar)
     listed = about | {keys[:2] for keys in todo}
+    alike: dict[tuple[Any, ...], Json] = {}
     for one in scene.get("diagnostics", ()):
         keys = _keys_at(sidecar, one["line"]) if one["file"] == sidecar.path.name else ()
         is_listed = (one["code"] == _AXIS and keys in listed) or one["code"] in _PLACEHOLDERS
-        if one["severity"] != "note" and not is_listed:
-            rank = 0 if one["severity"] == "error" else _LATER
-            found.append(_decision("finding", [keys] if keys else [], one["message"], one, rank))
-    return sorted(found, key=lambda one: (one["rank"], -len(one["keys"])))
+        if one["severity"] == "note" or is_listed:
+            continue
+        is_error = one["severity"] == "error"
+        here = [keys] if keys else []
+        made = _decision("finding", here, one["message"], one, 0 if is_error else _LATER)
+        first = alike.setdefault((one["code"], bool(keys), tuple(one["help"]), len(alike) if is_error else 0), made)
+        if first is made:
+            found.append(made)
+        else:
+            first["text"] += f"\n{one['message']}"
+            first["keys"] += [list(keys)] if keys and list(keys) not in first["keys"] else []
+    return sorted(found, key=lambda one: (one["rank"], one["kind"] == "todo", -len(one["keys"])))
 
 
 def _axes(scene: Json) -> Iterator[Json]:
@@ -71,6 +89,15 @@ def _axes(scene: Json) -> Iterator[Json]:
             groups[section, one["kind"], one["doubt"]].append((section, one["name"]))
     for (_, kind, doubt), keys in groups.items():
         yield _decision("axis", keys, f"{kind}: {doubt}")
+
+
+def _motors(sidecar: Sidecar) -> Iterator[Json]:
+    groups: dict[tuple[Any, ...], list[Keys]] = defaultdict(list)
+    for one in drafted_actuators(sidecar.text):
+        if one.joint in sidecar.document.joints:
+            groups[one.models, one.review].append(("joints", one.joint))
+    for (models, review), keys in groups.items():
+        yield {**_decision("motor", keys, review, rank=_PLACES["actuators"]), "models": list(models)}
 
 
 def vocabulary() -> Json:

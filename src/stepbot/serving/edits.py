@@ -8,7 +8,7 @@ from typing import Any
 
 from stepbot.robot.joint_types import kinds_with
 from stepbot.sidecar.document import Document
-from stepbot.sidecar.draft_comments import without_reviews
+from stepbot.sidecar.draft_comments import drafted_actuators, without_actuators, without_reviews
 from stepbot.sidecar.editing import Annotate, Append, CannotEdit, Change, Put, Remove, value_of
 from stepbot.sidecar.ignored import KEY as IGNORED
 from stepbot.sidecar.ignored import can_ignore
@@ -18,7 +18,7 @@ from stepbot.sidecar.tree import Keys, Mapping, way
 
 from .joint_edits import KINDS, WITH_LIMITS, change_type, choose_line, confirm, flip, set_limits
 from .local_server import Refused
-from .questions import Json, limits, origin, paths, text
+from .questions import Json, limits, names_of, origin, paths, text
 from .renaming import NAMED, references_to_links, rename, require_free, require_portable
 
 _LONGEST = 4000
@@ -73,6 +73,21 @@ def ignore(sidecar: Sidecar, question: Json) -> list[Change]:  # noqa: ARG001
     keys, code = keys_of(question), text(question, "code")
     place: Keys = (*keys[:2], IGNORED) if can_ignore(keys) else (IGNORED,)
     return [Append(place, code)]
+
+
+def drive(sidecar: Sidecar, question: Json) -> list[Change]:
+    """``{joints, motor}``: actuators in comments of the draft become entries; with ``drop: true`` they go."""
+    joints = names_of(question, "joints")
+    drafted = [one for one in drafted_actuators(sidecar.text) if one.joint in joints]
+    if not drafted:
+        raise Refused("the draft has no actuator of these joints")
+    entries: list[Change] = []
+    for one in [] if question.get("drop") is True else drafted:
+        value = _value({"text": one.values})
+        if question.get("motor"):
+            value["motor"] = text(question, "motor").strip()
+        entries.append(Put(("actuators", one.name), value))
+    return [*entries, Annotate((), without_actuators(joints))]
 
 
 def keys_of(question: Json) -> Keys:
@@ -178,7 +193,8 @@ def changes_of(sidecar: Sidecar, question: Json) -> list[Change]:
         edits = question.get("edits")
         if not isinstance(edits, list) or not all(isinstance(one, dict) and one.get("action") != name for one in edits):
             raise Refused("a list of edits is expected")
-        return [change for one in edits for change in changes_of(sidecar, one)]
+        changes = [change for one in edits for change in changes_of(sidecar, one)]
+        return [one for at, one in enumerate(changes) if not (isinstance(one, Append) and one in changes[:at])]
     action = _ACTIONS.get(name)
     if action is None:
         raise Refused("no such action")
@@ -276,4 +292,5 @@ _ACTIONS: dict[str, Callable[[Sidecar, Json], list[Change]]] = {
     "append": append,
     "settle": confirm_marks,
     "ignore": ignore,
+    "drive": drive,
 }

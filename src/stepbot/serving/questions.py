@@ -20,10 +20,15 @@ def text(question: Json, key: str) -> str:
 
 def paths(question: Json) -> list[str]:
     """The different paths at ``paths``, at least one."""
-    found = list(dict.fromkeys(_texts(question.get("paths"))))
+    found = names_of(question, "paths")
     if not found:
         raise Refused("pick a part first")
     return found
+
+
+def names_of(question: Json, key: str) -> list[str]:
+    """The different texts of the list at a key."""
+    return list(dict.fromkeys(_texts(question.get(key))))
 
 
 def limits(question: Json, *, sliding: bool) -> Json:
@@ -69,7 +74,7 @@ def axis(direction: Sequence[float]) -> str | list[float]:
 
 def _texts(value: object, count: int = 0) -> list[str]:
     if not isinstance(value, list) or not all(isinstance(one, str) for one in value) or (count and len(value) != count):
-        raise Refused("a list of paths is expected")
+        raise Refused("a list of texts is expected")
     return list(value)
 
 

@@ -1,18 +1,20 @@
 """The comments that `stepbot init` writes about a joint or link: the evidence for it, and what to review."""
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite, radians
 
 _EVIDENCE = re.compile(r" *# (score \d|limits: |stop found by collision |stops: |REVIEW: )")
 _CONTINUED = re.compile(r" *#   \S")
 _REVIEW = re.compile(r" *# REVIEW: (.*)")
-_BESIDE = re.compile(r"(?<=[\w}\]\"'])  # REVIEW: .*$")
-"""A REVIEW comment behind a value."""
+_BESIDE = re.compile(r"(?<=[\w}\]\"'])  # (?:REVIEW: (.*)|as above)$")
+"""A REVIEW comment behind a value, or a reference to the one before."""
 _STOP = re.compile(r" *# stop found by collision at (.*)")
 _POSITION = re.compile(r"(\S+) (deg|rad|mm): (.*?)(?:; a limit may be closer)?$")
 _UNITS = {"deg": radians(1.0), "rad": 1.0, "mm": 1e-3}
+_NAME = r"\"[^\"]*\"|'[^']*'|[^,}]*"
+_ACTUATOR = re.compile(rf"#   (\S.*?): (\{{joint: ({_NAME})(?:, motor: ({_NAME}))?.*?\}})(?:  # REVIEW: (.*))?")
 _SCORE = re.compile(r" *# score \d")
 _ENTRY = re.compile(r"  (\S.*?):(?: .*)?$")
 
@@ -54,13 +56,59 @@ def drafted_reviews(text: str) -> dict[str, str]:
 
 def reviews(text: str) -> Iterator[tuple[int, str]]:
     """The line, from 1, of each entry with REVIEW comments above or beside it, and what they say."""
-    lines = text.split("\n")
+    lines, last = text.split("\n"), ""
     for index, line in enumerate(lines):
         if line.strip() and not line.lstrip(" ").startswith("#"):
-            beside = [found[0].partition("REVIEW: ")[2] for found in _BESIDE.finditer(line)]
+            beside = [last := found[1] or last for found in _BESIDE.finditer(line)]
             words = [*_texts([lines[at] for at in above(lines, index)], _REVIEW), *beside]
-            if words:
+            if any(words):
                 yield index + 1, "; ".join(words)
+
+
+@dataclass(frozen=True)
+class DraftedActuator:
+    """An actuator that `stepbot init` left in a comment."""
+
+    name: str
+    joint: str
+    values: str
+    """The mapping of the entry, as YAML."""
+    models: tuple[str, ...]
+    """Motors that it could be; empty if unknown."""
+    review: str
+
+
+def drafted_actuators(text: str) -> tuple[DraftedActuator, ...]:
+    """The actuators in comments; what the draft says once of equal motors is said of each."""
+    found: list[DraftedActuator] = []
+    reviews: dict[str, str] = {}
+    for entry in filter(None, map(_ACTUATOR.fullmatch, text.split("\n"))):
+        name, joint, model = (_unquoted(entry[at]) for at in (1, 3, 4))
+        review = reviews.setdefault(model, entry[5] or "")
+        listed = review.partition("; one of ")[2]
+        models = tuple(listed.split(", ")) if listed else (model,) if model else ()
+        found.append(DraftedActuator(name, joint, entry[2], models, review))
+    return tuple(found)
+
+
+def without_actuators(joints: Container[str]) -> "Rewrite":
+    """Removes the actuators of some joints from the comments of a file, and what is above them with the last one."""
+
+    def rewrite(lines: Sequence[str]) -> Sequence[str | None]:
+        entries = {at: _unquoted(one[3]) for at, line in enumerate(lines) if (one := _ACTUATOR.fullmatch(line))}
+        gone = [at for at, joint in entries.items() if joint in joints]
+        if entries and len(gone) == len(entries):
+            start = gone[0]
+            while start > 0 and lines[start - 1].startswith("# "):
+                start -= 1
+            gone += range(start - (start > 0 and not lines[start - 1]), gone[0])
+        return [None if at in gone else line for at, line in enumerate(lines)]
+
+    return rewrite
+
+
+def _unquoted(name: str | None) -> str:
+    return (name or "").strip("\"'")
 
 
 def drafted_stops(text: str) -> dict[str, tuple[DraftedStop, ...]]:

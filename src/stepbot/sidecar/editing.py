@@ -61,7 +61,10 @@ class Rename:
 
 @dataclass(frozen=True)
 class Annotate:
-    """Rewrite the comments that `stepbot init` wrote about the entry at keys, which must exist; no value changes."""
+    """Rewrite the comments that `stepbot init` wrote about the entry at keys, which must exist; no value changes.
+
+    Without keys the comments are those of the whole file.
+    """
 
     keys: Keys
     rewrite: Rewrite
@@ -206,7 +209,10 @@ def _with_entry(text: str, node: Node, keys: Keys, value: Any) -> str:
     if node.flow_style:
         return _into_flow(text, node, f"{scalar(str(keys[0]))}: {_flow(value)}")
     indent = node.value[0][0].start_mark.column if node.value else 0
-    return _as_lines(text, _end(node), _block(str(keys[0]), value, indent))
+    lines = _block(str(keys[0]), value, indent)
+    if indent == 0 and len(lines) > 1 and _SPACE.search(text, node.value[0][0].start_mark.index):
+        lines.insert(0, "")
+    return _as_lines(text, _end(node), lines)
 
 
 def _with_item(text: str, node: Node, value: Any) -> str:
@@ -235,12 +241,16 @@ def _as_lines(text: str, after: int, lines: Sequence[str]) -> str:
 
 
 def _annotated(text: str, nodes: Sequence[Node], rewrite: Rewrite) -> str:
+    lines: list[str | None] = list(text.split("\n"))
+    if len(nodes) == 1:
+        return "\n".join(line for line in rewrite(text.split("\n")) if line is not None)
     parent, node = nodes[-2], nodes[-1]
     if not isinstance(parent, MappingNode):
         raise CannotEdit("an item of a list has no comments of the draft")
-    lines: list[str | None] = list(text.split("\n"))
     start = next(key for key, value in parent.value if value is node).start_mark.line
-    places = (*above([str(line) for line in lines], start), start)
+    places = [*above([str(line) for line in lines], start), start]
+    if not (isinstance(node, MappingNode) and any(isinstance(value, MappingNode) for _, value in node.value)):
+        places += range(start + 1, text.count("\n", 0, _end(node)) + 1)
     for at, line in zip(places, rewrite([str(lines[at]) for at in places]), strict=True):
         lines[at] = line
     return "\n".join(line for line in lines if line is not None)
@@ -289,6 +299,7 @@ def _block(key: str, value: Any, indent: int) -> list[str]:
 
 
 _LONGEST_LINE = 120
+_SPACE = re.compile(r"\n\n(?:#.*\n)*\S")
 
 
 def _flow(value: Any) -> str:

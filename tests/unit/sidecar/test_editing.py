@@ -79,7 +79,7 @@ def difference(new: str) -> list[str]:
             ["-" + FOREARM, "+" + FOREARM.replace("[forearm, ", "[")],
         ),
         (Remove(("joints", "wrist", "limits")), ["-     limits: todo"]),
-        (Put(("defaults", "density"), "1240 kg/m^3"), ["+ defaults:", "+   density: 1240 kg/m^3"]),
+        (Put(("defaults", "density"), "1240 kg/m^3"), ["+ ", "+ defaults:", "+   density: 1240 kg/m^3"]),
     ],
 )
 def test_only_the_change_changes(change: Change, lines: list[str]) -> None:

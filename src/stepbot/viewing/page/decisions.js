@@ -2,7 +2,8 @@
 
 import { edit } from "./changes.js";
 import { element, place } from "./dom.js";
-import { button } from "./form.js";
+import { button, field } from "./form.js";
+import { limitLines } from "./limitlines.js";
 import { ask } from "./live.js";
 import { app } from "./main.js";
 import { settingField } from "./settings.js";
@@ -26,14 +27,19 @@ export function decisionsPanel() {
     words.textContent = open.length ? `${most - open.length} of ${most} decided` : "Nothing is left to decide.";
     // An entry that stays keeps its node: it may have the focus, or a press of a button in it is not over.
     const former = entries;
-    entries = new Map(open.map((one) => [JSON.stringify(one), one]).map(([key, one]) => [key, former.get(key) ?? entry(one)]));
-    place(list, [...entries.values()]);
+    entries = new Map(open.map((one) => [isLimits(one) ? `limits ${kindOf(one)}` : JSON.stringify(one), one]).map(([key, one]) => [key, former.get(key) ?? (isLimits(one) ? limitLines() : { node: entry(one) })]));
+    for (const one of open.filter(isLimits)) entries.get(`limits ${kindOf(one)}`).update(one.keys.map(([, name]) => name));
+    place(list, [...entries.values()].map(({ node }) => node));
   });
   return section;
 }
 
 const SECTIONS = new Set(["links", "joints", "closures", "frames", "actuators", "sensors", "parts", "materials"]);
-const TITLES = { axis: "Does it move like this?", review: "Is this right?", todo: "Not known yet", finding: "Finding" };
+const TITLES = { axis: "Does it move like this?", review: "Is this right?", todo: "Not known yet", motor: "Does a motor drive it?", finding: "Finding" };
+
+const kindOf = ({ keys: [[, name]] }) => state.find({ connection: name })?.kind;
+const isLimits = ({ kind, keys: [keys] }) => kind === "todo" && keys?.length === 3 && keys[0] === "joints" && keys[2] === "limits" && state.scene.joint_types[state.find({ connection: keys[1] })?.kind]?.bounded;
+
 
 function entry(one) {
   const places = one.keys.map((keys) => {
@@ -57,21 +63,31 @@ async function confirmed([, joint]) {
 }
 
 function answers(one) {
-  const many = one.keys.length > 1 ? `, all ${one.keys.length}` : "";
+  const many = one.keys.length > 1 ? ` all ${one.keys.length}` : "";
   if (one.kind === "axis") {
     return [
-      act("right", `right${many}`, () => edit("all", async () => ({ edits: await Promise.all(one.keys.map(confirmed)) }))),
-      one.keys[0][0] === "joints" ? act("merge", `it does not move${many}`, () => all(one, ([, joint]) => ({ action: "merge", joint }))) : null,
+      act("right", many ? `right,${many}` : "right", () => edit("all", async () => ({ edits: await Promise.all(one.keys.map(confirmed)) }))),
+      one.keys[0][0] === "joints" ? act("merge", many ? `they do not move,${many}` : "it does not move", () => all(one, ([, joint]) => ({ action: "merge", joint }))) : null,
       act("other", "another axis or type", () => state.select(subject(one.keys[0]))),
     ];
   }
-  if (one.kind === "review") return [todo(one.keys[0]).map(settingField), act("right", "right", () => all(one, (keys) => ({ action: "settle", keys }))), act("other", "change it", () => show(one.keys[0]))];
-  if (one.kind === "todo") return settingField(one.keys[0]);
-  return one.severity === "error" ? [] : [act("ignore", "ignore it here", () => edit("ignore", { keys: one.keys[0] ?? ["robot"], code: one.code }))];
+  if (one.kind === "motor") {
+    const models = element("datalist", { id: `models-${one.keys[0][1]}` }, one.models.map((value) => element("option", { value })));
+    const motor = element("input", { type: "text", list: models.id, value: one.models.length === 1 ? one.models[0] : "", placeholder: one.models[0], "data-decide": "model" });
+    const joints = one.keys.map(([, joint]) => joint);
+    return [field("motor", motor), models, act("drive", `drive${many || " it"}`, () => edit("drive", { joints, motor: motor.value.trim() })), act("drop", "no motor", () => edit("drive", { joints, drop: true }))];
+  }
+  if (one.kind === "review") return [asked(one).map(settingField), act("right", "right", () => all(one, (keys) => ({ action: "settle", keys }))), act("other", "change it", () => show(one.keys[0]))];
+  if (one.kind === "todo") return one.keys.map(settingField);
+  const places = one.keys.length ? one.keys : [["robot"]];
+  return [asked(one).map(settingField), one.severity === "error" ? null : act("ignore", many ? `ignore${many}` : "ignore it here", () => edit("all", { edits: places.map((keys) => ({ action: "ignore", keys, code: one.code })) }))];
 }
 
-// Placeholders of an element.
-const todo = (keys) => Object.entries(valueAt(keys) ?? {}).filter(([, value]) => value === "todo").map(([key]) => [...keys, key]);
+// Values that settle a decision: placeholders of its element, or a density in place of that of the STEP, which can be ignored then.
+function asked({ kind, keys: [keys = []], text, help }) {
+  const todo = Object.entries((kind === "review" && valueAt(keys)) || {}).filter(([, value]) => value === "todo").map(([key]) => [...keys, key]);
+  return [text, ...help].join().includes("`step_density: ") ? [["defaults", "density"], ["step_density"]] : todo;
+}
 
 function show(keys) {
   const there = subject(keys);
