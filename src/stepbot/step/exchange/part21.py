@@ -51,6 +51,7 @@ _OTHER_FILES = (
 
 _DESCRIPTIONS = {b"robot": "URDF", b"sdf": "SDFormat", b"mujoco": "MJCF"}
 """Names of formats by the first element of their files."""
+_SIDECAR = re.compile(rb"(?:\A\W?|\n)version: *\d.*\n(?:.*\n)*?(?:robot|step|source|modules):")
 _DESCRIPTION = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:<\?.*?\?>\s*|<!--.*?-->\s*)*<(robot|sdf|mujoco)\b", re.DOTALL)
 
 
@@ -142,7 +143,7 @@ def _check(data: Text, declared: str, place: str, found: Diagnostics) -> Part21 
     beginning = data[:_HEADER_LIMIT]
     start = _START.match(beginning, _end_of_comments(beginning))
     if start is None:
-        _report_not_step(bytes(data[:1024]), place, found)
+        _report_not_step(bytes(data[:8192]), place, found)
         return None
     section = _DATA.search(data, start.end())
     end_mark = data.rfind(_END, section.end() if section else start.end())
@@ -191,6 +192,9 @@ def _report_not_step(beginning: bytes, place: str, found: Diagnostics) -> None:
     if root := _DESCRIPTION.match(beginning):
         kind = f"a robot description ({_DESCRIPTIONS[root[1]]})"
         remedy = f"`stepbot view {place}` shows it, `stepbot verify {place}` loads it in engines"
+    if _SIDECAR.search(beginning):
+        kind = "a sidecar"
+        remedy = f"`stepbot view --edit {place}` edits it, `stepbot convert {place}` converts it"
     if len(beginning) > 80 and beginning[72:73] == b"S" and b"\n" in beginning[79:83]:
         kind, remedy = "IGES", "IGES has no assembly tree: export the assembly as STEP (AP214 or AP242)"
     what = f"is {kind}, not a STEP file" if kind else "is not a STEP file"
