@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 from stepbot.compose.changing import CHANGEABLE, sidecar_of
 from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import is_description
-from stepbot.robot.model import Robot
+from stepbot.pipeline.sidecars import LIBRARY
+from stepbot.robot.model import Module, Robot
 from stepbot.sidecar.editing import Annotate, Append, Change, Put, Remove, Rename
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.tree import Keys, Tree, way
@@ -74,6 +75,54 @@ def require_fit(view: Edited, question: Json) -> None:
     for one in edits if isinstance(edits, list) else [question]:
         if view.module and isinstance(one, dict) and one.get("action") in _STAY:
             raise Refused(f"the tree of links is that of '{view.source}', which stays as it is")
+
+
+def require_own(sidecar: Sidecar, robot: Robot | None, question: Json) -> None:
+    """Check that an edit is about elements of the file, and not about those of a module that it composes.
+
+    Raises:
+        Refused: With the file that has the element.
+    """
+    edits = question.get("edits")
+    for one in edits if isinstance(edits, list) else [question]:
+        for section, name in _subjects(one):
+            own = getattr(sidecar.document, section)
+            module = None if robot is None or name in own else _module_of(robot, section, name)
+            if module is not None:
+                command = module_command(sidecar, module)
+                raise Refused(f"'{name}' is in module '{module.name}', which is edited in its own file: `{command}`")
+
+
+def module_command(sidecar: Sidecar, module: Module) -> str:
+    """The command that gives the file of a module for editing: of the one that the sidecar names."""
+    sections = sidecar.document.modules
+    section = sections.get(module.name.partition("/")[0])
+    if section is not None and section.mirror_of:
+        section = sections.get(section.mirror_of)
+    file = module.file if section is None else section.file or module.file
+    if file.startswith(LIBRARY):
+        return f"stepbot library export --source {file.removeprefix(LIBRARY)}"
+    return f"stepbot view --edit {(sidecar.path.parent / file).as_posix()}"
+
+
+def _subjects(edit: object) -> Iterator[tuple[str, str]]:
+    """Sections and names of the elements that an edit changes."""
+    if not isinstance(edit, dict):
+        return
+    keys, what = edit.get("keys"), edit.get("what")
+    if isinstance(keys, list) and len(keys) > 1 and keys[0] in ("links", "joints"):
+        yield str(keys[0]), str(keys[1])
+    if what in ("link", "joint"):
+        yield f"{what}s", str(edit.get("from"))
+    for key in ("link", "joint"):
+        if key in edit:
+            yield f"{key}s", str(edit[key])
+
+
+def _module_of(robot: Robot, section: str, name: str) -> Module | None:
+    """The innermost module of a link, or of the link below a joint."""
+    link = name if section == "links" else next((one.child for one in robot.joints if one.name == name), "")
+    return next((one for one in reversed(robot.modules) if link in one.links), None)
 
 
 def in_file(actual: Sidecar, view: Edited, changes: list[Change], question: Json) -> list[Change]:

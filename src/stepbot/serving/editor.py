@@ -19,7 +19,7 @@ from stepbot.sidecar.editing import CannotEdit, edited
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
 
-from .described import Edited, edited_view, in_file, require_fit
+from .described import Edited, edited_view, in_file, require_fit, require_own
 from .edits import changes_of
 from .local_server import Refused
 
@@ -68,6 +68,7 @@ class Editor:
                 actual = self._parsed(text)
                 view = edited_view(actual, self._robot())
                 require_fit(view, question)
+                require_own(view.sidecar, self._robot(), question)
                 changes = in_file(actual, view, changes_of(view.sidecar, question), question)
                 changed = edited(text, changes)
             except CannotEdit as error:

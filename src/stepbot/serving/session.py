@@ -18,6 +18,7 @@ from stepbot.viewing.scene import diagnostic_documents, proof_document, scene_te
 
 from .axis_questions import Contacts, axes_between, axes_of_joint
 from .decisions import vocabulary, written
+from .described import module_command
 from .editor import Editor
 from .local_server import LocalServer, Refused
 
@@ -139,7 +140,11 @@ class Session:
 
     def _written(self, editor: Editor) -> Json:
         shown = self._shown
-        return written(editor.sidecar(), {} if shown is None or shown.scene is None else shown.scene)
+        view = editor.sidecar()
+        found = written(view, {} if shown is None or shown.scene is None else shown.scene)
+        modules = () if shown is None or shown.robot is None else shown.robot.modules
+        places = [{"name": one.name, "links": one.links, "edit": module_command(view.sidecar, one)} for one in modules]
+        return {**found, "modules": places}
 
     def prove(self) -> Conversion | None:
         """Convert the sidecar that is shown, verify the files, and show the result; None for other targets."""

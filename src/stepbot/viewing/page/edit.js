@@ -1,7 +1,7 @@
 // Editing: parts to links, a joint between two parts, axes, limits. The server checks every change before it is written.
 
 import { edit, say } from "./changes.js";
-import { byId, element } from "./dom.js";
+import { byId, copyable, element } from "./dom.js";
 import { button, choice, field } from "./form.js";
 import { jointForm } from "./jointform.js";
 import { jointTools, nameField } from "./jointtools.js";
@@ -10,6 +10,7 @@ import { app } from "./main.js";
 import { decisionsPanel } from "./decisions.js";
 import { extras } from "./proof.js";
 import { robotPanel, selectedSheets } from "./settings.js";
+import { moduleOf } from "./written.js";
 
 const { state } = app;
 let picking = false;
@@ -71,6 +72,8 @@ state.picking = (selection) => {
   return { ...selection, picked: paths, triangle: null, line: null };
 };
 app.extras.push((selection) => {
+  const module = moduleOf(selection);
+  if (module) return [element("p.quiet", {}, `In module '${module.name}', which is edited in its own file:`), copyable(module.edit, { id: "module" })];
   const tools = selection.connection ? jointTools : selection.component ? partTools : linkTools;
   return [...tools(selection), ...selectedSheets(selection)];
 });

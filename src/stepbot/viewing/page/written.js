@@ -22,6 +22,14 @@ state.listen(async (what) => {
 // The value at keys; undefined for none.
 export const valueAt = (keys) => keys.reduce((at, key) => at?.[key], state.written?.data);
 
+// The module that a link or joint is in, if it is edited in that module's file; undefined for one of this file.
+export function moduleOf({ link, connection }) {
+  const { data, modules } = state.written ?? {};
+  const name = connection ? state.find({ connection })?.child : link;
+  const isOwn = connection ? (data?.joints?.[connection] ?? data?.closures?.[connection]) : data?.links?.[link];
+  return isOwn ? undefined : modules?.findLast(({ links }) => links.includes(name));
+}
+
 // Names of elements of the robot, as a page selects them: what the keys of the sidecar are about.
 export function subject([section, name] = []) {
   if (section === "joints" || section === "closures") return { connection: name };
