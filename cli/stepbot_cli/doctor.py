@@ -19,13 +19,15 @@ _AREAS = {
     "extra": "Extras",
     "cache": "Cache",
     "limit": "Limits",
+    "browser": "Browser",
 }
 
 
 @click.command(cls=Command, epilog="Example: stepbot doctor --json\n\nExit codes: 0 no problem, 1 problems.")
+@click.option("--webgl", is_flag=True, help="Open a page in the browser, which reports whether it can draw robots.")
 @folder_option
 @json_option
-def command(cache: Path | None, as_json: bool) -> int:
+def command(webgl: bool, cache: Path | None, as_json: bool) -> int:
     """Show what works on this machine: Python, geometry kernel, engines, extras, cache and limits.
 
     Each package is imported in a process of its own. What is not installed is listed with the command that installs it,
@@ -36,6 +38,10 @@ def command(cache: Path | None, as_json: bool) -> int:
     kept = opened(cache)
     assert kept is not None  # not disabled
     items = list(examine(kept))
+    if webgl:
+        from stepbot.serving.webgl import examine_webgl
+
+        items.append(examine_webgl())
     problems = [item for item in items if item.state == PROBLEM]
     code = 1 if problems else 0
     if as_json:

@@ -53,7 +53,7 @@ class Item:
     """One thing that is there, or is not."""
 
     area: str
-    """``python``, ``kernel``, ``engine``, ``extra``, ``cache``, ``limit``."""
+    """``python``, ``kernel``, ``engine``, ``extra``, ``cache``, ``limit``, ``browser``."""
     name: str
     state: str
     """``ok``, ``not installed`` or ``problem``."""
