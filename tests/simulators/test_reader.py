@@ -185,9 +185,9 @@ SHAPE = '<link name="a"><visual name="v"><geometry>{}</geometry></visual></link>
     ("model", "message"),
     [
         ('<link name="a"><pose>0 0</pose></link>', "a pose with 2 numbers, 6 expected"),
-        ('<link name="a"><pose>0 0 nan 0 0 0</pose></link>', "finite numbers expected"),
+        ('<link name="a"><pose>0 0 nan 0 0 0</pose></link>', "'0 0 nan 0 0 0' is not a list of finite numbers"),
         (SHAPE.format("<box><size>1 2</size></box>"), "<size> is '1 2', three numbers expected"),
-        (SHAPE.format("<box><size>1 2 inf</size></box>"), "<size> is '1 2 inf', three numbers expected"),
+        (SHAPE.format("<box><size>1 2 inf</size></box>"), "'1 2 inf' is not a list of finite numbers"),
         (SHAPE.format("<sphere><radius>1 2</radius></sphere>"), "<radius> is '1 2', not a number"),
         (SHAPE.format("<sphere><radius/></sphere>"), "<radius> is '', not a number"),
         (SHAPE.format("<mesh><uri>a.stl</uri><scale>1</scale></mesh>"), "<scale> is '1', three numbers expected"),
@@ -197,7 +197,7 @@ SHAPE = '<link name="a"><visual name="v"><geometry>{}</geometry></visual></link>
             '<link name="a"/><link name="b"><pose relative_to="nowhere"/></link>' + joint("j", "a", "b"),
             "no frame 'nowhere'",
         ),
-        ('<link name="a"/>' + joint("j", "a", "b"), "no frame 'b'"),
+        ('<link name="a"/>' + joint("j", "a", "b"), "no link or frame 'b'"),
         (
             '<link name="a"/><link name="b"><pose relative_to="c">0 0 0 0 0 0</pose></link>'
             '<link name="c"><pose relative_to="b">0 0 0 0 0 0</pose></link>'

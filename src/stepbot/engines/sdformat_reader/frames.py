@@ -34,7 +34,7 @@ def numbers(text: str | None) -> list[float]:
     except ValueError:
         values = [math.nan]
     if not all(map(math.isfinite, values)):
-        raise EngineRefused(f"'{text}' is not a list of numbers")
+        raise EngineRefused(f"'{text}' is not a list of finite numbers")
     return values
 
 
@@ -46,7 +46,7 @@ def three_at(element: Element, path: str, default: str = "") -> tuple[float, flo
     """
     text = element.findtext(path) or default
     values = numbers(text)
-    if len(values) != 3 or not all(map(math.isfinite, values)):
+    if len(values) != 3:
         raise EngineRefused(f"<{path.rpartition('/')[2]}> is '{text.strip()}', three numbers expected")
     return values[0], values[1], values[2]
 
@@ -100,8 +100,6 @@ def read_pose(element: Element | None) -> Pose:
     if pose is None or not (pose.text or "").strip():
         return Pose()
     values = numbers(pose.text)
-    if not all(map(math.isfinite, values)):
-        raise EngineRefused(f"a pose of {(pose.text or '').strip()}, finite numbers expected")
     if pose.get("rotation_format") == "quat_xyzw":
         if len(values) != 7:
             raise EngineRefused(f"a pose with {len(values)} numbers, 7 expected")

@@ -27,6 +27,8 @@ else:
 
 _SIBLINGS = ("link", "joint", "frame", "visual", "collision", "sensor", "light")
 """Elements that need a name that no other element beside them has."""
+_SURROUNDINGS = ("sun", "ground_plane")
+"""Names of models in almost every world of Gazebo."""
 _READABLE = (".obj", ".stl", ".dae")
 """Suffixes of meshes; PyBullet rejects a file with any other, such as ``.glb``."""
 
@@ -76,15 +78,16 @@ def repeated_names(model: Element) -> Iterator[str]:
 def the_model(top: Element) -> Element:
     """The only model below a root element, or of several the only one that is not static.
 
-    Models that a world includes are its surroundings: a sun, a floor.
+    A sun and a floor that a world includes are its surroundings.
 
     Raises:
-        EngineCannotRead: It has no model, several, or an include within the model.
+        EngineCannotRead: It has no model, several, or an include of another model.
     """
     models: list[Element] = [*top.findall("model"), *top.findall("world/model")]
     if len(models) > 1:  # a floor is not a robot
         models = [model for model in models if (model.findtext("static") or "").strip() not in ("true", "1")]
-    if next((models[0] if models else top).iter("include"), None) is not None:
+    included = [include.findtext("uri") or "" for include in top.iter("include")]
+    if any(uri.strip().rstrip("/").rpartition("/")[2] not in _SURROUNDINGS for uri in included):
         raise EngineCannotRead("<include> is not supported")
     if len(models) != 1:
         raise EngineCannotRead(f"{len(models)} models in the file, one expected")
