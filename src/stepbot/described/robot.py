@@ -57,6 +57,8 @@ class Shapes:
         self._solid = [shape for shape in description.shapes if shape.collides]
         self._meshes = UniqueNames()
         self._assets: dict[int, tuple[TriMesh, MeshAsset]] = {}
+        self._seen = set[str]()
+        """Names of visuals: those of all links are unique, since URDF and PyBullet name colours by them."""
 
     @property
     def assets(self) -> tuple[MeshAsset, ...]:
@@ -65,7 +67,7 @@ class Shapes:
 
     def visuals(self, link: str) -> tuple[Visual, ...]:
         """The visuals of a link; for a picture its collisions if it has none."""
-        name = _namer(link, "visual")
+        name = _namer(link, "visual", self._seen)
         return tuple(
             Visual(name(shape), self._geometry(shape), shape.X_LG, shape.rgba or GREY)
             for shape in self._shown
@@ -74,7 +76,7 @@ class Shapes:
 
     def collisions(self, link: str) -> tuple[Collision, ...]:
         """The collisions of a link."""
-        name = _namer(link, "collision")
+        name = _namer(link, "collision", set())
         return tuple(
             Collision(name(shape), self._geometry(shape), shape.X_LG, shape.surface)
             for shape in self._solid
@@ -92,10 +94,10 @@ class Shapes:
         return MeshRef(self._assets[id(mesh)][1].name)
 
 
-def _namer(link: str, kind: str) -> Callable[[DescribedShape], str]:
-    """Valid names of the shapes of a link: those that they have, each once."""
-    taken = set[str]()
-    return lambda shape: free_name(valid_name(shape.name or f"{link}_{kind}", kind), "_2", taken)
+def _namer(link: str, kind: str, taken: set[str]) -> Callable[[DescribedShape], str]:
+    """Valid names of the shapes of a link: those that they have, with the link's where one is taken."""
+    suffix = f"_{valid_name(link, 'link')}"
+    return lambda shape: free_name(valid_name(shape.name or f"{link}_{kind}", kind), suffix, taken)
 
 
 def _stem(uri: str) -> str:

@@ -89,7 +89,7 @@ def check_robot(
 def _check_names(robot: Robot, report: Report) -> bool:
     """Frames become links in URDF, and closures become joints in SDFormat; the others are unique among themselves.
 
-    Shapes are so within their link.
+    Collisions are so within their link.
     """
     groups: dict[str, Iterable[_Named]] = {
         "links and frames": (*robot.links, *robot.frames),
@@ -97,9 +97,9 @@ def _check_names(robot: Robot, report: Report) -> bool:
         "actuators": robot.actuators,
         "sensors": robot.sensors,
         "meshes": robot.meshes,
+        "visuals": tuple(visual for link in robot.links for visual in link.visuals),
     }
-    for link in robot.links:
-        groups |= {f"visuals of '{link.name}'": link.visuals, f"collisions of '{link.name}'": link.collisions}
+    groups |= {f"collisions of '{link.name}'": link.collisions for link in robot.links}
     sound = True
     for group, members in groups.items():
         for name, count in Counter(member.name for member in members).items():
