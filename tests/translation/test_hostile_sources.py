@@ -51,7 +51,7 @@ WRONG = {
         "robot.sdf",
         "<sdf version='1.9'><model name='r'><link name='a'><visual name='v'><geometry><box><size>1 1 1</size></box>"
         "</geometry><material><diffuse>0.5 nan 0 1</diffuse></material></visual></link></model></sdf>",
-        "'0.5 nan 0 1' is not a list of numbers",
+        "'0.5 nan 0 1' is not a list of finite numbers",
     ),
     "joint between links that do not exist": (
         "robot.sdf",
