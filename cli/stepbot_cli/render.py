@@ -229,7 +229,7 @@ def _subject(
 
 
 def _robot_subject(robot: "Robot | None", joints: tuple[str, ...]) -> tuple["Subject | None", dict[str, str]]:
-    from stepbot.pipeline.picturing import robot_subject
+    from stepbot.pictures.scene import robot_subject
     from stepbot.robot.posing import NotReached, coordinates, posed
 
     if robot is None:

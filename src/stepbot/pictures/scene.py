@@ -1,6 +1,6 @@
 """What is drawn: placed meshes with an owner each, and the axes of joints."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import pi
 
@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.spatial import Array, Pose, Vector3
-from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, MeshRef, Robot, Sphere
+from stepbot.geometry.spatial import Array, Pose, Vector3, vector3
+from stepbot.robot.kinematics import Configuration, link_poses
+from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, JointKind, MeshRef, Rgba, Robot, Sphere
 
 from .camera import View
 from .raytrace import Scene, linear
@@ -168,3 +169,39 @@ def _revolved(profile: Array) -> TriMesh:
             a, b, c, d = start + i, start + j, start + _AROUND + j, start + _AROUND + i
             faces += [(a, b, c), (a, c, d)]
     return TriMesh.of(vertices, faces)
+
+
+def robot_subject(robot: Robot, q: Configuration) -> Subject:
+    """The visuals of a robot's links at a complete configuration, and the axes of its joints.
+
+    Args:
+        q: Positions [rad] or [m].
+    """
+    poses = link_poses(robot, q)
+    shapes = [
+        Shape(mesh_of(visual.geometry, robot), poses[link.name] @ visual.X_LG, rgb(visual.rgba), owner)
+        for owner, link in enumerate(robot.links)
+        for visual in link.visuals
+    ]
+    return Subject(tuple(shapes), tuple(link.name for link in robot.links), tuple(_axes(robot, poses)))
+
+
+def _axes(robot: Robot, poses: Mapping[str, Pose]) -> Iterator[Axis]:
+    """The axes of all joints and closures that have one, in the world."""
+    for joint in robot.joints:
+        if joint.kind.turns or joint.kind.slides:  # the axis keeps its direction in the parent, its point in the child
+            axis_W = (poses[joint.parent] @ joint.X_PC).turn(joint.axis)
+            yield _axis(joint.name, joint.kind, poses[joint.child].position, axis_W)
+    for closure in robot.closures:
+        if closure.kind.turns or closure.kind.slides:
+            X_WF = poses[closure.link_a] @ closure.X_AF
+            yield _axis(closure.name, closure.kind, X_WF.position, X_WF.turn(closure.axis))
+
+
+def _axis(name: str, kind: JointKind, point: Vector3, direction: Array) -> Axis:
+    return Axis(name, point, vector3(direction), kind.turns, kind.slides)
+
+
+def rgb(rgba: Rgba) -> Array:
+    """A colour without its opacity, shape (3,)."""
+    return np.array(rgba[:3])

@@ -12,6 +12,7 @@ from urllib.parse import quote
 from stepbot.formats.learning import MENAGERIE
 from stepbot.formats.mjcf.menagerie import menagerie_files
 from stepbot.pictures.picture import Sheet, draw, png_bytes
+from stepbot.pictures.scene import robot_subject
 from stepbot.report.results import Results
 from stepbot.report.words import evidence_words, mass_words
 from stepbot.robot.joint_table import Basis
@@ -19,8 +20,6 @@ from stepbot.robot.kinematics import initial_configuration
 from stepbot.robot.model import ActuatorKind, JointKind, Link, Robot
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.version import __version__
-
-from .picturing import robot_subject
 
 _SHEET = Sheet(640, 480, samples=2)
 _FROM_CAD = (

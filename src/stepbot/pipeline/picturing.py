@@ -1,18 +1,18 @@
 """What a picture of a sidecar's robot or of a STEP file shows."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.geometry.spatial import Array, Pose, Vector3, vector3
+from stepbot.geometry.spatial import Array, Pose
 from stepbot.pictures.picture import distinct_color
-from stepbot.pictures.scene import Axis, Shape, Subject, exploded, mesh_of
-from stepbot.robot.kinematics import Configuration, link_poses
-from stepbot.robot.model import GREY, JointKind, Rgba, Robot
+from stepbot.pictures.scene import Shape, Subject, exploded, rgb, robot_subject
+from stepbot.robot.kinematics import Configuration
+from stepbot.robot.model import GREY, Robot
 from stepbot.robot.posing import NotReached, posed
 from stepbot.robot.step_names import is_step_name
 from stepbot.step.assembly import Assembly, Body, Component
@@ -68,37 +68,6 @@ def subject_of(target: Path, options: Options, positions: Configuration, found: 
         raise ValueError(f"no moving joint {error}") from None
     except NotReached as error:
         raise ValueError(f"the loops or limits stop the mechanism at {dict(error.reached)}") from None
-
-
-def robot_subject(robot: Robot, q: Configuration) -> Subject:
-    """The visuals of a robot's links at a complete configuration, and the axes of its joints.
-
-    Args:
-        q: Positions [rad] or [m].
-    """
-    poses = link_poses(robot, q)
-    shapes = [
-        Shape(mesh_of(visual.geometry, robot), poses[link.name] @ visual.X_LG, _rgb(visual.rgba), owner)
-        for owner, link in enumerate(robot.links)
-        for visual in link.visuals
-    ]
-    return Subject(tuple(shapes), tuple(link.name for link in robot.links), tuple(_axes(robot, poses)))
-
-
-def _axes(robot: Robot, poses: Mapping[str, Pose]) -> Iterator[Axis]:
-    """The axes of all joints and closures that have one, in the world."""
-    for joint in robot.joints:
-        if joint.kind.turns or joint.kind.slides:  # the axis keeps its direction in the parent, its point in the child
-            axis_W = (poses[joint.parent] @ joint.X_PC).turn(joint.axis)
-            yield _axis(joint.name, joint.kind, poses[joint.child].position, axis_W)
-    for closure in robot.closures:
-        if closure.kind.turns or closure.kind.slides:
-            X_WF = poses[closure.link_a] @ closure.X_AF
-            yield _axis(closure.name, closure.kind, X_WF.position, X_WF.turn(closure.axis))
-
-
-def _axis(name: str, kind: JointKind, point: Vector3, direction: Array) -> Axis:
-    return Axis(name, point, vector3(direction), kind.turns, kind.slides)
 
 
 @dataclass(frozen=True)
@@ -185,11 +154,7 @@ def _join(boxes: Array, index: int, box: Array) -> None:
 
 def _body_colors(body: Body, component: Component) -> Array:
     """sRGB of each face of a body in an occurrence, shape (m, 3)."""
-    colors = np.array([_rgb(color or component.color or GREY) for color in body.colors] or [_rgb(GREY)])
+    colors = np.array([rgb(color or component.color or GREY) for color in body.colors] or [rgb(GREY)])
     used = body.face_colors if len(body.colors) else np.zeros(len(body.mesh.faces), dtype=int)
     picked: Array = colors[used]
     return picked
-
-
-def _rgb(rgba: Rgba) -> Array:
-    return np.array(rgba[:3])

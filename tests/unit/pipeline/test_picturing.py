@@ -10,9 +10,9 @@ import pytest
 from stepbot.geometry.spatial import IDENTITY
 from stepbot.pictures.camera import VIEWS, camera_of
 from stepbot.pictures.picture import Sheet, distinct_color, draw
-from stepbot.pictures.scene import scene_of
+from stepbot.pictures.scene import robot_subject, scene_of
 from stepbot.pipeline.conversion import Options
-from stepbot.pipeline.picturing import Label, assembly_subject, part_labels, robot_subject
+from stepbot.pipeline.picturing import Label, assembly_subject, part_labels
 from stepbot.pipeline.stages import inspect
 from stepbot.robot.model import Joint, JointKind, Robot
 from stepbot.robot.posing import posed
