@@ -261,6 +261,10 @@ def test_several_collisions_of_one_name(tmp_path: Path) -> None:
         for x, r in ((0.1, 0.05), (0.3, 0.04), (0.6, 0.03))
     )
     proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}{shapes}</link>'), "urdf", "sdf", "mjcf")
+    written = ET.parse(tmp_path / "out" / "robot.urdf").getroot()
+    spheres = [float(sphere.get("radius", "")) for sphere in written.iter("sphere")]
+    assert spheres == [0.05, 0.04, 0.03]
+    assert len({one.get("name") for one in written.iter("collision")}) == 3
 
 
 def test_light_link_far_from_a_heavy_root(tmp_path: Path) -> None:
@@ -369,3 +373,6 @@ def test_capsules_without_names(tmp_path: Path) -> None:
         for x in (0.1, 0.4)
     )
     proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}{capsules}</link>'), "urdf", "sdf", "mjcf")
+    written = ET.parse(tmp_path / "out" / "robot.urdf").getroot()
+    shapes = Counter(shape.tag for collision in written.iter("collision") for shape in collision.find("geometry") or ())
+    assert shapes == {"cylinder": 2, "sphere": 4}

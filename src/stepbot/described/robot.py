@@ -57,8 +57,8 @@ class Shapes:
         self._solid = [shape for shape in description.shapes if shape.collides]
         self._meshes = UniqueNames()
         self._assets: dict[int, tuple[TriMesh, MeshAsset]] = {}
-        self._seen = set[str]()
-        """Names of visuals: those of all links are unique, since URDF and PyBullet name colours by them."""
+        self._visual_names = set[str]()
+        """Taken by all links: URDF and PyBullet name colours by them."""
 
     @property
     def assets(self) -> tuple[MeshAsset, ...]:
@@ -67,7 +67,7 @@ class Shapes:
 
     def visuals(self, link: str) -> tuple[Visual, ...]:
         """The visuals of a link; for a picture its collisions if it has none."""
-        name = _namer(link, "visual", self._seen)
+        name = _namer(link, "visual", self._visual_names)
         return tuple(
             Visual(name(shape), self._geometry(shape), shape.X_LG, shape.rgba or GREY)
             for shape in self._shown
