@@ -3,6 +3,6 @@
 May be called by ``pipeline`` and above.
 
 :mod:`.mechanism` finds motors, wheels, fingers and limbs in the model, :mod:`.plan` decides which tests apply,
-:mod:`.survey` chooses poses without contact, :mod:`.experiments` has one module per test, and :mod:`.judgement`
+:mod:`.survey` chooses poses without contact, :mod:`.experiments` has the tests, and :mod:`.judgement`
 compares their numbers with :mod:`.limits`.
 """

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field, replace
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,9 @@ from stepbot.engines.simulation import Mechanism, Setup, Simulation
 from stepbot.report.reading import robot_of_report
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 
+from .experiments.base import drop, roll, stand, strafe
+from .experiments.grip import grip
+from .experiments.motors import hold, step, sweep, torque, track
 from .judgement import Status, Verdict, judge
 from .limits import Demands
 from .mechanism import Wheels, finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
@@ -53,9 +55,8 @@ def drive(assignment: Assignment) -> tuple[Result | str, ...]:
             stage = Stage(
                 _opener(assignment), assignment.mechanism, assignment.survey, assignment.wheels, assignment.limbs
             )
-            experiment: Callable[[Stage], Result] = import_module(f".experiments.{test}", __package__).experiment
             try:
-                result = experiment(stage)
+                result = EXPERIMENTS[test](stage)
             except Diverged:
                 results.append(test)
                 continue
@@ -74,6 +75,10 @@ def _opener(assignment: Assignment) -> Callable[[Setup], Simulation]:
     return lambda setup: PybulletSimulation(file, mechanism, setup)
 
 
+EXPERIMENTS: Mapping[str, Callable[[Stage], Result]] = {
+    one.__name__: one for one in (hold, step, track, sweep, torque, drop, grip, roll, strafe, stand)
+}
+"""The function of each test."""
 _DRIVE = "stepbot.driving.driving:drive"
 _SURVEY = "stepbot.driving.survey:survey"
 

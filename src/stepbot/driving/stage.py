@@ -96,7 +96,7 @@ def cruising_speed(motor: Motor) -> float:
     return min(fastest, _SHARE * motor.limit.velocity) if isfinite(motor.limit.velocity) else fastest
 
 
-def stand(simulation: Simulation, stage: Stage, height: float = 0.0) -> None:
+def place(simulation: Simulation, stage: Stage, height: float = 0.0) -> None:
     """Place the robot at home with its lowest point at a height [m] above the floor."""
     simulation.reset(stage.mechanism.home, Pose.of(position=(0.0, 0.0, 1.0)))
     low = simulation.lowest()

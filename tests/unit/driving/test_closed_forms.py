@@ -1,12 +1,12 @@
 """Drive tests against closed forms: a pendulum, a damped second-order system, a block held by friction."""
 
 from dataclasses import replace
-from importlib import import_module
 from math import cos, exp, pi, radians, sin, sqrt
 from pathlib import Path
 
 import pytest
 
+from stepbot.driving.driving import EXPERIMENTS
 from stepbot.driving.results import Result
 from stepbot.driving.stage import Stage
 from stepbot.engines.simulation import GRAVITY
@@ -27,8 +27,7 @@ def value(result: Result, quantity: str) -> float:
 
 def run(test: str, stage: Stage) -> Result:
     """The result of a test."""
-    result: Result = import_module(f"stepbot.driving.experiments.{test}").experiment(stage)
-    return result
+    return EXPERIMENTS[test](stage)
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -2,12 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from importlib import import_module
 from math import pi, sqrt
 from pathlib import Path
 
 import pytest
 
+from stepbot.driving.driving import EXPERIMENTS
 from stepbot.driving.results import Loss, Result
 from stepbot.engines.simulation import GRAVITY
 from stepbot.geometry.spatial import IDENTITY, Pose
@@ -22,8 +22,7 @@ pytestmark = [pytest.mark.mujoco, pytest.mark.pybullet]
 
 def gripped(robot: Robot, engine: str, folder: Path) -> Result:
     """The result of the grip test."""
-    result: Result = import_module("stepbot.driving.experiments.grip").experiment(stage_of(robot, engine, folder))
-    return result
+    return EXPERIMENTS["grip"](stage_of(robot, engine, folder))
 
 
 @pytest.mark.parametrize("slides", [False, True], ids=["turns", "slides"])
@@ -85,7 +84,7 @@ def test_a_cube_that_nothing_holds_falls_freely(engine: str, tmp_path: Path) -> 
 def test_effort_on_the_cube(engine: str, tmp_path: Path) -> None:
     """MuJoCo's motor presses with kp times the rest of its way; PyBullet's, without gains, with all of its effort."""
     stage = stage_of(clamp(40.0), engine, tmp_path)
-    (grip,) = import_module("stepbot.driving.experiments.grip").experiment(stage).grips
+    (grip,) = EXPERIMENTS["grip"](stage).grips
     assert grip.loss is None
     assert grip.links == {"base", "hand", "jaw"}
     assert grip.effort is not None

@@ -1,1 +1,1 @@
-"""One module per drive test, each with ``experiment(stage)``; see :class:`~stepbot.driving.results.Result`."""
+"""The drive tests, each a function of a stage; see :class:`~stepbot.driving.results.Result`."""

@@ -26,7 +26,7 @@ SECONDS = 5.0
 """Time [s] for which the cube is held."""
 
 
-def experiment(stage: Stage) -> Result:
+def grip(stage: Stage) -> Result:
     """Grip with every gripper, one after the other."""
     gaps, curves = Gaps(stage), {}
     grips: list[Grip] = []
@@ -36,7 +36,7 @@ def experiment(stage: Stage) -> Result:
             motor = stage.motor(grasp.fingers.motors[0])
             _close(stage, simulation, grasp, gaps)
             effort = abs(simulation.effort(motor.joint)) / motor.limit.effort
-            grip = Grip(
+            held = Grip(
                 motor.joint,
                 grasp.fingers.one | grasp.fingers.other,
                 grasp.cube.edge,
@@ -44,10 +44,10 @@ def experiment(stage: Stage) -> Result:
                 slip=0.0,
                 effort=effort if isfinite(motor.limit.effort) else None,
             )
-            grip, curves[motor.joint] = _held(simulation, grasp, gaps, grip)
-            grips.append(grip)
+            held, curves[motor.joint] = _held(simulation, grasp, gaps, held)
+            grips.append(held)
             depths[motor.joint] = MM * simulation.penetration()
-    slips = {grip.joint: grip.slip for grip in grips}
+    slips = {one.joint: one.slip for one in grips}
     measures = (*largest("slip", slips), *largest("penetration", depths), *gaps.measures())
     return Result("grip", measures, Plot("time [s]", "slip [mm]", curves), tuple(grips))
 
