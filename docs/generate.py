@@ -7,8 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from click import Context
-from diagnostics_page import diagnostics_page  # beside this file
-from reference import REFERENCE, reference_page
+from reference import REFERENCE, reference_page  # beside this file
 
 from stepbot.driving.limits import LIMITS, UNITS
 from stepbot.formats.mapping import mapping_page
@@ -20,6 +19,9 @@ _HELP = re.compile(r"(<!-- generated: help -->\n).*?(<!-- end -->)", re.DOTALL)
 
 _TEACHES = re.compile(r"= help: .*`.*:.*`")
 """A remedy with YAML to paste."""
+_SECTION = re.compile(r"^### (SB\d{3}): .*?\n(?=\n#)", re.DOTALL | re.MULTILINE)
+_EXAMPLE = re.compile(r"\n```text\n.*?\n```\n", re.DOTALL)
+"""Section of a code, and the example at its end."""
 _OF_SIDECARS = ("SB1", "SB3", "SB4", "SB5")
 _MOST_LINES = 8
 """Maximum number of lines of a diagnostic's example."""
@@ -47,8 +49,10 @@ def architecture() -> str:
 def diagnostics() -> str:
     """docs/diagnostics.md; where the remedy is YAML to paste, with the beginning of the first transcript."""
     folders = sorted((ROOT / "tests" / "diagnostics").glob("SB[0-9][0-9][0-9]_*"), reverse=True)
-    examples = {folder.name[:5]: _example(folder) for folder in folders if folder.name.startswith(_OF_SIDECARS)}
-    return diagnostics_page({code: text for code, text in examples.items() if _TEACHES.search(text)})
+    texts = {folder.name[:5]: _example(folder) for folder in folders if folder.name.startswith(_OF_SIDECARS)}
+    examples = {code: f"\n```text\n{text}\n```\n" for code, text in texts.items() if _TEACHES.search(text)}
+    page = _EXAMPLE.sub("", (ROOT / "docs" / "diagnostics.md").read_text(encoding="utf-8"))
+    return _SECTION.sub(lambda section: section[0] + examples.get(section[1], ""), page)
 
 
 def _example(folder: Path) -> str:

@@ -6,8 +6,7 @@ import textwrap
 import click
 
 from stepbot.diagnostics import did_you_mean
-from stepbot.diagnostics.codes import CODES, current
-from stepbot.diagnostics.codes.code import Code
+from stepbot.diagnostics.codes import CODES, Code, current
 
 from .command import Command, full_code
 from .terminal import text_width, write_result
@@ -38,7 +37,7 @@ def command(code: str | None) -> int:
 def _explanation(code: Code) -> str:
     width = text_width(sys.stdout) - 2
     paragraphs = [("What it means", code.explanation), ("How to fix it", code.fix)]
-    paragraphs += [("Features", ", ".join(code.features.split()))] if code.features else []
+    paragraphs += [("Features", ", ".join(code.features))] if code.features else []
     body = "\n\n".join(f"{title}:\n{textwrap.indent(_filled(text, width), '  ')}" for title, text in paragraphs)
     return f"{code.id} ({code.severity}): {code.title}\n\n{body}"
 

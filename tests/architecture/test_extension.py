@@ -115,7 +115,7 @@ class Extended:
 def extended(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Extended:
     """The copy: two formats, one of which is not written by default, and one engine."""
     root, desk = tmp_path_factory.mktemp("copy"), tmp_path_factory.mktemp("desk")
-    for folder in ("src", "cli", "schemas"):
+    for folder in ("src", "cli", "schemas", "docs"):
         shutil.copytree(ROOT / folder, root / folder, ignore=shutil.ignore_patterns("__pycache__"))
     for place, declaration, module, code in (
         ("formats/dummy", FORMAT, "writer.py", WRITER),

@@ -12,7 +12,9 @@ import time
 from functools import cache
 from pathlib import Path
 
-from .digest import Digest
+from stepbot.diagnostics.codes import PAGE
+
+from .digest import Digest, file_digest
 from .store import Cache
 
 _PACKAGE = Path(__file__).resolve().parents[2]
@@ -29,8 +31,8 @@ def keep_own_code(kept: Cache | None) -> None:
 
 @cache
 def own_code() -> str:
-    """Hash of stepbot's own code and its runtime."""
-    digest = Digest("code").add(code_digest(_PACKAGE, _caches[0] if _caches else None))
+    """Hash of stepbot's own code, the severities of its diagnostics, and its runtime."""
+    digest = Digest("code").add(code_digest(_PACKAGE, _caches[0] if _caches else None), file_digest(PAGE) or "")
     return digest.add(platform.python_implementation(), sys.version, sys.platform, platform.machine()).key
 
 
