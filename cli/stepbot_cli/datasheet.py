@@ -1,10 +1,9 @@
 """``stepbot datasheet``: what the geometry, masses and limits of a robot allow."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
 from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -52,26 +51,15 @@ def command(options: "Options", target: Path, ignore: tuple[str, ...], as_json: 
         found.extend(error.diagnostics)
     say_trouble(options.cache, found)
     if as_json:
-        content = None if sheet is None else _plain(asdict(sheet))
+        from stepbot.report.plain import plain
+
+        content = None if sheet is None else plain(sheet)
         write_json({"datasheet": content, "diagnostics": found, "exit_code": found.exit_code})
         return found.exit_code
     show_diagnostics_of_use(found, display)
     if sheet is not None:
         write_result(printable("\n".join(_page(sheet))))
     return found.exit_code
-
-
-def _plain(value: Any) -> Any:
-    """Values for JSON: poses as position and angles, infinite numbers as null."""
-    from stepbot.geometry.spatial import Pose
-
-    if isinstance(value, Pose):
-        return {"xyz": list(value.position), "rpy": list(value.rpy)}
-    if isinstance(value, dict):
-        return {key: _plain(one) for key, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 def _page(sheet: "DataSheet") -> Iterator[str]:

@@ -48,16 +48,13 @@ def draft_text(draft: "Draft", sidecar: Path, text: str, *, verbose: bool = Fals
 def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
     """A draft, and the number of questions in its ``text``, as JSON."""
     from stepbot.draft.text.draft_names import names_of
+    from stepbot.report.plain import picked
 
     names = names_of(draft)
     links = [
-        {"name": names.links[link.name], "parts": list(link.parts), "rest": link.rest, **_confidence(link)}
-        for link in draft.links
+        {**picked(link, "name parts rest", name=names.links[link.name]), **_confidence(link)} for link in draft.links
     ]
-    contacts = [
-        {"link": names.links[one.link], "part": one.part, "material": one.material.value, "evidence": one.why}
-        for one in draft.contacts
-    ]
+    contacts = [picked(one, "link part material evidence=why", link=names.links[one.link]) for one in draft.contacts]
     joints = [
         {
             "name": name,
@@ -65,7 +62,7 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
             "parent": names.links[joint.parent],
             "child": names.links[joint.child],
             **_geometry(joint),
-            "stops": [{"position": stop.position, "parts": list(stop.parts)} for stop in joint.stops],
+            "stops": [picked(stop, "position parts") for stop in joint.stops],
             "stops_skipped": joint.stops_skipped,
         }
         for joint, name in zip(draft.joints, names.joints, strict=True)
@@ -93,34 +90,24 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
                 "with": one.a if one.moving == one.b else one.b,
                 "link": names.links[one.link],
                 "freed": name,
-                "held_by": one.held,
-                "type": one.type.value,
-                "point": None if one.point is None else list(one.point),
-                "direction": None if one.direction is None else list(one.direction),
+                **picked(one, "held_by=held type point direction"),
                 **_confidence(one),
                 "line": _line_of(f"# {name}:", text),
             }
             for one, name in zip(draft.fused, names.freed, strict=True)
         ],
         "questions": [
-            {
-                "name": one.name,
-                "text": one.text,
-                "decides": one.decides,
-                "options": [{"value": option.value, "text": option.text} for option in one.options],
-                "drafted": one.drafted.value,
-            }
+            picked(
+                one,
+                "name text decides options drafted",
+                options=[picked(option, "value text") for option in one.options],
+                drafted=one.drafted.value,
+            )
             for one in draft.questions
         ],
         "answers": dict(draft.answers),
         "offered": [
-            {
-                "parts": [one.a, one.b],
-                "type": one.type.value,
-                "point": None if one.point is None else list(one.point),
-                "direction": None if one.direction is None else list(one.direction),
-                **_confidence(one),
-            }
+            {**picked(one, "parts type point direction", parts=[one.a, one.b]), **_confidence(one)}
             for one in draft.offered
             if one not in draft.fused
         ],
@@ -131,14 +118,15 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
 
 
 def _confidence(one: Any) -> dict[str, Any]:
-    return {"score": one.confidence.score, "evidence": list(one.confidence.evidence)}
+    from stepbot.report.plain import picked
+
+    return picked(one.confidence, "score evidence")
 
 
 def _geometry(one: "DraftJoint | DraftClosure") -> dict[str, Any]:
-    direction = None if one.direction is None else list(one.direction)
     return {
         "point": list(one.point),
-        "direction": direction,
+        "direction": None if one.direction is None else list(one.direction),
         **_confidence(one),
         "review": one.is_reviewed,
         "doubt": one.doubt,

@@ -1,12 +1,11 @@
 """An assembly as JSON: everything that ``inspect`` reports, in SI, for scripts."""
 
-from math import isfinite
 from typing import Any
 
-from stepbot.geometry.spatial import Pose
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.pipeline.stages import Inspection
-from stepbot.step.assembly import Assembly, AxisFace, Body, Component, Validation
+from stepbot.report.plain import picked
+from stepbot.step.assembly import Assembly, Body, Component, Validation
 from stepbot.step.features.axes import AxisLine, axis_faces, lines, selectors
 from stepbot.step.structure.paths import quoted
 
@@ -30,16 +29,8 @@ def inspection_document(inspection: Inspection, *, features: bool) -> dict[str, 
         for component, document in zip(assembly.components, components, strict=True):
             document["axes"] = _axes(assembly, component)
     return {
-        "file": assembly.source,
-        "schema": assembly.schema,
-        "originating_system": assembly.originating_system,
-        "unit": assembly.unit,
-        "unit_scale": assembly.unit_scale,
-        "facts": assembly.facts,
-        "definitions": assembly.definitions,
-        "solids": sums[0].solids,
-        "surfaces": sums[0].surfaces,
-        "volume": sums[0].volume,
+        **picked(assembly, "file=source schema originating_system unit unit_scale facts definitions"),
+        **picked(sums[0], "solids surfaces volume"),
         "validations": [_validation(assembly, validation) for validation in assembly.validations],
         "components": components,
         "bodies": [_body(body, measured) for body, measured in zip(assembly.bodies, inspection.measures, strict=True)],
@@ -61,54 +52,32 @@ def shared_axes_document(shared: SharedAxes) -> dict[str, Any]:
 
 
 def _component(component: Component, inside: Contents) -> dict[str, Any]:
+    keys = "path parent product occurrence by_ordinal_only missing definition body"
     return {
-        "path": component.path,
-        "parent": component.parent,
-        "product": component.product,
-        "occurrence": component.occurrence,
-        "by_ordinal_only": component.by_ordinal_only,
-        "missing": component.missing or None,
-        "definition": component.definition,
-        "body": component.body,
-        "pose": _pose(component.X_WC),
-        "solids": inside.solids,
-        "surfaces": inside.surfaces,
-        "volume": inside.volume,
-        "bounds": inside.box,
-        "size": inside.size,
-        "center": inside.center,
-        "material": component.material,
-        "density": component.density or 0.0,
-        "color": component.color,
+        **picked(component, keys, missing=component.missing or None),
+        "pose": picked(component.X_WC, "rotation position"),
+        **picked(inside, "solids surfaces volume bounds=box size center"),
+        **picked(component, "material density color", density=component.density or 0.0),
     }
 
 
 def _body(body: Body, measured: VolumeProperties | None) -> dict[str, Any]:
     return {
-        "kind": body.kind.value,
-        "watertight": body.watertight,
-        "defect": body.defect,
+        **picked(body, "kind watertight defect"),
         "vertices": len(body.mesh.vertices),
         "faces": len(body.mesh.faces),
         "colors": body.colors,
         "area": body.area or None,
         "exact": _volume(body.exact),
         "mesh": _volume(measured),
-        "axis_faces": [_face(face) for face in body.axis_faces],
+        "axis_faces": [picked(face, "point direction radius low high bore cone") for face in body.axis_faces],
     }
 
 
 def _validation(assembly: Assembly, validation: Validation) -> dict[str, Any]:
     """A validation property of the file, in SI."""
-    return {
-        "component": assembly.components[validation.component].path,
-        "quantity": validation.quantity.value,
-        "stated": validation.stated,
-        "read": validation.read,
-        "deviation": validation.deviation if isfinite(validation.deviation) else None,
-        "tolerance": validation.tolerance,
-        "agrees": validation.agrees,
-    }
+    path = assembly.components[validation.component].path
+    return picked(validation, "component quantity stated read deviation tolerance agrees", component=path)
 
 
 def _axes(assembly: Assembly, component: Component) -> list[dict[str, Any]]:
@@ -120,19 +89,7 @@ def _axes(assembly: Assembly, component: Component) -> list[dict[str, Any]]:
 
 
 def _line(line: AxisLine) -> dict[str, Any]:
-    return {"point": line.point, "direction": line.direction, "low": line.low, "high": line.high, "radii": line.radii}
-
-
-def _face(face: AxisFace) -> dict[str, Any]:
-    return {
-        "point": face.point,
-        "direction": face.direction,
-        "radius": face.radius,
-        "low": face.low,
-        "high": face.high,
-        "bore": face.bore,
-        "cone": face.cone,
-    }
+    return picked(line, "point direction low high radii")
 
 
 def _volume(properties: VolumeProperties | None) -> dict[str, Any] | None:
@@ -141,7 +98,3 @@ def _volume(properties: VolumeProperties | None) -> dict[str, Any] | None:
         return None
     unit = properties.unit_density
     return {"volume": properties.volume, "com": unit.com, "inertia_at_unit_density": unit.inertia}
-
-
-def _pose(pose: Pose) -> dict[str, Any]:
-    return {"rotation": pose.rotation, "position": pose.position}

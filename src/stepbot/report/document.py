@@ -14,17 +14,8 @@ from typing import Any
 from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.version import __version__
 
-from .robot import (
-    Check,
-    LinkCollision,
-    MeasuredBody,
-    Report,
-    SimplifiedVisuals,
-    Status,
-    mass_document,
-    number,
-    robot_document,
-)
+from .plain import Json, picked, plain
+from .robot import MASS, MeasuredBody, Report, Status, robot_document
 from .words import joint_table_document
 
 _quoted = json.encoder.encode_basestring
@@ -71,8 +62,8 @@ def _text(value: Any, indent: str, default: Callable[[Any], Any]) -> str:
 
 VERSION = 1
 """Version of the schema."""
-
-Json = dict[str, Any]
+_CHECK = "file format engine against quantity status deviation tolerance unit where why"
+_SIMPLIFIED = "link max_triangles max_bytes before after deviation"
 
 
 def report_bytes(report: Report, diagnostics: Iterable[Diagnostic]) -> bytes:
@@ -96,79 +87,26 @@ def report_document(report: Report, diagnostics: Iterable[Diagnostic]) -> Json:
         },
         "engines": dict(report.versions),
         "distributions": dict(report.distributions),
-        "checks": [_check(check) for check in report.checks],
+        "checks": [picked(check, _CHECK) for check in report.checks],
         "notes": {key: list(notes) for key, notes in report.notes.items()},
-        "files": [{"path": file.path, "format": file.format, "content": file.content.value} for file in report.files],
+        "files": [picked(file, "path format content") for file in report.files],
         **({"variant": report.variant} if report.variant else {}),
         "inputs": dict(report.inputs),
         "names": dict(report.names),
         "bodies": [_body(body) for body in report.bodies],
-        "collision_shapes": [_link_collision(one) for one in report.collision_shapes],
-        "simplified_visuals": [_simplified(one) for one in report.simplified_visuals],
+        "collision_shapes": plain(report.collision_shapes),
+        "simplified_visuals": [picked(one, _SIMPLIFIED, link=one.link or None) for one in report.simplified_visuals],
         "joint_table": joint_table_document(report.joint_table),
         "diagnostics": [_diagnostic(diagnostic) for diagnostic in diagnostics],
     }
 
 
-def _check(check: Check) -> Json:
-    return {
-        "file": check.file,
-        "format": check.format,
-        "engine": check.engine,
-        "against": check.against,
-        "quantity": check.quantity,
-        "status": check.status.value,
-        "deviation": number(check.deviation),
-        "tolerance": number(check.tolerance),
-        "unit": check.unit,
-        "where": check.where,
-        "why": check.why,
-    }
-
-
 def _body(body: MeasuredBody) -> Json:
-    return {
-        "name": body.name,
-        "occurrences": body.occurrences,
-        "mesh": None if body.mesh is None else mass_document(body.mesh),
-        "exact": None if body.exact is None else mass_document(body.exact),
-        "deviation": number(body.deviation),
-        "error": number(body.error),
-        "written": body.written,
-    }
-
-
-def _simplified(one: SimplifiedVisuals) -> Json:
-    return {
-        "link": one.link or None,
-        "max_triangles": one.max_triangles,
-        "max_bytes": one.max_bytes,
-        "before": one.before,
-        "after": one.after,
-        "deviation": one.deviation,
-    }
-
-
-def _link_collision(one: LinkCollision) -> Json:
-    return {
-        "link": one.link,
-        "rule": one.rule,
-        "shapes": dict(one.shapes),
-        "vertices": one.vertices,
-        "most_vertices": one.most_vertices,
-        "iou": number(one.iou),
-        "overshoot": number(one.overshoot),
-    }
+    masses = {name: mass and picked(mass, MASS) for name, mass in (("mesh", body.mesh), ("exact", body.exact))}
+    return picked(body, "name occurrences mesh exact deviation error written", **masses)
 
 
 def _diagnostic(diagnostic: Diagnostic) -> Json:
-    return {
-        "code": diagnostic.code,
-        "severity": diagnostic.severity,
-        "message": diagnostic.message,
-        "file": PurePath(diagnostic.span.file).name,
-        "line": diagnostic.span.line,
-        "column": diagnostic.span.column,
-        "help": list(diagnostic.help),
-        "notes": list(diagnostic.notes),
-    }
+    span = diagnostic.span
+    place = {"file": PurePath(span.file).name, "line": span.line, "column": span.column}
+    return picked(diagnostic, "code severity message file line column help notes", **place)

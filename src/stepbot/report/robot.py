@@ -6,41 +6,40 @@ from typing import Any
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.inertia import MassProperties, combined
-from stepbot.geometry.spatial import Pose, tidy
+from stepbot.geometry.spatial import tidy
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.loop_followers import loop_followers
-from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, LoopClosure, Module, Robot
+from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, Module, Robot
 from stepbot.robot.motors import Motor
 from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
 from stepbot.robot.self_collision import PairContact, SelfCollision
 from stepbot.robot.sensors import SEEING, Sensor
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.standing import standing_height
-from stepbot.robot.tuning import Tuning
 
+from .plain import picked
 from .results import Check, Content, LinkCollision, Results, Row, SimplifiedVisuals, Status, WrittenFile
 
 Json = dict[str, Any]
 
 
+MASS = "mass com inertia"
+FRAME = "name link pose=X_LF source"
+JOINT = "name kind parent child pose=X_PC axis axis2 pitch limits=limit dynamics mimic drawn_position"
+CLOSURE = "name kind link_a pose_a=X_AF link_b pose_b=X_BF axis"
+ACTUATOR = "name joint kind kp kv gear computed=tuning limits=limit motor"
+TUNING = "bandwidth damping_ratio inertia weight stiffened braked"
+"""Keys of the objects of the robot, for :func:`.plain.picked`."""
+
+
 def self_collision_document(found: SelfCollision) -> Json:
     """All pairs with their evidence: number of poses, depth [m] and joint positions [rad] or [m] of the first one."""
-    return {
-        "samples": found.samples,
-        "exclude": [kind.value for kind in found.exclude],
-        "pairs": [_pair(pair) for pair in found.pairs],
-    }
+    return picked(found, "samples exclude pairs", pairs=[_pair(pair) for pair in found.pairs])
 
 
 def _pair(pair: PairContact) -> Json:
-    return {
-        "links": [pair.link_a, pair.link_b],
-        "class": pair.kind.value,
-        "contacts": pair.contacts,
-        "first": pair.first,
-        "depth": pair.depth,
-        "pose": dict(pair.pose),
-    }
+    keys = "links class=kind contacts first depth pose"
+    return picked(pair, keys, links=[pair.link_a, pair.link_b], pose=dict(pair.pose))
 
 
 __all__ = [
@@ -99,31 +98,26 @@ def robot_document(report: Report, robot: Robot) -> Json:
         "source": robot.source,
         "base": robot.base.value,
         "root": robot.root.name,
-        **mass_document(total),
+        **picked(total, MASS),
         "degrees_of_freedom": report.degrees_of_freedom,
         "driven": list(report.driven),
         "links": [_link(link) for link in robot.links],
         "joints": [_joint(joint) for joint in robot.joints],
-        "closures": [_closure(closure) for closure in robot.closures],
+        "closures": [picked(closure, CLOSURE) for closure in robot.closures],
         "followers": [
             {
                 "joint": follower.joint,
-                "leader": follower.mimic.joint,
-                "multiplier": follower.mimic.multiplier,
-                "offset": follower.mimic.offset,
+                **picked(follower.mimic, "leader=joint multiplier offset"),
                 "deviation": follower.deviation,
             }
             for follower in loop_followers(robot)
         ],
         "pybullet": [_loop_constraint(constraint) for constraint in loop_constraints(robot)],
-        "frames": [
-            {"name": frame.name, "link": frame.link, "pose": _pose(frame.X_LF), "source": frame.source}
-            for frame in robot.frames
-        ],
+        "frames": [picked(frame, FRAME) for frame in robot.frames],
         "actuators": [_actuator(actuator) for actuator in robot.actuators],
         "sensors": [_sensor(sensor) for sensor in robot.sensors],
         "standing_height": standing_height(robot, initial_configuration(robot)),
-        "simulation": _simulation(robot),
+        "simulation": picked(settings_of(robot), "timestep integrator closure_stiffness"),
         "self_collision": None if robot.self_collision is None else self_collision_document(robot.self_collision),
         "overlaps": [{"links": [a, b], "depth": depth} for a, b, depth in report.collisions],
         **({"modules": [_module(robot, module) for module in robot.modules]} if robot.modules else {}),
@@ -145,63 +139,34 @@ def _module(robot: Robot, module: Module) -> Json:
     }
 
 
-def mass_document(body: MassProperties) -> Json:
-    """Mass, centre of mass and inertia."""
-    return {"mass": body.mass, "com": list(body.com), "inertia": [list(row) for row in body.inertia]}
-
-
-def _pose(X: Pose) -> Json:
-    return {"xyz": list(X.position), "rpy": list(X.rpy)}
-
-
 def _loop_constraint(constraint: LoopConstraint) -> Json:
     frames = {
         name: {"xyz": list(position), "quaternion": list(turn)}
         for name, (position, turn) in (("frame_a", constraint.frame_a), ("frame_b", constraint.frame_b))
     }
-    words = {name: getattr(constraint, name) for name in ("closure", "type", "link_a", "link_b")}
-    return {**words, **frames, "axis": list(constraint.axis)}
+    return picked(constraint, "closure type link_a link_b frame_a frame_b axis", **frames)
 
 
 def _link(link: Link) -> Json:
+    sources = [picked(source, "component mass density origin method") for source in link.masses]
     return {
         "name": link.name,
-        **mass_document(link.mass_properties),
-        "components": list(link.components),
-        "sources": [
-            {
-                "component": source.component,
-                "mass": source.mass,
-                "density": number(source.density),
-                "origin": source.origin,
-                "method": source.method,
-            }
-            for source in link.masses
-        ],
+        **picked(link.mass_properties, MASS),
+        "components": [*link.components],
+        "sources": sources,
     }
 
 
 def _joint(joint: Joint) -> Json:
-    moves = joint.kind is not JointKind.FIXED
-    return {
-        "name": joint.name,
-        "kind": joint.kind.value,
-        "parent": joint.parent,
-        "child": joint.child,
-        "pose": _pose(joint.X_PC),
-        "axis": list(joint.axis) if moves else None,
-        "axis2": list(joint.axis2) if joint.kind is JointKind.UNIVERSAL else None,
-        "pitch": joint.pitch if joint.kind is JointKind.SCREW else None,
-        "limits": _limits(joint.limit),
-        "dynamics": {
-            name: float(getattr(joint.dynamics, name))
-            for name in ("damping", "friction", "stiffness", "spring_reference", "armature")
-        },
-        "mimic": None
-        if joint.mimic is None
-        else {"joint": joint.mimic.joint, "multiplier": joint.mimic.multiplier, "offset": joint.mimic.offset},
-        "drawn_position": joint.drawn_position,
-    }
+    unused: Json = {}
+    if joint.kind is JointKind.FIXED:
+        unused["axis"] = None
+    if joint.kind is not JointKind.UNIVERSAL:
+        unused["axis2"] = None
+    if joint.kind is not JointKind.SCREW:
+        unused["pitch"] = None
+    dynamics = {name: float(value) for name, value in vars(joint.dynamics).items()}
+    return picked(joint, JOINT, limits=_limits(joint.limit), dynamics=dynamics, **unused)
 
 
 def _limits(limit: Limit) -> Json:
@@ -209,76 +174,17 @@ def _limits(limit: Limit) -> Json:
 
 
 def _actuator(actuator: Actuator) -> Json:
-    return {
-        "name": actuator.name,
-        "joint": actuator.joint,
-        "kind": actuator.kind.value,
-        "kp": actuator.kp,
-        "kv": actuator.kv,
-        "gear": actuator.gear,
-        "computed": None if actuator.tuning is None else _tuning(actuator.tuning),
-        "limits": _limits(actuator.limit),
-        "motor": None if actuator.motor is None else _motor(actuator.motor),
-    }
+    """An actuator: what computed gains were asked for and follow from, and what its motor gives."""
+    computed = None if actuator.tuning is None else picked(actuator.tuning, TUNING)
+    motor = None if actuator.motor is None else _motor(actuator.motor)
+    return picked(actuator, ACTUATOR, computed=computed, limits=_limits(actuator.limit), motor=motor)
 
 
 def _motor(motor: Motor) -> Json:
     """The motor and each figure that it gives, with its source; where the sidecar sets another one, that applies."""
-    return {
-        "name": motor.name,
-        "part": motor.part or None,
-        "figures": [
-            {"quantity": one.quantity, "value": one.value, "unit": one.unit, "source": one.source}
-            for one in motor.figures
-        ],
-        "unknown": list(motor.unknown),
-        "doubts": list(motor.doubts),
-    }
-
-
-def _tuning(tuning: Tuning) -> Json:
-    """What computed gains were asked for, and what they follow from."""
-    return {
-        "bandwidth": tuning.bandwidth,
-        "damping_ratio": tuning.damping_ratio,
-        "inertia": tuning.inertia,
-        "weight": tuning.weight,
-        "stiffened": tuning.stiffened,
-        "braked": tuning.braked,
-    }
-
-
-def _simulation(robot: Robot) -> Json:
-    settings = settings_of(robot)
-    return {
-        "timestep": settings.timestep,
-        "integrator": settings.integrator.value,
-        "closure_stiffness": settings.closure_stiffness,
-    }
+    return picked(motor, "name part figures unknown doubts", part=motor.part or None)
 
 
 def _sensor(sensor: Sensor) -> Json:
-    view = sensor.view
-    sees = {"fov": view.fov, "columns": view.columns, "rows": view.rows, "nearest": view.nearest}
-    return {
-        "name": sensor.name,
-        "kind": sensor.kind.value,
-        "link": sensor.link,
-        "joint": sensor.joint or None,
-        "pose": _pose(sensor.X_LS),
-        "rate": sensor.rate,
-        "view": {**sees, "farthest": number(view.farthest)} if sensor.kind in SEEING else None,
-        "source": sensor.source,
-    }
-
-
-def _closure(closure: LoopClosure) -> Json:
-    return {
-        "name": closure.name,
-        "kind": closure.kind.value,
-        "link_a": closure.link_a,
-        "pose_a": _pose(closure.X_AF),
-        "link_b": closure.link_b,
-        "pose_b": _pose(closure.X_BF),
-        "axis": list(closure.axis),
-    }
+    sees = picked(sensor.view, "fov columns rows nearest farthest") if sensor.kind in SEEING else None
+    return picked(sensor, "name kind link joint pose=X_LS rate view source", joint=sensor.joint or None, view=sees)

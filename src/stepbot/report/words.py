@@ -2,11 +2,11 @@
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side, Vector3
 
+from .plain import Json, picked
 from .results import LinkCollision
 
 _KILOGRAM = 0.9995
@@ -56,9 +56,6 @@ def collision_summary(shapes: Sequence[LinkCollision]) -> str:
     return words
 
 
-Json = dict[str, Any]
-
-
 def joint_table_document(rows: Iterable[JointRow]) -> list[Json]:
     """The joint table as JSON data."""
     return [_joint_row(row) for row in rows]
@@ -66,33 +63,10 @@ def joint_table_document(rows: Iterable[JointRow]) -> list[Json]:
 
 def _joint_row(row: JointRow) -> Json:
     found = row.evidence
-    return {
-        "name": row.name,
-        "kind": row.kind,
-        "is_closure": row.is_closure,
-        "parent": row.parent,
-        "child": row.child,
-        "origin": None if row.origin is None else list(row.origin),
-        "axis": None if row.axis is None else list(row.axis),
-        "axis2": None if row.axis2 is None else list(row.axis2),
-        "basis": found.basis.value,
-        "source": found.text,
-        "faces": [{"component": one.component, "radius": one.radius, "bore": one.bore} for one in found.sides],
-        "overlap": found.overlap,
-        "clearance": found.clearance,
-        "selected": found.selected,
-        "rivals": [
-            {
-                "basis": rival.basis.value,
-                "point": list(rival.point),
-                "direction": list(rival.direction),
-                "radii": list(rival.radii),
-                "share": rival.share,
-            }
-            for rival in found.rivals
-        ],
-        "doubt": found.doubt,
-    }
+    rivals = [picked(rival, "basis point direction radii share") for rival in found.rivals]
+    return picked(row, "name kind is_closure parent child origin axis axis2") | picked(
+        found, "basis source=text faces=sides overlap clearance selected rivals doubt", rivals=rivals
+    )
 
 
 _ALONG = 1e-6

@@ -29,6 +29,7 @@ _DIGITS = 9
 _AREA_ERROR = 1e-2
 """Relative error of integrals over the triangles of a surface, which depend on the mesh."""
 _LEAST_ERROR = 1e-9
+Six = tuple[float, float, float, float, float, float]
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Shape:
     """Volume [m^3], or area [m^2] of a surface."""
     com: Vector3 = ZERO3
     """Centroid [m] in the frame of the definition."""
-    inertia: tuple[float, ...] = (0.0,) * 6
+    inertia: Six = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     """Second moments at density 1 about the centroid, xx, yy, zz, xy, xz, yz [m^5, of a surface m^4]."""
     error: float = 0.0
     """Estimated relative error of the integrals."""
@@ -251,14 +252,12 @@ def _of_surface(kind: str, faces: tuple[tuple[str, int], ...], mesh: TriMesh) ->
     return Shape(kind, faces, AREA, _significant(area), _rounded(com), _six(inertia), _AREA_ERROR)
 
 
-def _six(tensor: Array) -> tuple[float, ...]:
+def _six(tensor: Array) -> Six:
     """The six numbers of a symmetric matrix, to nine digits of the largest."""
     largest = float(np.abs(tensor).max())
-    if largest == 0.0:
-        return (0.0,) * 6
-    decimals = _DIGITS - 1 - floor(log10(largest))
-    rounded = np.round(tensor, decimals) + 0.0
-    return tuple(float(rounded[row, column]) for row, column in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)))
+    decimals = _DIGITS - 1 - floor(log10(largest)) if largest else 0
+    (xx, xy, xz), (_, yy, yz), (*_, zz) = (np.round(tensor, decimals) + 0.0).tolist()
+    return xx, yy, zz, xy, xz, yz
 
 
 def _significant(value: float, digits: int = _DIGITS) -> float:

@@ -1,8 +1,8 @@
 """Joints and closures as a person reviews them: type, limits, evidence, and a mark where the evidence is weak."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
 
+from stepbot.report.plain import Json, picked
 from stepbot.report.words import direction_words, evidence_words, point_words, rival_words
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import MOVING
@@ -11,10 +11,6 @@ from stepbot.robot.multi_dof import unfolded
 from stepbot.sidecar.draft_comments import DraftedStop
 from stepbot.step.assembly import Assembly
 from stepbot.step.structure.paths import quoted
-
-from .motion import bound
-
-Json = dict[str, Any]
 
 NO_REVIEWS: Mapping[str, str] = {}
 NO_STOPS: Mapping[str, Sequence[DraftedStop]] = {}
@@ -46,7 +42,7 @@ def evidence_of_rows(
             "at": "" if row.origin is None else point_words(row.origin),
             "along": "" if row.axis is None else direction_words(row.axis),
             "others": [rival_words(one) for one in row.evidence.rivals],
-            "stops": [{"position": one.position, "parts": one.parts} for one in stops.get(row.name, ())],
+            "stops": [picked(one, "position parts") for one in stops.get(row.name, ())],
         }
         for row in rows
     }
@@ -64,17 +60,14 @@ def _coordinates(joint: Joint, chain: Mapping[str, Joint]) -> list[str]:
 
 
 def _joint(joint: Joint, coordinates: list[str], evidence: Mapping[str, Json]) -> Json:
-    limit, mimic = joint.limit, joint.mimic
+    mimic = joint.mimic
     return {
-        "name": joint.name,
-        "kind": joint.kind.value,
-        "parent": joint.parent,
-        "child": joint.child,
+        **picked(joint, "name kind parent child"),
         "closes": False,
         "axis": list(joint.axis) if joint.kind.has_axis else None,
         "axis2": list(joint.axis2) if joint.kind is JointKind.UNIVERSAL else None,
         "coordinates": coordinates,
-        "limits": {name: bound(getattr(limit, name)) for name in ("lower", "upper", "velocity", "effort")},
+        "limits": picked(joint.limit, "lower upper velocity effort"),
         "mimic": None if mimic is None else [mimic.joint, mimic.multiplier, mimic.offset],
         "pitch": joint.pitch if joint.kind is JointKind.SCREW else None,
         **evidence.get(joint.name, _UNKNOWN),
@@ -83,10 +76,7 @@ def _joint(joint: Joint, coordinates: list[str], evidence: Mapping[str, Json]) -
 
 def _closure(closure: LoopClosure, evidence: Mapping[str, Json]) -> Json:
     return {
-        "name": closure.name,
-        "kind": closure.kind.value,
-        "parent": closure.link_a,
-        "child": closure.link_b,
+        **picked(closure, "name kind parent=link_a child=link_b"),
         "closes": True,
         "axis": list(closure.axis) if closure.kind.has_axis else None,
         "coordinates": [],

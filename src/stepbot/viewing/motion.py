@@ -4,9 +4,9 @@ The page solves forward kinematics and loops itself, by the methods of :mod:`ste
 """
 
 from math import dist, isfinite
-from typing import Any
 
 from stepbot.geometry.spatial import Pose
+from stepbot.report.plain import Json, picked
 from stepbot.robot.bounding_boxes import robot_bounds
 from stepbot.robot.closures import CLOSED_ANGLE, LARGEST_JUMP, LARGEST_STEP, RANK_TOLERANCE, Loops, driven_joints
 from stepbot.robot.kinematics import (
@@ -20,8 +20,6 @@ from stepbot.robot.kinematics import (
 )
 from stepbot.robot.model import Joint, JointKind, LoopClosure, Robot
 from stepbot.robot.multi_dof import unfolded
-
-Json = dict[str, Any]
 
 
 def motion_document(robot: Robot) -> Json:
@@ -64,40 +62,23 @@ def pose_numbers(X: Pose) -> list[float]:
     return [*(value for row in X.rotation for value in row), *X.position]
 
 
-def bound(value: float) -> float | None:
-    """A bound; null for none."""
-    return value if isfinite(value) else None
-
-
 def closure_document(closure: LoopClosure) -> Json:
     """A closure with its frames."""
-    return {
-        "name": closure.name,
-        "kind": closure.kind.value,
-        "a": closure.link_a,
-        "X_AF": pose_numbers(closure.X_AF),
-        "b": closure.link_b,
-        "X_BF": pose_numbers(closure.X_BF),
-        "axis": list(closure.axis),
-    }
+    X_AF, X_BF = pose_numbers(closure.X_AF), pose_numbers(closure.X_BF)
+    return picked(closure, "name kind a=link_a X_AF b=link_b X_BF axis", X_AF=X_AF, X_BF=X_BF)
 
 
 def _joint(robot: Robot, joint: Joint) -> Json:
     moves = joint.kind in MOVING
     leader, multiplier, offset = mimic_relation(robot, joint.name) if moves else ("", 0.0, 0.0)
     return {
-        "name": joint.name,
-        "parent": joint.parent,
-        "child": joint.child,
-        "X": pose_numbers(joint.X_PC),
-        "axis": list(joint.axis),
+        **picked(joint, "name parent child X axis", X=pose_numbers(joint.X_PC)),
         "turn": float(moves and joint.kind is not JointKind.PRISMATIC),
         "advance": advance(joint),
         "moves": moves,
         "leader": leader,
         "multiplier": multiplier,
         "offset": offset,
-        "lower": bound(joint.limit.lower),
-        "upper": bound(joint.limit.upper),
+        **picked(joint.limit, "lower upper"),
         "drawn": joint.drawn_position,
     }

@@ -8,23 +8,22 @@ import json
 from base64 import b64encode
 from collections.abc import Iterable, Mapping
 from pathlib import PurePath
-from typing import Any
 
 import numpy as np
 
 from stepbot.diagnostics import Diagnostic
 from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.mesh import TriMesh
+from stepbot.report.plain import Json, picked, plain
 from stepbot.report.results import Results
+from stepbot.report.robot import MASS
 from stepbot.robot.kinematics import initial_configuration, link_poses
-from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, JointKind, Link, MeshRef, Robot, Sphere
+from stepbot.robot.model import Geometry, JointKind, Link, MeshRef, Robot
 from stepbot.robot.sensors import PLACED, Sensor
 from stepbot.step.assembly import Assembly
 
 from .connections import component_documents, connection_documents
 from .motion import motion_document, pose_numbers
-
-Json = dict[str, Any]
 
 
 def proof_document(report: Results) -> Json:
@@ -32,21 +31,10 @@ def proof_document(report: Results) -> Json:
     return {
         "rows": [
             {
-                "file": row.file,
-                "engine": row.engine,
-                "version": report.versions.get(row.engine, ""),
-                "against": row.against,
-                "status": row.status.value,
-                "compared": list(row.compared),
-                "worst": None
-                if row.worst is None
-                else {
-                    "quantity": row.worst.quantity,
-                    "deviation": row.worst.deviation,
-                    "tolerance": row.worst.tolerance,
-                    "unit": row.worst.unit,
-                    "where": row.worst.where,
-                },
+                **picked(
+                    row, "file engine version against status compared", version=report.versions.get(row.engine, "")
+                ),
+                "worst": None if row.worst is None else picked(row.worst, "quantity deviation tolerance unit where"),
                 "why": row.why,
             }
             for row in report.rows()
@@ -59,15 +47,12 @@ def proof_document(report: Results) -> Json:
 def diagnostic_documents(found: Iterable[Diagnostic]) -> list[Json]:
     """Diagnostics with places relative to the folders of their files."""
     return [
-        {
-            "code": one.code,
-            "severity": one.severity,
-            "message": one.message,
-            "file": PurePath(one.span.file).name,
-            "line": one.span.line,
-            "help": list(one.remedies),
-            "notes": list(one.notes),
-        }
+        picked(
+            one,
+            "code severity message file line help=remedies notes",
+            file=PurePath(one.span.file).name,
+            line=one.span.line,
+        )
         for one in found
     ]
 
@@ -77,7 +62,7 @@ _FEW = 65536
 """Number of vertices up to which an index fits in two bytes."""
 
 
-def packed(mesh: TriMesh) -> dict[str, Any]:
+def packed(mesh: TriMesh) -> Json:
     """A mesh as JSON data: ``low`` and ``size`` [m] of its box, vertices and indices as little-endian base64."""
     vertices = mesh.vertices if len(mesh.vertices) else np.zeros((1, 3))
     low = vertices.min(axis=0)
@@ -139,10 +124,7 @@ def scene_document(
             for one in robot.frames
         ],
         "sensors": [_sensor(sensor) for sensor in robot.sensors],
-        "actuators": [
-            {"name": one.name, "joint": one.joint, "kind": one.kind.value, "kp": one.kp, "kv": one.kv}
-            for one in robot.actuators
-        ],
+        "actuators": [picked(one, "name joint kind kp kv") for one in robot.actuators],
         "components": [] if assembly is None else component_documents(assembly, robot),
         "proof": None if report is None else proof_document(report),
         "diagnostics": diagnostic_documents(found),
@@ -169,35 +151,19 @@ def _link(link: Link, index: dict[str, int]) -> Json:
             for one in link.visuals
         ],
         "collisions": [{**_geometry(one.geometry, index), "X": pose_numbers(one.X_LG)} for one in link.collisions],
-        "sources": [
-            {"component": one.component, "mass": one.mass, "density": one.density, "origin": one.origin}
-            for one in link.masses
-        ],
+        "sources": [picked(one, "component mass density origin") for one in link.masses],
     }
 
 
 def _geometry(geometry: Geometry, index: dict[str, int]) -> Json:
-    match geometry:
-        case MeshRef(name):
-            return {"shape": "mesh", "mesh": index[name]}
-        case Box(size):
-            return {"shape": "box", "size": list(size)}
-        case Cylinder(radius, length):
-            return {"shape": "cylinder", "radius": radius, "length": length}
-        case Capsule(radius, length):
-            return {"shape": "capsule", "radius": radius, "length": length}
-        case Sphere(radius):
-            return {"shape": "sphere", "radius": radius}
+    if isinstance(geometry, MeshRef):
+        return {"shape": "mesh", "mesh": index[geometry.name]}
+    return {"shape": type(geometry).__name__.lower(), **plain(geometry)}
 
 
 def _mass(body: MassProperties) -> Json:
     """Mass, centre of mass, inertia, and the solid ellipsoid of the same mass and inertia; null where there is none."""
-    return {
-        "mass": body.mass,
-        "com": list(body.com),
-        "inertia": [list(row) for row in body.inertia],
-        "ellipsoid": _ellipsoid(body),
-    }
+    return {**picked(body, MASS), "ellipsoid": _ellipsoid(body)}
 
 
 def _ellipsoid(body: MassProperties) -> Json | None:
@@ -212,13 +178,5 @@ def _ellipsoid(body: MassProperties) -> Json | None:
 
 
 def _sensor(sensor: Sensor) -> Json:
-    return {
-        "name": sensor.name,
-        "kind": sensor.kind.value,
-        "link": sensor.link,
-        "joint": sensor.joint,
-        "placed": sensor.kind in PLACED,
-        "X": pose_numbers(sensor.X_LS),
-        "fov": sensor.view.fov,
-        "rate": sensor.rate,
-    }
+    X, placed = pose_numbers(sensor.X_LS), sensor.kind in PLACED
+    return picked(sensor, "name kind link joint placed X fov rate", placed=placed, X=X, fov=sensor.view.fov)
