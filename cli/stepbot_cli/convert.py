@@ -111,7 +111,8 @@ for_option = click.option(
     callback=_programs,
     metavar="PROGRAM,...",
     help="Also write a Python file that loads the robot in mjlab, maniskill, genesis, isaaclab, playground, lerobot "
-    "or newton, with its gains and initial pose; menagerie: a folder for MuJoCo Menagerie. Implies their formats.",
+    "or newton, with its gains and initial pose; menagerie, simready: a folder for MuJoCo Menagerie, for Isaac Sim's "
+    "libraries of assets. Implies their formats.",
 )
 no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
 

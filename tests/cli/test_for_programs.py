@@ -12,7 +12,7 @@ import pytest
 
 import stepbot as api
 from stepbot.diagnostics import Diagnostics
-from stepbot.formats.learning import PROGRAMS, program_files
+from stepbot.formats.learning import PROGRAMS, SIMREADY, program_files
 from tests.command_line import convert_once
 from tests.robots import two_link_arm
 
@@ -27,7 +27,7 @@ MODULES = {
     "lerobot": "lerobot",
     "newton": "newton",
 }
-NAMES = ",".join(PROGRAMS)
+NAMES = ",".join((*PROGRAMS, SIMREADY))
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +35,18 @@ def folder(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Pat
     """The arm with a gripper, with a file for each program."""
     sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
     return convert_once(tmp_path_factory, "arm2 for programs", sidecar, "--no-verify", "--for", NAMES).folder
+
+
+def test_layers_for_simready(folder: Path, robot_library: Path, stepbot: Stepbot) -> None:
+    """They are in a folder of their own, which `uptodate` compares, and names with the option if it is not given."""
+    main = folder / SIMREADY / "arm2" / "usd" / "arm2.usda"
+    assert [path.name for path in main.parent.iterdir() if path.is_file()] == [main.name]
+    assert 'variantSet "MuJoCo"' in main.read_text(encoding="utf-8")
+    sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
+    asked = ("uptodate", str(sidecar), "-o", str(folder), "-f", "urdf,mjcf,sdf,usd")
+    assert stepbot(*asked, "--for", NAMES).code == 0
+    programs = ",".join(PROGRAMS)
+    assert "add simready to `--for` of `uptodate`" in stepbot(*asked, "--for", programs, "-v").out
 
 
 def tree(folder: Path, program: str) -> ast.Module:

@@ -63,6 +63,7 @@ def converted(tmp_path_factory: pytest.TempPathFactory) -> Converted:
     def convert(robot: str) -> Path:
         folder = tmp_path_factory.mktemp("converted") / name_of(robot)
         command = ["convert", str(sidecar_of(robot)), "-o", str(folder), "--no-verify", "-f", "urdf,mjcf,usd"]
+        command += ["--for", "simready"]
         assert main(command) == 0
         return folder
 
@@ -132,8 +133,8 @@ def validated(asset_validator: Path, folder: Path) -> tuple[int, str]:
 
 
 def is_other_file(name: str) -> bool:
-    """Whether it is a file of another format."""
-    return "." in name and Path(name).suffix not in {".usda", ".usdc"}
+    """Whether it is a file of another format, or the folder of layers."""
+    return name == "simready" or ("." in name and Path(name).suffix not in {".usda", ".usdc"})
 
 
 @pytest.fixture(scope="module")
@@ -171,6 +172,22 @@ def test_simready_robots_of_isaac_sim(
     """The files pass the profile of robots as they are, and have its features of Isaac Sim but for the packaging."""
     passed, lacking = simready_says(simready, usd_in(converted(robot)), isaac_sim, "--version", "2.0.0")
     assert (passed, set(lacking)) == (True, PACKAGING)
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_simready_assets_in_layers(
+    robot: str, converted: Converted, simready: Path, isaac_sim: Mapping[str, str]
+) -> None:
+    """`--for simready` lacks what a publisher adds, drives of passive joints, and files for other programs."""
+    name = name_of(robot)
+    main = converted(robot) / "simready" / name / "usd" / f"{name}.usda"
+    _, lacking = simready_says(simready, main, isaac_sim)
+    rules = {rule for text in lacking.values() for rule in re.findall(r"simready\.([A-Z.]+\d+)", text)}
+    assert rules - {"NEWTON.DJ.001", "MUJOCO.DJ.002"} == {
+        *("RC.004", "SR.001", "SR.002", "SR.004"),
+        *("ROS.001", "VM.MDL.003", "VM.PBR.001"),
+    }
+    assert {"NEWTON.DJ.001", "MUJOCO.DJ.002"}.isdisjoint(rules) is (robot == "universal_robots_ur5e")
 
 
 @pytest.mark.parametrize("robot", ROBOTS)

@@ -6,6 +6,7 @@ when it is run. ``docs/use-it-in.md`` states what each was run with.
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
 from math import inf
 from typing import NamedTuple
 
@@ -22,6 +23,10 @@ from .urdf.grippers import groups
 
 MENAGERIE = "menagerie"
 """MuJoCo Menagerie, which gets a folder with the MJCF instead of a Python file."""
+SIMREADY = "simready"
+"""Libraries of SimReady assets, for Isaac Sim: a folder with the layers of OpenUSD."""
+FOLDERS = {MENAGERIE: "mjcf", SIMREADY: "usd"}
+"""Programs that get a folder, and the format that it is made of."""
 
 
 class Program(NamedTuple):
@@ -36,13 +41,13 @@ class Program(NamedTuple):
 
 
 def program_names(given: Iterable[str]) -> tuple[str, ...]:
-    """Names of programs, each once, in the order of :data:`PROGRAMS`, :data:`MENAGERIE` last.
+    """Names of programs, each once, in the order of :data:`PROGRAMS`, then of :data:`FOLDERS`.
 
     Raises:
         ValueError: A name is not known.
     """
     names = {name.lower() for name in given}
-    known = (*PROGRAMS, MENAGERIE)
+    known = (*PROGRAMS, *FOLDERS)
     if unknown := sorted(names - set(known)):
         raise ValueError(f"no program '{unknown[0]}'; there are {', '.join(known)}")
     return tuple(name for name in known if name in names)
@@ -50,7 +55,7 @@ def program_names(given: Iterable[str]) -> tuple[str, ...]:
 
 def formats_for(programs: Sequence[str], formats: Sequence[str]) -> tuple[str, ...]:
     """The formats, and those that programs load."""
-    loaded = (PROGRAMS[name].format if name in PROGRAMS else "mjcf" for name in programs)
+    loaded = (PROGRAMS[name].format if name in PROGRAMS else FOLDERS[name] for name in programs)
     return tuple(dict.fromkeys((*formats, *loaded)))
 
 
@@ -77,6 +82,17 @@ def program_files(
         path = f"{re.sub(r'[^A-Za-z0-9_]', '_', robot.name)}_{name}.py"
         files.setdefault(program.format, {})[path] = text.encode()
     return files
+
+
+def simready_folder(robot: Robot) -> dict[str, bytes]:
+    """The files of a SimReady asset, by path relative to the output folder.
+
+    Args:
+        robot: The robot as OpenUSD expresses it.
+    """
+    asset = import_module(f"{FORMATS[FOLDERS[SIMREADY]].package}.asset")  # nothing else imports OpenUSD's rooms
+    folder = f"{SIMREADY}/{robot.name}/usd"  # the rules ask for one folder between the name and the files
+    return {f"{folder}/{path}": content for path, content in asset.asset_files(robot).items()}
 
 
 def _isaaclab(robot: Robot, file: str) -> str:

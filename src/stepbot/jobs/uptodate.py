@@ -109,11 +109,10 @@ def _command(sidecar: Path, options: Options) -> list[str]:
 
 def _for_left_over(name: str) -> str:
     """What to do with a file that a conversion would not write."""
-    from stepbot.formats.learning import MENAGERIE, PROGRAMS
+    from stepbot.formats.learning import FOLDERS, PROGRAMS
 
-    if name.startswith(f"{MENAGERIE}/"):
-        return f"remove it, or add {MENAGERIE} to `--for` of `uptodate`"
     program = next((one for one in PROGRAMS if "/" not in name and name.endswith(f"_{one}.py")), "")
+    program = program or next((one for one in FOLDERS if name.startswith(f"{one}/")), "")
     if program:
         return f"remove it, or add {program} to `--for` of `uptodate`"
     of_format = next((one.name for one in FORMATS.values() if "/" not in name and name.endswith(one.suffix)), "")

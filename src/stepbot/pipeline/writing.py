@@ -9,7 +9,7 @@ from stepbot.diagnostics import Diagnostics, source_lines
 from stepbot.engines.workers import ObservationCache
 from stepbot.formats import default_formats, format_named
 from stepbot.formats.format import Format
-from stepbot.formats.learning import MENAGERIE, program_files
+from stepbot.formats.learning import FOLDERS, MENAGERIE, SIMREADY, program_files, simready_folder
 from stepbot.formats.lowering import lower
 from stepbot.formats.mjcf import FORMAT as MJCF
 from stepbot.formats.mjcf.menagerie import report_missing_license
@@ -187,6 +187,8 @@ def all_files(written: Rendered, report: Report, options: Options, found: Diagno
         from .menagerie import menagerie_folder
 
         files |= menagerie_folder(written.lowered[MJCF.name], written.by_format[MJCF.name], report)
+    if SIMREADY in options.programs:
+        files |= simready_folder(written.lowered[FOLDERS[SIMREADY]])
     if options.html:
         from stepbot.viewing.report.page import report_page
 

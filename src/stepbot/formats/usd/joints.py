@@ -25,6 +25,8 @@ _TYPES: Mapping[JointKind, str] = {
     JointKind.BALL: "PhysicsSphericalJoint",
 }
 _AXES: Mapping[Vector3, str] = {(1.0, 0.0, 0.0): "X", (0.0, 1.0, 0.0): "Y", (0.0, 0.0, 1.0): "Z"}
+JOINTS = "joints"
+"""The scope of joints and closures."""
 _WORLD_JOINT = "world_joint"
 
 
@@ -35,7 +37,7 @@ def joints(robot: Robot, top: str, paths: Mapping[str, str]) -> Prim:
         top: Path of its prim.
         paths: Path of each link.
     """
-    scope, names = Prim("Scope", "joints"), Names()
+    scope, names = Prim("Scope", JOINTS), Names()
     identifiers = {joint.name: names.of(joint.name) for joint in robot.joints}
     drawn = initial_configuration(robot)
     for joint in robot.joints:
@@ -43,7 +45,7 @@ def joints(robot: Robot, top: str, paths: Mapping[str, str]) -> Prim:
         mark_joint(prim, joint.name)
         if joint.kind is not JointKind.FIXED:
             _passive(prim, joint)
-            leader = f"{top}/joints/{identifiers[joint.mimic.joint]}" if joint.mimic else ""
+            leader = f"{top}/{JOINTS}/{identifiers[joint.mimic.joint]}" if joint.mimic else ""
             _mimic(prim, joint, leader)
         if joint.kind.is_pair:
             actuators = [actuator for actuator in robot.actuators if actuator.joint == joint.name]
@@ -66,7 +68,7 @@ def _joint(joint: Joint, identifier: str, paths: Mapping[str, str]) -> Prim:
     if joint.kind.bounded:
         for name, bound in (("lower", joint.limit.lower), ("upper", joint.limit.upper)):
             if isfinite(bound):
-                prim.set(f"float physics:{name}Limit", single(_stage_unit(joint, bound)))
+                prim.set(f"float physics:{name}Limit", single(stage_unit(joint, bound)))
     return prim
 
 
@@ -104,11 +106,11 @@ def _passive(prim: Prim, joint: Joint) -> None:
     """Passive forces and the velocity limit, by Newton's schema."""
     given = {
         "armature": joint.dynamics.armature,
-        "damping": _per_stage_unit(joint, joint.dynamics.damping),
+        "damping": per_stage_unit(joint, joint.dynamics.damping),
         "friction": joint.dynamics.friction,
     }
     if isfinite(joint.limit.velocity):
-        given["velocityLimit"] = _stage_unit(joint, joint.limit.velocity)
+        given["velocityLimit"] = stage_unit(joint, joint.limit.velocity)
     prim.schemas.append("NewtonJointAPI")
     for name, value in given.items():
         if value or name == "velocityLimit":
@@ -119,7 +121,7 @@ def _mimic(prim: Prim, joint: Joint, leader: str) -> None:
     """A mimic, by Newton's schema."""
     if joint.mimic is not None:
         prim.schemas.append("NewtonMimicAPI")
-        prim.set("float newton:mimicCoef0", single(_stage_unit(joint, joint.mimic.offset)))
+        prim.set("float newton:mimicCoef0", single(stage_unit(joint, joint.mimic.offset)))
         prim.set("float newton:mimicCoef1", single(joint.mimic.multiplier))
         prim.set("rel newton:mimicJoint", f"<{leader}>")
 
@@ -138,17 +140,17 @@ def _drive(prim: Prim, joint: Joint, actuator: Actuator | None, drawn: float) ->
         return
     prim.metadata.append(f"customData = {{ string actuator = {quoted(actuator.name)} }}")
     if actuator.kind is ActuatorKind.POSITION:
-        prim.set(f"float drive:{drive}:physics:stiffness", single(_per_stage_unit(joint, actuator.kp)))
-        prim.set(f"float drive:{drive}:physics:targetPosition", single(_stage_unit(joint, drawn)))
+        prim.set(f"float drive:{drive}:physics:stiffness", single(per_stage_unit(joint, actuator.kp)))
+        prim.set(f"float drive:{drive}:physics:targetPosition", single(stage_unit(joint, drawn)))
     if actuator.kind is not ActuatorKind.MOTOR:
-        prim.set(f"float drive:{drive}:physics:damping", single(_per_stage_unit(joint, actuator.kv)))
+        prim.set(f"float drive:{drive}:physics:damping", single(per_stage_unit(joint, actuator.kv)))
 
 
-def _stage_unit(joint: Joint, value: float) -> float:
+def stage_unit(joint: Joint, value: float) -> float:
     """A position [rad], [m] or speed of a joint in the stage's unit: degrees or metres."""
     return value if joint.kind is JointKind.PRISMATIC else degrees(value)
 
 
-def _per_stage_unit(joint: Joint, value: float) -> float:
+def per_stage_unit(joint: Joint, value: float) -> float:
     """A gain or damping per [rad] or [m] in the stage's unit: per degree or metre."""
     return value if joint.kind is JointKind.PRISMATIC else radians(value)

@@ -8,7 +8,7 @@ from stepbot.robot.model import MeshAsset, MeshRef, Robot
 
 from .crate import CrateAttribute, CratePrim, Singles, crate
 from .names import Names
-from .usda import UNITS, asset_path, written_by
+from .usda import UNITS, Prim, asset_path, written_by
 
 MESH = "mesh"
 """Name of the mesh in the prim of an asset."""
@@ -18,27 +18,39 @@ _TOP = "meshes"
 class MeshLayer:
     """The layer, and where its meshes are."""
 
-    def __init__(self, robot: Robot) -> None:
-        """Lay it out."""
+    def __init__(self, robot: Robot, path: str = "", top: str = _TOP) -> None:
+        """Lay it out.
+
+        Args:
+            path: Its file, relative to that of the layer that refers to it; empty for the one in ``meshes``.
+            top: The root prim.
+        """
         names = Names()
         identifiers = {asset.name: names.of(asset.name) for asset in robot.meshes}
         geometries = [shape.geometry for shape in robot.distinct_shapes]
         used = {geometry.name for geometry in geometries if isinstance(geometry, MeshRef)}
         self._assets = {asset.name: asset for asset in robot.meshes if asset.name in used}
         self._identifiers = identifiers
-        self._doc = written_by(robot)
-        self.path = f"meshes/{robot.name}.usdc"
+        self._doc, self._top = written_by(robot), top
+        self.path = path or f"meshes/{robot.name}.usdc"
         """Relative to the folder of the robot's file."""
 
     def reference(self, mesh: MeshRef, child: str = "") -> str:
         """A reference to the prim of a mesh, or to a child of it, as metadata."""
-        path = "/".join(("", _TOP, self._identifiers[mesh.name], *([child] if child else [])))
+        path = "/".join(("", self._top, self._identifiers[mesh.name], *([child] if child else [])))
         return f"prepend references = {asset_path(f'./{self.path}')}<{path}>"
 
     def content(self) -> bytes | None:
         """The bytes of the layer; None without meshes."""
         prims = [_prim(asset, self._identifiers[name]) for name, asset in self._assets.items()]
-        return crate(UNITS, self._doc, CratePrim("Xform", _TOP, children=prims)) if prims else None
+        return crate(UNITS, self._doc, CratePrim("Xform", self._top, children=prims)) if prims else None
+
+    def instances(self, layer: "MeshLayer") -> Prim:
+        """The root prim of another layer, which has these meshes under the names that they have there."""
+        top = Prim("Xform", layer._top)
+        for name in self._assets:
+            top.add(Prim("Xform", layer._identifiers[name], metadata=[self.reference(MeshRef(name))]))
+        return top
 
 
 def _prim(asset: MeshAsset, identifier: str) -> CratePrim:

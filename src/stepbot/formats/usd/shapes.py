@@ -26,6 +26,8 @@ from .meshes import MESH, MeshLayer
 from .names import Names, named
 from .usda import Prim, doubles, single, singles
 
+MATERIALS = "materials"
+"""The scope of the materials."""
 _PLACE_DECIMALS, _COLOR_DECIMALS = 12, 9
 """Decimals of positions [m] and quaternions, and of linear colours: the same on all machines."""
 
@@ -33,24 +35,30 @@ _PLACE_DECIMALS, _COLOR_DECIMALS = 12, 9
 class Library:
     """Meshes and materials of a robot, and the prims that refer to them."""
 
-    def __init__(self, robot: Robot, top: str) -> None:
+    def __init__(self, robot: Robot, top: str, meshes: MeshLayer) -> None:
         """Lay them out.
 
         Args:
             top: Path of its prim.
+            meshes: The layer of its meshes.
         """
         self._concave = concave_meshes(robot)
-        self._meshes = MeshLayer(robot)
+        self._meshes = meshes
         self._colors: dict[Rgba, str] = {}
         self._surfaces: dict[Surface, str] = {}
         self._top = top
 
-    def prims(self) -> list[Prim]:
-        """The materials that are in use, in their scope."""
-        materials = Prim("Scope", "materials")
-        materials.children = [_material(f"{self._top}/materials", *one) for one in self._colors.items()]
-        materials.children += [_contact(*one) for one in self._surfaces.items()]
-        return [materials] if materials.children else []
+    def colors(self, top: str) -> list[Prim]:
+        """The materials of visuals that are in use.
+
+        Args:
+            top: Path of the prim that their scope is in.
+        """
+        return [_material(f"{top}/{MATERIALS}", *one) for one in self._colors.items()]
+
+    def contacts(self) -> list[Prim]:
+        """The materials of collisions that are in use."""
+        return [_contact(*one) for one in self._surfaces.items()]
 
     def visual(self, visual: Visual, names: Names) -> Prim:
         """A visual."""
@@ -61,7 +69,7 @@ class Library:
             prim = _primitive(visual.geometry, visual.name, names)
         prim.schemas.append("MaterialBindingAPI")
         color = self._colors.setdefault(visual.rgba, f"color_{len(self._colors) + 1}")
-        prim.set("rel material:binding", f"<{self._top}/materials/{color}>")
+        prim.set("rel material:binding", f"<{self._top}/{MATERIALS}/{color}>")
         prim.set("color3f[] primvars:displayColor", f"[{_linear(visual.rgba)}]")  # for viewers without materials
         if visual.rgba[3] != 1.0:
             prim.set("float[] primvars:displayOpacity", f"[{single(visual.rgba[3])}]")
@@ -82,7 +90,7 @@ class Library:
         if collision.surface.is_stated:
             contact = self._surfaces.setdefault(collision.surface, f"contact_{len(self._surfaces) + 1}")
             prim.schemas.append("MaterialBindingAPI")
-            prim.set("rel material:binding:physics", f"<{self._top}/materials/{contact}>")
+            prim.set("rel material:binding:physics", f"<{self._top}/{MATERIALS}/{contact}>")
         prim.set("uniform token purpose", '"guide"')
         place(prim, upright(collision), scale=_scale(collision.geometry))
         return prim

@@ -16,7 +16,7 @@ from ..xml import number
 
 UNITS: Mapping[str, float | str] = {"kilogramsPerUnit": 1.0, "metersPerUnit": 1.0, "upAxis": "Z"}
 """Metadata of all layers."""
-_INDENT = "    "
+INDENT = "    "
 
 
 @dataclass
@@ -34,6 +34,8 @@ class Prim:
     properties: list[str] = field(default_factory=list)
     """Attributes and relationships, as text."""
     children: list["Prim"] = field(default_factory=list)
+    specifier: str = "def"
+    """``over`` for what a layer adds to a prim of another layer."""
 
     def add(self, child: "Prim") -> "Prim":
         """The child, after it was added."""
@@ -45,16 +47,17 @@ class Prim:
         self.properties.append(f"{declaration} = {value}")
 
 
-def layer(top: Prim, doc: str = "") -> bytes:
+def layer(top: Prim, doc: str = "", custom: Iterable[str] = ()) -> bytes:
     """The bytes of a layer with one root prim, its default one.
 
     Args:
         top: The root prim.
         doc: What the layer is.
+        custom: Lines of further metadata.
     """
-    metadata = [f"defaultPrim = {quoted(top.name)}", *([f"doc = {quoted(doc)}"] if doc else [])]
+    metadata = [*custom, f"defaultPrim = {quoted(top.name)}", *([f"doc = {quoted(doc)}"] if doc else [])]
     metadata += [f"{key} = {quoted(one) if isinstance(one, str) else number(one)}" for key, one in UNITS.items()]
-    lines = ["#usda 1.0", "(", *(_INDENT + line for line in metadata), ")", "", *_lines(top, "")]
+    lines = ["#usda 1.0", "(", *(INDENT + line for line in metadata), ")", "", *_lines(top, "")]
     return ("\n".join(lines) + "\n").encode()
 
 
@@ -64,19 +67,19 @@ def written_by(robot: Robot) -> str:
 
 
 def _lines(prim: Prim, indent: str) -> Iterable[str]:
-    words = ["def", *([prim.type] if prim.type else []), quoted(prim.name)]
+    words = [prim.specifier, *([prim.type] if prim.type else []), quoted(prim.name)]
     schemas = [f"prepend apiSchemas = [{', '.join(map(quoted, prim.schemas))}]"] if prim.schemas else []
     inside = [*schemas, *prim.metadata]
     yield indent + " ".join(words) + (" (" if inside else "")
-    yield from (f"{indent}{_INDENT}{line}" for line in inside)
+    yield from (f"{indent}{INDENT}{line}" for line in inside)
     if inside:
         yield f"{indent})"
     yield f"{indent}{{"
-    yield from (f"{indent}{_INDENT}{line}" for line in prim.properties)
+    yield from (f"{indent}{INDENT}{line}" for line in prim.properties)
     for number_, child in enumerate(prim.children):
         if number_ or prim.properties:
             yield ""
-        yield from _lines(child, indent + _INDENT)
+        yield from _lines(child, indent + INDENT)
     yield f"{indent}}}"
 
 

@@ -15,10 +15,10 @@ from ..features import Feature, altered, deferred, exact, lowered, reported
 from ..format import Companion
 from . import FORMAT
 from .isaac import mark_link, mark_robot, mark_site, marked_joints
-from .joints import joints
+from .joints import JOINTS, joints
 from .meshes import MeshLayer
 from .names import Names, named
-from .shapes import Library, place
+from .shapes import MATERIALS, Library, place
 from .usda import Prim, asset_path, layer, single, singles, written_by
 
 _SENSORS = reported("sensors are omitted")
@@ -105,7 +105,7 @@ EXPRESSES = {
     Feature.RESERVED_NAME: exact("any name as `displayName`"),
 }
 
-_SCOPES = ("joints", "materials")
+_SCOPES = (JOINTS, MATERIALS)
 """Scopes beside the links."""
 
 
@@ -116,9 +116,22 @@ def reserves(_name: str) -> bool:
 
 def render(robot: Robot) -> bytes:
     """The text of a lowered robot."""
+    top, library = tree(robot, MeshLayer(robot))
+    if materials := library.colors(f"/{top.name}") + library.contacts():
+        top.add(Prim("Scope", MATERIALS, children=materials))
+    return layer(top, written_by(robot))
+
+
+def tree(robot: Robot, meshes: MeshLayer) -> tuple[Prim, Library]:
+    """The robot's prim with its links and joints, and the materials that they refer to.
+
+    Args:
+        robot: A lowered robot.
+        meshes: The layer of its meshes.
+    """
     top = named("Xform", robot.name, Names())
     path = f"/{top.name}"
-    names, library = Names(_SCOPES), Library(robot, path)
+    names, library = Names(_SCOPES), Library(robot, path, meshes)
     identifiers = {link.name: names.of(link.name) for link in robot.links}
     paths = {name: f"{path}/{identifier}" for name, identifier in identifiers.items()}
     if robot.joints:
@@ -137,9 +150,8 @@ def render(robot: Robot) -> bytes:
     joined = []
     if robot.joints or robot.base is Base.FIXED:
         joined = marked_joints(top.add(joints(robot, path, paths)))
-    mark_robot(top, robot, list(paths.values()), [f"{path}/joints/{name}" for name in joined])
-    top.children += library.prims()
-    return layer(top, written_by(robot))
+    mark_robot(top, robot, list(paths.values()), [f"{path}/{JOINTS}/{name}" for name in joined])
+    return top, library
 
 
 def companions(robot: Robot) -> tuple[Companion, ...]:
