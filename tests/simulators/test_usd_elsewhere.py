@@ -27,6 +27,33 @@ ASSET_VALIDATOR = ("omniverse-asset-validator[usd]>=1.18,<2",)
 SIMREADY_VALIDATOR = ("simready-validate>=2026.8", "simready-foundation-tier-core>=2026.8")
 CONVERTERS = ("mujoco-usd-converter>=0.8,<0.9", "urdf-usd-converter>=0.3.4,<0.4")
 """They come with a USD library of their own, so that they need an environment of their own."""
+NEWTON = ("newton>=1.8,<2", "newton-usd-schemas>=0.6,<1", "usd-core", "mujoco", "mujoco-warp", "scipy")
+READ_BY_NEWTON = """
+import json
+import sys
+
+import newton  # before pxr: it adds schemas
+from pxr import Usd
+
+resolvers = {name: getattr(newton.usd, f"SchemaResolver{name}") for name in ("Newton", "Physx", "Mjc")}
+found = {}
+for variant, resolver in zip(("Newton", "PhysX", "MuJoCo"), resolvers.values()):
+    stage = Usd.Stage.Open(sys.argv[1])
+    stage.GetDefaultPrim().GetVariantSet(variant).SetVariantSelection("Enabled")
+    builder = newton.ModelBuilder()
+    newton.solvers.SolverMuJoCo.register_custom_attributes(builder)
+    builder.add_usd(stage, schema_resolvers=[resolver()], skip_mesh_approximation=True)
+    names = ("armature", "friction", "effort_limit", "velocity_limit", "target_ke", "target_kd", "limit_lower")
+    found[variant] = {name: [float(value) for value in getattr(builder, f"joint_{name}")] for name in names}
+    found[variant]["mass"] = [float(value) for value in builder.body_mass]
+    leaders, ratios = builder.joint_mimic_joint, [list(one) for one in builder.joint_mimic_coeffs]
+    followers = {joint: [leader, *ratios[joint]] for joint, leader in enumerate(leaders) if leader >= 0}
+    rows = zip(*(getattr(builder, f"constraint_mimic_{one}") for one in ("joint0", "joint1", "coef0", "coef1")))
+    found[variant]["mimics"] = sorted([joint, *map(float, one)] for joint, one in followers.items())
+    found[variant]["mimics"] += sorted(list(map(float, row)) for row in rows)
+print(json.dumps(found))
+"""
+"""What Newton reads of each variant, by its readers of the three families of schemas."""
 PROFILE = "Robot-Body"
 PACKAGING = {"FET_000_STANDARD", "FET_000_ISAAC", "FET_100_ISAAC"}
 """Optional features about folders, thumbnails, dates and layers of an asset library."""
@@ -188,6 +215,24 @@ def test_simready_assets_in_layers(
         *("ROS.001", "VM.MDL.003", "VM.PBR.001"),
     }
     assert {"NEWTON.DJ.001", "MUJOCO.DJ.002"}.isdisjoint(rules) is (robot == "universal_robots_ur5e")
+
+
+@pytest.mark.parametrize("robot", ["universal_robots_ur5e", "franka_hand"])
+def test_newton_reads_one_robot_from_each_variant(
+    robot: str, converted: Converted, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """Its readers of Newton's, PhysX's and MuJoCo's schemas get the same numbers, in their units."""
+    python, name = python_with(NEWTON, tmp_path_factory.getbasetemp() / "newton"), name_of(robot)
+    main = converted(robot) / "simready" / name / "usd" / f"{name}.usda"
+    command = [str(python), "-c", READ_BY_NEWTON, str(main)]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
+    assert run.returncode == 0, run.stderr
+    found = json.loads(run.stdout.splitlines()[-1])
+    assert any(found["Newton"]["armature"]) or found["Newton"]["mimics"]
+    assert set(found["MuJoCo"].pop("velocity_limit")) == {1e6}  # MuJoCo has none
+    for variant, quantities in found.items():
+        for quantity, values in quantities.items():
+            assert np.allclose(values, found["Newton"][quantity], rtol=1e-6), (variant, quantity)
 
 
 @pytest.mark.parametrize("robot", ROBOTS)

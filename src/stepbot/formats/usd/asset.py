@@ -24,6 +24,8 @@ _BASE, _PHYSICS = "payloads/base.usda", "payloads/physics/physics.usda"
 _GEOMETRIES, _INSTANCES, _MATERIALS = "geometries.usdc", "instances.usda", "materials.usda"
 _EQUALITIES = {JointKind.FIXED: "MjcEqualityWeldAPI", JointKind.BALL: "MjcEqualityConnectAPI"}
 """MuJoCo's schemas of closures; those of other types are UsdPhysics' joints alone."""
+_NO_PARAMETERS = (0.0,) * 10
+"""Readers take arrays of ten parameters alone, as MuJoCo has them."""
 
 
 def asset_files(robot: Robot) -> dict[str, bytes]:
@@ -218,10 +220,11 @@ def _actuator(actuator: Actuator, robot: Robot, paths: dict[str, str]) -> Prim:
     kp, kv = actuator.kp, actuator.kv
     gains = {ActuatorKind.POSITION: (kp, -kp, -kv), ActuatorKind.VELOCITY: (kv, 0.0, -kv)}
     if actuator.kind in gains:
-        gain, position, speed = gains[actuator.kind]
-        prim.set("uniform double[] mjc:biasPrm", f"[0, {number(position)}, {number(speed)}]")
+        gain, *bias = gains[actuator.kind]
+        for name, parameters in (("biasPrm", (0.0, *bias)), ("gainPrm", (gain,))):
+            padded = (*parameters, *_NO_PARAMETERS)[: len(_NO_PARAMETERS)]
+            prim.set(f"uniform double[] mjc:{name}", f"[{', '.join(map(number, padded))}]")
         prim.set("uniform token mjc:biasType", '"affine"')
-        prim.set("uniform double[] mjc:gainPrm", f"[{number(gain)}, 0, 0]")
     _range(prim, "forceRange", actuator_limit(actuator, joint).effort)
     prim.set("rel mjc:target", f"<{paths[joint.name]}>")
     return prim
