@@ -1,10 +1,14 @@
 """Faces that are only nearly coaxial: parts placed by hand beside a motor."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from stepbot.draft.contacts.near_fits import ANGLE, OFFSET
+from stepbot.draft.contacts import near_fits
+from stepbot.draft.contacts.near_fits import ANGLE, OFFSET, NearFit, _between
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
+from stepbot.geometry.spatial import Pose
 from tests.assembled import Node, assembled, inferred, joints, part
 from tests.solids import box, cylinder
 
@@ -47,3 +51,25 @@ def test_near_fits_are_within_limits_and_not_exact(off: float, tilt: float, coun
     found = Survey(assembled(*placed_by_hand(off, tilt)[1:]), ALL_SOURCES).near_fits
     assert [len(fits) for fits in found.values()] == [count] * bool(count)
     assert all(fit.offset < OFFSET and fit.angle < ANGLE for fits in found.values() for fit in fits)
+
+
+@pytest.mark.parametrize("copies", [2, 9])
+def test_equal_groups_are_compared_once(copies: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What does not fit in one group is not compared in its copies, turned or moved; what fits is found in each."""
+    compared: list[bool] = []
+
+    def between(*given: Any) -> list[NearFit]:
+        found = _between(*given)
+        compared.append(not found)
+        return found
+
+    monkeypatch.setattr(near_fits, "_between", between)
+    parts = [*placed_by_hand(0.3), part("pin", cylinder(1, 4), 0, 11, -15)]
+    groups = [
+        Node(f"copy {n}", children=parts, X=Pose.from_xyz_rpy((0.3 * n, 0.1, 0.0), (0.1 * n, 0.0, 0.7 * n)))
+        for n in range(copies)
+    ]
+    found = Survey(assembled(*groups), ALL_SOURCES).near_fits
+    alone = Survey(assembled(*parts), ALL_SOURCES).near_fits
+    assert len(found) == copies * len(alone) == copies * 2
+    assert sum(compared) == 2, "the pin and the servo, in the copies and alone"

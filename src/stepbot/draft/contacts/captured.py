@@ -15,6 +15,7 @@ from stepbot.draft.contacts.planes import GAP, Facing, Planes
 from stepbot.draft.contacts.relations import Relation
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.scene import Scene
+from stepbot.geometry.solids.box_pairs import box_pairs
 from stepbot.geometry.spatial import Array, cross, unit
 from stepbot.step.faces import FaceKind
 
@@ -63,11 +64,17 @@ def find_captured(
     """
     found: dict[Pair, Captured] = {}
     planes: Planes | None = None
-    for pair in _overlapping(scene, larger, cut):
+    apart: set[tuple[bytes, bool]] = set()  # what equal parts elsewhere have shown
+    for pair, arrangement in _overlapping(scene, larger, cut):
         planes = planes or Planes(scene)
+        by_name = any(i in slides for i in pair)
+        if (arrangement, by_name) in apart:
+            continue
         facing = list(planes.facing(*pair, _WIDE))
-        slide = _slide(facing, by_name=any(i in slides for i in pair)) if len(facing) > 1 else None
-        if slide is not None and not _is_locked(relations.get(pair), slide.axis):
+        slide = _slide(facing, by_name=by_name) if len(facing) > 1 else None
+        if slide is None:
+            apart.add((arrangement, by_name))
+        elif not _is_locked(relations.get(pair), slide.axis):
             found[pair] = slide
     return found
 
@@ -79,17 +86,15 @@ def _is_locked(r: Relation | None, axis: Axis) -> bool:
     return r.is_rigid or bool(r.sockets) or any(not axis.is_along(fit.axis.d) for fit in r.fits) or r.holes > 0
 
 
-def _overlapping(scene: Scene, larger: Collection[int], cut: dict[str, None]) -> Iterator[Pair]:
-    """Pairs of parts whose boxes overlap."""
+def _overlapping(scene: Scene, larger: Collection[int], cut: dict[str, None]) -> Iterator[tuple[Pair, bytes]]:
+    """Pairs of parts whose boxes overlap, with their arrangement."""
     counts = {i: len(scene.columns(i, FaceKind.PLANE).faces) for i in larger if i in scene.boxes}
     if any(count > _MOST_PLANES for count in counts.values()):
         cut[f"parts with more than {_MOST_PLANES} plane faces were not tried as slides in others"] = None
-    ids = [i for i, count in counts.items() if 0 < count <= _MOST_PLANES]
+    ids = sorted(i for i, count in counts.items() if 0 < count <= _MOST_PLANES)
     boxes = np.array([scene.boxes[i] for i in ids]).reshape(-1, 2, 3)
-    for n, a in enumerate(ids):
-        low, high = np.maximum(boxes[n, 0], boxes[n + 1 :, 0]), np.minimum(boxes[n, 1], boxes[n + 1 :, 1])
-        for m in np.flatnonzero(((high - low) > _DEEP).all(axis=1)).tolist():
-            yield min(a, ids[n + 1 + m]), max(a, ids[n + 1 + m])
+    rows = box_pairs(boxes[:, 0], boxes[:, 1], _DEEP)
+    return scene.arranged([(ids[k], ids[m]) for k, m in zip(*rows, strict=True)])
 
 
 def _slide(facing: Sequence[Facing], *, by_name: bool) -> Captured | None:

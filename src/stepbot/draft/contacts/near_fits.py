@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 from stepbot.draft.contacts.contacts import Contacts, FitKind, Pair
 from stepbot.draft.contacts.shafts import HALF_ROUND, HOLE_RATIO
 from stepbot.draft.parts.axis import Axis
-from stepbot.draft.parts.parts import Part, box_gaps
+from stepbot.draft.parts.parts import Part, box_gap
+from stepbot.draft.parts.scene import Scene
+from stepbot.geometry.solids.box_pairs import box_pairs
 from stepbot.geometry.spatial import Array, cross
 from stepbot.step.features.axis_contacts import LOOSEST, SLACK_SHARE
 
@@ -69,10 +71,13 @@ class _Round:
         return _Round(*(column[rows] for column in vars(self).values()))
 
 
-def find_near_fits(parts: Mapping[int, Part], small: set[int], found: Contacts) -> dict[Pair, list[NearFit]]:
+def find_near_fits(
+    scene: Scene, parts: Mapping[int, Part], small: set[int], found: Contacts
+) -> dict[Pair, list[NearFit]]:
     """The nearly coaxial faces of larger parts beside each other, one for each line and pair, the closest.
 
     Args:
+        scene: The faces.
         parts: All parts by their indices.
         small: Those that move with their hosts, such as screws.
         found: Lines with exactly coaxial faces; what has a fit on one is left out.
@@ -81,18 +86,20 @@ def find_near_fits(parts: Mapping[int, Part], small: set[int], found: Contacts) 
     ids = [i for i in rounds if parts[i].size]
     boxes = np.array([parts[i].box for i in ids]).reshape(-1, 2, 3)
     near: dict[Pair, list[NearFit]] = {}
-    for k, a in enumerate(ids[:-1]):
-        gaps = box_gaps(boxes[k : k + 1], boxes[k + 1 :])[0]
-        for m in np.flatnonzero(gaps < _BESIDE).tolist():
-            b = ids[k + 1 + m]
-            pair = (a, b) if a < b else (b, a)
-            one, two = (rounds[i].beside(parts[j].box) for i, j in (pair, pair[::-1]))
-            fits = _between(pair, one, two)
-            exact = found.fits.get(pair, ())
-            fits = [fit for fit in fits if not any(fit.axis.same(one.axis, OFFSET) for one in exact)]
-            if fits:
-                near[pair] = fits
-    return dict(sorted(near.items()))
+    apart: set[bytes] = set()  # what equal parts elsewhere have shown
+    rows = box_pairs(boxes[:, 0], boxes[:, 1], -_BESIDE)
+    for pair, arrangement in scene.arranged([(ids[k], ids[m]) for k, m in zip(*rows, strict=True)]):
+        if arrangement in apart:
+            continue
+        one, two = (rounds[i].beside(parts[j].box) for i, j in (pair, pair[::-1]))
+        fits = _between(pair, one, two) if box_gap(parts[pair[0]].box, parts[pair[1]].box) < _BESIDE else []
+        exact = found.fits.get(pair, ())
+        fits = [fit for fit in fits if not any(fit.axis.same(one.axis, OFFSET) for one in exact)]
+        if fits:
+            near[pair] = fits
+        else:
+            apart.add(arrangement)
+    return near
 
 
 def _rounds(small: set[int], found: Contacts) -> dict[int, _Round]:

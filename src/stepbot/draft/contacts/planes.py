@@ -74,11 +74,13 @@ class Planes:
         self._heights = np.einsum("ij,ij->i", self.points, self._signed)
         self._up = np.einsum("ij,ij->i", self.normals, self._signed) > 0.0
         self._outlined = np.flatnonzero([bool(face.rings) for face in self._faces])
+        counts = np.bincount(self.parts[self._outlined], minlength=max(scene.parts, default=-1) + 1)
+        self._of = np.split(self._outlined, np.cumsum(counts[:-1]))
         self._regions: dict[tuple[int, bytes], Region] = {}
 
     def of(self, part: int) -> Indices:
         """The numbers of the planes of a part that have an outline."""
-        return np.asarray(self._outlined[self.parts[self._outlined] == part])
+        return self._of[part]
 
     def facing(self, a: int, b: int, reach: float) -> Iterator[Facing]:
         """The planes of two parts that face each other at a distance up to ``reach`` [m]."""

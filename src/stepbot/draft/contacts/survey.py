@@ -1,5 +1,6 @@
 """The facts about an assembly before anything is decided: parts, contacts, relations, subassemblies, motors."""
 
+from collections import defaultdict
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -114,7 +115,20 @@ class Survey:
     @cached_property
     def near_fits(self) -> dict[Pair, list[NearFit]]:
         """Nearly coaxial faces of larger parts: what their contacts may have meant to be."""
-        return find_near_fits(self.parts, self.small, self.contacts)
+        return find_near_fits(self.scene, self.parts, self.small, self.contacts)
+
+    def near_fits_of(self, parts: Iterable[int]) -> Iterator[tuple[Pair, list[NearFit]]]:
+        """Those of some parts with any others."""
+        pairs = sorted({pair for part in parts for pair in self._nearly_fitted.get(part, ())})
+        return ((pair, self.near_fits[pair]) for pair in pairs)
+
+    @cached_property
+    def _nearly_fitted(self) -> dict[int, list[Pair]]:
+        found: dict[int, list[Pair]] = defaultdict(list)
+        for pair in self.near_fits:
+            for part in pair:
+                found[part].append(pair)
+        return found
 
     @cached_property
     def captured(self) -> dict[Pair, Captured]:
@@ -151,6 +165,12 @@ class Survey:
         """Distance [m] of each part's bounding box from another box (2, 3); without parts that have none."""
         numbers, boxes = self._boxes
         return dict(zip(numbers, box_gaps(box[None], boxes)[0].tolist(), strict=True))
+
+    def nearest_boxes(self, box: Array) -> Iterator[tuple[int, float]]:
+        """The same, the nearest part first."""
+        numbers, boxes = self._boxes
+        gaps = box_gaps(box[None], boxes)[0]
+        return ((numbers[k], float(gaps[k])) for k in np.argsort(gaps, kind="stable"))
 
     def box_of(self, members: Iterable[int]) -> Array:
         """The bounding box (2, 3) [m] of parts."""

@@ -94,8 +94,8 @@ class OutputAxes:
     def _vote_by_shafts(self, motor: Motor, of_case: list[tuple[Axis, list[tuple[int, float]]]]) -> None:
         """Votes for the shaft of a motor that another part's bore is nearly on: nothing touches its output."""
         X = self._survey.scene.component(motor.case).X_WC.inverse()
-        for (a, b), fits in self._survey.near_fits.items():
-            for fit in fits if motor.case in (a, b) else ():
+        for _, fits in self._survey.near_fits_of([motor.case]):
+            for fit in fits:
                 if fit.shaft == motor.case:
                     axis = fit.of(motor.case)
                     of_case.append((Axis(X.apply(axis.point), X.turn(axis.d)), [(1, fit.radius)]))

@@ -45,7 +45,7 @@ class NearOutput:
     def _lines_beside(self) -> Iterator[tuple[int, Axis]]:
         """Other parts, and the axes of faces that are nearly or exactly coaxial with those of the motor."""
         inside = set(self._motor.parts)
-        for (a, b), fits in self._survey.near_fits.items():
+        for (a, b), fits in self._survey.near_fits_of(inside):
             if (a in inside) != (b in inside):
                 own, other = (a, b) if a in inside else (b, a)
                 yield from ((other, fit.of(own)) for fit in fits)

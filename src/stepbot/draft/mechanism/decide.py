@@ -222,7 +222,7 @@ def nearest(survey: Survey, members: Sequence[int], others: Collection[int] = ()
     home = survey.scene.component(members[0]).parent
     faces = np.concatenate([survey.scene.face_boxes(i) for i in members if survey.parts[i].size] or [box[None]])
     best: tuple[float, bool, float, int] | None = None
-    for i, gap in sorted(survey.box_gaps(box).items(), key=lambda item: item[1]):
+    for i, gap in survey.nearest_boxes(box):
         if best is not None and round(gap, 3) > best[0]:
             break
         if i in inside or i in survey.small:

@@ -96,8 +96,9 @@ def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
     survey, ties, feet = made.survey, _ties(made), Feet(made.survey)
     jointed = {made.clusters.find(i) for h in made.joints for i in (h.a, h.b)}
     found: dict[Pair, str] = {}
+    held = {(w.a, w.b) for w in made.evidence.welds if w.verdict == Verdict.TAKEN and w.score >= SURE}
     for root, members in made.clusters.groups().items():
-        pivots = [_Sides(survey, pivot, members, ties[root]) for pivot in _pivots(made, structure, members)]
+        pivots = [_Sides(survey, pivot, members, ties[root]) for pivot in _pivots(survey, structure, held, members)]
         between = [pair for sides in pivots if (pair := sides.between_lopsided()) is not None]
         found |= dict.fromkeys(between, _REVIEW)
         if between or root in jointed:
@@ -121,10 +122,9 @@ def _ties(made: Decision) -> dict[int, list[tuple[int, int]]]:
     return found
 
 
-def _pivots(made: Decision, structure: Structure, members: Sequence[int]) -> Iterator[_Pivot]:
-    """The axes that parts of a cluster touch each other about, where no screw clamps them."""
-    survey, inside, found = made.survey, set(members), list[_Pivot]()
-    held = {(w.a, w.b) for w in made.evidence.welds if w.verdict == Verdict.TAKEN and w.score >= SURE}
+def _pivots(survey: Survey, structure: Structure, held: set[Pair], members: Sequence[int]) -> Iterator[_Pivot]:
+    """The axes that parts of a cluster touch each other about, where neither a screw clamps nor a weld holds them."""
+    inside, found = set(members), list[_Pivot]()
     for i in members:
         for r in survey.near.get(i, ()):
             axis = r.turns

@@ -16,6 +16,11 @@ from stepbot.step.faces import Face, FaceKind
 Indices = NDArray[np.intp]
 
 
+_EQUAL_POSE = 1e-9
+"""Steps [1, m] of relative poses that are taken for equal."""
+_PAIRS_AT_ONCE = 10_000
+
+
 class PlacedFace(NamedTuple):
     """A face of a component."""
 
@@ -67,6 +72,11 @@ class Scene:
         self._drawn: dict[int, _Drawn] = {}
         self._corners_of: dict[int, tuple[Array, Array]] = {}
         self._faces: dict[FaceKind, list[PlacedFace]] = {}
+        placed = [assembly.components[part] for part in self.parts]
+        self._row = {part: row for row, part in enumerate(self.parts)}
+        self._bodies = np.array([c.body for c in placed], dtype=np.int64)
+        self._turned = np.array([c.X_WC.R for c in placed]).reshape(-1, 3, 3)
+        self._moved = np.array([c.X_WC.p for c in placed]).reshape(-1, 3)
 
     def component(self, part: int) -> Component:
         """The component with an index."""
@@ -117,6 +127,17 @@ class Scene:
         along = X.R.T @ direction
         middles, halves = drawn.middles @ along + float(X.p @ direction), drawn.halves @ np.abs(along)
         return float((middles - halves).min()), float((middles + halves).max())
+
+    def arranged(self, pairs: Sequence[tuple[int, int]]) -> Iterator[tuple[tuple[int, int], bytes]]:
+        """Pairs of parts, each with a key that is equal for equal definitions at equal relative poses."""
+        for start in range(0, len(pairs), _PAIRS_AT_ONCE):
+            some = pairs[start : start + _PAIRS_AT_ONCE]
+            one, two = np.array([(self._row[a], self._row[b]) for a, b in some], dtype=np.intp).T
+            R, p = self._turned[one], self._moved[two] - self._moved[one]
+            relative = np.concatenate([self._turned[two].swapaxes(1, 2) @ R, p[:, None] @ R], axis=1)
+            steps = np.rint(relative.reshape(-1, 12) / _EQUAL_POSE).astype(np.int64)
+            keys = np.column_stack([self._bodies[one], self._bodies[two], steps])
+            yield from ((pair, key.tobytes()) for pair, key in zip(some, keys, strict=True))
 
     def outline(self, part: int, plane: Face) -> list[Array]:
         """The outlines of a plane of a part in the assembly."""
