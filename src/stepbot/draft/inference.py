@@ -20,7 +20,6 @@ from stepbot.draft.evidence.pairs import PairEvidence, several_axes
 from stepbot.draft.evidence.repetition import repeated_joints
 from stepbot.draft.evidence.rollers import roller_evidence
 from stepbot.draft.evidence.subassemblies import Structure, body_welds
-from stepbot.draft.evidence.twins import twin_evidence
 from stepbot.draft.evidence.wheels import wheel_evidence
 from stepbot.draft.mechanism import locked
 from stepbot.draft.mechanism.decide import Decision, adopt, decide
@@ -99,7 +98,6 @@ def _infer(
     body_welds(survey, [motor.parts for motor in motors], evidence)
     motor_evidence(survey, motors, evidence)
     knuckle_evidence(survey, evidence)
-    twin_evidence(survey, evidence)
     wheel_evidence(survey, motors, evidence)
     linkage_evidence(survey, motors, evidence)
     captured_evidence(survey, motors, evidence, None)

@@ -68,3 +68,19 @@ def test_cross_is_a_universal_joint() -> None:
     assert arc.evidence.axis.point == pytest.approx((0, 0, 0), abs=1e-9)
     assert arc.evidence.axis2 is not None
     assert abs(arc.evidence.axis.d @ arc.evidence.axis2.d) < 1e-9
+
+
+def test_a_slot_of_bolted_plates_guides_a_slide() -> None:
+    """A floor, a plate with a slot and a lid with a narrower one hold a block that none of them holds alone."""
+    floor, plate, lid = box(200, 100, 5).at(0, 0, -2.5), box(200, 100, 10).at(0, 0, 5), box(200, 100, 5).at(0, 0, 12.5)
+    plate, lid = plate - box(180, 40, 10).at(0, 0, 5), lid - box(180, 24, 5).at(0, 0, 12.5)
+    for x in (-90, 90):
+        floor, plate, lid = (
+            solid - cylinder(2, 5 * count).at(x, 40, z)
+            for solid, count, z in ((floor, 1, -5), (plate, 2, 0), (lid, 1, 10))
+        )
+    block = box(70, 39, 9).at(0, 0, 4.5) + box(70, 20, 20).at(0, 0, 19)
+    found = inferred(part("floor", floor), part("plate", plate), part("lid", lid), part("block", block))
+    assert joints(found) == [("prismatic", "block", "plate")]
+    assert abs(found.arcs[0].evidence.axis.d) == pytest.approx((1, 0, 0))
+    assert found.arcs[0].evidence.review

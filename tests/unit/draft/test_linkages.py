@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.assembled import Node, inferred, joints, part
+from tests.assembled import Node, inferred, joints, links, part
 from tests.solids import Solid, box, cylinder
 
 
@@ -14,29 +14,80 @@ def bar(x: float, y: float, u: float, v: float, level: float, bore: float = 3.0)
     return plate - cylinder(bore, 30).at(x, y, level - 15) - cylinder(bore, 30).at(u, v, level - 15)
 
 
-def four_bar(second: float = 3.0) -> list[Node]:
-    """A crank, a coupler and a rocker on a ground plate, each pair with one pair of bare holes."""
+def bars(second: float = 3.0, gap: float = 0.0) -> dict[str, Solid]:
+    """A crank, a coupler and a rocker on a ground plate, each pair with one pair of bare holes, a gap [mm] apart."""
     points = (0, 0), (0, 60), (130, 80), (120, 0)
     ends = list(zip(points, (*points[1:], points[0]), strict=True))
     names = "crank", "coupler", "rocker", "ground"
-    levels = 5.0, 10.0, 5.0, 0.0
-    return [
-        part(name, bar(*a, *b, level, second if name == "coupler" else 3.0))
+    levels = 5.0 + gap, 10.0 + 2.0 * gap, 5.0 + gap, 0.0
+    return {
+        name: bar(*a, *b, level, second if name == "coupler" else 3.0)
         for name, (a, b), level in zip(names, ends, levels, strict=True)
-    ]
+    }
 
 
-def test_bare_holes_of_a_four_bar_are_four_marked_joints() -> None:
-    """Three joints of the tree and one that closes the loop, each marked for review."""
-    found = inferred(*four_bar())
-    assert sorted(joints(found)) == [
-        ("revolute", "coupler", "crank"),
-        ("revolute", "coupler", "rocker"),
-        ("revolute", "crank", "ground"),
-        ("revolute", "ground", "rocker"),
-    ]
+def four_bar(second: float = 3.0, gap: float = 0.0) -> list[Node]:
+    """The same as parts."""
+    return [part(name, solid) for name, solid in bars(second, gap).items()]
+
+
+FOUR_JOINTS = [
+    ("revolute", "coupler", "crank"),
+    ("revolute", "coupler", "rocker"),
+    ("revolute", "crank", "ground"),
+    ("revolute", "ground", "rocker"),
+]
+
+
+@pytest.mark.parametrize("gap", [0.0, 3.0, 5.0])
+def test_bare_holes_of_a_four_bar_are_four_marked_joints(gap: float) -> None:
+    """Three joints of the tree and one that closes the loop, each marked; spacers as thick as a bar may be undrawn."""
+    found = inferred(*four_bar(gap=gap))
+    assert sorted(joints(found)) == FOUR_JOINTS
     assert all(arc.evidence.review for arc in found.arcs)
     assert sum(arc.is_closure for arc in found.arcs) == 1
+
+
+@pytest.mark.parametrize(("count", "gap"), [(3, 3.0), (4, 6.0)])
+def test_holes_across_a_gap_are_no_joints_by_themselves(count: int, gap: float) -> None:
+    """Holes of bars that close no loop may be in line by chance, and a pin is not guided across a longer gap."""
+    assert not any(arc.evidence.of_linkage for arc in inferred(*four_bar(gap=gap)[:count]).arcs)
+
+
+@pytest.mark.parametrize("is_loop", [False, True])
+def test_a_stop_is_none_where_nothing_could_leave_it(is_loop: bool) -> None:
+    """A block on the ground, on one side of the crank's pivot, is its stop in a loop that could move away from it."""
+    stop, solids = box(40, 7, 5).at(28, 4.5, 5), bars()
+    for x in (20, 40):
+        stop = stop - cylinder(1, 9).at(x, 4.5, 1)
+        solids["ground"] = solids["ground"] - cylinder(1, 9).at(x, 4.5, -4)
+    names = [name for name in solids if is_loop or name in ("crank", "ground")]
+    found = inferred(*(part(name, solids[name]) for name in names), part("stop", stop))
+    assert sorted(joints(found)) == (FOUR_JOINTS if is_loop else [])
+
+
+def test_bars_on_both_sides_of_a_linkage_are_one() -> None:
+    """Two cranks on the same lines, and two rockers, turn together, although they are far apart."""
+    near, far, parts = bars(), {name: solid.at(0, 0, 60) for name, solid in bars().items()}, []
+    parts.append(part("ground", near["ground"] + box(10, 10, 55).at(60, 0, 30) + far["ground"]))
+    parts.append(part("coupler", near["coupler"] + box(10, 10, 55).at(65, 70, 40) + far["coupler"]))
+    for name in ("crank", "rocker"):
+        parts += [part(name, near[name]), part(f"{name} 2", far[name])]
+    found = inferred(*parts)
+    assert links(found) == [{"ground"}, {"coupler"}, {"crank", "crank 2"}, {"rocker", "rocker 2"}]
+    assert len(joints(found)) == 4
+
+
+def test_bodies_that_are_bolted_together_are_no_single_part() -> None:
+    """A linkage drawn as bodies of one part, with a cover on two screw holes, moves as one of several parts does."""
+    cover, solids = box(60, 10, 5).at(60, 0, -5), bars()
+    for x in (40, 80):
+        cover = cover - cylinder(1, 9).at(x, 0, -9)
+        solids["ground"] = solids["ground"] - cylinder(1, 9).at(x, 0, -4)
+    bodies = [part(name, solid) for name, solid in {**solids, "cover": cover}.items()]
+    found = inferred(Node("robot", children=bodies, has_bodies=True), part("table", box(300, 300, 20).at(60, 0, -50)))
+    assert len(joints(found)) == 4
+    assert any({"robot/ground", "robot/cover"} <= link for link in links(found))
 
 
 def test_a_truss_of_three_bars_does_not_move() -> None:

@@ -1,12 +1,14 @@
 """Evidence of two parts in contact: joint or weld, and how strong."""
 
+from math import pi
+
 import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.evidence.evidence import Evidence
 from stepbot.draft.evidence.pairs import PairEvidence, several_axes
 from stepbot.draft.evidence.subassemblies import Structure
-from tests.assembled import Node, assembled, group, part
+from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, part, turned
 from tests.solids import Solid, box, cylinder
 
 
@@ -119,3 +121,13 @@ def test_shaft_as_thick_as_its_bore_is_fixed_where_others_have_play() -> None:
     best = {frozenset((e.a, e.b)): e for e in reversed(found.ranked())}
     assert best[frozenset((1, 2))] in found.welds
     assert best[frozenset((3, 4))] in found.joints
+
+
+@pytest.mark.parametrize("has_strap", [True, False])
+def test_a_strap_clamps_what_lies_in_a_cradle(has_strap: bool) -> None:
+    """A round case between a cradle and a strap of its own radius does not turn; without a strap it may."""
+    case = turned(cylinder(20, 80), -40, 0, 0, (0, pi / 2, 0)) + box(10, 8, 8).at(45, 12, 0)
+    bore = turned(cylinder(20, 30), -15, 0, 0, (0, pi / 2, 0))
+    cradle, strap = cut(box(30, 60, 30).at(0, 0, -15), bore), cut(box(30, 60, 30).at(0, 0, 15), bore)
+    nodes = [part("cradle", cradle), part("case", case), *([part("strap", strap)] if has_strap else [])]
+    assert len(joints(inferred(*nodes, sources=BARE))) == (0 if has_strap else 1)

@@ -1,9 +1,11 @@
 """Subassemblies as links."""
 
+from math import pi
+
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.evidence.subassemblies import Structure
-from tests.assembled import Node, assembled, group, part
-from tests.solids import box
+from tests.assembled import Node, assembled, group, inferred, joints, links, part, turned
+from tests.solids import box, cylinder
 
 BLOCK = box(40, 40, 10)
 
@@ -39,3 +41,34 @@ def test_without_the_tree_there_are_no_groups() -> None:
     found = structure(two("a", 0), two("b", 100), sources=Sources(tree=False))
     assert (found.groups, found.link_of) == ([], {})
     assert not found.are_across(2, 5)
+
+
+def module(x: float) -> Node:
+    """A housing with a boss, and a wheel 3 mm beside it that touches nothing."""
+    boss = turned(cylinder(12, 10), x, 45, 30, (pi / 2, 0, 0))
+    tyre = turned(cylinder(30, 20), x, 32, 30, (pi / 2, 0, 0))
+    return group(f"module {x:g}", part("housing", box(50, 20, 60).at(x, 55, 50) + boss), part("tyre", tyre))
+
+
+def test_a_wheel_that_touches_nothing_is_not_held_by_its_subassembly() -> None:
+    """What the assembly rolls on turns about the boss beside it; a block in its place is one with the housing."""
+    top = part("top", box(300, 60, 10).at(0, 55, 85))
+    assert [kind for kind, *_ in joints(inferred(module(-100), module(100), top))] == ["revolute"] * 2
+    blocks = [
+        group(f"module {x}", module(x).children[0], part("foot", box(60, 20, 60).at(x, 22, 30))) for x in (-100, 100)
+    ]
+    assert joints(inferred(*blocks, top)) == []
+
+
+def test_bodies_of_one_part_that_others_hold_are_no_single_part() -> None:
+    """Two bodies of one part that do not touch, each screwed to another link, do not hold these together."""
+    arm, base = box(200, 30, 10).at(90, 0, 5), box(200, 100, 10).at(0, 0, -5)
+    arm, base = arm - cylinder(4, 10), base - cylinder(4, 10).at(0, 0, -10)
+    covers = [box(30, 20, 4).at(150, 0, 12), box(30, 20, 4).at(-80, 0, 2)]
+    for x in (142, 158):
+        arm, covers[0] = arm - cylinder(1, 10).at(x, 0, 0), covers[0] - cylinder(1, 4).at(x, 0, 10)
+    for x in (-88, -72):
+        base, covers[1] = base - cylinder(1, 10).at(x, 0, -10), covers[1] - cylinder(1, 4).at(x, 0, 0)
+    bodies = [part(f"body {n}", cover) for n, cover in enumerate(covers)]
+    found = inferred(part("base", base), part("arm", arm), Node("covers", children=bodies, has_bodies=True))
+    assert links(found) == [{"base", "covers/body 1"}, {"arm", "covers/body 0"}]

@@ -4,7 +4,8 @@ Planes of both face each other, with clearance or without, and together hold one
 line; nothing holds it along. Clearance alone says that one is to move in the other.
 """
 
-from collections.abc import Collection, Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -12,8 +13,9 @@ import numpy as np
 
 from stepbot.draft.contacts.contacts import Pair
 from stepbot.draft.contacts.planes import GAP, Facing, Planes
-from stepbot.draft.contacts.relations import Relation
+from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.parts.axis import Axis, are_parallel
+from stepbot.draft.parts.parts import box_gap
 from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.solids.box_pairs import box_pairs
 from stepbot.geometry.spatial import Array, cross, unit
@@ -64,26 +66,54 @@ def find_captured(
     """
     found: dict[Pair, Captured] = {}
     planes: Planes | None = None
-    apart: set[tuple[bytes, bool]] = set()  # what equal parts elsewhere have shown
+    known: dict[tuple[bytes, bool], bool] = {}  # of equal parts elsewhere that are no slide: whether faces are beside
+    bolted = _bolted(relations, larger)
     for pair, arrangement in _overlapping(scene, larger, cut):
         planes = planes or Planes(scene)
-        by_name = any(i in slides for i in pair)
-        if (arrangement, by_name) in apart:
-            continue
-        facing = list(planes.facing(*pair, _WIDE))
-        slide = _slide(facing, by_name=by_name) if len(facing) > 1 else None
-        if slide is None:
-            apart.add((arrangement, by_name))
-        elif not _is_locked(relations.get(pair), slide.axis):
-            found[pair] = slide
+        key = arrangement, any(i in slides for i in pair)
+        for one, host in _within(scene, pair, bolted):
+            if key in known and not known[key]:
+                break
+            if key in known and len(host) == 1:
+                continue
+            facing = [face for other in host for face in planes.facing(one, other, _WIDE)]
+            slide = _slide(facing, by_name=key[1]) if len(facing) > 1 else None
+            if slide is not None and not _is_locked(relations, one, host, slide.axis):
+                found[pair] = slide
+                break
+            if slide is None and len(host) == 1:
+                known[key] = bool(facing)
     return found
 
 
-def _is_locked(r: Relation | None, axis: Axis) -> bool:
+def _bolted(relations: Mapping[Pair, Relation], larger: Collection[int]) -> dict[int, set[int]]:
+    """For each part those that are fastened to it."""
+    found: dict[int, set[int]] = defaultdict(set)
+    for (a, b), r in relations.items():
+        if (r.is_rigid or r.via == Via.RING) and a in larger and b in larger:
+            found[a].add(b)
+            found[b].add(a)
+    return found
+
+
+def _within(scene: Scene, pair: Pair, bolted: Mapping[int, set[int]]) -> Iterator[tuple[int, tuple[int, ...]]]:
+    """One of two parts, and the other alone, then with what is bolted to it, such as the floor or the lid of a slot."""
+    yield pair[0], pair[1:]
+    for one, other in (pair, pair[::-1]):
+        beside = [i for i in bolted.get(other, ()) if i != one and i in scene.boxes]
+        more = [i for i in beside if box_gap(scene.boxes[one], scene.boxes[i]) < _WIDE]
+        if more:
+            yield one, (other, *sorted(more))
+
+
+def _is_locked(relations: Mapping[Pair, Relation], one: int, host: Sequence[int], axis: Axis) -> bool:
     """Whether round faces or holes that are not along a slide hold its sides together."""
-    if r is None:
-        return False
-    return r.is_rigid or bool(r.sockets) or any(not axis.is_along(fit.axis.d) for fit in r.fits) or r.holes > 0
+    between = (relations.get((min(one, other), max(one, other))) for other in host)
+    return any(
+        r.is_rigid or bool(r.sockets) or any(not axis.is_along(fit.axis.d) for fit in r.fits) or r.holes > 0
+        for r in between
+        if r is not None
+    )
 
 
 def _overlapping(scene: Scene, larger: Collection[int], cut: dict[str, None]) -> Iterator[tuple[Pair, bytes]]:

@@ -51,6 +51,8 @@ def captured_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence, 
         tells = captured.is_profile or is_guide(survey, *pair)
         if tells != (structure is None) or in_motor.intersection(pair) or _share_screw(survey, pair):
             continue
+        if pair[1] in survey.bodies_of_same_part(pair[0]):
+            continue  # bodies that are drawn in one part have clearance to be put together
         if min(survey.parts[i].volume for i in pair) < _TAG * survey.volume:
             continue
         if structure is not None and structure.are_together(*pair):

@@ -8,30 +8,37 @@ those that cannot are no joints.
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations, pairwise
 
 import numpy as np
 
+from stepbot.draft.contacts.contacts import FitKind
 from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import Relation, Via, merged
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Apart, Evidence, JointEvidence
+from stepbot.draft.evidence.mobility import MOST, Hinge, Mobility, mobility
 from stepbot.draft.evidence.motors import Motor
-from stepbot.draft.evidence.pivots import Pivot, find_pivots, held_by_faces
+from stepbot.draft.evidence.pivots import Pivot, find_pivots, held_by_faces, spaced_pivots
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import Part, whole
-from stepbot.geometry.spatial import Array, cross_matrix, perpendicular_frame
+from stepbot.geometry.spatial import cross
 from stepbot.robot.model import JointKind
+from stepbot.step.features.axis_contacts import LOOSEST
 
 REVIEW = "held on one line that nothing else locks: it may be clamped"
+_REVIEW_UNCERTAIN = "across a gap or at a stop as drawn: only the loop that could move with it tells of this joint"
 """What to review of each such joint."""
 _RIGID = 0.87
 """Score of a weld from which two parts are one body of a linkage."""
 _IN_LOOP, _IN_CHAIN, _ALONE, _HIDDEN = 0.79, 0.72, 0.62, 0.35
 """Scores of a joint in a loop that moves, of one of several, of a single one, and of one within a subassembly."""
+_TWIN = 0.88
+"""Score of a weld of bodies on the same lines that move as one."""
+_ON_TWO_LINES = "on the same two lines of a loop"
 _LOCKED = 0.745
 """Score of a weld where the loops of a linkage lock a line."""
 _APART = 0.785
@@ -46,72 +53,130 @@ _TRIFLE, _TAG = 1e-4, 2e-3
 """Shares of the assembly's volume below which a body is no link: in a linkage, and held on one line alone."""
 _STACK = 2
 """Number of bodies held on one line alone from which on they are a stack of pulleys or disks on a shaft."""
-_MOST = 150
-"""Number of bodies of one linkage up to which its mobility is computed."""
-_NULL = 1e-4
-_METRES = 10.0
-"""Twists are in decimetres, so that rotations and translations have similar magnitudes."""
+_LEVER = 1e-4
+"""Distance [m] from a line beside which a face is a stop."""
 _GUIDED = 3.0
 """Engaged length of a shaft in radii, from which it may slide in a loop that could not move otherwise."""
 _TURNS = (FreedomKind.REVOLUTE, FreedomKind.CYLINDRICAL)
 
 
-@dataclass(frozen=True, eq=False)
-class _Hinge:
-    """A line between two bodies, given by a part of each."""
-
-    axis: Axis
-    a: int
-    b: int
-    is_extra: bool = False
-    """Whether other pairs on the same line already connect its sides; it keeps them from being one."""
-    slides: bool = False
-    """Whether faces guide its sides along the line instead."""
-
-
 def linkage_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
     """Add the joints of all linkages."""
-    pivots = find_pivots(survey)
-    if pivots:
-        _Linkages(survey, motors, found, [*pivots, *held_by_faces(survey)]).add()
+    pivots, spaced = find_pivots(survey), list(spaced_pivots(survey))
+    if pivots or spaced:
+        _Linkages(survey, motors, found, [*pivots, *held_by_faces(survey)], spaced).add()
 
 
 class _Linkages:
-    def __init__(self, survey: Survey, motors: Sequence[Motor], found: Evidence, pivots: Sequence[Pivot]) -> None:
-        self._survey, self._found, self._pivots = survey, found, pivots
+    def __init__(
+        self,
+        survey: Survey,
+        motors: Sequence[Motor],
+        found: Evidence,
+        pivots: Sequence[Pivot],
+        spaced: Sequence[Pivot],
+    ) -> None:
+        self._survey, self._found, self._pivots, self._spaced_pivots = survey, found, pivots, spaced
         self._in_motor = {i for motor in motors for i in motor.parts}
         larger = [i for i in survey.parts if i not in survey.small]
         self._bodies = Clusters(larger)
+        self._stopped: list[Hinge] = []
+        """Pairs of bodies on one line that are locked only by faces which hold against turning one way."""
+        self._twins: list[tuple[int, int]] = []
+        """Parts that do not touch, on the same two lines."""
         self._unite_rigid()
         while self._unite_locked():
             pass
 
     def add(self) -> None:
         """Add the joints, by linkage."""
-        hinges = self._pruned(list(self._hinges()))
+        every = [*self._hinges(), *self._spaced()]
+        uncertain = self._in_moving_loops(every)
+        turning = {self._ends(h) for h in uncertain}
+        for h in self._stopped:
+            if self._ends(h) not in turning:
+                self._bodies.join(h.a, h.b)
+        while self._unite_locked():
+            pass
+        hinges = self._pruned([*(h for h in self._hinges() if not h.is_uncertain), *uncertain])
         hinges = [h for h in hinges if not {h.a, h.b} & self._in_motor]
         hinges += self._slides(hinges)
         for group in self._connected(hinges):
             tree = [h for h in group if not h.is_extra]
-            turning, looped = self._turning(tree)
+            moving = self._mobility_of(tree)
             pistons = [replace(h, slides=True) if self._is_piston(h) else h for h in tree]
-            if len(turning) < len(tree) and any(h.slides for h in pistons):
-                freed = self._turning(pistons)
-                if len(freed[0]) > len(turning):
-                    tree, (turning, looped) = pistons, freed
-            for n, h in enumerate(tree):
-                if h.slides and n not in turning & looped:
-                    continue
-                if n in turning:
-                    self._joint(h, len(turning), is_looped=n in looped)
-                else:
-                    self._found.weld(_LOCKED, h.a, h.b, "on one line of a loop that cannot move")
-            for h in group:
-                if h.is_extra and any(tree[n].axis.same(h.axis) for n in turning):
-                    self._joint(h, len(turning), is_looped=False)
-            self._keep_axles([tree[n].axis for n in turning if not tree[n].slides])
+            if len(moving.turning) < len(tree) and any(h.slides for h in pistons):
+                freed = self._mobility_of(pistons)
+                if len(freed.turning) > len(moving.turning):
+                    tree, moving = pistons, freed
+            self._say(group, tree, moving)
 
-    def _is_piston(self, h: _Hinge) -> bool:
+    def _say(self, group: Sequence[Hinge], tree: Sequence[Hinge], moving: Mobility) -> None:
+        """Add the joints of one linkage."""
+        turning, looped = moving.turning, moving.looped
+        self._found.apart.extend(Apart(_APART, a, b) for a, b in moving.apart)
+        self._unite_twins(tree, moving)
+        for n, h in enumerate(tree):
+            if h.slides and n not in looped:
+                continue
+            if n in turning:
+                self._joint(h, len(turning), is_looped=n in looped)
+            else:
+                self._found.weld(_LOCKED, h.a, h.b, "on one line of a loop that cannot move")
+        for h in group:
+            if h.is_extra and any(tree[n].axis.same(h.axis) for n in turning):
+                self._joint(h, len(turning), is_looped=False)
+        self._keep_axles([tree[n].axis for n in turning if not tree[n].slides])
+
+    def _unite_twins(self, tree: Sequence[Hinge], moving: Mobility) -> None:
+        """Weld bodies on the same two lines of a loop that move as one, such as bars on both sides of a link."""
+        lines: dict[int, list[Axis]] = defaultdict(list)
+        for n, h in enumerate(tree):
+            for body in self._ends(h) if n in moving.looped and not h.slides else ():
+                if not any(axis.same(h.axis) for axis in lines[body]):
+                    lines[body].append(h.axis)
+        for a, b in self._twins:
+            if self._bodies.find(a) in lines:
+                self._found.weld(_TWIN, a, b, _ON_TWO_LINES)
+        for a, b in combinations(sorted(lines), 2):
+            shared = sum(any(one.same(two) for two in lines[b]) for one in lines[a])
+            if shared > 1 and (a, b) not in moving.apart:
+                self._found.weld(_TWIN, a, b, _ON_TWO_LINES)
+
+    def _spaced(self) -> list[Hinge]:
+        """Bodies that do not touch, on one line across a gap."""
+        lines: dict[tuple[int, int], list[Hinge]] = defaultdict(list)
+        for pivot in self._spaced_pivots:
+            h = Hinge(pivot.axis, min(pivot.hosts), max(pivot.hosts), is_uncertain=True)
+            if not any(h.axis.same(known.axis, LOOSEST) for known in lines[self._ends(h)]):
+                lines[self._ends(h)].append(h)
+        between = self._between()
+        return [of[0] for pair, of in lines.items() if len(of) == 1 and pair[0] != pair[1] and pair not in between]
+
+    def _in_moving_loops(self, hinges: list[Hinge]) -> list[Hinge]:
+        """The uncertain hinges in loops that move with them, if they do not hold what moves without."""
+        found = []
+        for group in self._connected(self._pruned(hinges)) if any(h.is_uncertain for h in hinges) else ():
+            tree = [h for h in group if not h.is_extra]
+            rest = [h for h in tree if not h.is_uncertain]
+            moving = self._mobility_of(tree)
+            still = {id(h) for n, h in enumerate(tree) if n not in moving.turning}
+            if len(rest) < len(tree) and not any(id(rest[n]) in still for n in self._mobility_of(rest).turning):
+                found += [tree[n] for n in sorted(moving.looped) if tree[n].is_uncertain]
+        return found
+
+    def _ends(self, h: Hinge) -> tuple[int, int]:
+        one, two = sorted((self._bodies.find(h.a), self._bodies.find(h.b)))
+        return one, two
+
+    def _mobility_of(self, hinges: Sequence[Hinge]) -> Mobility:
+        found = mobility(hinges, self._bodies)
+        if found is None:
+            self._survey.cut[f"the mobility of linkages of more than {MOST} bodies was not computed"] = None
+            return Mobility(set(range(len(hinges))), set(), [])
+        return found
+
+    def _is_piston(self, h: Hinge) -> bool:
         """Whether one side is a long shaft in the other, free along it: what locks a loop if it only turns."""
         r = self._survey.relation(h.a, h.b)
         is_free = r is not None and r.via == Via.PIN and r.freedom.kind == FreedomKind.CYLINDRICAL
@@ -128,7 +193,7 @@ class _Linkages:
                     self._found.weld(_AXLE_HELD, i, tightest.other(i), "a pin of a joint")
                     self._found.pins.add(i)
 
-    def _joint(self, h: _Hinge, count: int, *, is_looped: bool) -> None:
+    def _joint(self, h: Hinge, count: int, *, is_looped: bool) -> None:
         survey = self._survey
         a, b = sorted((h.a, h.b))
         score = _IN_LOOP if is_looped else _IN_CHAIN if count >= _CHAIN else _ALONE
@@ -139,7 +204,8 @@ class _Linkages:
         why = "faces that guide it" if h.slides else "the only line that holds both"
         why += ", in a loop that moves" if is_looped else ""
         kind, relation = JointKind.PRISMATIC if h.slides else JointKind.REVOLUTE, survey.relation(a, b)
-        self._found.joint(JointEvidence(score, a, b, kind, h.axis, why, relation, review=REVIEW, of_linkage=True))
+        review = _REVIEW_UNCERTAIN if h.is_uncertain else REVIEW
+        self._found.joint(JointEvidence(score, a, b, kind, h.axis, why, relation, review=review, of_linkage=True))
 
     def _unite_rigid(self) -> None:
         for weld in self._found.welds:
@@ -163,9 +229,31 @@ class _Linkages:
             locked = len(axes) > 1
             if not locked and len(relations) > 1:
                 locked = merged(relations, (a, b), ()).freedom.kind == FreedomKind.RIGID
+                if locked and self._opens(relations, axes[0]):
+                    self._stopped.append(Hinge(axes[0], relations[0].a, relations[0].b))
+                    continue
             if locked and self._bodies.find(a) != self._bodies.find(b):
+                if not relations:
+                    self._twins.append((a, b))
                 done |= self._bodies.join(a, b)
         return done
+
+    def _opens(self, relations: Sequence[Relation], axis: Axis) -> bool:
+        """Whether turning one way about the line that holds two bodies takes all faces beside it off each other."""
+        if any(
+            r.sockets or any(fit.kind != FitKind.FLUSH and not fit.axis.same(axis) for fit in r.fits) for r in relations
+        ):
+            return False
+        one = self._bodies.find(relations[0].a)
+        speeds = [
+            ((cross(axis.d, p.hull - axis.point) @ p.normal) * (1.0 if self._bodies.find(p.a) == one else -1.0))
+            for r in relations
+            for p in r.patches
+            if not axis.is_along(p.normal)
+        ]
+        found = np.concatenate([*speeds, np.zeros(0)])
+        least, most = float(found.min(initial=0.0)), float(found.max(initial=0.0))
+        return most > _LEVER > -least or least < -_LEVER < -most
 
     def _between(self) -> dict[tuple[int, int], list[Relation]]:
         """The relations between each pair of bodies."""
@@ -176,7 +264,7 @@ class _Linkages:
                 found[one, two].append(r)
         return found
 
-    def _hinges(self) -> Iterator[_Hinge]:
+    def _hinges(self) -> Iterator[Hinge]:
         """Pairs on each line whose contacts let them turn about it: those that touch first, then neighbours."""
         between = self._between()
         seen: list[tuple[int, int, Axis]] = []
@@ -189,27 +277,30 @@ class _Linkages:
             for a, b in dict.fromkeys([*touching, *pairwise(ordered)]):
                 one, two = keys[a, b]
                 known = any((one, two) == (x, y) and axis.same(pivot.axis) for x, y, axis in seen)
-                if known or not _can_turn(between.get((one, two), []), (one, two), pivot.axis):
+                relations = between.get((one, two), [])
+                can_turn = not known and _can_turn(relations, (one, two), pivot.axis)
+                if known or not (can_turn or (relations and self._opens(relations, pivot.axis))):
                     continue
                 seen.append((one, two, pivot.axis))
                 is_extra = tied.find(a) == tied.find(b)
                 if not is_extra or (a, b) in touching:
-                    tied.join(a, b)
-                    yield _Hinge(pivot.axis, min(a, b), max(a, b), is_extra)
+                    if can_turn:
+                        tied.join(a, b)
+                    yield Hinge(pivot.axis, min(a, b), max(a, b), is_extra, is_uncertain=not can_turn)
 
-    def _slides(self, hinges: Sequence[_Hinge]) -> list[_Hinge]:
+    def _slides(self, hinges: Sequence[Hinge]) -> list[Hinge]:
         """Pairs of bodies of linkages whose contacts leave nothing but one translation."""
-        on = {self._bodies.find(i) for h in hinges for i in (h.a, h.b)}
+        on, hinged = {self._bodies.find(i) for h in hinges for i in (h.a, h.b)}, {self._ends(h) for h in hinges}
         found = []
         for pair, relations in self._between().items():
-            r = merged(relations, pair, ()) if on.issuperset(pair) else None
+            r = merged(relations, pair, ()) if on.issuperset(pair) and pair not in hinged else None
             if r is not None and r.freedom.kind == FreedomKind.PRISMATIC and r.freedom.direction is not None:
                 largest = max(relations, key=lambda one: (one.area, -one.a, -one.b))
                 axis = Axis(r.patches[0].point if r.patches else r.fits[0].axis.point, r.freedom.direction)
-                found.append(_Hinge(axis, largest.a, largest.b, slides=True))
+                found.append(Hinge(axis, largest.a, largest.b, slides=True))
         return found
 
-    def _pruned(self, hinges: list[_Hinge]) -> list[_Hinge]:
+    def _pruned(self, hinges: list[Hinge]) -> list[Hinge]:
         """Without bodies that are held on one line alone and are turned about it, or are tags."""
         while True:
             of = self._by_body(hinges)
@@ -224,9 +315,9 @@ class _Linkages:
                 return hinges
             hinges = [h for h in hinges if id(h) not in gone]
 
-    def _stacked(self, of: Mapping[int, Sequence[_Hinge]]) -> set[int]:
+    def _stacked(self, of: Mapping[int, Sequence[Hinge]]) -> set[int]:
         """Hinges of bodies that are held on one line alone, where there are several: a stack on a shaft."""
-        stacks: list[tuple[Axis, list[_Hinge]]] = []
+        stacks: list[tuple[Axis, list[Hinge]]] = []
         for mine in of.values():
             axis = mine[0].axis
             if any(not h.axis.same(axis) for h in mine):
@@ -239,7 +330,7 @@ class _Linkages:
         lines = [axis for axis, stack in stacks if len(stack) > _STACK]
         return {id(h) for mine in of.values() for h in mine if any(axis.same(h.axis) for axis in lines)}
 
-    def _is_idle(self, body: int, mine: Sequence[_Hinge]) -> bool:
+    def _is_idle(self, body: int, mine: Sequence[Hinge]) -> bool:
         """Whether a body that is held on one line alone is turned about it, or a tag on what holds it."""
         parts = [self._survey.parts[i] for i in self._bodies.members(body) if self._survey.parts[i].volume]
         one: Part | None = whole(parts)
@@ -252,66 +343,21 @@ class _Linkages:
     def _share(self, body: int) -> float:
         return self._survey.total_volume(self._bodies.members(body)) / self._survey.volume
 
-    def _by_body(self, hinges: Sequence[_Hinge]) -> dict[int, list[_Hinge]]:
-        of: dict[int, list[_Hinge]] = defaultdict(list)
+    def _by_body(self, hinges: Sequence[Hinge]) -> dict[int, list[Hinge]]:
+        of: dict[int, list[Hinge]] = defaultdict(list)
         for h in hinges:
             of[self._bodies.find(h.a)].append(h)
             of[self._bodies.find(h.b)].append(h)
         return of
 
-    def _connected(self, hinges: Sequence[_Hinge]) -> list[list[_Hinge]]:
+    def _connected(self, hinges: Sequence[Hinge]) -> list[list[Hinge]]:
         tied = Clusters({self._bodies.find(i) for h in hinges for i in (h.a, h.b)})
         for h in hinges:
             tied.join(self._bodies.find(h.a), self._bodies.find(h.b))
-        groups: dict[int, list[_Hinge]] = defaultdict(list)
+        groups: dict[int, list[Hinge]] = defaultdict(list)
         for h in hinges:
             groups[tied.find(self._bodies.find(h.a))].append(h)
         return list(groups.values())
-
-    def _turning(self, hinges: Sequence[_Hinge]) -> tuple[set[int], set[int]]:
-        """Those that can turn, and those of them that are in loops."""
-        bodies = sorted({self._bodies.find(i) for h in hinges for i in (h.a, h.b)})
-        looped = self._in_loops(hinges, bodies)
-        if looped and len(bodies) > _MOST:
-            self._survey.cut[f"the mobility of linkages of more than {_MOST} bodies was not computed"] = None
-        if not looped or len(bodies) > _MOST:
-            return set(range(len(hinges))), set()
-        number = {body: n for n, body in enumerate(bodies)}
-        rows, turns = [], []
-        for h in hinges:
-            a, b = number[self._bodies.find(h.a)], number[self._bodies.find(h.b)]
-            rows.append(_held(h, a, b, len(bodies)))
-            turn, at = np.zeros(6 * len(bodies)), 3 * h.slides
-            turn[6 * a + at : 6 * a + at + 3], turn[6 * b + at : 6 * b + at + 3] = h.axis.d, -h.axis.d
-            turns.append(turn)
-        still = np.eye(6, 6 * len(bodies))
-        _, values, basis = np.linalg.svd(np.concatenate([still, *rows]), full_matrices=True)
-        free = basis[int((values > _NULL).sum()) :]
-        moves = np.abs(np.array(turns) @ free.T).max(axis=1, initial=0.0) > _NULL
-        turning = set(np.flatnonzero(moves).tolist())
-        if looped & turning:
-            self._keep_apart(bodies, free)
-        return turning, looped & turning
-
-    def _keep_apart(self, bodies: Sequence[int], free: Array) -> None:
-        """What moves relative to each other in a loop is not one, whatever touches what."""
-        twists = free.reshape(-1, len(bodies), 6)
-        for n, m in combinations(range(len(bodies)), 2):
-            if float(np.abs(twists[:, n] - twists[:, m]).max(initial=0.0)) > _NULL:
-                a, b = sorted((bodies[n], bodies[m]))
-                self._found.apart.append(Apart(_APART, a, b))
-
-    def _in_loops(self, hinges: Sequence[_Hinge], bodies: Sequence[int]) -> set[int]:
-        """Hinges whose bodies stay connected without them."""
-        found = set()
-        for n, h in enumerate(hinges):
-            tied = Clusters(bodies)
-            for m, other in enumerate(hinges):
-                if m != n:
-                    tied.join(self._bodies.find(other.a), self._bodies.find(other.b))
-            if tied.find(self._bodies.find(h.a)) == tied.find(self._bodies.find(h.b)):
-                found.add(n)
-        return found
 
 
 def _can_turn(relations: Sequence[Relation], pair: tuple[int, int], axis: Axis) -> bool:
@@ -323,19 +369,3 @@ def _can_turn(relations: Sequence[Relation], pair: tuple[int, int], axis: Axis) 
     if free.kind not in _TURNS or free.direction is None or not axis.is_along(free.direction):
         return all(axis.is_along(p.normal) for p in r.patches) and not r.shafts and not r.holes
     return True
-
-
-def _held(h: _Hinge, a: int, b: int, count: int) -> Array:
-    """Rows (5, 6 n) that a joint keeps from moving: twists (w, v) of bodies, v of what is at the origin [dm/s]."""
-    rows = np.zeros((5, 6 * count))
-    across = perpendicular_frame(h.axis.d)[:, :2].T
-    at = -cross_matrix(h.axis.point * _METRES)
-    for body, sign in ((a, 1.0), (b, -1.0)):
-        if h.slides:
-            rows[:3, 6 * body : 6 * body + 3] = sign * np.eye(3)
-            rows[3:, 6 * body + 3 : 6 * body + 6] = sign * across
-            continue
-        rows[:2, 6 * body : 6 * body + 3] = sign * across
-        rows[2:, 6 * body : 6 * body + 3] = sign * at
-        rows[2:, 6 * body + 3 : 6 * body + 6] = sign * np.eye(3)
-    return rows

@@ -22,6 +22,8 @@ _DOME, _SEATED = 0.4, 0.55
 """Ratio of the radius of a sphere and the size of a part, from which it is no ball, half of which has 1 / 3; score of
 a weld there.
 """
+_CLAMPED = 0.74
+"""Score of the weld of a round body in a clamp."""
 _EXACT = 1e-6
 """Difference of radii [m] up to which a shaft fills its bore."""
 
@@ -96,8 +98,11 @@ class PairEvidence:
         if r.length < SPIGOT * r.radius and Role.WHEEL not in roles:
             score -= 0.25
             self._weld(r, 0.5, "centred by a spigot")
+        is_exact = max(fit.clearance for fit in r.shafts) < _EXACT
         if not any(fit.full for fit in r.shafts):
             score -= 0.1
+            if is_exact and self._is_clamped(r):
+                self._weld(r, _CLAMPED, "between two halves of a clamp of its own radius")
         if r.freedom.kind == FreedomKind.REVOLUTE:
             score += 0.03
         if Role.WHEEL in roles:
@@ -113,11 +118,21 @@ class PairEvidence:
         if not across and r.axis is not None and self._survey.has_screw_at(r.axis):
             score -= 0.25
             self._weld(r, 0.51, "clamped by a screw on its axis")
-        is_exact = max(fit.clearance for fit in r.shafts) < _EXACT
         if not across and self._draws_play and is_exact and (r.a, r.b) not in self._pivots:
             self._weld(r, 0.74, "shaft as thick as its bore, where others have play")
         shoulder = " with a shoulder" if r.freedom.kind == FreedomKind.REVOLUTE else ""
         self._joint(r, score, JointKind.REVOLUTE, f"{_engaged(r)}{shoulder}")
+
+    def _is_clamped(self, r: Relation) -> bool:
+        """Whether a round body lies in half a bore of two parts that touch each other, as a cradle and its strap."""
+        shaft = max(r.shafts, key=lambda fit: fit.length).shaft
+        return any(
+            r.axis is not None
+            and other != r.other(shaft)
+            and any(not fit.full and fit.shaft == shaft and fit.axis.same(r.axis) for fit in s.shafts)
+            and self._survey.relation(other, r.other(shaft)) is not None
+            for other, s in self._survey.around(shaft)
+        )
 
     def _are_rings(self, r: Relation) -> bool:
         """Whether two parts are hub, rim or tyre of one wheel: turned about one axis and fitted, by name or as wide."""

@@ -3,14 +3,19 @@
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
-from stepbot.draft.contacts.contacts import CoaxialLine, FitKind, Pair
-from stepbot.draft.contacts.shafts import HALF_ROUND
+import numpy as np
+
+from stepbot.draft.contacts.contacts import CoaxialLine, FitKind, LineFace, Pair
+from stepbot.draft.contacts.shafts import HALF_ROUND, HOLE_RATIO, LINE_ANGLE
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.geometry.spatial import perpendicular_frame
+from stepbot.step.features.axis_contacts import LOOSEST, SLACK_SHARE, TIGHTEST
+from stepbot.step.features.coaxial import Rays, coaxial
 
 _AXLE = 0.05
 """Share of the assembly's volume up to which a turned part on a line is its pin, spacer or bearing."""
@@ -76,6 +81,42 @@ def _pivots(survey: Survey, line: CoaxialLine, fitted: Sequence[Pair]) -> Iterat
             at = 0.25 * (middle[ordered[0]] + middle[ordered[-1]])
             axles = tuple(i for i in members if i not in hosts)
             yield Pivot(Axis(line.axis.point + line.axis.d * at, line.axis.d), tuple(ordered), axles)
+
+
+def spaced_pivots(survey: Survey) -> Iterator[Pivot]:
+    """Holes in line, or a hole and a round end, with a gap between them.
+
+    A pin crosses it that is not drawn, with its spacers or washers. The gap is no longer than either is deep, or the
+    pin would be guided in neither; the lines are as far apart as the play of a pin allows.
+    """
+    ends = [
+        (line.axis, f, i)
+        for line in survey.contacts.lines
+        for i, faces in line.faces.items()
+        for f in (_eyes(faces) if i not in survey.small else ())
+    ]
+    middles = [axis.point + axis.d * (0.5 * (f.low + f.high)) for axis, f, _ in ends]
+    rays = Rays(np.array(middles).reshape(-1, 3), np.array([axis.d for axis, _, _ in ends]).reshape(-1, 3))
+    for rows in coaxial(rays, LOOSEST, LINE_ANGLE):
+        d, half = ends[rows[0]][0].d, {n: 0.5 * (ends[n][1].high - ends[n][1].low) for n in rows.tolist()}
+        ordered = sorted(half, key=lambda n: (round(float(middles[n] @ d), 6), ends[n][2]))
+        for n, m in pairwise(ordered):
+            (_, one, a), (_, two, b) = ends[n], ends[m]
+            gap = float((middles[m] - middles[n]) @ d) - half[n] - half[m]
+            wide, thin = max(one.radius, two.radius), min(one.radius, two.radius)
+            if a == b or not -TIGHTEST < gap < 2.0 * min(half[n], half[m]) + TIGHTEST or wide >= HOLE_RATIO * thin:
+                continue
+            slack = max(TIGHTEST, min(LOOSEST, SLACK_SHARE * thin))
+            if (one.bore or two.bore) and Axis(middles[n], d).distance(middles[m]) < slack:
+                yield Pivot(Axis(0.5 * (middles[n] + middles[m]), d), (a, b))
+
+
+def _eyes(faces: Sequence[LineFace]) -> list[LineFace]:
+    """The bores of a part on a line, of a stepped one the narrowest, which hold a pin; else its round ends."""
+    full = [f for f in faces if not f.cone and f.span > HALF_ROUND]
+    bores = [f for f in full if f.bore]
+    least = min((f.radius for f in bores), default=0.0)
+    return [f for f in bores if f.radius < least + TIGHTEST] or full
 
 
 def held_by_faces(survey: Survey) -> Iterator[Pivot]:

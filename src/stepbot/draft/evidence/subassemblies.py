@@ -1,16 +1,16 @@
 """Subassemblies as links: they move as one, unless a joint is inside or they are folders of unconnected parts."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from stepbot.draft.contacts.relations import Via
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence
+from stepbot.draft.evidence.wheels import TREAD, rolling
+from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import largest
 from stepbot.geometry.fixed_point import exact_sum
 
-_APART = 0.925
-"""Score of a weld between bodies of one part that do not touch: below that of a motor's output."""
 _IMPORT, _PIECE = 0.15, 0.05
 """Share of the assembly's volume from which a subassembly may be an import, and of its own that a second piece has."""
 
@@ -44,13 +44,16 @@ class Structure:
         return self._survey.node_roles(self.link_of[part]) if part in self.link_of else set()
 
     def welds(self, found: Evidence) -> None:
-        """Add evidence that the parts of each such subassembly are one."""
-        survey = self._survey
+        """Add evidence that the parts of each such subassembly are one, but for wheels that nothing else touches."""
+        survey, axes = self._survey, dict(rolling(self._survey))
         for group in self.groups:
             members = [i for i in self._assembly.subtree(group) if i in survey.parts and i not in survey.small]
-            first = largest([survey.parts[i] for i in members]).index
+            free = {i for island in survey.islands(members) if _is_wheel(survey, island, axes) for i in island}
+            first = largest(
+                [survey.parts[i] for i in members if i not in free] or [survey.parts[i] for i in members]
+            ).index
             for i in members:
-                if i != first:
+                if i != first and i not in free:
                     found.weld(0.75, first, i, f"in one subassembly '{self._assembly.components[group].path}'")
 
     def _top(self) -> int:
@@ -101,6 +104,12 @@ class Structure:
         return len(islands) >= 2 and held >= 2
 
 
+def _is_wheel(survey: Survey, island: Sequence[int], axes: Mapping[int, Axis]) -> bool:
+    """Whether parts that touch nothing else are turned about the axis of one that the assembly rolls on."""
+    axis = next((axes[i] for i in island if i in axes), None)
+    return axis is not None and all(survey.parts[i].is_balanced(axis, TREAD) for i in island)
+
+
 def is_guide(survey: Survey, a: int, b: int) -> bool:
     """Whether parts that could slide in each other do: by name, or because each is fastened to another part."""
     if {Role.JAW, Role.SLIDE}.intersection(survey.parts[a].roles + survey.parts[b].roles):
@@ -118,8 +127,8 @@ def body_welds(survey: Survey, motors: Sequence[Sequence[int]], found: Evidence)
         bodies = [i for i in bodies if i not in survey.small]
         if len(bodies) < 2 or c.index == 0 or not survey.sources.tree or in_motor.intersection(bodies):
             continue
-        touching = {i: island for island in survey.islands(bodies) for i in island}
-        for i in bodies[1:]:
-            # Some programs write what is fixed and what turns as bodies of one part: a motor between them tells.
-            score = 0.97 if i in touching[bodies[0]] else _APART
-            found.weld(score, bodies[0], i, f"bodies of one part '{c.path}'")
+        if any(r.holes > 1 for pair, r in survey.pairs() if set(pair) <= set(bodies)):
+            continue  # what is bolted together is an assembly that was drawn in one part
+        for island in survey.islands(bodies):
+            for i in island[1:]:
+                found.weld(0.97, island[0], i, f"bodies of one part '{c.path}'")

@@ -25,7 +25,7 @@ REVIEW = "a wheel that one line holds: it may be clamped"
 """What to review of each such joint."""
 _REVIEW_SWIVEL = "the swivel of a caster, which one line holds: it may be clamped"
 _SCORE = 0.79
-_TREAD = 3.0
+TREAD = 3.0
 """How far a tread may be from symmetric, in tolerances of a turned part."""
 _FLAT, _EQUAL = 0.01, 0.01
 """Shares of the radius: how far a rim may be from the ground, and from the radius of another one."""
@@ -45,7 +45,7 @@ _LEAST = 1e-3
 
 def wheels(survey: Survey) -> dict[int, Axis]:
     """The axes of all wheels, by name or by shape."""
-    found = dict(_by_shape(survey))
+    found = dict(rolling(survey))
     for i, part in survey.parts.items():
         if Role.WHEEL in part.roles and i not in survey.small and i not in found:
             axis = _turned_about(survey, i)
@@ -57,7 +57,7 @@ def wheels(survey: Survey) -> dict[int, Axis]:
 def is_wheel(survey: Survey, known: Collection[int], members: Sequence[int], axis: Axis) -> bool:
     """Whether a considerable part of a link is a wheel that is turned about an axis."""
     parts = [survey.parts[i] for i in members if survey.parts[i].volume >= _SHARE * survey.total_volume(members)]
-    return any(part.index in known and part.is_balanced(axis, _TREAD) for part in parts)
+    return any(part.index in known and part.is_balanced(axis, TREAD) for part in parts)
 
 
 def wheel_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
@@ -67,7 +67,7 @@ def wheel_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> 
     for i, axis in of.items():
         for other, r in _held_by(survey, i, axis) if i not in driven else ():
             part = survey.parts[other]
-            if other not in of and not part.is_balanced(axis, _TREAD) and _turns_about(r, axis):
+            if other not in of and not part.is_balanced(axis, TREAD) and _turns_about(r, axis):
                 a, b = sorted((i, other))
                 why = "a wheel on one line"
                 hinges[other].append(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, axis, why, r, review=REVIEW))
@@ -101,7 +101,7 @@ def _swivel(survey: Survey, fork: int, wheel: Axis) -> JointEvidence | None:
 def _held_by(survey: Survey, wheel: int, axis: Axis) -> list[tuple[int, Relation]]:
     """What touches a wheel, else what holds the axle that it is on, with the relation of this."""
     around = list(survey.around(wheel))
-    if any(not survey.parts[other].is_balanced(axis, _TREAD) for other, _ in around):
+    if any(not survey.parts[other].is_balanced(axis, TREAD) for other, _ in around):
         return around
     return [row for axle, r in around if _turns_about(r, axis) for row in survey.around(axle) if row[0] != wheel]
 
@@ -120,7 +120,7 @@ def _turned_about(survey: Survey, i: int) -> Axis | None:
     """The axis of a part that is as wide as a wheel may be, about which it is turned."""
     part = survey.parts[i]
     for axis in survey.turned.get(i, ())[:3]:
-        if part.is_balanced(axis, _TREAD):
+        if part.is_balanced(axis, TREAD):
             low, high = survey.scene.span(i, axis.d)
             return axis if high - low < _WIDEST * _radius(survey, i, axis) else None
     return None
@@ -132,7 +132,8 @@ def _radius(survey: Survey, i: int, axis: Axis) -> float:
     return 0.5 * min(high - low for low, high in (survey.scene.span(i, frame[:, k]) for k in (0, 1)))
 
 
-def _by_shape(survey: Survey) -> Iterator[tuple[int, Axis]]:
+def rolling(survey: Survey) -> Iterator[tuple[int, Axis]]:
+    """The wheels that an assembly stands on, by their shape, with their axes."""
     drawn = [i for i, part in survey.parts.items() if part.size and i not in survey.small]
     if len(drawn) < 3:
         return
