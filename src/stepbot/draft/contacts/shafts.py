@@ -38,7 +38,7 @@ def find_fits(scene: Scene, found: Contacts) -> None:
     for group in coaxial(rays, LINE_DISTANCE, LINE_ANGLE):
         line = _line([rows[i] for i in group.tolist()])
         found.lines.append(line)
-        for a, b in _neighbours(line):
+        for a, b in neighbours_on(line):
             found.fits[a, b] += _pair_fits(line, a, b)
     for pair in [pair for pair, of in found.fits.items() if not of]:
         del found.fits[pair]
@@ -72,7 +72,7 @@ def _joined(faces: list[LineFace]) -> tuple[LineFace, ...]:
     return tuple(joined)
 
 
-def _neighbours(line: CoaxialLine) -> list[tuple[int, int]]:
+def neighbours_on(line: CoaxialLine) -> list[tuple[int, int]]:
     """Pairs of parts whose faces on the line overlap or nearly do."""
     spans = sorted((min(f.low for f in faces), max(f.high for f in faces), part) for part, faces in line.faces.items())
     found = set()

@@ -1,9 +1,9 @@
 """Knuckle hinges: two parts whose bores alternate along one line, as those of a lid and its box on one pin."""
 
-from itertools import combinations, pairwise
+from itertools import pairwise
 
 from stepbot.draft.contacts.contacts import CoaxialLine
-from stepbot.draft.contacts.shafts import HALF_ROUND
+from stepbot.draft.contacts.shafts import HALF_ROUND, neighbours_on
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.parts.axis import Axis
@@ -21,9 +21,10 @@ _EQUAL = 1e-5
 def knuckle_evidence(survey: Survey, found: Evidence) -> None:
     """Add a joint for each pair of parts with knuckles on one line, and on no other."""
     for line in survey.contacts.lines:
-        parts = [i for i in line.faces if i not in survey.small and survey.parts[i].volume > 0.0]
-        for a, b in combinations(sorted(parts), 2):
-            if _alternations(line, a, b) < _FEWEST or _other_lines(survey, line, a, b):
+        parts = {i for i in line.faces if i not in survey.small and survey.parts[i].volume > 0.0}
+        # Bores that alternate are beside each other.
+        for a, b in neighbours_on(line):
+            if not parts.issuperset((a, b)) or _alternations(line, a, b) < _FEWEST or _other_lines(survey, line, a, b):
                 continue
             middle = min(f.low for f in line.faces[a])
             axis = Axis(line.axis.point + line.axis.d * middle, line.axis.d)

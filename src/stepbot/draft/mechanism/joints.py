@@ -7,6 +7,7 @@ drafted as a universal joint. A shaft in a bore with one swivel on each side is 
 from collections import defaultdict, deque
 from collections.abc import Sequence
 from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
 from math import hypot, nan
 
 import numpy as np
@@ -72,11 +73,10 @@ class Mechanism:
         self._clusters = made.clusters
         self.joints: list[Joint] = []
         self.offered: list[JointEvidence] = []
-        self._volumes: dict[tuple[int, int], float] = {}
         while self._gather():
             pass
         self._drop_repeated()
-        while self._drop_spinner() or self._unite_locked():
+        while self._drop_spinners() or self._unite_locked():
             pass
         while self._unite_two_sides():
             pass
@@ -114,7 +114,8 @@ class Mechanism:
         for n, j in enumerate(plain):
             for k in plain[n + 1 :]:
                 if {j.a, j.b} == {k.a, k.b} and not j.axis.same(k.axis, _SAME_AXIS):
-                    return self._unite(k, k.a, k.b)
+                    self._unite(k.a, k.b, self.joints)
+                    return True
         return False
 
     def _drop_repeated(self) -> None:
@@ -146,46 +147,54 @@ class Mechanism:
             found[joint.b].append(joint)
         return found
 
-    def _drop_spinner(self) -> bool:
-        """Unite one body that only spins about its own axis with its support; False if there is none."""
-        of = self._of()
-        for root in sorted(of, key=lambda r: (self._volume(r), r)):
-            joints = of[root]
-            if any(j.evidence.drives or j.evidence.priority or j.evidence.is_bolted for j in joints):
+    def _drop_spinners(self) -> bool:
+        """Unite bodies that only spin about their own axes with their supports, the smallest first; False for none."""
+        of, order = self._of(), {id(j): n for n, j in enumerate(self.joints)}
+        volumes = {root: self._volume(root) for root in of}
+        waiting = [(volume, root) for root, volume in volumes.items()]
+        heapify(waiting)
+        while waiting:
+            volume, root = heappop(waiting)
+            # What was united waits again, with its new volume.
+            if root not in of or volume != volumes[root]:
                 continue
-            members = self._clusters.members(root)
-            if not self._spins(members, joints[0].axis):
+            victim = self._held_by(root, of[root], is_one_of_two=len(of) <= 2)
+            if victim is None:
                 continue
-            if len(joints) >= 2 and len(of) > 2 and all(j.axis.same(joints[0].axis) for j in joints):
-                victim = min(joints, key=self._hold)
-            elif len(joints) == 1 and self._is_pin(members, joints[0]):
-                if joints[0].evidence.type not in (JointKind.REVOLUTE, JointKind.UNIVERSAL):
-                    continue
-                victim = joints[0]
-            else:
-                continue
-            if self._unite(victim, root, victim.other(root)):
-                return True
-        return False
+            other = victim.other(root)
+            ends = of.pop(root) + of.pop(other)
+            self._unite(root, other, ends)
+            left = {order[id(j)]: j for j in ends if j.a != j.b}
+            if left:
+                new = self._clusters.find(root)
+                of[new], volumes[new] = [left[n] for n in sorted(left)], self._volume(new)
+                heappush(waiting, (volumes[new], new))
+        return len(self.joints) < len(order)
+
+    def _held_by(self, root: int, joints: Sequence[Joint], *, is_one_of_two: bool) -> Joint | None:
+        """The joint of a body that only spins with what it is to be united with; None if it does more."""
+        if any(j.evidence.drives or j.evidence.priority or j.evidence.is_bolted for j in joints):
+            return None
+        members = self._clusters.members(root)
+        if not self._spins(members, joints[0].axis):
+            return None
+        if len(joints) >= 2 and not is_one_of_two and all(j.axis.same(joints[0].axis) for j in joints):
+            return min(joints, key=self._hold)
+        if len(joints) == 1 and self._is_pin(members, joints[0]):
+            return joints[0] if joints[0].evidence.type in (JointKind.REVOLUTE, JointKind.UNIVERSAL) else None
+        return None
 
     def _volume(self, root: int) -> float:
-        """Volume [m^3] of a cluster, which only grows."""
-        members = self._clusters.members(root)
-        key = root, len(members)
-        if key not in self._volumes:
-            self._volumes[key] = self._survey.total_volume(members)
-        return self._volumes[key]
+        """Volume [m^3] of a cluster."""
+        return self._survey.total_volume(self._clusters.members(root))
 
-    def _unite(self, gone: Joint, one: int, two: int) -> bool:
-        """Unite two clusters instead of joining them."""
+    def _unite(self, one: int, two: int, joints: Sequence[Joint]) -> None:
+        """Unite two clusters instead of joining them; ``joints`` has theirs."""
         self._clusters.allow(one, two)
-        self.joints = [j for j in self.joints if j is not gone]
-        if not self._clusters.join(one, two):
-            return False
-        for j in self.joints:
+        self._clusters.join(one, two)
+        for j in joints:
             j.a, j.b = self._clusters.find(j.a), self._clusters.find(j.b)
         self.joints = [j for j in self.joints if j.a != j.b]
-        return True
 
     def _unite_two_sides(self) -> bool:
         """Unite two bodies that turn on a third about one axis, if one of them is connected to nothing else."""
@@ -215,8 +224,8 @@ class Mechanism:
                     first_goes = len(of[one]) == 1 and (len(of[two]) > 1 or j.evidence.score < k.evidence.score)
                     gone, kept, leaf = (j, k, one) if first_goes else (k, j, two)
                     members = self._clusters.members(leaf)
-                    if not self._unite(gone, one, two):
-                        continue
+                    self.joints.remove(gone)
+                    self._unite(one, two, self.joints)
                     self._made.guess(members, "turns about the same axis as the parts it was merged with")
                     if gone.evidence.drives and not kept.evidence.drives:
                         kept.evidence.drives, kept.evidence.motor = True, gone.evidence.motor
@@ -288,7 +297,7 @@ class Mechanism:
         return is_large or (is_group and is_heavy and len(members) > 1)
 
     def _are_equal(self, one: int, two: int) -> bool:
-        volumes = [self._survey.total_volume(self._clusters.members(root)) for root in (one, two)]
+        volumes = [self._volume(root) for root in (one, two)]
         return abs(volumes[0] - volumes[1]) <= _EQUAL * max(volumes)
 
     def _has_wheel(self, root: int) -> bool:
