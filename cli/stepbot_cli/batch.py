@@ -1,25 +1,25 @@
 """``stepbot batch``: convert many robots, on all cores or on a cluster."""
 
 import sys
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .columns import aligned
-from .command import Command, display_options, ignore_option, json_option
+from .command import Command, display_options, ignore_option
 from .convert import again_format_option, for_option, formats_with, html_option, no_verify_option, strict_option
-from .descriptions import description_options, reject_descriptions
 from .diagnostic_text import counted, paint, printable
-from .interrupts import interruptible
+from .limits import interruptible
 from .machine_output import junit_option, write_junit
-from .progress import bar_column
-from .reading import reading_options, require_option
-from .terminal import Display, show_diagnostics, wants_color, write_json, write_result
+from .progress import bar, shown
+from .reading import description_options, reading_options, reject_descriptions, require_option
+from .terminal import Display, show_diagnostics, wants_color, write_document, write_result
 
 if TYPE_CHECKING:
     from concurrent.futures import Executor
@@ -59,7 +59,6 @@ def _cores(text: str) -> int:
 @ignore_option
 @reading_options
 @description_options
-@json_option
 @display_options
 def command(
     options: "Options",
@@ -68,14 +67,7 @@ def command(
     jobs: int | None,
     scheduler: str | None,
     formats: tuple[str, ...],
-    programs: tuple[str, ...],
-    no_verify: bool,
-    strict: bool,
-    ignore: tuple[str, ...],
-    html: bool,
     junit: Path | None,
-    require: tuple[str, ...],
-    as_json: bool,
     display: Display,
 ) -> int:
     """Convert many robots: sidecars, folders that are searched recursively, or .txt files with one path per line.
@@ -101,25 +93,16 @@ def command(
     except StepbotError as error:
         found.extend(error.diagnostics)
     if found.has_errors:
-        return _report(found, [], output, as_json, display)
-    options = options._replace(
-        output=output,
-        formats=formats_with(programs, formats),
-        programs=programs,
-        verify=not no_verify,
-        strict=strict,
-        ignore=ignore,
-        require=require,
-        html=html,
-    )
+        return _report(found, [], output, display)
+    options = options._replace(output=output, formats=formats_with(options.programs, formats))
     outcomes = _outcomes(tasks, options, jobs, scheduler, found)
     if junit is not None and not found.has_errors:
         from stepbot.jobs.batch import suites
 
         write_junit(junit, suites(outcomes))
-    if html and not found.has_errors:
+    if options.html and not found.has_errors:
         _write_index(output, outcomes, found)
-    return _report(found, outcomes, output, as_json, display)
+    return _report(found, outcomes, output, display)
 
 
 def _write_index(output: Path, outcomes: "Sequence[Outcome]", found: Diagnostics) -> None:
@@ -175,56 +158,34 @@ def _executor(scheduler: str | None, jobs: int | None, tasks: int) -> "Iterator[
 
 
 @contextmanager
-def _bar(total: int) -> Iterator[Any]:
+def _bar(total: int) -> Iterator[Callable[[str], None]]:
     """Yield a function to call with each finished robot; shows a progress bar on a terminal."""
-    if not sys.stderr.isatty():
-        with interruptible():
-            yield lambda name: None
-        return
+    start, done = time.monotonic(), list[str]()
 
-    from rich.console import Console
-    from rich.progress import (
-        MofNCompleteColumn,
-        Progress,
-        ProgressColumn,
-        SpinnerColumn,
-        Task,
-        TextColumn,
-        TimeRemainingColumn,
-    )
-    from rich.text import Text
+    def line() -> str:
+        seconds = time.monotonic() - start
+        rate = 60.0 * len(done) / seconds if seconds else 0.0
+        left = f", {seconds * (total - len(done)) / len(done):.0f} s left: {printable(done[-1])}" if done else ""
+        return f"{bar(len(done), total)} {len(done)}/{total}, {rate:.1f}/min{left}"
 
-    class Rate(ProgressColumn):
-        """Robots per minute."""
+    with interruptible(), shown(line) as draw:
 
-        def render(self, task: Task) -> Text:
-            return Text(f"{60.0 * (task.finished_speed or task.speed or 0.0):.1f}/min")
+        def advance(name: str) -> None:
+            done.append(name)
+            draw()
 
-    color = wants_color(sys.stderr)
-    console = Console(stderr=True, no_color=not color)
-    columns = (
-        SpinnerColumn(),
-        bar_column(color),
-        MofNCompleteColumn(),
-        Rate(),
-        TimeRemainingColumn(),
-        TextColumn("{task.description}"),
-    )
-    with interruptible(), Progress(*columns, console=console, transient=True) as bar:
-        task = bar.add_task("", total=total)
-        yield lambda name: bar.update(task, advance=1, description=printable(name))
+        yield advance
 
 
-def _report(found: Diagnostics, outcomes: "Sequence[Outcome]", output: Path, as_json: bool, display: Display) -> int:
+def _report(found: Diagnostics, outcomes: "Sequence[Outcome]", output: Path, display: Display) -> int:
     """Print the outcomes; returns the exit code."""
     from stepbot.jobs.batch import batch_document
 
     failed = [outcome for outcome in outcomes if outcome.status == "failed"]
     code = found.exit_code or int(bool(failed))
-    if as_json:
-        write_json({**batch_document(outcomes), "diagnostics": found, "exit_code": code})
-        return code
-    shown = outcomes and not (display.quiet or display.concise)
+    if display.json:
+        return write_document(batch_document(outcomes), found, code)
+    shown = outcomes and display.shows_results
     if shown:
         counts = [(word, sum(outcome.status.value == word for outcome in outcomes)) for word in _COLORS]
         write_result(

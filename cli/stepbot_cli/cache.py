@@ -5,8 +5,8 @@ from pathlib import Path
 import click
 
 from .application import Group
-from .caching import folder_option, in_words, opened
 from .command import Command, json_option
+from .reading import folder_option, in_words, opened
 from .terminal import write_json, write_result
 
 

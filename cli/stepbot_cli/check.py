@@ -9,16 +9,13 @@ import click
 
 from stepbot.diagnostics import Diagnostics
 
-from .caching import say_trouble
-from .command import Command, display_options, ignore_option, json_option
-from .descriptions import description_options, reject_descriptions
+from .command import Command, display_options, ignore_option
 from .diagnostic_text import counted, printable
-from .joint_table import show_joint_rows, show_joint_table
 from .machine_output import output_format_option
 from .progress import progress_bar
-from .reading import reading_options, variant_option
-from .table import write_filled
-from .terminal import Display, show_diagnostics, write_json, write_result
+from .reading import description_options, reading_options, reject_descriptions, say_trouble, variant_option
+from .table import show_joint_rows, show_joint_table, write_filled
+from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Checked, Options
@@ -102,7 +99,6 @@ class CheckCommand(Command):
 @reading_options
 @variant_option
 @description_options
-@json_option
 @display_options
 @output_format_option
 def command(
@@ -110,9 +106,6 @@ def command(
     sidecars: tuple[Path, ...],
     step: str | None,
     fix: bool,
-    strict: bool,
-    ignore: tuple[str, ...],
-    as_json: bool,
     display: Display,
 ) -> int:
     """Check sidecars and report all errors. Folders are searched recursively; the default is the current folder.
@@ -125,7 +118,8 @@ def command(
     from stepbot.jobs.discovery import find_sidecars, variants_of
     from stepbot.jobs.incremental import check
 
-    options = options._replace(step=None if step in (None, _NAMED) else Path(str(step)), ignore=ignore)
+    strict = options.strict
+    options = options._replace(step=None if step in (None, _NAMED) else Path(str(step)), strict=False)
     found = Diagnostics()
     checked: dict[str, Checked] = {}
     failed: set[str] = set()
@@ -137,8 +131,8 @@ def command(
     with progress_bar([str(path) for path in sidecars] if open_step else (), options) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))
-            if fix:
-                fixes += _fixed(sidecar, options, found)
+            if fix and (fixed := fix_paths(sidecar, options, found)) is not None:
+                fixes.append(fixed)
             for variant in (options.variant,) if options.variant else ("", *variants_of(sidecar)):
                 label = f"{sidecar.as_posix()} ({variant})" if variant else sidecar.as_posix()
                 of_one = Diagnostics()
@@ -148,35 +142,27 @@ def command(
                 failed |= {label} if of_one.has_errors else set()
                 _add(of_one, variant, found)
     say_trouble(options.cache, found)
-    if as_json:
+    if display.json:
         from stepbot.report.words import joint_table_document
 
-        write_json(
+        return write_document(
             {
                 "files": [path.as_posix() for path in sidecars],
                 "joint_tables": {label: joint_table_document(one.joint_table) for label, one in checked.items()},
                 **({"fixed": [fixed.document for fixed in fixes]} if fix else {}),
                 "ignored": len(found.ignored),
-                "diagnostics": found,
-                "exit_code": found.exit_code,
-            }
+            },
+            found,
         )
-    else:
-        for fixed in fixes:
-            write_result(fixed.difference)
-        if not (display.quiet or display.concise):
-            _show(checked, failed, display, open_step=open_step)
-        show_diagnostics(found, display, as_result=True)
-        if open_step and len(sidecars) == 1 and not (found.has_errors or display != Display()):
-            path = shlex.quote(sidecars[0].as_posix())
-            write_result(f"joints, each with its axis and faces: -v    next: stepbot convert {printable(path)}")
+    for fixed in fixes:
+        write_result(fixed.difference)
+    if display.shows_results:
+        _show(checked, failed, display, open_step=open_step)
+    show_diagnostics(found, display, as_result=True)
+    if open_step and len(sidecars) == 1 and not (found.has_errors or display != Display()):
+        path = shlex.quote(sidecars[0].as_posix())
+        write_result(f"joints, each with its axis and faces: -v    next: stepbot convert {printable(path)}")
     return found.exit_code
-
-
-def _fixed(sidecar: Path, options: "Options", found: Diagnostics) -> "list[Fixed]":
-
-    fixed = fix_paths(sidecar, options, found)
-    return [] if fixed is None else [fixed]
 
 
 def _add(of_one: Diagnostics, variant: str, found: Diagnostics) -> None:
@@ -200,7 +186,7 @@ def _show(checked: "Mapping[str, Checked]", failed: set[str], display: Display, 
             size = size if robot.named else "modules not read (--step)"
             write_filled(f"{several}ok: {robot.robot if read else size}")
         if display.verbose:
-            show_joint_rows(robot.joint_table, verbose=True)
+            show_joint_rows(robot.joint_table)
         elif any(row.evidence.doubt for row in robot.joint_table):
             _show_doubtful(robot)
 

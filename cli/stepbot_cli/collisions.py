@@ -9,14 +9,12 @@ import click
 from stepbot.diagnostics import Diagnostics
 from stepbot.robot.self_collision import DEFAULT_SAMPLES, MOST_SAMPLES
 
-from .caching import say_trouble
 from .columns import table_lines
-from .command import Command, display_options, ignore_option, json_option
-from .descriptions import package_path_option
+from .command import Command, display_options, ignore_option
 from .diagnostic_text import counted, printable
 from .progress import progress_bar
-from .reading import reading_options
-from .terminal import Display, show_diagnostics_of_use, write_json, write_result
+from .reading import package_path_option, reading_options, say_trouble
+from .terminal import Display, show_diagnostics_of_use, write_document, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -46,16 +44,12 @@ _HEADINGS = ("class", "links", "poses", "first overlap")
 @ignore_option
 @reading_options
 @package_path_option
-@json_option
 @display_options
 def command(
     options: "Options",
     target: Path,
     samples: int | None,
     srdf: Path | None,
-    strict: bool,
-    ignore: tuple[str, ...],
-    as_json: bool,
     display: Display,
 ) -> int:
     """Search random poses within the limits of all joints for links whose collision shapes overlap.
@@ -72,24 +66,22 @@ def command(
     from stepbot.runtime.file import write_file
 
     found = Diagnostics()
-    options = options._replace(ignore=ignore)
     with progress_bar(("read", "self-collision"), options) as progress:
         progress("read")
         robot = search(target, samples, options, found, progress)
-    if strict:
+    if options.strict:
         found.make_strict()
     if robot is not None and robot.self_collision is not None and srdf is not None and not found.has_errors:
         content = srdf_of(robot.name, robot.self_collision, robot.source, excluded=robot.excluded_contacts)
         write_file(srdf, content, found)
     say_trouble(options.cache, found)
     searched = None if robot is None else robot.self_collision
-    if as_json:
+    if display.json:
         pairs: dict[str, Any] | None = None if searched is None else self_collision_document(searched)
         name = None if robot is None else robot.name
-        write_json({"robot": name, "self_collision": pairs, "diagnostics": found, "exit_code": found.exit_code})
-        return found.exit_code
+        return write_document({"robot": name, "self_collision": pairs}, found)
     show_diagnostics_of_use(found, display)
-    if robot is not None and searched is not None and not (display.quiet or display.concise):
+    if robot is not None and searched is not None and display.shows_results:
         write_result("\n".join(_lines(robot.name, searched, verbose=display.verbose)))
     return found.exit_code
 

@@ -123,15 +123,16 @@ json_option = click.option("--json", "as_json", is_flag=True, help="Print one JS
 
 
 def display_options(command: Callable[..., int]) -> Callable[..., int]:
-    """Add the options for verbosity; the command receives them as ``display``."""
+    """Add ``--json`` and the options for verbosity; the command receives them as ``display``."""
 
     @wraps(command)
-    def with_display(*, concise: bool, verbose: bool, quiet: bool, **others: Any) -> int:
+    def with_display(*, as_json: bool, concise: bool, verbose: bool, quiet: bool, **others: Any) -> int:
         if verbose and quiet:
             raise click.UsageError("--verbose and --quiet cannot be combined")
-        return command(display=Display(concise, verbose, quiet), **others)
+        return command(display=Display(concise, verbose, quiet, json=as_json), **others)
 
     options = (
+        json_option,
         click.option("-v", "--verbose", is_flag=True, help="Print full output instead of a summary."),
         click.option("-q", "--quiet", is_flag=True, help="Print errors and warnings only, no results."),
         click.option("--concise", is_flag=True, help="Print one line per diagnostic, and nothing else."),

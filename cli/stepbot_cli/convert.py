@@ -12,16 +12,21 @@ import click
 from stepbot.diagnostics import did_you_mean
 from stepbot.formats import FORMATS, default_formats, format_named
 
-from .caching import say_trouble
-from .command import Command, display_options, ignore_option, json_option, names_option, split_names
-from .descriptions import description_options, reject_descriptions
+from .command import Command, display_options, ignore_option, names_option, split_names
 from .diagnostic_text import counted
-from .joint_table import show_joint_rows, show_joint_table
 from .machine_output import junit_option, output_format_option, write_junit
 from .picture_file import require_packages
 from .progress import CONVERSION, progress_bar
-from .reading import metadata_options, reading_options, require_option, variant_option
-from .table import show_table, write_filled
+from .reading import (
+    description_options,
+    metadata_options,
+    reading_options,
+    reject_descriptions,
+    require_option,
+    say_trouble,
+    variant_option,
+)
+from .table import show_joint_rows, show_joint_table, show_table, write_filled
 from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
@@ -114,7 +119,13 @@ for_option = click.option(
     "or newton, with its gains and initial pose; menagerie, simready: a folder for MuJoCo Menagerie, for Isaac Sim's "
     "libraries of assets. Implies their formats.",
 )
-no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading the written files in engines.")
+no_verify_option = click.option(
+    "--no-verify",
+    "verify",
+    is_flag=True,
+    callback=lambda _context, _option, given: not given,
+    help="Skip loading the written files in engines.",
+)
 
 
 @click.command(
@@ -149,7 +160,6 @@ no_verify_option = click.option("--no-verify", is_flag=True, help="Skip loading 
 @gazebo_option
 @for_option
 @junit_option
-@json_option
 @display_options
 @output_format_option
 def command(
@@ -158,18 +168,11 @@ def command(
     step: Path | None,
     formats: tuple[str, ...],
     output: Path | None,
-    no_verify: bool,
     drive: bool,
-    strict: bool,
-    ignore: tuple[str, ...],
-    require: tuple[str, ...],
-    html: bool,
     package: str,
     ros2: str,
     gazebo: bool,
-    programs: tuple[str, ...],
     junit: Path | None,
-    as_json: bool,
     display: Display,
 ) -> int:
     """Convert the robot of SIDECAR to URDF, SDFormat and MJCF, and verify the files.
@@ -179,28 +182,20 @@ def command(
     Each file is loaded in every engine that supports its format, and the loaded robot is compared with the CAD model.
     The table lists the largest deviations. If an error occurs, existing files in DIR remain unchanged.
     """
-    if no_verify and require:
-        raise click.UsageError("--require and --no-verify cannot be combined")
     if step is not None:
         reject_descriptions("--step", [sidecar])
-    formats = formats_with(programs, formats)
+    formats = formats_with(options.programs, formats)
     package = package_name(package, ros2, formats)
     output = output or default_output(sidecar, options.variant)
     options = options._replace(
         output=output,
         formats=formats,
         step=step,
-        verify=not no_verify,
-        strict=strict,
-        ignore=ignore,
-        require=require,
-        html=html,
         package=package,
         ros2=bool(ros2),
         gazebo=model_of(output, formats) if gazebo else "",
-        programs=programs,
     )
-    return run_conversion(sidecar, options, junit=junit, drive=drive, as_json=as_json, display=display)
+    return run_conversion(sidecar, options, junit=junit, drive=drive, display=display)
 
 
 def formats_with(programs: tuple[str, ...], given: tuple[str, ...]) -> tuple[str, ...]:
@@ -247,12 +242,17 @@ def run_conversion(
     sidecar: Path,
     options: "Options",
     *,
-    as_json: bool,
     display: Display,
     junit: Path | None = None,
     drive: bool = False,
 ) -> int:
-    """Convert a sidecar and print the result; returns the exit code."""
+    """Convert a sidecar and print the result; returns the exit code.
+
+    Raises:
+        click.UsageError: Engines are required, and none is to run.
+    """
+    if options.require and not options.verify:
+        raise click.UsageError("--require and --no-verify cannot be combined")
     from stepbot.jobs.incremental import convert
 
     driven = None
@@ -264,18 +264,17 @@ def run_conversion(
     say_trouble(options.cache, conversion.diagnostics)
     if junit is not None:
         write_junit(junit, [_suite(sidecar, conversion)])
-    if as_json:
+    if display.json:
         document = _document(conversion, folder)
         write_json({**document, "drive": _driven_json(driven)} if drive else document)
-    else:
-        shown = not (display.quiet or display.concise)
-        if shown:
-            _show_verdict(conversion, display)
-            if driven is not None:
-                _show_driven(driven, display)
-        show_diagnostics(conversion.diagnostics, display)
-        if shown and conversion.files:
-            _show_files(conversion.files, folder, failed=conversion.diagnostics.has_errors)
+        return conversion.diagnostics.exit_code
+    if display.shows_results:
+        _show_verdict(conversion, display)
+        if driven is not None:
+            _show_driven(driven, display)
+    show_diagnostics(conversion.diagnostics, display)
+    if display.shows_results and conversion.files:
+        _show_files(conversion.files, folder, failed=conversion.diagnostics.has_errors)
     return conversion.diagnostics.exit_code
 
 
@@ -325,7 +324,7 @@ def _show_in_full(report: "Results") -> None:
     """Print the evidence for each joint, masses, the figures of motors, collision shapes, and each engine's results."""
     from stepbot.report.words import collision_summary, mass_summary, mass_words
 
-    show_joint_rows(report.joint_table, verbose=True)
+    show_joint_rows(report.joint_table)
     if report.masses:
         write_filled(mass_summary(report.masses), *(f"  {link}: {mass_words(m)}" for link, m in report.masses.items()))
     for name, motor in report.motors.items():

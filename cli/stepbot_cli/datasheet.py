@@ -9,12 +9,10 @@ import click
 
 from stepbot.diagnostics import Diagnostics
 
-from .caching import say_trouble
-from .command import Command, display_options, ignore_option, json_option
-from .descriptions import package_path_option
+from .command import Command, display_options, ignore_option
 from .diagnostic_text import printable
-from .reading import reading_options
-from .terminal import Display, show_diagnostics_of_use, write_json, write_result
+from .reading import package_path_option, reading_options, say_trouble
+from .terminal import Display, show_diagnostics_of_use, write_document, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -26,9 +24,8 @@ if TYPE_CHECKING:
 @ignore_option
 @reading_options
 @package_path_option
-@json_option
 @display_options
-def command(options: "Options", target: Path, ignore: tuple[str, ...], as_json: bool, display: Display) -> int:
+def command(options: "Options", target: Path, display: Display) -> int:
     """Print the data sheet of a robot, as Markdown.
 
     It has masses, motors, reach, payload over reach, Denavit-Hartenberg parameters, and for each joint its limits,
@@ -42,20 +39,19 @@ def command(options: "Options", target: Path, ignore: tuple[str, ...], as_json: 
     from stepbot.robot.datasheet import data_sheet
 
     found = Diagnostics()
-    found.ignore(Ignore(code, Span("stepbot")) for code in ignore)
+    found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     sheet: DataSheet | None = None
     try:
-        read = robot_of(target, options._replace(ignore=ignore), found)
+        read = robot_of(target, options, found)
         sheet = None if read is None else data_sheet(read[0])
     except StepbotError as error:
         found.extend(error.diagnostics)
     say_trouble(options.cache, found)
-    if as_json:
+    if display.json:
         from stepbot.report.plain import plain
 
         content = None if sheet is None else plain(sheet)
-        write_json({"datasheet": content, "diagnostics": found, "exit_code": found.exit_code})
-        return found.exit_code
+        return write_document({"datasheet": content}, found)
     show_diagnostics_of_use(found, display)
     if sheet is not None:
         write_result(printable("\n".join(_page(sheet))))

@@ -11,15 +11,13 @@ import click
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.runtime.file import exists, is_folder
 
-from .caching import say_trouble
 from .columns import wrapped_rows
-from .command import Command, display_options, json_option
-from .descriptions import package_path_option
+from .command import Command, display_options
 from .diagnostic_text import counted, paint, printable
 from .machine_output import output_format_option
 from .progress import progress_bar
-from .reading import reading_options
-from .terminal import Display, screen_width, show_diagnostics, wants_color, write_json, write_result
+from .reading import package_path_option, reading_options, say_trouble
+from .terminal import Display, screen_width, show_diagnostics, wants_color, write_document, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -55,10 +53,9 @@ _HEADINGS = ("difference", "what", "how")
 @click.option("--markdown", is_flag=True, help="Print a table in Markdown, for a comment on a pull request.")
 @reading_options
 @package_path_option
-@json_option
 @display_options
 @output_format_option
-def command(options: "Options", old: Path, new: Path, markdown: bool, as_json: bool, display: Display) -> int:
+def command(options: "Options", old: Path, new: Path, markdown: bool, display: Display) -> int:
     """Compare two STEP files, two sidecars, or two robots (output folders, or URDF, SDFormat or MJCF files).
 
     Components of STEP files are matched by shape and pose, not by name or order. Sidecars are compared by the robots
@@ -71,11 +68,10 @@ def command(options: "Options", old: Path, new: Path, markdown: bool, as_json: b
         differences = _compared(kind, old, new, options, found)
     say_trouble(options.cache, found)
     exit_code = _exit_code(differences, found)
-    if as_json:
+    if display.json:
         rows = [] if differences is None else [_record(row) for row in map(asdict, differences.rows)]
         document = {"kind": kind, "old": old.as_posix(), "new": new.as_posix(), "differences": rows}
-        write_json({**document, "diagnostics": found, "exit_code": exit_code})
-        return exit_code
+        return write_document(document, found, exit_code)
     if display.machine:
         found.extend(_annotation(row, new) for row in (differences.rows if differences is not None else ()))
         show_diagnostics(found, display)

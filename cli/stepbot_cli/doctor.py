@@ -6,9 +6,9 @@ from pathlib import Path
 
 import click
 
-from .caching import folder_option, opened
 from .command import Command, json_option
 from .diagnostic_text import paint, printable
+from .reading import folder_option, opened
 from .terminal import wants_color, write_json, write_result
 
 _COLORS = {"ok": "32", "not installed": "2", "problem": "1;31"}

@@ -11,15 +11,13 @@ import click
 from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.driving.plan import ENGINES, TESTS
 
-from .caching import say_trouble
-from .command import Command, display_options, json_option, names_option
-from .descriptions import package_path_option
+from .command import Command, display_options, names_option
 from .diagnostic_text import counted, printable
 from .picture_file import require_plots
 from .progress import progress_bar
-from .reading import reading_options, variant_option
+from .reading import package_path_option, reading_options, say_trouble, variant_option
 from .table import filled, status_lines
-from .terminal import Display, screen_width, show_diagnostics_of_use, wants_color, write_json, write_result
+from .terminal import Display, screen_width, show_diagnostics_of_use, wants_color, write_document, write_result
 
 if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
@@ -139,7 +137,6 @@ def _known(given: tuple[str, ...], known: Collection[str], noun: str) -> tuple[s
 @reading_options
 @variant_option
 @package_path_option
-@json_option
 @display_options
 def command(
     options: "Options",
@@ -148,7 +145,6 @@ def command(
     engines: tuple[str, ...],
     limits: Path | None,
     plots: Path | None,
-    as_json: bool,
     display: Display,
 ) -> int:
     """Move the robot of TARGET by its actuators in MuJoCo and PyBullet, and compare its behaviour with limits.
@@ -167,17 +163,10 @@ def command(
         driven = drive(target, options, chosen, found, progress)
     say_trouble(options.cache, found)
     drawn = _draw(driven, plots) if driven is not None and plots is not None else []
-    if as_json:
-        write_json(
-            {
-                **(driven_json(driven) if driven is not None else _NOTHING),
-                "plots": drawn,
-                "diagnostics": found,
-                "exit_code": found.exit_code,
-            }
-        )
-        return found.exit_code
-    if driven is not None and not (display.quiet or display.concise):
+    if display.json:
+        document = driven_json(driven) if driven is not None else _NOTHING
+        return write_document({**document, "plots": drawn}, found)
+    if driven is not None and display.shows_results:
         write_result("\n".join(driven_lines(driven, screen_width(sys.stdout), verbose=display.verbose)))
     show_diagnostics_of_use(found, display)
     return found.exit_code

@@ -10,7 +10,7 @@ from stepbot.diagnostics import Diagnostics, ExitCode, Span, StepbotError
 
 from .diagnostic_text import printable
 from .streams import discard
-from .terminal import show_diagnostics, write_error, write_json
+from .terminal import show_diagnostics, write_document, write_error
 
 _OURS = ("stepbot", "stepbot_cli")
 _EXTRAS = {"dask": "dask", "distributed": "dask", "embreex": "render", "PIL": "render", "scipy": "render"}
@@ -29,7 +29,7 @@ def show_exception(error: Exception, *, as_json: bool) -> ExitCode:
         write_error("".join(traceback.format_exception(error)))
         _add_internal_error(error, found)
     if as_json:
-        write_json({"diagnostics": found, "exit_code": found.exit_code})
+        write_document({}, found)
     else:
         show_diagnostics(found)
     return found.exit_code
@@ -46,7 +46,7 @@ def show_usage_error(error: click.ClickException, *, as_json: bool) -> ExitCode:
     command = context.command_path if context is not None else "stepbot"
     found = Diagnostics()
     found.add("SB010", error.format_message(), Span(command), help=[f"`{command} --help`"])
-    write_json({"diagnostics": found, "exit_code": found.exit_code})
+    write_document({}, found)
     return found.exit_code
 
 

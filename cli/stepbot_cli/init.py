@@ -11,14 +11,12 @@ import click
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.runtime.file import exists
 
-from .caching import say_trouble
-from .command import Command, display_options, json_option
+from .command import Command, display_options
 from .convert import default_output
-from .descriptions import package_path_option
 from .diagnostic_text import printable
 from .progress import progress_bar
-from .reading import reading_options
-from .terminal import Display, show_diagnostics, write_json, write_result
+from .reading import package_path_option, reading_options, say_trouble
+from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
     from stepbot.draft.draft import Draft
@@ -101,7 +99,6 @@ def _choice(options: list[str], default: int = 0) -> int:
 )
 @reading_options
 @package_path_option
-@json_option
 @display_options
 def command(
     options: "Options",
@@ -111,7 +108,6 @@ def command(
     force: bool,
     interactive: bool,
     answers_file: Path | None,
-    as_json: bool,
     display: Display,
 ) -> int:
     """Draft a sidecar from STEP: links, joints and densities, each guess with its evidence.
@@ -122,14 +118,14 @@ def command(
     """
     from stepbot.pipeline.drafting import draft_step, write_draft
 
-    if interactive and as_json:
+    if interactive and display.json:
         raise click.UsageError("--interactive and --json cannot be combined")
     sidecar = output or _beside(step)
     found = Diagnostics()
     if exists(sidecar) and not force:
         help = ["write another file with -o, or overwrite it with --force"]
         found.add("SB012", "sidecar already exists", Span(sidecar.as_posix()), help=help)
-        return _show_result(None, "", sidecar, step, found, as_json=as_json, display=display)
+        return _show_result(None, "", sidecar, step, found, display)
     answers = _answers(answers_file or sidecar)
     with ExitStack() as bar:
         progress = bar.enter_context(progress_bar(("read", "joints", "stops"), options))
@@ -145,7 +141,7 @@ def command(
         draft = replace(draft, robot=default_output(sidecar).name)
         text = write_draft(draft, sidecar, step, options.encoding, found)
     say_trouble(options.cache, found)
-    return _show_result(draft, text, sidecar, step, found, as_json=as_json, display=display)
+    return _show_result(draft, text, sidecar, step, found, display)
 
 
 def _answers(file: Path) -> dict[str, str]:
@@ -175,15 +171,12 @@ def _show_result(
     sidecar: Path,
     step: Path,
     found: Diagnostics,
-    *,
-    as_json: bool,
     display: Display,
 ) -> int:
     """Print a draft and what to do next; ``text`` is the sidecar as written."""
-    if as_json:
-        write_json(_document(draft, text, sidecar, step, found))
-        return found.exit_code
-    if draft is not None and not found.has_errors and not (display.quiet or display.concise):
+    if display.json:
+        return write_document(_document(draft, text, sidecar, step, found), found)
+    if draft is not None and not found.has_errors and display.shows_results:
         from .draft_text import draft_text
 
         write_result(draft_text(draft, sidecar, text, verbose=display.verbose))
@@ -197,4 +190,4 @@ def _document(draft: "Draft | None", text: str, sidecar: Path, step: Path, found
         from .draft_text import draft_document
 
         document |= {"written": not found.has_errors, **draft_document(draft, text)}
-    return {**document, "diagnostics": found, "exit_code": found.exit_code}
+    return document

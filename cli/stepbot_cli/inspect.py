@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .caching import say_trouble
-from .command import Command, display_options, json_option
+from .command import Command, display_options
 from .picture_file import checked_picture_name, picture_lines, require_packages, write_picture
 from .progress import progress_bar
-from .reading import reading_options, variant_option
-from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
+from .reading import reading_options, say_trouble, variant_option
+from .terminal import Display, screen_width, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
     from stepbot.diagnostics import Diagnostics
@@ -59,7 +58,6 @@ _APART = 0.8
 )
 @reading_options
 @variant_option
-@json_option
 @display_options
 def command(
     options: "Options",
@@ -71,7 +69,6 @@ def command(
     tree: bool,
     unfold: bool,
     picture: Path | None,
-    as_json: bool,
     display: Display,
 ) -> int:
     """Show the components of a STEP file: paths to paste into a sidecar, names, solids, volumes, sizes, densities.
@@ -102,20 +99,17 @@ def command(
             progress("render")
             drawn = _exploded_view(inspection.assembly, Choice(depth, glob, folded=False), not unfold, picture, found)
     say_trouble(options.cache, found)
-    if as_json:
+    if display.json:
         document = _document(inspection, between, features)
         if picture is not None:
             document["picture"] = None if drawn is None else picture.as_posix()
-        write_json({**document, "diagnostics": found, "exit_code": found.exit_code})
-    else:
-        show_diagnostics(found, display)
-        silent = display.quiet or display.concise
-        if inspection.assembly is not None and not silent:
-            choice = Choice(depth, glob, folded=not (unfold or features))
-            verbose = display.verbose
-            write_result(_text(inspection, between, choice, features=features, tree=tree, verbose=verbose))
-        if picture is not None and drawn is not None and not silent:
-            write_result("\n".join(picture_lines(picture, drawn, labels=True)))
+        return write_document(document, found)
+    show_diagnostics(found, display)
+    if inspection.assembly is not None and display.shows_results:
+        choice = Choice(depth, glob, folded=not (unfold or features))
+        write_result(_text(inspection, between, choice, features=features, tree=tree, verbose=display.verbose))
+    if picture is not None and drawn is not None and display.shows_results:
+        write_result("\n".join(picture_lines(picture, drawn, labels=True)))
     return found.exit_code
 
 
@@ -141,7 +135,7 @@ def _exploded_view(
 
 
 def _document(inspection: "Inspection", between: tuple[str, str] | None, features: bool) -> dict[str, Any]:
-    from .inspection_json import inspection_document, shared_axes_document
+    from .contents import inspection_document, shared_axes_document
     from .inspection_rows import shared_axes
 
     document = inspection_document(inspection, features=features)

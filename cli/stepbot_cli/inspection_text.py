@@ -4,12 +4,7 @@ import re
 import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from io import StringIO
 from math import floor, log10
-
-from rich.console import Console
-from rich.text import Text
-from rich.tree import Tree
 
 from stepbot.assemble.axis_evidence import met
 from stepbot.diagnostics import one_line
@@ -19,7 +14,7 @@ from stepbot.step.assembly import Assembly, Body, BodyKind, Component, Quantity
 from stepbot.step.features.axes import AxisLine, axis_faces, lines, millimetres, selectors
 from stepbot.step.structure.paths import plain_name, quoted
 
-from .columns import aligned, cells
+from .columns import aligned, cells, wrapped
 from .contents import Contents, contents
 from .diagnostic_text import counted, printable
 from .inspection_rows import Choice, Row, Rows, SharedAxes, listed
@@ -330,10 +325,6 @@ def _volume(value: float) -> str:
     return f"{value * 1e6:.6g} cm^3"
 
 
-_UNLIMITED = 1 << 16
-"""Columns where the output is no terminal: one line per component."""
-
-
 def tree_lines(
     components: Sequence[Component], rows: Sequence[Row], facts: Sequence[str], width: int | None
 ) -> list[str]:
@@ -346,19 +337,26 @@ def tree_lines(
         width: Width of the screen; None for unlimited.
     """
     words_of = {row.component.index: words for row, words in zip(rows, facts, strict=True)}
-    branches: dict[int, Tree] = {}
-
-    def branch(index: int) -> Tree:
-        if index not in branches:
-            component = components[index]
-            words = words_of.get(index, "")
-            label = Text(printable(": ".join(filter(None, (quoted(component.segment), words)))))
-            branches[index] = branch(component.parent).add(label) if component.parent >= 0 else Tree(label)
-        return branches[index]
-
+    below: dict[int, list[int]] = {0: []}
     for row in rows:
-        branch(row.component.index)
-    text = StringIO()
-    console = Console(file=text, width=width or _UNLIMITED, color_system=None, highlight=False, soft_wrap=False)
-    console.print(branch(0))
-    return [line.rstrip() for line in text.getvalue().splitlines()]
+        path, index = list[int](), row.component.index
+        while index not in below:
+            path.append(index)
+            index = components[index].parent
+        for index in reversed(path):
+            below[index] = []
+            below[components[index].parent].append(index)
+
+    def branch(index: int, first: str, further: str) -> Iterator[str]:
+        label = printable(": ".join(filter(None, (quoted(components[index].segment), words_of.get(index, "")))))
+        is_wide = width is not None and cells(first + label) > width
+        head, *rest = wrapped(label, max(width - cells(first), 1)) if is_wide and width is not None else [label]
+        yield f"{first}{head}"
+        yield from (f"{further}{line}" for line in rest)
+        *others, last = below[index] or [-1]
+        for child in others:
+            yield from branch(child, f"{further}├── ", f"{further}│   ")
+        if last >= 0:
+            yield from branch(last, f"{further}└── ", f"{further}    ")
+
+    return [line.rstrip() for line in branch(0, "", "")]

@@ -16,7 +16,7 @@ from .columns import aligned, table_lines
 from .command import Command, display_options, json_option
 from .convert import format_names, format_option, no_verify_option, run_conversion
 from .reading import require_option, working_options
-from .terminal import Display, screen_width, show_diagnostics, text_width, write_json, write_result
+from .terminal import Display, screen_width, show_diagnostics, text_width, write_document, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -96,7 +96,6 @@ def show(name: str, as_json: bool) -> int:
 @no_verify_option
 @require_option
 @working_options
-@json_option
 @display_options
 def export(
     options: "Options",
@@ -104,26 +103,19 @@ def export(
     formats: tuple[str, ...],
     output: Path | None,
     source: bool,
-    no_verify: bool,
-    require: tuple[str, ...],
-    as_json: bool,
     display: Display,
 ) -> int:
     """Write the robot NAME as URDF, SDFormat and MJCF, and verify the files, as `stepbot convert` does."""
     robot = _found(name)
     if source:
-        if formats or no_verify or require:
+        if formats or not options.verify or options.require:
             raise click.UsageError("--source cannot be combined with --format, --no-verify or --require")
-        return _export_source(robot, output or Path(robot.short_name), as_json=as_json, display=display)
-    if no_verify and require:
-        raise click.UsageError("--require and --no-verify cannot be combined")
-    options = options._replace(
-        output=output or Path(robot.short_name), formats=format_names(formats), verify=not no_verify, require=require
-    )
-    return run_conversion(robot.sidecar, options, as_json=as_json, display=display)
+        return _export_source(robot, output or Path(robot.short_name), display)
+    options = options._replace(output=output or Path(robot.short_name), formats=format_names(formats))
+    return run_conversion(robot.sidecar, options, display=display)
 
 
-def _export_source(robot: "LibraryRobot", folder: Path, *, as_json: bool, display: Display) -> int:
+def _export_source(robot: "LibraryRobot", folder: Path, display: Display) -> int:
     """Write the drawing, the sidecar and its schema; if a different file of such a name exists, nothing is written."""
     files, found = robot.source(), Diagnostics()
     help = ["choose another folder with -o DIR"]
@@ -140,10 +132,10 @@ def _export_source(robot: "LibraryRobot", folder: Path, *, as_json: bool, displa
             found.add(
                 "SB004", f"cannot write: {error.strerror or error}", Span(str(error.filename or folder)), help=help
             )
-    if as_json:
+    if display.json:
         written = [] if found.has_errors else sorted(files)
-        write_json({"output": folder.as_posix(), "files": written, "diagnostics": found, "exit_code": found.exit_code})
-    elif found.has_errors:
+        return write_document({"output": folder.as_posix(), "files": written}, found)
+    if found.has_errors:
         show_diagnostics(found, display)
     else:
         write_result("\n".join((folder / name).as_posix() for name in files))

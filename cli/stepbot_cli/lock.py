@@ -7,13 +7,11 @@ import click
 
 from stepbot.diagnostics import Diagnostics
 
-from .caching import say_trouble
-from .command import Command, display_options, ignore_option, json_option
-from .descriptions import reject_descriptions
+from .command import Command, display_options, ignore_option
 from .diagnostic_text import counted, printable
 from .progress import progress_bar
-from .reading import reading_options, variant_option
-from .terminal import Display, show_diagnostics, write_json, write_result
+from .reading import reading_options, reject_descriptions, say_trouble, variant_option
+from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -31,14 +29,11 @@ if TYPE_CHECKING:
 @ignore_option
 @reading_options
 @variant_option
-@json_option
 @display_options
 def command(
     options: "Options",
     sidecars: tuple[Path, ...],
     step: Path | None,
-    ignore: tuple[str, ...],
-    as_json: bool,
     display: Display,
 ) -> int:
     """Write `<robot>.lock.json` beside each sidecar: shape, pose and mass of each component, axis of each joint.
@@ -52,7 +47,7 @@ def command(
     from stepbot.revisions.lock_file import lock_bytes
     from stepbot.runtime.file import write_file
 
-    options = options._replace(step=step, ignore=ignore)
+    options = options._replace(step=step)
     found = Diagnostics()
     written: dict[Path, Snapshot] = {}
     paths = find_sidecars(sidecars or (Path(),), found)
@@ -67,17 +62,16 @@ def command(
                     written[path] = locked
                 found.extend(writing)
     say_trouble(options.cache, found)
-    if as_json:
+    if display.json:
         files = [{"lock": path.as_posix(), **_counts(taken)} for path, taken in written.items()]
-        write_json({"files": files, "diagnostics": found, "exit_code": found.exit_code})
-    else:
-        show_diagnostics(found, display)
-        if not (display.quiet or display.concise):
-            for path, taken in written.items():
-                words = ", ".join(counted(number, noun.removesuffix("s")) for noun, number in _counts(taken).items())
-                write_result(printable(f"{path.as_posix()}: {words} of {taken.source}"))
-            if not (written or found.has_errors):
-                write_result("nothing to lock: composed of modules without sidecars of their own, or of the library")
+        return write_document({"files": files}, found)
+    show_diagnostics(found, display)
+    if display.shows_results:
+        for path, taken in written.items():
+            words = ", ".join(counted(number, noun.removesuffix("s")) for noun, number in _counts(taken).items())
+            write_result(printable(f"{path.as_posix()}: {words} of {taken.source}"))
+        if not (written or found.has_errors):
+            write_result("nothing to lock: composed of modules without sidecars of their own, or of the library")
     return found.exit_code
 
 

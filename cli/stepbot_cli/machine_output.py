@@ -100,15 +100,15 @@ FORMATS: dict[str, Callable[[Iterable[Diagnostic]], str]] = {"github": github, "
 
 
 def output_format_option(command: Callable[..., int]) -> Callable[..., int]:
-    """Add ``--output-format`` to a command that has ``display`` and ``as_json``."""
+    """Add ``--output-format`` to a command that has ``display``."""
 
     @wraps(command)
-    def with_format(*, output_format: str, as_json: bool, display: Display, **others: Any) -> int:
-        if output_format != "text" and as_json and output_format != "json":
+    def with_format(*, output_format: str, display: Display, **others: Any) -> int:
+        if output_format != "text" and display.json and output_format != "json":
             raise click.UsageError(f"--json and --output-format {output_format} cannot be combined")
         if output_format in FORMATS:
             display = display._replace(concise=True, machine=output_format)
-        return command(as_json=as_json or output_format == "json", display=display, **others)
+        return command(display=display._replace(json=display.json or output_format == "json"), **others)
 
     return click.option(
         "--output-format",

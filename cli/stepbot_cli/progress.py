@@ -1,4 +1,4 @@
-"""What a command is doing and how far it is: a bar on a terminal, elsewhere a line every ten seconds."""
+"""What a command is doing and how far it is: a line drawn again on a terminal, elsewhere one every ten seconds."""
 
 import os
 import sys
@@ -10,21 +10,22 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .interrupts import interruptible
-from .limits import bounded
-from .terminal import wants_color
+from .columns import shortened
+from .limits import bounded, interruptible
+from .terminal import WIDEST_TEXT, screen_width
 
 if TYPE_CHECKING:
-    from rich.progress import ProgressColumn
-
     from stepbot.pipeline.conversion import Options
 
 NO_PROGRESS = "STEPBOT_NO_PROGRESS"
 """Variable that, if set to anything, leaves out the lines in a log, as `-q` does."""
 BETWEEN_LINES = 10.0
 """Seconds between two lines in a log, and before the first."""
-BAR_WIDTH = 20
-"""Width of a progress bar."""
+_REDRAWN = 0.2
+"""Seconds between two drawings on a terminal."""
+_BAR_WIDTH = 20
+_TO_LINE_END = "\x1b[K"
+"""Control sequence that erases the rest of a line."""
 STAGES = {
     "read": "reading the source",
     "joints": "inferring links and joints",
@@ -52,40 +53,22 @@ def progress_bar(
         stages: Stages to expect, of :data:`STAGES`.
         options: Their limits of time, for each stage, and of memory hold for this process, too.
     """
-    if not sys.stderr.isatty():
-        with interruptible() as end_if_interrupted, _lines() as line, bounded(options) as restart:
+    start, stage = time.monotonic(), ["starting"]
 
-            def begin_line(stage: str) -> None:
-                end_if_interrupted()
-                restart()
-                line(stage)
+    def text() -> str:
+        seconds = f"{time.monotonic() - start:.0f} s"
+        return ", ".join(filter(None, (STAGES.get(stage[0], stage[0]), seconds, how_far())))
 
-            yield begin_line
-        return
+    def drawn() -> str:
+        return f"{bar(stages.index(stage[0]) if stage[0] in stages else 0, len(stages))} {text()}"
 
-    from rich.console import Console
-    from rich.progress import Progress, ProgressColumn, SpinnerColumn, Task, TextColumn, TimeElapsedColumn
-    from rich.text import Text
+    with interruptible() as end_if_interrupted, shown(drawn, text) as draw, bounded(options) as restart:
 
-    color = wants_color(sys.stderr)
-    console = Console(stderr=True, no_color=not color)
-
-    class How(ProgressColumn):
-        """How far the stage is."""
-
-        def render(self, _task: Task) -> Text:
-            return Text(how_far())
-
-    columns = (SpinnerColumn(), bar_column(color), TextColumn("{task.description}"), How(), TimeElapsedColumn())
-    shown = Progress(*columns, console=console, transient=True)
-    with interruptible() as end_if_interrupted, shown as bar, bounded(options) as restart:
-        task = bar.add_task("starting", total=len(stages))
-
-        def begin(stage: str) -> None:
+        def begin(name: str) -> None:
             end_if_interrupted()
             restart()
-            done = stages.index(stage) if stage in stages else None
-            bar.update(task, description=STAGES.get(stage, stage), completed=done)
+            stage[0] = name
+            draw()
 
         yield begin
 
@@ -101,46 +84,46 @@ def how_far() -> str:
     return ""
 
 
+def bar(done: int, total: int) -> str:
+    """A bar of two characters."""
+    full = int(_BAR_WIDTH * done / total) if total else 0
+    return "#" * full + "." * (_BAR_WIDTH - full)
+
+
 @contextmanager
-def _lines() -> Iterator[Callable[[str], None]]:
-    """Yield a function to call at the start of each stage; a command that takes long prints where it is."""
-    start, stage, ended = time.monotonic(), ["starting"], threading.Event()
+def shown(drawn: Callable[[], str], logged: Callable[[], str] | None = None) -> Iterator[Callable[[], None]]:
+    """Show a line that changes with time; yields a function that draws it at once, on a terminal.
 
-    def begin(name: str) -> None:
-        stage[0] = STAGES.get(name, name)
-
-    def write() -> None:
-        while not ended.wait(BETWEEN_LINES):
-            seconds = f"{time.monotonic() - start:.0f} s"
-            print(f"stepbot: {', '.join(filter(None, (stage[0], seconds, how_far())))}", file=sys.stderr, flush=True)
-
+    Args:
+        drawn: The line on a terminal, which is erased at the end.
+        logged: The line in a log; None for none.
+    """
+    stream, ended = sys.stderr, threading.Event()
     context = click.get_current_context(silent=True)
-    display = context.params.get("display") if context else None
-    if os.environ.get(NO_PROGRESS) or getattr(display, "quiet", False):
-        yield begin
+    is_quiet = context is not None and context.params.get("quiet", False)
+    is_silent = logged is None or is_quiet or bool(os.environ.get(NO_PROGRESS))
+    if is_silent and not stream.isatty():
+        yield lambda: None
         return
-    thread = threading.Thread(target=write, name="stepbot-progress", daemon=True)
+
+    def draw() -> None:
+        if stream.isatty():
+            line = shortened(drawn(), (screen_width(stream) or WIDEST_TEXT) - 1)
+            print(f"\r{line}{_TO_LINE_END}", end="", file=stream, flush=True)
+
+    def draw_again() -> None:
+        while not ended.wait(_REDRAWN if stream.isatty() else BETWEEN_LINES):
+            if logged is None or stream.isatty():
+                draw()
+            else:
+                print(f"stepbot: {logged()}", file=stream, flush=True)
+
+    thread = threading.Thread(target=draw_again, name="stepbot-progress", daemon=True)
     thread.start()
     try:
-        yield begin
+        yield draw
     finally:
         ended.set()
         thread.join()
-
-
-def bar_column(color: bool) -> "ProgressColumn":
-    """The bar itself; rich's own distinguishes done from remaining by colour only."""
-    from rich.progress import BarColumn, ProgressColumn, Task
-    from rich.text import Text
-
-    if color:
-        return BarColumn(BAR_WIDTH)
-
-    class PlainBar(ProgressColumn):
-        """A bar of two characters."""
-
-        def render(self, task: Task) -> Text:
-            done = int(BAR_WIDTH * (task.completed / task.total if task.total else 0.0))
-            return Text("#" * done + "." * (BAR_WIDTH - done))
-
-    return PlainBar()
+        if stream.isatty():
+            print(f"\r{_TO_LINE_END}", end="", file=stream, flush=True)

@@ -1,21 +1,80 @@
-"""Options that several commands share: code page, limits and cache of the STEP; engines; data of the package."""
+"""Options that several commands share: limits, cache, code page, variant, engines, descriptions, data of packages."""
 
-from collections.abc import Callable
+import os
+import re
+from collections.abc import Callable, Iterable
 from functools import wraps
-from math import isfinite, nan
+from math import inf, isfinite, nan
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.cache import DEFAULT_LIMIT, Cache, default_folder
 from stepbot.runtime.memory import DEFAULT_TIMEOUT, worker_limit
 
-from .caching import cache_options, opened, size
 from .command import names_option
 from .diagnostic_text import printable
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
+
+_SIZE = re.compile(r"(?P<number>\d+(?:\.\d+)?)\s*(?P<prefix>[KMGT]?)i?B?", re.IGNORECASE)
+_FACTORS = {"": 1, "K": 2**10, "M": 2**20, "G": 2**30, "T": 2**40}
+
+
+def size(text: str) -> int:
+    """Bytes, from a number with an optional binary prefix.
+
+    Raises:
+        click.BadParameter: The text is not a size.
+    """
+    match = _SIZE.fullmatch(text.strip())
+    if match is None:
+        raise click.BadParameter(f"'{text}' is not a size such as 4G or 500M")
+    return int(float(match["number"]) * _FACTORS[match["prefix"].upper()])
+
+
+def in_words(count: int) -> str:
+    """A size with a unit prefix: ``1.4 GiB``."""
+    amount, unit = float(count), "B"
+    for larger in ("KiB", "MiB", "GiB", "TiB"):
+        if amount < 1024.0:
+            break
+        amount, unit = amount / 1024.0, larger
+    return f"{amount:.1f} {unit}" if unit != "B" else f"{count} B"
+
+
+SIZE_VARIABLE = "STEPBOT_CACHE_SIZE"
+
+folder_option = click.option(
+    "--cache",
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    envvar="STEPBOT_CACHE",
+    help="Cache folder.  [default: stepbot in the user's cache folder]",
+)
+
+
+def cache_options(command: Callable[..., Any]) -> Callable[..., Any]:
+    """Add the options for the cache."""
+    off = click.option("--no-cache", is_flag=True, envvar="STEPBOT_NO_CACHE", help="Disable the cache.")
+    return folder_option(off(command))
+
+
+def opened(folder: Path | None, off: bool = False) -> Cache | None:
+    """The cache selected by the options; None if disabled."""
+    if off:
+        return None
+    limit = size(os.environ[SIZE_VARIABLE]) if os.environ.get(SIZE_VARIABLE) else DEFAULT_LIMIT
+    return Cache(folder or default_folder(), limit)
+
+
+def say_trouble(cache: Cache | None, found: Diagnostics) -> None:
+    """Add a note if results could not be cached."""
+    if cache is not None and cache.trouble:
+        found.add("SB006", cache.trouble, Span("stepbot"), help=["choose another folder with `--cache DIR`"])
 
 
 require_option = names_option(
@@ -68,7 +127,7 @@ def limit_options(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def _maintainer(context: click.Context, option: click.Parameter, given: str | None) -> str:  # noqa: ARG001
     """The name and address of a maintainer."""
-    if given is None:
+    if not given:
         return ""
     from stepbot.robot.metadata import is_maintainer
 
@@ -79,23 +138,19 @@ def _maintainer(context: click.Context, option: click.Parameter, given: str | No
 
 _maintainer_option = click.option(
     "--maintainer",
+    default="",
     metavar="'NAME <ADDRESS>'",
     callback=_maintainer,
     help="Maintainer that packages state, instead of the one in SIDECAR.",
 )
 _license_option = click.option(
-    "--license", metavar="NAME", help="Licence that packages state, instead of the one in SIDECAR."
+    "--license", default="", metavar="NAME", help="Licence that packages state, instead of the one in SIDECAR."
 )
 
 
 def metadata_options(command: Callable[..., int]) -> Callable[..., int]:
-    """Add ``--maintainer`` and ``--license`` to the ``options`` that :func:`.reading.reading_options` makes."""
-
-    @wraps(command)
-    def with_options(*, options: "Options", maintainer: str, license: str | None, **others: Any) -> int:
-        return command(options=options._replace(maintainer=maintainer, license=license or ""), **others)
-
-    return _maintainer_option(_license_option(with_options))
+    """Add ``--maintainer`` and ``--license``."""
+    return _maintainer_option(_license_option(command))
 
 
 def _code_page(name: str) -> str:
@@ -118,29 +173,22 @@ encoding_option = click.option(
 )
 
 
+_FIELDS = (
+    *("timeout", "memory_limit", "encoding", "strict", "ignore", "require", "verify", "html", "programs"),
+    *("maintainer", "license", "package_path", "base", "xacro", "assume_inertia"),
+)
+"""Parameters of commands that are fields of their ``options``."""
+
+
 def working_options(command: Callable[..., int]) -> Callable[..., int]:
-    """Add the limits of workers and the cache; the command receives both as ``options`` and adds its own."""
+    """Add the limits of workers and the cache; the command receives them, and :data:`_FIELDS`, as ``options``."""
 
     @wraps(command)
-    def with_options(
-        *,
-        timeout: float,
-        memory_limit: int | None,
-        cache: Path | None,
-        no_cache: bool,
-        encoding: str = "",
-        **others: Any,
-    ) -> int:
+    def with_options(*, cache: Path | None, no_cache: bool, **others: Any) -> int:
         from stepbot.pipeline.conversion import Options
 
-        options = Options(
-            output=Path(),
-            encoding=encoding,
-            timeout=timeout,
-            memory_limit=memory_limit,
-            cache=opened(cache, no_cache),
-        )
-        return command(options=options, **others)
+        fields = {name: others.pop(name) for name in _FIELDS if name in others}
+        return command(options=Options(output=Path(), cache=opened(cache, no_cache), **fields), **others)
 
     return limit_options(cache_options(with_options))
 
@@ -165,3 +213,84 @@ def variant_option(command: Callable[..., int]) -> Callable[..., int]:
 def reading_options(command: Callable[..., int]) -> Callable[..., int]:
     """The same, and the code page of STEP files."""
     return encoding_option(working_options(command))
+
+
+_base_option = click.option(
+    "--base",
+    type=click.Choice(["fixed", "floating"]),
+    callback=lambda _context, _parameter, given: given or "",
+    help="Whether the base of a converted URDF is fixed to the world: the format does not say.",
+)
+xacro_option = click.option(
+    "--xacro",
+    multiple=True,
+    metavar="NAME:=VALUE",
+    callback=lambda _context, _parameter, given: tuple(map(_argument, given)),
+    help="Value of an argument of a xacro; may be repeated.",
+)
+_inertia_option = click.option(
+    "--assume-inertia",
+    metavar="DENSITY",
+    callback=lambda _context, _parameter, text: _density(text),
+    help="Compute mass properties that a description lacks, or states impossibly, from its geometry and this density: "
+    "1000, '2.7 g/cm^3'. Each is reported.",
+)
+folders_option = click.option(
+    "--package-path",
+    "package_path",
+    multiple=True,
+    type=click.Path(path_type=Path),
+    metavar="DIR",
+    help="Folder of a package, or of packages, that a description names in package:// or model://; may be repeated.",
+)
+
+
+def package_path_option(command: Callable[..., int]) -> Callable[..., int]:
+    """Add ``--package-path`` and ``--xacro``."""
+    return folders_option(xacro_option(command))
+
+
+def description_options(command: Callable[..., int]) -> Callable[..., int]:
+    """Add ``--base``, ``--assume-inertia`` and ``--package-path``, too."""
+    return package_path_option(_base_option(_inertia_option(command)))
+
+
+def _argument(text: str) -> tuple[str, str]:
+    """Name and value of an argument, as ROS writes it, or with a plain equals sign."""
+    name, sign, value = text.partition(":=") if ":=" in text else text.partition("=")
+    if not (sign and name.strip()):
+        raise click.BadParameter(f"'{text}' is not NAME:=VALUE: `--xacro ur_type:=ur5e`")
+    return name.strip(), value
+
+
+def _density(text: str | None) -> float:
+    """A density [kg/m^3], as in a sidecar; 0 for none."""
+    if text is None:
+        return 0.0
+    from stepbot.sidecar.units import DENSITY, UnitError, read_quantity
+
+    try:
+        density = read_quantity(text, DENSITY).value
+    except UnitError as error:
+        raise click.BadParameter(str(error)) from error
+    if not 0.0 < density < inf:
+        raise click.BadParameter(f"'{text}' is not a density above 0")
+    return density
+
+
+def reject_descriptions(what: str, paths: Iterable[Path]) -> None:
+    """Reject an option or a command that applies to sidecars alone.
+
+    Args:
+        what: The option or command, for the message.
+        paths: What it was given for.
+
+    Raises:
+        click.UsageError: One of the files is a URDF, SDFormat or MJCF.
+    """
+    from stepbot.pipeline.conversion import is_description
+
+    for path in filter(is_description, paths):
+        name = printable(path.name)
+        remedy = f"`stepbot init CAD.step --from {name}` drafts a sidecar of a STEP file from it"
+        raise click.UsageError(f"{what} needs a sidecar: {name} is a robot description; {remedy}")

@@ -10,13 +10,11 @@ import click
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 
-from .caching import say_trouble
-from .command import Command, display_options, json_option
-from .descriptions import package_path_option
+from .command import Command, display_options
 from .picture_file import checked_picture_name, picture_lines, require_packages, write_picture
 from .progress import progress_bar
-from .reading import reading_options, variant_option
-from .terminal import Display, show_diagnostics_of_use, write_json, write_result
+from .reading import package_path_option, reading_options, say_trouble, variant_option
+from .terminal import Display, show_diagnostics_of_use, write_document, write_result
 
 if TYPE_CHECKING:
     from stepbot.pictures.camera import View
@@ -175,7 +173,6 @@ def _view(context: click.Context, option: click.Parameter, text: str) -> "View":
 @reading_options
 @variant_option
 @package_path_option
-@json_option
 @display_options
 def command(
     options: "Options",
@@ -186,7 +183,6 @@ def command(
     labels: bool,
     size: tuple[int, int],
     samples: int,
-    as_json: bool,
     display: Display,
 ) -> int:
     """Draw TARGET, a sidecar's robot, a STEP file, or a URDF, SDFormat or MJCF file, without a window.
@@ -210,7 +206,7 @@ def command(
             found.add("SB020", str(error), Span(target.as_posix()), help=["see `stepbot inspect` for what it contains"])
     if picture is not None:
         write_picture(path, picture, found)
-    return _report(path, sheet, picture, positions, found, options, as_json=as_json, display=display)
+    return _report(path, sheet, picture, positions, found, options, display)
 
 
 def _subject(
@@ -253,13 +249,11 @@ def _report(
     positions: dict[str, str],
     found: Diagnostics,
     options: "Options",
-    *,
-    as_json: bool,
     display: Display,
 ) -> int:
     say_trouble(options.cache, found)
     written = picture is not None and not found.has_errors
-    if as_json:
+    if display.json:
         document = {
             "file": path.as_posix() if written else None,
             "size": [sheet.width, sheet.height],
@@ -268,8 +262,7 @@ def _report(
             "hidden": [] if picture is None else list(picture.hidden),
             "unlabelled": [] if picture is None else list(picture.unlabelled),
         }
-        write_json({**document, "diagnostics": found, "exit_code": found.exit_code})
-        return found.exit_code
+        return write_document(document, found)
     show_diagnostics_of_use(found, display)
     if picture is not None and written and not display.quiet:
         write_result("\n".join(picture_lines(path, picture, sheet.labels)))

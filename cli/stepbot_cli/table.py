@@ -1,15 +1,18 @@
-"""Verification results as a table: one line per file and engine."""
+"""Tables: verification results, one line per file and engine; joints, with their position and its evidence."""
 
 import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from .columns import cells as width_of
 from .columns import wrapped_rows
 from .diagnostic_text import FRAME_WIDTH, paint, printable
 from .terminal import screen_width, wants_color, write_result
 
 if TYPE_CHECKING:
     from stepbot.report.results import Check, Results, Row
+    from stepbot.report.summary import JointTable
+    from stepbot.robot.joint_table import JointRow
 
 RESULT = "result"
 """Heading of the column with the result."""
@@ -118,3 +121,56 @@ def write_filled(*paragraphs: str) -> None:
     """Print paragraphs to standard output, as wide as the terminal."""
     width = screen_width(sys.stdout)
     write_result("\n".join(line for text in paragraphs for line in filled(printable(text), width)))
+
+
+_NARROWEST = 60
+_INDENT = "    "
+
+
+def show_joint_rows(rows: Sequence["JointRow"]) -> None:
+    """Print the joint table of these joints, with all evidence; nothing without joints."""
+    if rows:
+        from stepbot.report.summarizing import joint_table_of
+
+        show_joint_table(joint_table_of(rows, verbose=True))
+
+
+def show_joint_table(table: "JointTable") -> None:
+    """Print a joint table to standard output, as wide as the terminal."""
+    write_result("\n".join(joint_lines(table, screen_width(sys.stdout) or FRAME_WIDTH)))
+
+
+def joint_lines(table: "JointTable", width: int) -> list[str]:
+    """The joint table as lines.
+
+    Args:
+        width: Width of the screen, at least 60; only a word longer than a line exceeds it.
+    """
+    width = max(width, _NARROWEST)
+    lines = [table.title]
+    for joint in table.joints:
+        head, place, details = printable(joint.head), printable(joint.place), joint.details
+        if place and width_of(f"{head}, {place}") <= width:
+            head = f"{head}, {place}"
+        elif place:
+            details = (place, *details)
+        lines += _wrapped(head, width)
+        for text in details:
+            lines += _wrapped(printable(text), width, _INDENT)
+    return lines + (_wrapped(printable(table.weak), width) if table.weak else [])
+
+
+def _wrapped(text: str, width: int, indent: str = "") -> list[str]:
+    line = f"{indent}{text}".rstrip()
+    if len(line) <= width and "\n" not in line:
+        return [line]
+    import textwrap
+
+    return textwrap.wrap(
+        text,
+        width,
+        initial_indent=indent,
+        subsequent_indent=f"{indent}{_INDENT}",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )

@@ -59,6 +59,19 @@ def write_json(document: Mapping[str, Any]) -> None:
     write_result("\n".join(map(_printable, indented(document, _plain).split("\n"))))
 
 
+def write_document(document: Mapping[str, Any], found: Diagnostics, exit_code: int | None = None) -> int:
+    """Print the results of a command as JSON, with its diagnostics and exit code; returns that.
+
+    Args:
+        document: The results.
+        found: The diagnostics.
+        exit_code: The exit code; None for that of the diagnostics.
+    """
+    code = found.exit_code if exit_code is None else exit_code
+    write_json({**document, "diagnostics": found, "exit_code": code})
+    return code
+
+
 def _printable(line: str) -> str:
     return line if line.isprintable() else "".join(c if c.isprintable() else json.dumps(c)[1:-1] for c in line)
 
@@ -74,6 +87,13 @@ class Display(NamedTuple):
     """Errors and warnings only."""
     machine: str = ""
     """The format for another program, of :mod:`.machine_output`; empty for people."""
+    json: bool = False
+    """One JSON document instead of text."""
+
+    @property
+    def shows_results(self) -> bool:
+        """Whether results are printed beside diagnostics."""
+        return not (self.quiet or self.concise)
 
 
 _DEFAULT = Display()
@@ -92,7 +112,7 @@ def show_diagnostics(found: Iterable[Diagnostic], display: Display = _DEFAULT, *
 
         _write(sys.stdout, FORMATS[display.machine](diagnostics))
         return
-    ignored = len(found.ignored) if isinstance(found, Diagnostics) and not (display.quiet or display.concise) else 0
+    ignored = len(found.ignored) if isinstance(found, Diagnostics) and display.shows_results else 0
     if not diagnostics and not ignored:
         return
     stream = sys.stdout if as_result else sys.stderr

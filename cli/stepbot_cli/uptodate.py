@@ -8,8 +8,7 @@ import click
 from stepbot.diagnostics import Diagnostics
 from stepbot.runtime.file import resolved
 
-from .caching import say_trouble
-from .command import Command, display_options, ignore_option, json_option
+from .command import Command, display_options, ignore_option
 from .convert import (
     again_format_option,
     for_option,
@@ -20,11 +19,10 @@ from .convert import (
     package_option,
     ros2_option,
 )
-from .descriptions import description_options
 from .machine_output import output_format_option
 from .progress import progress_bar
-from .reading import metadata_options, reading_options
-from .terminal import Display, show_diagnostics, write_json, write_result
+from .reading import description_options, metadata_options, reading_options, say_trouble
+from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -53,7 +51,6 @@ if TYPE_CHECKING:
 @reading_options
 @description_options
 @metadata_options
-@json_option
 @display_options
 @output_format_option
 def command(
@@ -64,11 +61,7 @@ def command(
     package: str,
     ros2: str,
     gazebo: bool,
-    programs: tuple[str, ...],
     exclude: tuple[str, ...],
-    strict: bool,
-    ignore: tuple[str, ...],
-    as_json: bool,
     display: Display,
 ) -> int:
     """Compare the output files of each robot with what `convert` would write. No files are written.
@@ -79,15 +72,8 @@ def command(
     from stepbot.jobs.discovery import find_sidecars, robot_name, variants_of
     from stepbot.jobs.uptodate import check_up_to_date, output_folders
 
-    formats = formats_with(programs, formats)
-    options = options._replace(
-        formats=formats,
-        package=package_name(package, ros2, formats),
-        ros2=bool(ros2),
-        strict=strict,
-        ignore=ignore,
-        programs=programs,
-    )
+    formats = formats_with(options.programs, formats)
+    options = options._replace(formats=formats, package=package_name(package, ros2, formats), ros2=bool(ros2))
     found = Diagnostics()
     paths = find_sidecars(sidecars or (Path(),), found)
     filled = output_folders(Path()) if output is None else {}
@@ -104,12 +90,11 @@ def command(
                 check_up_to_date(path, asked, found, exclude=exclude, progress=progress)
                 compared += 1
     say_trouble(options.cache, found)
-    if as_json:
-        write_json({"files": [path.as_posix() for path in paths], "diagnostics": found, "exit_code": found.exit_code})
-    else:
-        show_diagnostics(found, display, as_result=True)
-        if not (found.has_errors or display.quiet or display.concise):
-            write_result(f"ok: {compared} output folder{'' if compared == 1 else 's'} up to date")
+    if display.json:
+        return write_document({"files": [path.as_posix() for path in paths]}, found)
+    show_diagnostics(found, display, as_result=True)
+    if display.shows_results and not found.has_errors:
+        write_result(f"ok: {compared} output folder{'' if compared == 1 else 's'} up to date")
     return found.exit_code
 
 

@@ -6,14 +6,12 @@ import click
 
 from stepbot.diagnostics import Diagnostics, Ignore, Span
 
-from .command import Command, display_options, ignore_option, json_option
-from .descriptions import folders_option
-from .joint_table import show_joint_rows
+from .command import Command, display_options, ignore_option
 from .machine_output import junit_option, output_format_option, write_junit
 from .progress import progress_bar
-from .reading import limit_options, require_option
-from .table import show_table, write_filled
-from .terminal import Display, show_diagnostics, write_json, write_result
+from .reading import folders_option, limit_options, require_option
+from .table import show_joint_rows, show_table, write_filled
+from .terminal import Display, show_diagnostics, write_document, write_result
 
 
 @click.command(
@@ -27,7 +25,6 @@ from .terminal import Display, show_diagnostics, write_json, write_result
 @limit_options
 @folders_option
 @junit_option
-@json_option
 @display_options
 @output_format_option
 def command(
@@ -39,7 +36,6 @@ def command(
     memory_limit: int | None,
     package_path: tuple[Path, ...],
     junit: Path | None,
-    as_json: bool,
     display: Display,
 ) -> int:
     """Load URDF, SDFormat and MJCF files in every engine that supports them, and compare the loaded robots.
@@ -63,16 +59,15 @@ def command(
     document = report_document(report, found)
     if junit is not None:
         write_junit(junit, [Suite(files[0].stem, document["checks"], tuple(found), whole="verification")])
-    if as_json:
-        write_json({"report": document, "diagnostics": found, "exit_code": found.exit_code})
-    else:
-        shown = report.checks and not (display.quiet or display.concise)
-        if shown:
-            write_filled(*compared_words(report, [path.name for path in files]))
-            if display.verbose:
-                show_joint_rows(report.joint_table, verbose=True)
-                show_table(report)
-        show_diagnostics(found, display)
-        if shown and not display.verbose:
-            write_result("joints, engines and deviations: -v; every check: --json")
+    if display.json:
+        return write_document({"report": document}, found)
+    shown = report.checks and display.shows_results
+    if shown:
+        write_filled(*compared_words(report, [path.name for path in files]))
+        if display.verbose:
+            show_joint_rows(report.joint_table)
+            show_table(report)
+    show_diagnostics(found, display)
+    if shown and not display.verbose:
+        write_result("joints, engines and deviations: -v; every check: --json")
     return found.exit_code

@@ -12,14 +12,12 @@ import click
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.runtime.file import exists
 
-from .caching import say_trouble
-from .command import Command, display_options, json_option
+from .command import Command, display_options
 from .convert import default_output
-from .descriptions import package_path_option
 from .diagnostic_text import printable, summary
 from .progress import progress_bar
-from .reading import reading_options, variant_option
-from .terminal import Display, show_diagnostics, write_json, write_result
+from .reading import package_path_option, reading_options, say_trouble, variant_option
+from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -37,11 +35,16 @@ if TYPE_CHECKING:
 @click.option(
     "--port", type=click.IntRange(0, 65535), default=0, metavar="N", help="Port; the default is any free one."
 )
-@click.option("--no-verify", is_flag=True, help="Do not load the files in engines.")
+@click.option(
+    "--no-verify",
+    "verify",
+    is_flag=True,
+    callback=lambda _context, _option, given: not given,
+    help="Do not load the files in engines.",
+)
 @reading_options
 @variant_option
 @package_path_option
-@json_option
 @display_options
 def command(
     options: "Options",
@@ -49,8 +52,6 @@ def command(
     edit: bool,
     no_open: bool,
     port: int,
-    no_verify: bool,
-    as_json: bool,
     display: Display,
 ) -> int:
     """Show a robot in a browser: links, joints to move, masses, collision shapes, verification.
@@ -73,13 +74,13 @@ def command(
         target, drafted = _editable(target, options, found)
         _check_writable(target, found)
     if found.has_errors:
-        return _say(found, "", as_json, display)
+        return _say(found, "", display)
     try:
         output = default_output(target, options.variant)
-        session = Session(target, options._replace(verify=not no_verify, output=output), port=port, edits=edit)
+        session = Session(target, options._replace(output=output), port=port, edits=edit)
     except OSError as error:
         found.add("SB019", f"port {port}: {error.strerror}", Span("stepbot"))
-        return _say(found, "", as_json, display)
+        return _say(found, "", display)
     with ExitStack() as running:
         if edit:
             running.enter_context(warm_processes())
@@ -90,14 +91,14 @@ def command(
         found.extend(shown.diagnostics)
         say_trouble(options.cache, found)
         if shown.scene is None:
-            return _say(found, "", as_json, display)
+            return _say(found, "", display)
         session.server.start()
-        _say(found, session.server.url, as_json, display, drafted)
+        _say(found, session.server.url, display, drafted)
         try:
             if not no_open:
                 webbrowser.open(session.server.url)
             session.guess()
-            if not no_verify:
+            if options.verify:
                 prover = Prover([session], lambda *result: None)
                 running.callback(prover.close)
                 session.on_edit = lambda: prover.ask(session)
@@ -158,14 +159,13 @@ def _check_writable(sidecar: Path, found: Diagnostics) -> None:
         )
 
 
-def _say(found: Diagnostics, url: str, as_json: bool, display: Display, drafted: str = "") -> int:
+def _say(found: Diagnostics, url: str, display: Display, drafted: str = "") -> int:
     """Print diagnostics and the address of the page; returns the exit code.
 
     Of a page that opens, warnings and notes are only counted: it lists them, each beside its place.
     """
-    if as_json:
-        write_json({"url": url, "diagnostics": found, "exit_code": found.exit_code})
-        return found.exit_code
+    if display.json:
+        return write_document({"url": url}, found)
     listed = [one for one in found if one.severity != "error"] if url and not display.verbose else []
     show_diagnostics([one for one in found if one not in listed] if listed else found, display)
     counted = f"{summary(listed, explain=False)} in the page, under Findings" if listed and not display.quiet else ""

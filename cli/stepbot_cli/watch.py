@@ -11,12 +11,11 @@ import click
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.runtime.file import is_file
 
-from .caching import say_trouble
-from .command import Command, display_options, json_option
+from .command import Command, display_options
 from .diagnostic_text import printable
 from .progress import progress_bar
-from .reading import working_options
-from .terminal import Display, show_diagnostics, write_json, write_result
+from .reading import say_trouble, working_options
+from .terminal import Display, show_diagnostics, write_document, write_json, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Conversion, Options
@@ -38,14 +37,12 @@ if TYPE_CHECKING:
 )
 @click.option("--no-open", is_flag=True, help="Print the addresses and do not open a browser.")
 @working_options
-@json_option
 @display_options
 def command(
     options: "Options",
     sidecars: tuple[Path, ...],
     output: Path | None,
     no_open: bool,
-    as_json: bool,
     display: Display,
 ) -> int:
     """Show the robots of sidecars in a browser. Each save of a sidecar or its STEP file shows and verifies them again.
@@ -59,10 +56,10 @@ def command(
     found = Diagnostics()
     if not watching.can_watch():
         found.add("SB003", "watchfiles is not installed", Span("stepbot"))
-        return _refuse(found, as_json, display)
+        return _refuse(found, display)
     sessions = _sessions(sidecars, output, options, found)
     if found.has_errors:
-        return _refuse(found, as_json, display)
+        return _refuse(found, display)
 
     def changed(session: "Session", shown: "Shown") -> None:
         show_diagnostics(shown.diagnostics, display)
@@ -89,7 +86,7 @@ def command(
                     found.extend(session.load().diagnostics)
                     session.server.start()
             say_trouble(options.cache, found)
-            _announce(sessions, found, as_json, display)
+            _announce(sessions, found, display)
             for session in sessions:
                 prover.ask(session)
                 if not no_open:
@@ -124,18 +121,17 @@ def _sessions(
     ]
 
 
-def _refuse(found: Diagnostics, as_json: bool, display: Display) -> int:
-    if as_json:
-        write_json({"urls": {}, "diagnostics": found, "exit_code": found.exit_code})
-    else:
-        show_diagnostics(found, display)
+def _refuse(found: Diagnostics, display: Display) -> int:
+    if display.json:
+        return write_document({"urls": {}}, found)
+    show_diagnostics(found, display)
     return found.exit_code
 
 
-def _announce(sessions: list["Session"], found: Diagnostics, as_json: bool, display: Display) -> None:
+def _announce(sessions: list["Session"], found: Diagnostics, display: Display) -> None:
     """Print the diagnostics of the first reading and the addresses."""
     urls = {session.target.as_posix(): session.server.url for session in sessions}
-    if as_json:
+    if display.json:
         write_json({"urls": urls, "diagnostics": found})
         return
     show_diagnostics(found, display)

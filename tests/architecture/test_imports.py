@@ -20,7 +20,6 @@ HEAVY = {
     "pybullet",
     "pydantic",
     "pydrake",
-    "rich",
     "ruamel",
     "scipy",
     "trimesh",

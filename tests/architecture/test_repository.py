@@ -65,7 +65,6 @@ def test_heavy_imports_live_in_one_place() -> None:
         "pybullet": r"src/stepbot/(engines/pybullet/|robot/pybullet_closures\.py)",
         "pydantic": r"src/stepbot/sidecar/",
         "ruamel": r"src/stepbot/sidecar/",
-        "rich": r"cli/stepbot_cli/",
         "click": r"cli/stepbot_cli/",
         "lxml": r"src/stepbot/(formats|engines|verification)/",
         "yourdfpy": r"src/stepbot/engines/yourdfpy/observer\.py",

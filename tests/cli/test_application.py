@@ -16,8 +16,7 @@ import stepbot
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.runtime import memory
 from stepbot_cli import application, main, schema
-from stepbot_cli.caching import size
-from stepbot_cli.reading import limit_options
+from stepbot_cli.reading import limit_options, size
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:

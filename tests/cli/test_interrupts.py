@@ -12,7 +12,7 @@ from types import ModuleType
 
 import pytest
 
-from stepbot_cli.interrupts import interruptible
+from stepbot_cli.limits import interruptible
 
 
 def press_ctrl_c() -> None:

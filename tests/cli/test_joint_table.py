@@ -9,7 +9,7 @@ import pytest
 
 from stepbot.report.summarizing import joint_table_of
 from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side
-from stepbot_cli.joint_table import joint_lines
+from stepbot_cli.table import joint_lines
 from tests.cli.conftest import Stepbot
 
 MM = 1e-3

@@ -71,10 +71,10 @@ def test_warnings_are_counted_where_the_page_lists_them(capsys: pytest.CaptureFi
     for name in ("a", "b"):
         found.add("SB305", f"part '{name}'", Span("arm.step"))
     found.add("SB001", "file not found", Span("arm.robot.yaml"))
-    _say(found, "http://127.0.0.1:1/x/", as_json=False, display=Display())
+    _say(found, "http://127.0.0.1:1/x/", display=Display())
     out, err = capsys.readouterr()
     assert "SB001" in err
     assert "SB305" not in err
     assert out.splitlines() == ["2 warnings in the page, under Findings", "http://127.0.0.1:1/x/"]
-    _say(found, "", as_json=False, display=Display())
+    _say(found, "", display=Display())
     assert "SB305" in capsys.readouterr().err
