@@ -16,7 +16,7 @@ from ruamel.yaml import YAML
 from stepbot.draft import inference
 from stepbot.draft.draft_robot import infer
 from stepbot.step.assembly import Assembly
-from stepbot_cli.draft_text import draft_document
+from stepbot_cli.init import draft_document
 
 from .drafts import Outcome, judged, labelled
 from .inference import corpus_folder, read_for_inference

@@ -192,7 +192,7 @@ def _show(checked: "Mapping[str, Checked]", failed: set[str], display: Display, 
 
 
 def _show_doubtful(robot: "Checked") -> None:
-    from stepbot.report.summarizing import doubtful_joints
+    from stepbot.report.words import doubtful_joints
 
     if weak := doubtful_joints(robot.joint_table):
         show_joint_table(weak)

@@ -1,6 +1,8 @@
 """``stepbot init``: draft a sidecar from a STEP file."""
 
 import json
+import shlex
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -13,15 +15,204 @@ from stepbot.runtime.file import exists
 
 from .command import Command, display_options
 from .convert import default_output
-from .diagnostic_text import printable
+from .diagnostic_text import counted, printable
 from .progress import progress_bar
 from .reading import package_path_option, reading_options, say_trouble
 from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
-    from stepbot.draft.draft import Draft
+    from stepbot.draft.draft import Draft, DraftClosure, DraftJoint
     from stepbot.draft.questions import Dialogue
     from stepbot.pipeline.conversion import Options
+
+_FUSED = 8
+"""Number of fused parts that are listed; -v lists all."""
+_LONGEST_FACTS = 96
+"""Width of the evidence; -v prints all of it."""
+
+
+def draft_text(draft: "Draft", sidecar: Path, text: str, *, verbose: bool = False) -> str:
+    """The summary of a draft that was written as ``text``."""
+    from stepbot.draft.text.draft_names import names_of
+
+    names = names_of(draft)
+    questions = _questions(draft, text)
+    verdict = f"{printable(sidecar.as_posix())}: {_counts(draft)}; root link '{names.links[draft.root]}'"
+    lines = [f"{verdict}; to decide: {', '.join(questions)}" if questions else verdict]
+    sure: list[str] = []
+    for joint, name in zip(draft.joints, names.joints, strict=True):
+        ends = f"{names.links[joint.parent]} -> {names.links[joint.child]}"
+        if verbose or joint.is_reviewed:
+            lines += _connection(joint, name, ends, verbose=verbose)
+        else:
+            sure.append(f"{printable(name)} ({joint.type})")
+    for closure, name in zip(draft.closures, names.closures, strict=True):
+        ends = f"{names.links[closure.link_a]} - {names.links[closure.link_b]}, closes a loop"
+        if verbose or closure.is_reviewed:
+            lines += _connection(closure, name, ends, verbose=verbose)
+        else:
+            sure.append(f"{printable(name)} ({closure.type}, closes a loop)")
+    if sure:
+        lines.append(f"  on strong evidence: {', '.join(sure)}; -v shows it")
+    lines += _fused(draft, names.freed, verbose=verbose)
+    lines += [f"  {printable(note)}" for note in draft.notes]
+    lines += _asked(draft)
+    return "\n".join([*lines, *_next(sidecar, questions)])
+
+
+def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
+    """A draft, and the number of questions in its ``text``, as JSON."""
+    from stepbot.draft.text.draft_names import names_of
+    from stepbot.report.plain import picked
+
+    names = names_of(draft)
+    links = [
+        {**picked(link, "name parts rest", name=names.links[link.name]), **_confidence(link)} for link in draft.links
+    ]
+    contacts = [picked(one, "link part material evidence=why", link=names.links[one.link]) for one in draft.contacts]
+    joints = [
+        {
+            "name": name,
+            "type": joint.written.value,
+            "parent": names.links[joint.parent],
+            "child": names.links[joint.child],
+            **_geometry(joint),
+            "stops": [picked(stop, "position parts") for stop in joint.stops],
+            "stops_skipped": joint.stops_skipped,
+        }
+        for joint, name in zip(draft.joints, names.joints, strict=True)
+    ]
+    closures = [
+        {
+            "name": name,
+            "type": closure.type.value,
+            "link_a": names.links[closure.link_a],
+            "link_b": names.links[closure.link_b],
+            **_geometry(closure),
+        }
+        for closure, name in zip(draft.closures, names.closures, strict=True)
+        if closure.written is closure.type
+    ]
+    return {
+        "root": names.links[draft.root],
+        "links": links,
+        "contacts": contacts,
+        "joints": joints,
+        "closures": closures,
+        "fused": [
+            {
+                "part": one.moving,
+                "with": one.a if one.moving == one.b else one.b,
+                "link": names.links[one.link],
+                "freed": name,
+                **picked(one, "held_by=held type point direction"),
+                **_confidence(one),
+                "line": _line_of(f"# {name}:", text),
+            }
+            for one, name in zip(draft.fused, names.freed, strict=True)
+        ],
+        "questions": [
+            picked(
+                one,
+                "name text decides options drafted",
+                options=[picked(option, "value text") for option in one.options],
+                drafted=one.drafted.value,
+            )
+            for one in draft.questions
+        ],
+        "answers": dict(draft.answers),
+        "offered": [
+            {**picked(one, "parts type point direction", parts=[one.a, one.b]), **_confidence(one)}
+            for one in draft.offered
+            if one not in draft.fused
+        ],
+        "review": _reviews(text),
+        "limits_to_fill_in": _todo(draft),
+        "notes": list(draft.notes),
+    }
+
+
+def _confidence(one: Any) -> dict[str, Any]:
+    from stepbot.report.plain import picked
+
+    return picked(one.confidence, "score evidence")
+
+
+def _geometry(one: "DraftJoint | DraftClosure") -> dict[str, Any]:
+    return {
+        "point": list(one.point),
+        "direction": None if one.direction is None else list(one.direction),
+        **_confidence(one),
+        "review": one.is_reviewed,
+        "doubt": one.doubt,
+    }
+
+
+def _connection(one: "DraftJoint | DraftClosure", name: str, ends: str, *, verbose: bool) -> list[str]:
+    mark = "  REVIEW" if one.is_reviewed else ""
+    weak = f"weak: {one.doubt}" if one.doubt else ""
+    facts = "; ".join(filter(None, (one.review, weak, *one.confidence.evidence)))
+    if not verbose and len(facts) > _LONGEST_FACTS:
+        facts = f"{facts[: _LONGEST_FACTS - 1].rstrip()}…"
+    lines = [f"  {printable(name)}: {one.written}, {printable(ends)}, score {one.confidence.score:.2f}{mark}"]
+    return [*lines, f"    {printable(facts)}"] if facts else lines
+
+
+def _fused(draft: "Draft", names: Sequence[str], *, verbose: bool) -> list[str]:
+    """Parts that look movable and were fused; how to free them."""
+    if not draft.fused:
+        return []
+    shown = [*zip(draft.fused, names, strict=True)][: None if verbose else _FUSED]
+    more = len(draft.fused) - len(shown)
+    head = f"  fused, though {counted(len(draft.fused), 'part')} might move: uncomment the lines of a part to free it"
+    lines = [head]
+    for one, name in shown:
+        lines.append(f"    {printable(name)} ({one.type}) in '{printable(one.link)}', held by: {printable(one.held)}")
+    return [*lines, f"    {more} more; -v shows them"] if more else lines
+
+
+def _asked(draft: "Draft") -> list[str]:
+    """The questions that are left."""
+    if not draft.questions:
+        return []
+    lines = [f"  {counted(len(draft.questions), 'question')} for `init --interactive`, or as `answers` in the sidecar:"]
+    for one in draft.questions:
+        others = ", ".join(option.value for option in one.options if option is not one.drafted)
+        lines.append(f"    {printable(one.text)} drafted: {printable(one.drafted.value)}; or {printable(others)}")
+    return lines
+
+
+def _line_of(start: str, text: str) -> int:
+    """Number of the first line that starts so, from 1; 0 if there is none."""
+    return next((n for n, line in enumerate(text.splitlines(), 1) if line.strip().startswith(start)), 0)
+
+
+def _counts(draft: "Draft") -> str:
+    counts = [(len(draft.links), "link"), (len(draft.joints), "joint"), (len(draft.closures), "closure")]
+    return ", ".join(counted(count, noun) for count, noun in counts if count or noun != "closure")
+
+
+def _reviews(text: str) -> int:
+    """Number of REVIEW marks in a sidecar."""
+    return text.count("REVIEW:")
+
+
+def _todo(draft: "Draft") -> int:
+    return sum(joint.limits is None and joint.written in ("revolute", "prismatic") for joint in draft.joints)
+
+
+def _questions(draft: "Draft", text: str) -> list[str]:
+    """What the author of a drafted sidecar has to decide."""
+    reviews, todo = _reviews(text), _todo(draft)
+    marks = [counted(reviews, "REVIEW mark")] if reviews else []
+    return [*marks, *([f"{todo} `limits: todo`"] if todo else [])]
+
+
+def _next(sidecar: Path, questions: list[str]) -> list[str]:
+    """The commands that follow: to see and decide, to check, to convert."""
+    path = printable(shlex.quote(sidecar.as_posix()))
+    see = [f"  stepbot view --edit {path}    shows each joint and takes the decisions"] if questions else []
+    return ["next:", *see, f"  stepbot check --step {path}", f"  stepbot convert {path}"]
 
 
 def asked(draft: "Draft", dialogue: "Dialogue | None" = None) -> "Draft":
@@ -177,8 +368,6 @@ def _show_result(
     if display.json:
         return write_document(_document(draft, text, sidecar, step, found), found)
     if draft is not None and not found.has_errors and display.shows_results:
-        from .draft_text import draft_text
-
         write_result(draft_text(draft, sidecar, text, verbose=display.verbose))
     show_diagnostics(found, display)
     return found.exit_code
@@ -187,7 +376,5 @@ def _show_result(
 def _document(draft: "Draft | None", text: str, sidecar: Path, step: Path, found: Diagnostics) -> dict[str, Any]:
     document: dict[str, Any] = {"step": step.as_posix(), "sidecar": sidecar.as_posix()}
     if draft is not None:
-        from .draft_text import draft_document
-
         document |= {"written": not found.has_errors, **draft_document(draft, text)}
     return document

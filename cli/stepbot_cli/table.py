@@ -24,7 +24,7 @@ STATUS_COLORS = {"passed": "32", "failed": "1;31", "not run": "33"}
 def show_table(report: "Results") -> None:
     """Print the compared quantities, the worst deviation and the result for each file and engine, then the reasons."""
     from stepbot.engines import optional_engines
-    from stepbot.report.summarizing import absent_engines, is_absent
+    from stepbot.report.words import absent_engines, is_absent
 
     color = wants_color(sys.stdout)
     width = screen_width(sys.stdout)
@@ -90,7 +90,7 @@ def _deviation(check: "Check | None") -> str:
 
 def _remarks(report: "Results", rows: Sequence["Row"], width: int) -> list[str]:
     """Legend of the quantities, failed or omitted checks with reasons, and the count of all checks."""
-    from stepbot.report.summarizing import independent_joints
+    from stepbot.report.words import independent_joints
 
     quantities = list(dict.fromkeys(check.quantity for check in report.checks))
     lines = ["", *filled(f"quantities: {', '.join(quantities)}", width)]
@@ -130,7 +130,7 @@ _INDENT = "    "
 def show_joint_rows(rows: Sequence["JointRow"]) -> None:
     """Print the joint table of these joints, with all evidence; nothing without joints."""
     if rows:
-        from stepbot.report.summarizing import joint_table_of
+        from stepbot.report.words import joint_table_of
 
         show_joint_table(joint_table_of(rows, verbose=True))
 

@@ -101,7 +101,7 @@ def _sessions(
     sidecars: tuple[Path, ...], output: Path | None, options: "Options", found: Diagnostics
 ) -> list["Session"]:
     """A session for each sidecar; none after errors."""
-    from stepbot.jobs.batch.state import plan
+    from stepbot.jobs.batch.runs import plan
     from stepbot.pipeline.sidecars import report_missing
     from stepbot.serving.session import Session
 

@@ -10,7 +10,7 @@ from robot_library.step_file import Assembly, Occurrence, Part, write_step
 from stepbot import draft as draft_in_python
 from stepbot.draft.draft import Confidence, Draft, DraftLink
 from stepbot.draft.text.sidecar_text import sidecar_text
-from stepbot_cli.draft_text import draft_document
+from stepbot_cli.init import draft_document
 from tests import parts
 from tests.separate_files import write_separately
 from tests.solids import box, cylinder

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.report.summarizing import joint_table_of
+from stepbot.report.words import joint_table_of
 from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side
 from stepbot_cli.table import joint_lines
 from tests.cli.conftest import Stepbot

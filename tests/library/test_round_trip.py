@@ -9,7 +9,7 @@ import pytest
 
 from stepbot.described.robot import robot_of_description
 from stepbot.engines.describe import describe
-from stepbot.report.reading import robot_of_report
+from stepbot.report.robot import robot_of_report
 from stepbot.robot.kinematics import link_poses
 from stepbot.robot.model import JointKind, Robot
 

@@ -11,7 +11,7 @@ from stepbot.engines import engine_of
 from stepbot.engines.captured_output import printed
 from stepbot.engines.file_references import openable
 from stepbot.engines.simulation import Mechanism, Setup, Simulation
-from stepbot.report.reading import robot_of_report
+from stepbot.report.robot import robot_of_report
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 
 from .experiments.base import drop, roll, stand, strafe

@@ -9,9 +9,8 @@ import numpy as np
 from stepbot.engines.mujoco.model import collected_warnings
 from stepbot.geometry.spatial import Array
 
-from .environment import Info, RobotEnv
+from .environment import Info, Marker, RobotEnv
 from .model import Model, frame_names, index, name, tip_body, tip_frame
-from .rendering import Marker
 
 _EFFORT = 0.02
 """Reward lost by actions at their bounds."""

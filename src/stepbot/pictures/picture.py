@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from stepbot.geometry.spatial import Array, perpendicular_frame
 
 from .camera import VIEWS, Camera, View, camera_of
-from .drawing import Color, Drawing
-from .layout import Columns, Place, Placed, Wanted, anchors, extent, placed
+from .layout import Color, Columns, Drawing, Place, Placed, Wanted, anchors, extent, placed
 from .raytrace import Renderer
 from .scene import Axis, OwnedScene, Subject, scene_of
 

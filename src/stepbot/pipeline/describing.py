@@ -17,9 +17,8 @@ from stepbot.robot.model import Robot
 from stepbot.runtime.file import exists, open_regular, resolved
 from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
-from stepbot.verification.admission import admitted
+from stepbot.verification.admission import admitted, robot_file
 from stepbot.verification.files import format_of
-from stepbot.verification.folders import robot_file
 
 from .conversion import Options
 from .sidecars import report_missing

@@ -16,9 +16,9 @@ from stepbot.revisions.wording import moved_words
 from stepbot.robot.model import Robot
 from stepbot.runtime.file import exists, is_file, is_folder
 from stepbot.step.assembly import ReadOptions
+from stepbot.verification.admission import SCENES
 from stepbot.verification.compare import compare
 from stepbot.verification.files import compare_two
-from stepbot.verification.folders import SCENES
 
 from .composing import compose
 from .conversion import Options

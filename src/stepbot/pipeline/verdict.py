@@ -6,9 +6,8 @@ from stepbot.engines import engine_of, engines
 from stepbot.formats import FORMATS
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.report.results import Check, Results, Status
-from stepbot.report.summarizing import doubtful_joints
 from stepbot.report.summary import Summary
-from stepbot.report.words import mass_words
+from stepbot.report.words import doubtful_joints, mass_words
 from stepbot.robot.closures import degrees_of_freedom
 from stepbot.robot.model import Robot
 

@@ -8,7 +8,7 @@ from math import isfinite
 from types import NoneType, UnionType
 from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
-from stepbot.geometry.spatial import Pose, Vector3
+from stepbot.robot.joint_table import Vector3
 
 T = TypeVar("T")
 Json = dict[str, Any]
@@ -34,7 +34,7 @@ def plain(value: Any) -> Any:
         return [plain(one) for one in value]
     if isinstance(value, Mapping):
         return {key: plain(one) for key, one in value.items()}
-    if isinstance(value, Pose):
+    if hasattr(value, "rpy"):  # a pose, whose class would load numpy
         return {"xyz": list(value.position), "rpy": list(value.rpy)}
     if is_dataclass(value):
         return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
@@ -120,8 +120,8 @@ def _value(kind: Any, value: Any, where: str) -> Any:
         return value
     if origin is tuple:
         return _tuple(arguments, value, where)
-    if kind is Pose:
-        return Pose.from_xyz_rpy(value_at(value, "xyz", Vector3, where), value_at(value, "rpy", Vector3, where))
+    if hasattr(kind, "from_xyz_rpy"):
+        return kind.from_xyz_rpy(*(value_at(value, key, Vector3, where) for key in ("xyz", "rpy")))
     if isinstance(kind, EnumType):
         return kind(value)
     if not isinstance(value, Mapping):

@@ -1,28 +1,29 @@
-"""A robot as JSON data, for ``report.json``."""
+"""A robot as JSON data, for ``report.json``, and back: everything but shapes and sensors."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any
+from typing import Any, TypeVar
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.spatial import tidy
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.loop_followers import loop_followers
-from stepbot.robot.model import Actuator, Joint, JointKind, Limit, Link, Module, Robot
+from stepbot.robot.model import Actuator, Base, Frame, Joint, JointKind, Limit, Link, LoopClosure, Module, Robot
 from stepbot.robot.motors import Motor
 from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
 from stepbot.robot.self_collision import PairContact, SelfCollision
 from stepbot.robot.sensors import SEEING, Sensor
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.standing import standing_height
+from stepbot.robot.tuning import Tuning
 
-from .plain import picked
+from .plain import picked, unpicked
 from .results import Check, Content, LinkCollision, Results, Row, SimplifiedVisuals, Status, WrittenFile
 
+T = TypeVar("T")
 Json = dict[str, Any]
-
-
 MASS = "mass com inertia"
 FRAME = "name link pose=X_LF source"
 JOINT = "name kind parent child pose=X_PC axis axis2 pitch limits=limit dynamics mimic drawn_position"
@@ -188,3 +189,34 @@ def _motor(motor: Motor) -> Json:
 def _sensor(sensor: Sensor) -> Json:
     sees = picked(sensor.view, "fov columns rows nearest farthest") if sensor.kind in SEEING else None
     return picked(sensor, "name kind link joint pose=X_LS rate view source", joint=sensor.joint or None, view=sees)
+
+
+def robot_of_report(document: Mapping[str, Any]) -> Robot:
+    """The robot of a parsed ``report.json``, without shapes and sensors.
+
+    Raises:
+        KeyError, TypeError, ValueError: The document does not have the report's schema, or has no robot.
+    """
+    content = document["robot"]
+
+    def records(key: str, kind: type[T], keys: str) -> tuple[T, ...]:
+        return tuple(unpicked(kind, one, keys, key, has_defaults=True) for one in content[key])
+
+    return Robot(
+        name=str(content["name"]),
+        links=tuple(Link(one["name"], unpicked(MassProperties, one, MASS, "links")) for one in content["links"]),
+        joints=records("joints", Joint, JOINT),
+        closures=records("closures", LoopClosure, CLOSURE),
+        frames=records("frames", Frame, FRAME),
+        actuators=tuple(map(_actuator_of, content["actuators"])),
+        base=Base(content["base"]),
+        source=str(content["source"]),
+    )
+
+
+def _actuator_of(content: Mapping[str, Any]) -> Actuator:
+    """An actuator without the figures of its motor, and with what its computed gains were asked for."""
+    computed = content.get("computed")
+    tuning = None if computed is None else unpicked(Tuning, computed, TUNING, "actuators")
+    given = {"tuning": tuning, "motor": None}
+    return unpicked(Actuator, content, ACTUATOR, "actuators", has_defaults=True, **given)

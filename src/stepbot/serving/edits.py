@@ -18,8 +18,19 @@ from stepbot.sidecar.tree import Keys, Mapping, way
 
 from .joint_edits import KINDS, WITH_LIMITS, change_type, choose_line, confirm, flip, set_limits
 from .local_server import Refused
-from .questions import Json, limits, names_of, origin, paths, text
-from .renaming import NAMED, references_to_links, rename, require_free, require_portable
+from .questions import (
+    NAMED,
+    Json,
+    limits,
+    names_of,
+    origin,
+    paths,
+    references_to_links,
+    rename,
+    require_free,
+    require_portable,
+    text,
+)
 
 _LONGEST = 4000
 """Characters of a value."""

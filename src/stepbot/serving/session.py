@@ -12,7 +12,7 @@ from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.scenes import Shown, guessed, show
 from stepbot.runtime.file import resolved
 from stepbot.runtime.output import failed_output
-from stepbot.viewing.faces import clicked_face
+from stepbot.viewing.joining import clicked_face
 from stepbot.viewing.page import page_html
 from stepbot.viewing.scene import diagnostic_documents, proof_document, scene_text
 

@@ -15,9 +15,8 @@ from stepbot.geometry.spatial import Array, angle_between
 from stepbot.robot.mesh_names import SCOPE
 
 from .deviation import Deviations, tolerance
-from .devices import compare_actuators, compare_sensors
 from .motion import compare_closures, compare_gravity, compare_inverse_dynamics, compare_mass_matrix, compare_poses
-from .shapes import compare_contacts, compare_meshes, compare_shapes, link_pairs
+from .shapes import compare_actuators, compare_contacts, compare_meshes, compare_sensors, compare_shapes, link_pairs
 
 EARTH = (9.76, 9.84)
 """Acceleration of gravity [m/s^2] on the ground anywhere on Earth: 9.764 on Huascaran, 9.834 on the Arctic Ocean.

@@ -16,7 +16,9 @@ from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.worker import RemoteError, WorkerDied
 
-from .checks import (
+from .compare import compare
+from .expectation import mechanism, requests
+from .judging import (
     Subject,
     check_of,
     checks_without_observation,
@@ -25,8 +27,6 @@ from .checks import (
     report_unread,
     versions,
 )
-from .compare import compare
-from .expectation import mechanism, requests
 from .self_collision.search import Overlap
 from .self_collision.shapes import available
 from .self_collision.worker import Collider

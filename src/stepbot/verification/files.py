@@ -28,19 +28,24 @@ from stepbot.runtime.file import open_regular
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.temporary import run_folder
 
-from .admission import admitted, located
-from .checks import (
-    distributions,
-    report_unread,
-    versions,
-)
+from .admission import admitted, is_robot_file, located
 from .compare import Compared
 from .correspondence import Correspondence
 from .counterparts import Renaming, counterparts
 from .expectation import CONFIGURATIONS, SECONDS, SEED
-from .folders import is_robot_file
 from .joint_rows import joint_rows
-from .judging import UNCHANGED, Asked, checks_within, compared_with_first, judge, ranked, reference_of
+from .judging import (
+    UNCHANGED,
+    Asked,
+    checks_within,
+    compared_with_first,
+    distributions,
+    judge,
+    ranked,
+    reference_of,
+    report_unread,
+    versions,
+)
 from .merged_observation import gather
 from .naming import Naming, moved
 from .probe import Probe, in_a_process

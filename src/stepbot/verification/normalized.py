@@ -1,4 +1,4 @@
-"""Normalizes observations of formats that represent the same thing differently."""
+"""Normalizes observations of formats that represent the same thing differently, or a missing number by another one."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
@@ -6,14 +6,71 @@ from math import inf, isfinite, nan, tau
 
 import numpy as np
 
-from stepbot.engines.observation import Observation, ObservedActuator, ObservedLink, ObservedSensor, ObservedShape
+from stepbot.engines.observation import (
+    NEVER_ZERO,
+    Observation,
+    ObservedActuator,
+    ObservedJoint,
+    ObservedLink,
+    ObservedSensor,
+    ObservedShape,
+)
+from stepbot.formats.lowering.joints import UNLIMITED
+from stepbot.formats.lowering.masses import LEAST_MASS, LEAST_MOMENT, STAND_IN_MASS, STAND_IN_MOMENT
 from stepbot.formats.lowering.shapes import capsule_parts
-from stepbot.geometry.spatial import Pose, join_bounds
-from stepbot.robot.model import ActuatorKind, Mimic
+from stepbot.geometry.spatial import ZERO3, ZERO33, Pose, join_bounds
+from stepbot.robot.kinematics import NO_BOUND
+from stepbot.robot.model import ActuatorKind, Limit, Mimic
 
-from .bounds import without_stand_ins
 from .chains import is_bare
 from .shapes import plain_name
+
+_STAND_INS = ((STAND_IN_MASS, STAND_IN_MOMENT), (LEAST_MASS, LEAST_MOMENT))
+_ROUNDING = 1e-6
+"""Relative error of numbers in single precision."""
+
+
+def without_stand_ins(observation: Observation) -> Observation:
+    """The observation with infinite limits, and massless links, in place of such numbers."""
+    return replace(
+        observation,
+        links=tuple(_massless(link) if _has_stand_in(link) else link for link in observation.links),
+        joints=tuple(_freed(joint) for joint in observation.joints),
+    )
+
+
+def _has_stand_in(link: ObservedLink) -> bool:
+    """Whether mass and inertia are those of a stand-in: links of other programs may have the same mass alone."""
+    return link.mass is not None and any(
+        abs(link.mass - mass) < _ROUNDING * mass
+        and (link.inertia is None or np.allclose(link.inertia, moment * np.eye(3), rtol=0.0, atol=_ROUNDING * moment))
+        for mass, moment in _STAND_INS
+    )
+
+
+def _massless(link: ObservedLink) -> ObservedLink:
+    return replace(link, mass=0.0, com=ZERO3, inertia=ZERO33)
+
+
+def _freed(joint: ObservedJoint) -> ObservedJoint:
+    return replace(
+        joint,
+        limit=None if joint.limit is None else _free(joint.limit),
+        steps=tuple(_freed(step) for step in joint.steps),
+    )
+
+
+def _free(limit: Limit) -> Limit:
+    zero = [name for name in NEVER_ZERO if getattr(limit, name) == 0.0]
+    limit = replace(limit, **dict.fromkeys(zero, inf))
+    return replace(
+        limit,
+        lower=-inf if limit.lower <= -NO_BOUND else limit.lower,
+        upper=inf if limit.upper >= NO_BOUND else limit.upper,
+        velocity=inf if limit.velocity >= UNLIMITED else limit.velocity,
+        effort=inf if limit.effort >= UNLIMITED else limit.effort,
+    )
+
 
 WORLD = "world"
 """Common name in URDF of the link that represents the world."""

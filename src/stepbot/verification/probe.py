@@ -10,11 +10,11 @@ from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.geometry.spatial import Pose
 from stepbot.runtime.worker import RemoteError, Start, Worker, WorkerDied
 
-from .bounds import without_stand_ins
 from .chains import Chain, Edge, chain, coordinates, edges_said_differently, is_known
 from .correspondence import Correspondence, match
 from .deviation import tolerance
 from .naming import Naming, naming
+from .normalized import without_stand_ins
 
 Observe = Callable[[Engine, Request], Observation | None]
 """Runs an engine; None if it fails: it will be run again later, and its failure reported then."""

@@ -17,12 +17,11 @@ from stepbot.report.robot import Check
 from stepbot.robot.model import ActuatorKind, Limit
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
-from .bounds import without_stand_ins
-from .checks import Subject, check_of, report_failure
 from .counterparts import Renaming
 from .files import observed
-from .judging import ENGINE_WARNING, compared_with_first, ranked
+from .judging import ENGINE_WARNING, Subject, check_of, compared_with_first, ranked, report_failure
 from .merged_observation import Gathered, gather
+from .normalized import without_stand_ins
 
 Bounds = tuple[float, float]
 

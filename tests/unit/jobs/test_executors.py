@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from stepbot.jobs.batch.executors import ProcessPerThread
+from stepbot.jobs.batch.work import ProcessPerThread
 from stepbot.runtime.worker import RemoteError
 
 

@@ -10,8 +10,7 @@ from PIL import Image
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose
 from stepbot.pictures.camera import VIEWS, camera_of
-from stepbot.pictures.drawing import Drawing
-from stepbot.pictures.layout import anchors
+from stepbot.pictures.layout import Drawing, anchors
 from stepbot.pictures.picture import AXIS_COLOR, NothingToDraw, Sheet, distinct_color, draw, png_bytes
 from stepbot.pictures.scene import Axis, Shape, Subject, exploded
 

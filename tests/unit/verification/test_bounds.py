@@ -12,9 +12,8 @@ from stepbot.formats.lowering.masses import LEAST_MASS, LEAST_MOMENT, STAND_IN_M
 from stepbot.geometry.spatial import ZERO3, matrix3
 from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import Limit
-from stepbot.verification.bounds import without_stand_ins
 from stepbot.verification.compare import compare
-from stepbot.verification.normalized import normalized
+from stepbot.verification.normalized import normalized, without_stand_ins
 
 STAND_INS = [(STAND_IN_MASS, STAND_IN_MOMENT), (LEAST_MASS, LEAST_MOMENT)]
 

@@ -16,9 +16,9 @@ from stepbot.report.robot import Status
 from stepbot.robot.closures import loop_ways
 from stepbot.robot.kinematics import configurations, initial_configuration
 from stepbot.robot.model import ActuatorKind, JointDynamics, Limit, Mimic, Robot
-from stepbot.verification.checks import Subject, check_of, checks_without_observation, report_failure
 from stepbot.verification.compare import compare
 from stepbot.verification.deviation import TOLERANCES, Deviations, tolerance
+from stepbot.verification.judging import Subject, check_of, checks_without_observation, report_failure
 from stepbot.verification.normalized import normalized
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS, four_bar, gripper_with_mimic, primitives, two_link_arm

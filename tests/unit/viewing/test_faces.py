@@ -9,7 +9,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.step.assembly import Assembly, ReadOptions
 from stepbot.step.features.axes import axis_faces, choose, lines
 from stepbot.step.reader import start_reading
-from stepbot.viewing.faces import clicked_face
+from stepbot.viewing.joining import clicked_face
 from tests.parts import write_cone, write_hinge
 
 

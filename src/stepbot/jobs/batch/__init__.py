@@ -9,10 +9,9 @@ summary    what came of it, for programs
 index      what came of it, as a page; imported when it is written
 """
 
-from .executors import ClusterUnreachable, local_executor, on_cluster
-from .runs import Outcome, Status, run_batch
-from .state import Task, common_folder, plan
+from .runs import Outcome, Status, Task, common_folder, plan, run_batch
 from .summary import batch_document, check_counts, suites
+from .work import ClusterUnreachable, local_executor, on_cluster
 
 __all__ = [
     "ClusterUnreachable",

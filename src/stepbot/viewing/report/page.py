@@ -18,9 +18,19 @@ from stepbot.version import __version__
 from ..connections import evidence_of_rows
 from ..page import page_html, plain_page
 from ..scene import STEPS, scene_document
-from .markup import Markup, element, joined, mass_text
 from .result_tables import Places, findings_section, inputs_section, proof_section
-from .robot_tables import bodies_section, collisions_section, joints_section, masses_section, motors_section, table
+from .robot_tables import (
+    Markup,
+    bodies_section,
+    collisions_section,
+    element,
+    joined,
+    joints_section,
+    mass_text,
+    masses_section,
+    motors_section,
+    table,
+)
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,7 @@ from stepbot.diagnostics import Diagnostic
 from stepbot.diagnostics.codes import CODES
 from stepbot.report.robot import Check, Report, Row, Status
 
-from .markup import Markup, cell, element, short
-from .robot_tables import table
+from .robot_tables import Markup, cell, element, short, table
 
 _LOWEST = -14
 """Power of ten at the left; what is smaller, or exactly zero, is there."""

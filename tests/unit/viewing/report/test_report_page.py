@@ -13,7 +13,7 @@ from lxml import html
 
 from stepbot.diagnostics import Diagnostic, Span
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE, Options
-from stepbot.pipeline.drafted_robot import robot_of_assembly
+from stepbot.pipeline.scenes import robot_of_assembly
 from stepbot.pipeline.stages import inspect, produce
 from stepbot.report.robot import Check, Report, Status
 from stepbot.robot.joint_table import Basis, Evidence, JointRow
