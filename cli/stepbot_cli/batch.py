@@ -24,7 +24,7 @@ from .terminal import Display, show_diagnostics, wants_color, write_document, wr
 if TYPE_CHECKING:
     from concurrent.futures import Executor
 
-    from stepbot.jobs.batch import Outcome, Task
+    from stepbot.jobs.batch.runs import Outcome, Task
     from stepbot.pipeline.conversion import Options
 
 _COLORS = {"converted": "32", "unchanged": "36", "failed": "1;31"}
@@ -76,7 +76,7 @@ def command(
     whose input and files are unchanged are skipped, so an interrupted batch can be resumed. A URDF, SDFormat or MJCF in
     place of a sidecar is always converted again.
     """
-    from stepbot.jobs.batch import common_folder, plan
+    from stepbot.jobs.batch.runs import common_folder, plan
     from stepbot.jobs.discovery import find_sidecars
     from stepbot.runtime.output import check_writable
 
@@ -97,7 +97,7 @@ def command(
     options = options._replace(output=output, formats=formats_with(options.programs, formats))
     outcomes = _outcomes(tasks, options, jobs, scheduler, found)
     if junit is not None and not found.has_errors:
-        from stepbot.jobs.batch import suites
+        from stepbot.jobs.batch.summary import suites
 
         write_junit(junit, suites(outcomes))
     if options.html and not found.has_errors:
@@ -120,7 +120,8 @@ def _outcomes(
     tasks: "Sequence[Task]", options: "Options", jobs: int | None, scheduler: str | None, found: Diagnostics
 ) -> "list[Outcome]":
     """The outcome of each robot, in the order of the tasks."""
-    from stepbot.jobs.batch import ClusterUnreachable, run_batch
+    from stepbot.jobs.batch.runs import run_batch
+    from stepbot.jobs.batch.work import ClusterUnreachable
 
     with ExitStack() as stack:
         try:
@@ -140,7 +141,7 @@ def _outcomes(
 
 @contextmanager
 def _executor(scheduler: str | None, jobs: int | None, tasks: int) -> "Iterator[tuple[Executor, int]]":
-    from stepbot.jobs.batch import local_executor, on_cluster
+    from stepbot.jobs.batch.work import local_executor, on_cluster
     from stepbot.runtime.processes import core_count
 
     if scheduler is not None:
@@ -179,7 +180,7 @@ def _bar(total: int) -> Iterator[Callable[[str], None]]:
 
 def _report(found: Diagnostics, outcomes: "Sequence[Outcome]", output: Path, display: Display) -> int:
     """Print the outcomes; returns the exit code."""
-    from stepbot.jobs.batch import batch_document
+    from stepbot.jobs.batch.summary import batch_document
 
     failed = [outcome for outcome in outcomes if outcome.status == "failed"]
     code = found.exit_code or int(bool(failed))
@@ -201,7 +202,7 @@ def _report(found: Diagnostics, outcomes: "Sequence[Outcome]", output: Path, dis
 
 
 def _table(outcomes: "Sequence[Outcome]") -> list[str]:
-    from stepbot.jobs.batch import check_counts
+    from stepbot.jobs.batch.summary import check_counts
 
     color = wants_color(sys.stdout)
     rows = []

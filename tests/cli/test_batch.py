@@ -12,7 +12,7 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
-from stepbot.jobs.batch import Status, Task, run_batch
+from stepbot.jobs.batch.runs import Status, Task, run_batch
 from stepbot.jobs.batch.work import ProcessPerThread
 from stepbot.pipeline.conversion import Options
 from tests.command_line import snapshot

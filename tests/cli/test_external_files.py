@@ -11,7 +11,7 @@ import pytest
 from robot_library.moments import pose
 from robot_library.step_file import Assembly, Occurrence
 from stepbot.diagnostics import Diagnostics
-from stepbot.jobs.batch import plan, run_batch
+from stepbot.jobs.batch.runs import plan, run_batch
 from stepbot.pipeline.conversion import Options
 from tests import parts
 from tests.command_line import snapshot

@@ -11,11 +11,10 @@ import re
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, StepbotError
 from stepbot.pipeline.conversion import Checked, Conversion, Kept, Options, is_description, write
-from stepbot.report.summary import Summary
 from stepbot.revisions import lock_path
 from stepbot.runtime.cache import (
     Cache,
@@ -30,9 +29,6 @@ from stepbot.runtime.cache import (
 )
 from stepbot.runtime.file import read_regular
 from stepbot.step.exchange.input_files import input_digest
-
-if TYPE_CHECKING:
-    from stepbot.robot.joint_table import JointRow
 
 _WORDS = re.compile(rb"""[^"'{}\[\],#:\n]+""")
 _NAMED_FILE = re.compile(rb".*\.(?:ya?ml|json)\b", re.DOTALL)
@@ -51,9 +47,7 @@ class Record(NamedTuple):
     """SHA-256 of each file."""
     diagnostics: tuple[Diagnostic, ...]
     ignored: tuple[Diagnostic, ...]
-    report: bytes
-    """A :class:`stepbot.report.results.Results`, encoded: most commands need its summary alone."""
-    summary: Summary
+    results: Kept
 
 
 class _Findings(NamedTuple):
@@ -61,12 +55,7 @@ class _Findings(NamedTuple):
 
     diagnostics: tuple[Diagnostic, ...]
     ignored: tuple[Diagnostic, ...]
-    named: str
-    links: int
-    joints: int
-    joint_table: bytes
-    """An encoded tuple of :class:`stepbot.robot.joint_table.JointRow`; empty without joints."""
-    robot: str
+    checked: Checked
 
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
@@ -149,7 +138,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     if kept is not None:
         found.extend(kept.diagnostics)
         found.add_ignored(kept.ignored)
-        return Checked(kept.named, kept.links, kept.joints, _decoded_rows(kept.joint_table), kept.robot)
+        return kept.checked
     from stepbot.pipeline import stages as pipeline
 
     before, local = _content(sidecar, options._replace(cache=cache)), Diagnostics()
@@ -164,31 +153,15 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     if not (open_step and local.has_errors):
         after = _check_key(sidecar, options, open_step)
         if after and key in ("", after):
-            named, links, joints, rows, robot = checked
-            kept = _Findings(tuple(local), local.ignored, named, links, joints, _encoded_rows(rows), robot)
-            TypedCache(cache, _Findings).put(after, kept)
+            TypedCache(cache, _Findings).put(after, _Findings(tuple(local), local.ignored, checked))
     return checked
-
-
-def _encoded_rows(rows: "tuple[JointRow, ...]") -> bytes:
-    from stepbot.robot.joint_table import JointRow
-
-    return codec_of(tuple[JointRow, ...]).encode(rows) if rows else b""
-
-
-def _decoded_rows(encoded: bytes) -> "tuple[JointRow, ...]":
-    if not encoded:
-        return ()
-    from stepbot.robot.joint_table import JointRow
-
-    return codec_of(tuple[JointRow, ...]).decode(encoded)
 
 
 def _conversion_of(record: Record) -> Conversion:
     found = Diagnostics()
     found.extend(record.diagnostics)
     found.add_ignored(record.ignored)
-    return Conversion(found, None, record.files, Kept(record.report, record.summary), hashes=record.hashes)
+    return Conversion(found, None, record.files, record.results, hashes=record.hashes)
 
 
 def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options) -> None:
@@ -209,7 +182,7 @@ def _keep(conversion: Conversion, sidecar: Path, content: str, options: Options)
         TypedCache(options.cache, tuple[str, ...]).put(_modules_key(sidecar, content), names)
     key = conversion_key(sidecar, content, step, conversion.geometry, options)
     hashes = content_hashes(conversion.files)
-    record = Record(conversion.files, hashes, tuple(found), found.ignored, encoded, summary)
+    record = Record(conversion.files, hashes, tuple(found), found.ignored, Kept(encoded, summary))
     TypedCache(options.cache, Record).put(key, record)
 
 

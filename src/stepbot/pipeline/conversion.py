@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.formats import default_formats
+from stepbot.report.summary import Summary
+from stepbot.robot.joint_table import JointRow
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.file import exists
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
 if TYPE_CHECKING:
     from stepbot.report.results import Results
-    from stepbot.report.summary import Summary
-    from stepbot.robot.joint_table import JointRow
     from stepbot.robot.model import Robot
 
 
@@ -89,7 +89,7 @@ class Checked(NamedTuple):
     links: int = 0
     joints: int = 0
     """Number of tree joints, and of joints that close loops."""
-    joint_table: "tuple[JointRow, ...]" = ()
+    joint_table: tuple[JointRow, ...] = ()
     """Position of each joint; empty if no STEP was read or there is no robot because of errors."""
     robot: str = ""
     """Name, size and mass of the robot in words; empty as ``joint_table``."""
@@ -100,8 +100,8 @@ class Kept(NamedTuple):
 
     report: bytes
     """A :class:`stepbot.report.results.Results`, encoded."""
-    summary: "Summary"
-    """The same in texts."""
+    summary: Summary
+    """The same in texts, all that most commands need."""
 
 
 class Conversion(NamedTuple):
@@ -134,7 +134,7 @@ class Conversion(NamedTuple):
         return codec_of(Results).decode(self.results.report)
 
     @property
-    def summary(self) -> "Summary | None":
+    def summary(self) -> Summary | None:
         """What commands print about the results; None without files."""
         if isinstance(self.results, Kept):
             return self.results.summary

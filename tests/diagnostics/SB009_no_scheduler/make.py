@@ -2,7 +2,7 @@
 
 import pytest
 
-from stepbot.jobs.batch import ClusterUnreachable
+from stepbot.jobs.batch.work import ClusterUnreachable
 from stepbot_cli import batch
 
 

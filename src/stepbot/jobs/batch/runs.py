@@ -9,7 +9,7 @@ import json
 import os
 import time
 from collections import Counter
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import dataclass
 from enum import StrEnum
@@ -18,6 +18,7 @@ from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.pipeline.conversion import Conversion, Options, write
+from stepbot.report.plain import plain, unpicked, value_at
 from stepbot.runtime.cache import bytes_digest, files_digest
 from stepbot.runtime.file import read_regular, resolved
 from stepbot.runtime.output import stamp
@@ -95,7 +96,7 @@ _VERSION = 1
 class _Done:
     input: str
     step: str
-    files: Mapping[str, str]
+    files: dict[str, str]
     read: tuple[str, ...]
 
 
@@ -128,7 +129,7 @@ class State:
         if not work.input:
             return
         files = {name: hashlib.sha256(content).hexdigest() for name, content in sorted(work.files.items())}
-        document = {"version": _VERSION, "input": work.input, "step": work.step, "files": files, "read": work.read}
+        document = {"version": _VERSION, **plain(_Done(work.input, work.step, files, work.read))}
         self._folder.mkdir(parents=True, exist_ok=True)
         path = self._path(task)
         draft = path.with_suffix(f".{os.getpid()}")
@@ -142,12 +143,9 @@ class State:
         """None if the file is missing or invalid: then the robot is converted."""
         try:
             document = json.loads(read_regular(self._path(task)))
-            if document["version"] != _VERSION:
-                return None
-            files = {str(name): str(digest) for name, digest in document["files"].items()}
-            read = tuple(map(str, document.get("read", ())))
-            return _Done(str(document["input"]), str(document["step"]), files, read)
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            is_known = value_at(document, "version", int) == _VERSION
+            return unpicked(_Done, document, "input step files read") if is_known else None
+        except (OSError, ValueError):
             return None
 
 
