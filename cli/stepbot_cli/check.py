@@ -3,7 +3,7 @@
 import shlex
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,33 +19,10 @@ from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Checked, Options
+    from stepbot.pipeline.locking import FixedSidecar
 
 
-class Fixed(NamedTuple):
-    """A sidecar that was rewritten."""
-
-    sidecar: Path
-    before: str
-    after: str
-    paths: Mapping[str, str]
-    """The new path for each one that changed."""
-
-    @property
-    def difference(self) -> str:
-        """What changed, as a unified diff."""
-        import difflib  # only `--fix` needs it
-
-        name = self.sidecar.as_posix()
-        before, after = self.before.splitlines(), self.after.splitlines()
-        return "\n".join(map(printable, difflib.unified_diff(before, after, name, name, lineterm="", n=0)))
-
-    @property
-    def document(self) -> dict[str, Any]:
-        """What ``--json`` prints."""
-        return {"file": self.sidecar.as_posix(), "paths": dict(self.paths), "diff": self.difference}
-
-
-def fix_paths(sidecar: Path, options: "Options", found: Diagnostics) -> Fixed | None:
+def fix_paths(sidecar: Path, options: "Options", found: Diagnostics) -> "FixedSidecar | None":
     """Rewrite the paths of certainly renamed components in a sidecar and its lock; None where nothing was written."""
     from stepbot.pipeline.locking import fix_renamed_paths
     from stepbot.revisions import lock_path
@@ -60,7 +37,16 @@ def fix_paths(sidecar: Path, options: "Options", found: Diagnostics) -> Fixed | 
     if trouble.has_errors:
         return None
     write_file(lock_path(sidecar), fixed.lock, found)
-    return Fixed(sidecar, fixed.before.decode("utf-8"), fixed.sidecar.decode("utf-8"), fixed.paths)
+    return fixed
+
+
+def _difference(fixed: "FixedSidecar") -> str:
+    """What changed in a sidecar, as a unified diff."""
+    import difflib  # only `--fix` needs it
+
+    name = fixed.path.as_posix()
+    before, after = (content.decode("utf-8").splitlines() for content in (fixed.before, fixed.sidecar))
+    return "\n".join(map(printable, difflib.unified_diff(before, after, name, name, lineterm="", n=0)))
 
 
 _NAMED = "the one that the sidecar names"
@@ -127,7 +113,7 @@ def command(
     open_step = fix or step is not None
     if open_step:
         reject_descriptions("--step" if step is not None else "--fix", sidecars)
-    fixes: list[Fixed] = []
+    fixes: list[FixedSidecar] = []
     with progress_bar([str(path) for path in sidecars] if open_step else (), options) as progress:
         for sidecar in sidecars:
             progress(str(sidecar))
@@ -149,13 +135,13 @@ def command(
             {
                 "files": [path.as_posix() for path in sidecars],
                 "joint_tables": {label: joint_table_document(one.joint_table) for label, one in checked.items()},
-                **({"fixed": [fixed.document for fixed in fixes]} if fix else {}),
+                **({"fixed": [_document(fixed) for fixed in fixes]} if fix else {}),
                 "ignored": len(found.ignored),
             },
             found,
         )
     for fixed in fixes:
-        write_result(fixed.difference)
+        write_result(_difference(fixed))
     if display.shows_results:
         _show(checked, failed, display, open_step=open_step)
     show_diagnostics(found, display, as_result=True)
@@ -163,6 +149,10 @@ def command(
         path = shlex.quote(sidecars[0].as_posix())
         write_result(f"joints, each with its axis and faces: -v    next: stepbot convert {printable(path)}")
     return found.exit_code
+
+
+def _document(fixed: "FixedSidecar") -> dict[str, Any]:
+    return {"file": fixed.path.as_posix(), "paths": dict(fixed.paths), "diff": _difference(fixed)}
 
 
 def _add(of_one: Diagnostics, variant: str, found: Diagnostics) -> None:

@@ -118,6 +118,7 @@ def _lock(sidecar: Sidecar, options: Options, found: Diagnostics) -> Snapshot:
 class FixedSidecar:
     """A sidecar with the new paths of components that were certainly renamed."""
 
+    path: Path
     before: bytes
     """The current sidecar."""
     sidecar: bytes
@@ -162,4 +163,4 @@ def fix_renamed_paths(sidecar: Path, options: Options, found: Diagnostics) -> Fi
         names = [f"{quoted(old)}: write {quoted(name)}" for old, name in paths.items()]
         found.add("SB018", "renamed paths cannot be replaced without changing other values", loaded.span(), help=names)
         return None
-    return FixedSidecar(content, new, lock_bytes(renamed_lock(compared)), paths)
+    return FixedSidecar(sidecar, content, new, lock_bytes(renamed_lock(compared)), paths)

@@ -5,7 +5,6 @@ every byte outside the change stays.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -27,10 +26,8 @@ Json = dict[str, Any]
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
 
 
-@dataclass(frozen=True)
-class _Step:
-    before: bytes
-    after: bytes
+Step = tuple[bytes, bytes]
+"""The sidecar before and after."""
 
 
 class Editor:
@@ -52,8 +49,8 @@ class Editor:
         self._sidecar, self._options, self._show, self._robot = sidecar, options, show, robot
         self.lock = Lock()
         """Held while the file is read, changed and written."""
-        self._done: list[_Step] = []
-        self._undone: list[_Step] = []
+        self._done: list[Step] = []
+        self._undone: list[Step] = []
 
     def edit(self, question: Json) -> Json:
         """Do what the page asks for (:mod:`.edits`).
@@ -77,7 +74,7 @@ class Editor:
             after = mark + changed.replace("\n", newline).encode()
             if after != before:
                 shown = self._written(before, after)
-                self._done.append(_Step(before, after))
+                self._done.append((before, after))
                 self._undone.clear()
                 self._show(shown)
             return self.state()
@@ -110,12 +107,11 @@ class Editor:
         """Numbers of steps that can be undone and redone."""
         return {"undo": len(self._done), "redo": len(self._undone)}
 
-    def _move(self, taken: list[_Step], given: list[_Step], *, back: bool) -> Json:
+    def _move(self, taken: list[Step], given: list[Step], *, back: bool) -> Json:
         with self.lock:
             if not taken:
                 raise Refused("nothing to undo" if back else "nothing to redo")
-            step = taken[-1]
-            now, then = (step.after, step.before) if back else (step.before, step.after)
+            now, then = taken[-1][::-1] if back else taken[-1]
             if self._content() != now:
                 raise Refused("the sidecar was changed elsewhere; its steps cannot be undone any more")
             shown = self._written(now, then)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.engines import engine_of, own_parsers
+from stepbot.engines import engine_of
 from stepbot.engines.observation import Observation, Quantity
 from stepbot.engines.reference import Reference
 from stepbot.engines.workers import Engines, Fate, ObservationCache, Outcome, check_required, check_started
@@ -22,10 +22,9 @@ from .judging import (
     Subject,
     check_of,
     checks_without_observation,
-    distributions,
     report_failure,
+    report_of,
     report_unread,
-    versions,
 )
 from .self_collision.search import Overlap
 from .self_collision.shapes import available
@@ -127,16 +126,14 @@ def verify(
         _check_read(one.path.name, [outcome for outcome in outcomes if outcome.key == key], found)
     found.extend(differences)
     overlaps, collision_check = _self_collision(robot, provers, timeout, found)
-    return Report(
-        checks=(*checks, collision_check),
-        versions=versions(outcomes),
-        distributions=distributions(outcomes),
+    return report_of(
+        (*checks, collision_check),
+        outcomes,
+        {key: one.path.name for key, one in written.items()},
         robot=robot,
         degrees_of_freedom=freedom,
         driven=driven_joints(robot) if robot.closures else (),
         collisions=overlaps,
-        notes=_notes(written, outcomes),
-        own_parsers=own_parsers(),
     )
 
 
@@ -204,11 +201,3 @@ def _self_collision(
         found.add("SB810", f"links '{a}' and '{b}' overlap{deep} in the drawn pose", span)
     pairs = "; ".join(f"'{a}' and '{b}' overlap" for a, b, _ in overlaps)
     return overlaps, Check("", "", engine, quantity, Status.PASSED, why=pairs)
-
-
-def _notes(written: Mapping[str, Written], outcomes: Iterable[Outcome]) -> dict[str, tuple[str, ...]]:
-    return {
-        f"{written[outcome.key].path.name} in {outcome.engine}": outcome.observation.notes
-        for outcome in outcomes
-        if outcome.observation and outcome.observation.notes
-    }

@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.engines import Engine, own_parsers
+from stepbot.engines import Engine
 from stepbot.engines.description.statements import Statement
 from stepbot.engines.file_references import first_element, openable
 from stepbot.engines.observation import Observation, Request
@@ -39,12 +39,11 @@ from .judging import (
     Asked,
     checks_within,
     compared_with_first,
-    distributions,
     judge,
     ranked,
     reference_of,
+    report_of,
     report_unread,
-    versions,
 )
 from .merged_observation import gather
 from .naming import Naming, moved
@@ -80,16 +79,7 @@ def verify_files(
     asked, outcomes = observed(paths, found, timeout=timeout, memory_limit=memory_limit, packages=tuple(packages))
     check_started(required, outcomes, found)
     checks = judge(outcomes, asked, found)
-    notes = {f"{o.key} in {o.engine}": o.observation.notes for o in outcomes if o.observation and o.observation.notes}
-    table = _named(asked.joint_table, outcomes)
-    return Report(
-        checks,
-        versions(outcomes),
-        notes=notes,
-        joint_table=table,
-        own_parsers=own_parsers(),
-        distributions=distributions(outcomes),
-    )
+    return report_of(checks, outcomes, joint_table=_named(asked.joint_table, outcomes))
 
 
 def _named(table: Sequence[JointRow], outcomes: Iterable[Outcome]) -> tuple[JointRow, ...]:

@@ -6,14 +6,15 @@ Comparisons become checks of the report and diagnostics.
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import isfinite
+from typing import Any
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.engines import engine_of
+from stepbot.engines import engine_of, own_parsers
 from stepbot.engines.description.statements import Statement
 from stepbot.engines.engine import Tolerance
 from stepbot.engines.observation import Quantity, Request
 from stepbot.engines.workers import Fate, Outcome
-from stepbot.report.robot import Check, Status
+from stepbot.report.robot import Check, Report, Status
 from stepbot.robot.joint_table import JointRow
 
 from .compare import Compared, compare
@@ -122,16 +123,26 @@ def checks_without_observation(
     return checks
 
 
-def versions(outcomes: Iterable[Outcome]) -> dict[str, str]:
-    """The engines that ran, and their versions."""
-    ran = {outcome.engine: outcome.observation.version for outcome in outcomes if outcome.observation}
-    return dict(sorted(ran.items()))
+def report_of(
+    checks: Iterable[Check], outcomes: Sequence[Outcome], names: Mapping[str, str] | None = None, **more: Any
+) -> Report:
+    """The report of checks, with the engines that ran.
 
-
-def distributions(outcomes: Iterable[Outcome]) -> dict[str, str]:
-    """The engines that ran, and the installed distribution that each comes from."""
-    ran = {one.engine: one.observation.distribution for one in outcomes if one.observation}
-    return {name: distribution for name, distribution in sorted(ran.items()) if distribution}
+    Args:
+        outcomes: What the engines returned.
+        names: Name of the file of each key of the outcomes; None for the keys.
+        more: Further fields of the report.
+    """
+    ran = {one.engine: one.observation for one in outcomes if one.observation is not None}
+    seen = [(one, one.observation) for one in outcomes if one.observation is not None]
+    return Report(
+        checks=tuple(checks),
+        versions={engine: ran[engine].version for engine in sorted(ran)},
+        distributions={engine: ran[engine].distribution for engine in sorted(ran) if ran[engine].distribution},
+        notes={f"{(names or {}).get(o.key, o.key)} in {o.engine}": one.notes for o, one in seen if one.notes},
+        own_parsers=own_parsers(),
+        **more,
+    )
 
 
 _EQUAL = Tolerance(absolute=1e-13, relative=1e-9)
