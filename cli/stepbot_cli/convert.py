@@ -32,7 +32,7 @@ from .terminal import Display, screen_width, show_diagnostics, write_json, write
 if TYPE_CHECKING:
     from stepbot.driving.driving import Driven
     from stepbot.pipeline.conversion import Conversion, Options
-    from stepbot.report.junit import Suite
+    from stepbot.report.document import Suite
     from stepbot.report.results import Results
 
 _WRITTEN_BY_OPTIONS = {
@@ -377,7 +377,7 @@ def _in_another_program(name: str) -> str:
 def _suite(sidecar: Path, conversion: "Conversion") -> "Suite":
     """The checks of a robot as test cases; named after the sidecar if there is no robot."""
     from stepbot.pipeline.conversion import REPORT
-    from stepbot.report.junit import Suite
+    from stepbot.report.document import Suite
 
     checks = json.loads(conversion.files[REPORT])["checks"] if conversion.files else []
     name = conversion.robot.name if conversion.robot is not None else default_output(sidecar).name

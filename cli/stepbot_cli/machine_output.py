@@ -17,7 +17,7 @@ from stepbot.version import __version__
 from .terminal import Display
 
 if TYPE_CHECKING:
-    from stepbot.report.junit import Suite
+    from stepbot.report.document import Suite
 
 
 junit_option = click.option(
@@ -31,7 +31,7 @@ def write_junit(path: Path, suites: "Sequence[Suite]") -> None:
     Raises:
         StepbotError: It cannot be written (SB004).
     """
-    from stepbot.report.junit import junit_bytes
+    from stepbot.report.document import junit_bytes
     from stepbot.runtime.file import write_file
 
     write_file(path, junit_bytes(suites), found := Diagnostics())

@@ -43,8 +43,7 @@ def command(
     The files may come from any source. Several files must describe the same robot, and are compared with the first.
     """
     from stepbot.pipeline.verdict import compared_words
-    from stepbot.report.document import report_document
-    from stepbot.report.junit import Suite
+    from stepbot.report.document import Suite, report_document
     from stepbot.verification import verify_files
 
     found = Diagnostics()

@@ -8,10 +8,10 @@ raises for invalid input: results carry their diagnostics. To get exceptions ins
 from stepbot.diagnostics import Diagnostic, Diagnostics, StepbotError
 from stepbot.pipeline.conversion import Conversion
 
+from .arguments import CheckResult, Drafted, DriveResult, Rendered, Verification
 from .converting import check, convert
 from .looking import draft, inspect, render
 from .proving import close_loops, drive, verify
-from .results import CheckResult, Drafted, DriveResult, Rendered, Verification
 
 __all__ = [
     "CheckResult",

@@ -1,15 +1,21 @@
-"""What the functions take: errors that name the right argument, one or several names, options."""
+"""What the functions take and return: errors that name the right argument, one or several names, options; results."""
 
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import wraps
 from os import PathLike
 from pathlib import Path
-from typing import ParamSpec, TypeVar, cast
+from typing import TYPE_CHECKING, ParamSpec, TypeVar, cast
 
-from stepbot.diagnostics import did_you_mean
+from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.formats import FORMATS, default_formats, format_named
-from stepbot.pipeline.conversion import Options
+from stepbot.pipeline.conversion import Checked, Options
 from stepbot.runtime.cache import Cache, default_folder
+
+if TYPE_CHECKING:
+    from stepbot.draft.draft import Draft
+    from stepbot.driving.driving import Driven
+    from stepbot.report.robot import Report
 
 AnyPath = str | PathLike[str]
 _One = TypeVar("_One", bound=AnyPath)
@@ -99,3 +105,49 @@ def cache_at(where: AnyPath | bool) -> Cache | None:
     if where is False:
         return None
     return Cache(default_folder() if where is True else Path(where))
+
+
+@dataclass(frozen=True)
+class CheckResult:
+    """The result of :func:`check`."""
+
+    diagnostics: Diagnostics
+    checked: Checked
+    """Number of links and joints; the joint table if the STEP was read."""
+
+
+@dataclass(frozen=True)
+class Verification:
+    """The result of :func:`verify`."""
+
+    diagnostics: Diagnostics
+    report: "Report"
+
+
+@dataclass(frozen=True)
+class Drafted:
+    """The result of :func:`draft`."""
+
+    diagnostics: Diagnostics
+    draft: "Draft | None" = None
+    """Links and joints with their evidence; None after errors."""
+    text: str = ""
+    """The sidecar."""
+
+
+@dataclass(frozen=True)
+class DriveResult:
+    """The result of :func:`drive`."""
+
+    diagnostics: Diagnostics
+    driven: "Driven | None" = None
+    """The verdict of each test in each engine; None if nothing could be driven."""
+
+
+@dataclass(frozen=True)
+class Rendered:
+    """The result of :func:`render`."""
+
+    diagnostics: Diagnostics
+    png: bytes = b""
+    """The picture as a PNG file; empty after errors."""

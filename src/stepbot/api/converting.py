@@ -9,8 +9,7 @@ from stepbot.formats.urdf.package import package_of
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
-from .arguments import AnyPath, cache_at, checked, format_names, several
-from .results import CheckResult
+from .arguments import AnyPath, CheckResult, cache_at, checked, format_names, several
 
 
 @checked

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
-from .arguments import AnyPath, checked, known, reading
-from .results import Drafted, Rendered
+from .arguments import AnyPath, Drafted, Rendered, checked, known, reading
 
 if TYPE_CHECKING:
     from stepbot.pipeline.stages import Inspection

@@ -9,8 +9,7 @@ from stepbot.diagnostics import Diagnostics, Ignore, Span
 from stepbot.runtime.file import read_regular
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
-from .arguments import AnyPath, checked, known, reading, several
-from .results import DriveResult, Verification
+from .arguments import AnyPath, DriveResult, Verification, checked, known, reading, several
 
 
 @checked

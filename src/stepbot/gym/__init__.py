@@ -4,8 +4,8 @@ Importing this package registers ``stepbot/Reach-v0`` and ``stepbot/Stand-v0`` (
 gymnasium, which ``pip install 'stepbot[learn]'`` adds; nothing else of stepbot imports it.
 
 :mod:`.model` loads a file, :mod:`.controls` turns actions into controls, :mod:`.observations` gathers what is observed,
-:mod:`.configurations` draws random ones that the robot can take, :mod:`.environment` puts them together, :mod:`.reach`
-and :mod:`.stand` add targets and rewards.
+:mod:`.configurations` draws random ones that the robot can take, :mod:`.environment` puts them together, :mod:`.tasks`
+add targets and rewards.
 """
 
 from os import PathLike
@@ -21,8 +21,8 @@ from .model import load
 TASKS = {"reach": "stepbot/Reach-v0", "stand": "stepbot/Stand-v0"}
 """Names that :func:`make` takes, and the names under which gymnasium has the environments."""
 
-gymnasium.register(TASKS["reach"], entry_point=f"{__name__}.reach:Reach", max_episode_steps=75)
-gymnasium.register(TASKS["stand"], entry_point=f"{__name__}.stand:Stand", max_episode_steps=250)
+gymnasium.register(TASKS["reach"], entry_point=f"{__name__}.tasks:Reach", max_episode_steps=75)
+gymnasium.register(TASKS["stand"], entry_point=f"{__name__}.tasks:Stand", max_episode_steps=250)
 
 
 def make(model: "str | PathLike[str] | Any", task: str = "reach", **options: Any) -> Any:
@@ -31,7 +31,7 @@ def make(model: "str | PathLike[str] | Any", task: str = "reach", **options: Any
     Args:
         model: An MJCF file, or a model that :func:`load` returned.
         task: ``reach`` or ``stand``.
-        options: Arguments of :class:`.reach.Reach` or :class:`.stand.Stand`, and those of ``gymnasium.make``.
+        options: Arguments of :class:`.tasks.Reach` or :class:`.tasks.Stand`, and those of ``gymnasium.make``.
 
     Raises:
         ValueError: There is no such task, or the robot cannot do it.

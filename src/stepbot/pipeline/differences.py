@@ -10,9 +10,8 @@ from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.engines.observation import Observation, Request
 from stepbot.engines.reference import observe_robot
 from stepbot.revisions.differences import Difference, not_compared, robot_differences, step_differences
-from stepbot.revisions.shapes import Motion
+from stepbot.revisions.shapes import Motion, moved_words
 from stepbot.revisions.snapshot import Snapshot, snapshot
-from stepbot.revisions.wording import moved_words
 from stepbot.robot.model import Robot
 from stepbot.runtime.file import exists, is_file, is_folder
 from stepbot.step.assembly import ReadOptions

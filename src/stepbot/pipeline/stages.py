@@ -183,7 +183,7 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
             joints = len(whole.joints) + len(whole.closures)
             checked = Checked("", len(whole.links), joints, composed.joint_table, robot_words(whole))
         elif open_step:
-            from .passed_stops import report_passed_stops
+            from .expectations import report_passed_stops
 
             source = options.step or named_step(loaded, found)
             with closing(Loading(source, what_to_read(loaded, options), options, found)) as loading:

@@ -11,8 +11,8 @@ from stepbot.step.structure.paths import quoted
 
 from .comparison import BrokenPath, Comparison, Fate
 from .matching import Certainty, Pair
+from .shapes import moved_words, shape_words
 from .snapshot import Reference, Snapshot
-from .wording import moved_words, shape_words
 
 _OFFERED = 5
 _NAMED = 3

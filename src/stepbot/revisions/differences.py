@@ -11,9 +11,8 @@ from stepbot.verification.deviation import Deviation
 
 from .comparison import renamed_node
 from .matching import Certainty, Match, Pair, match
-from .shapes import Motion
+from .shapes import Motion, change, common_words, moved_words, shape_words, stuff_words
 from .snapshot import Snapshot
-from .wording import change, common_words, moved_words, shape_words, stuff_words
 
 _EXPECTED = re.compile(r", (\S.*) expected$")
 _RENAMED = re.compile(r"(?:link|joint) '(.*)' is named '(.*)', paired by structure")

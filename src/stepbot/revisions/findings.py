@@ -14,7 +14,7 @@ from stepbot.step.structure.paths import ComponentPaths, quoted, segments_of, wi
 from .broken_paths import pair_words, report_broken, several
 from .comparison import Comparison, is_below, renamed_node
 from .matching import Certainty, Pair
-from .wording import axis_words, common_words, mass_words, moved_words, shape_words, stuff_words
+from .shapes import axis_words, common_words, mass_words, moved_words, shape_words, stuff_words
 
 _SHOWN = 5
 _SAME_MASS = 1e-6

@@ -18,7 +18,7 @@ from stepbot.sidecar.editing import CannotEdit, edited
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
 
-from .described import Edited, edited_view, in_file, require_fit, require_own
+from .decisions import Edited, edited_view, in_file, require_fit, require_own
 from .edits import changes_of
 from .local_server import Refused
 

@@ -17,8 +17,7 @@ from stepbot.viewing.page import page_html
 from stepbot.viewing.scene import diagnostic_documents, proof_document, scene_text
 
 from .axis_questions import Contacts, axes_between, axes_of_joint
-from .decisions import vocabulary, written
-from .described import module_command
+from .decisions import module_command, vocabulary, written
 from .editor import Editor
 from .local_server import LocalServer, Refused
 

@@ -18,12 +18,11 @@ from stepbot.report.robot import Check, Report, Status
 from stepbot.robot.joint_table import JointRow
 
 from .compare import Compared, compare
-from .correspondence import Correspondence
+from .correspondence import Correspondence, normalized_joints
 from .counterparts import Renaming
 from .deviation import Deviations
 from .merged_observation import Gathered, gather
 from .normalized import normalized
-from .restated import normalized_joints
 
 _OTHER_ROBOT = "SB803"
 _CODES = {Quantity.CLOSURES: "SB808", Quantity.SIMULATION: "SB811"}

@@ -1,16 +1,94 @@
-"""Joints and closures as a person reviews them: type, limits, evidence, and a mark where the evidence is weak."""
+"""Joints and closures: as the page moves them, and as a person reviews them, with limits, evidence and doubts.
+
+The page solves forward kinematics and loops itself, by the methods of :mod:`stepbot.robot`.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
+from math import dist, isfinite
 
+from stepbot.geometry.spatial import Pose
 from stepbot.report.plain import Json, picked
 from stepbot.report.words import direction_words, evidence_words, point_words, rival_words
+from stepbot.robot.bounding_boxes import robot_bounds
+from stepbot.robot.closures import CLOSED_ANGLE, LARGEST_JUMP, LARGEST_STEP, RANK_TOLERANCE, Loops, driven_joints
 from stepbot.robot.joint_table import JointRow
-from stepbot.robot.kinematics import MOVING
+from stepbot.robot.kinematics import (
+    MOVING,
+    advance,
+    independent_joints,
+    initial_configuration,
+    leader_range,
+    mimic_relation,
+    sampling_range,
+)
 from stepbot.robot.model import Joint, JointKind, LoopClosure, Robot
 from stepbot.robot.multi_dof import unfolded
 from stepbot.sidecar.draft_comments import DraftedStop
 from stepbot.step.assembly import Assembly
 from stepbot.step.structure.paths import quoted
+
+
+def motion_document(robot: Robot) -> Json:
+    """Links and joints of the unfolded tree, closures, and the joints that a slider drives."""
+    chain = unfolded(robot)
+    driven = driven_joints(robot) if robot.closures else tuple(joint.name for joint in independent_joints(robot))
+    loops = Loops(robot)
+    return {
+        "links": [link.name for link in chain.links],
+        "joints": [_moving_joint(chain, joint) for joint in chain.joints],
+        "closures": [closure_document(closure) for closure in robot.closures],
+        "driven": [{"name": name, "range": _slider(robot, name)} for name in driven],
+        "solver": {
+            "closed_distance": loops.closed_distance,
+            "closed_angle": CLOSED_ANGLE,
+            "rank": RANK_TOLERANCE,
+            "step": LARGEST_STEP,
+            "jump": LARGEST_JUMP,
+        },
+    }
+
+
+def _slider(robot: Robot, name: str) -> list[float]:
+    """The range of a slider [rad] or [m]; a slide without limits goes as far as its two links are large."""
+    joint = unfolded(robot).joint_by_name[name]
+    low, high = leader_range(robot, name)
+    ends = (joint.limit.lower, joint.limit.upper)
+    if joint.kind is not JointKind.PRISMATIC or all(map(isfinite, ends)) or (low, high) != sampling_range(joint):
+        return [low, high]
+    links = [link for link in (joint.parent, joint.child) if link in robot.link_by_name]
+    box = robot_bounds(robot, initial_configuration(robot), links)
+    size = high if box is None else dist(*box)
+    known = [joint.drawn_position, *filter(isfinite, ends)]
+    lower, upper = ends
+    return [lower if isfinite(lower) else min(known) - size, upper if isfinite(upper) else max(known) + size]
+
+
+def pose_numbers(X: Pose) -> list[float]:
+    """The rotation by rows, then the position [m]: twelve numbers."""
+    return [*(value for row in X.rotation for value in row), *X.position]
+
+
+def closure_document(closure: LoopClosure) -> Json:
+    """A closure with its frames."""
+    X_AF, X_BF = pose_numbers(closure.X_AF), pose_numbers(closure.X_BF)
+    return picked(closure, "name kind a=link_a X_AF b=link_b X_BF axis", X_AF=X_AF, X_BF=X_BF)
+
+
+def _moving_joint(robot: Robot, joint: Joint) -> Json:
+    moves = joint.kind in MOVING
+    leader, multiplier, offset = mimic_relation(robot, joint.name) if moves else ("", 0.0, 0.0)
+    return {
+        **picked(joint, "name parent child X axis", X=pose_numbers(joint.X_PC)),
+        "turn": float(moves and joint.kind is not JointKind.PRISMATIC),
+        "advance": advance(joint),
+        "moves": moves,
+        "leader": leader,
+        "multiplier": multiplier,
+        "offset": offset,
+        **picked(joint.limit, "lower upper"),
+        "drawn": joint.drawn_position,
+    }
+
 
 NO_REVIEWS: Mapping[str, str] = {}
 NO_STOPS: Mapping[str, Sequence[DraftedStop]] = {}

@@ -22,8 +22,7 @@ from stepbot.robot.model import Geometry, JointKind, Link, MeshRef, Robot
 from stepbot.robot.sensors import PLACED, Sensor
 from stepbot.step.assembly import Assembly
 
-from .connections import component_documents, connection_documents
-from .motion import motion_document, pose_numbers
+from .connections import component_documents, connection_documents, motion_document, pose_numbers
 
 
 def proof_document(report: Results) -> Json:

@@ -4,7 +4,7 @@ from typing import Any
 from xml.etree import ElementTree as ET
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.report.junit import Suite, junit_bytes
+from stepbot.report.document import Suite, junit_bytes
 
 CHECK = {
     "file": "arm.urdf",

@@ -11,8 +11,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.scenes import show_text
 from stepbot.runtime.cache import Cache
-from stepbot.serving.decisions import decisions, written
-from stepbot.serving.described import Edited
+from stepbot.serving.decisions import Edited, decisions, written
 from stepbot.serving.edits import changes_of
 from stepbot.serving.local_server import Refused
 from stepbot.sidecar.editing import CannotEdit, edited

@@ -8,7 +8,7 @@ import pytest
 
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import Limit, MeshRef, Robot
-from stepbot.viewing.motion import motion_document
+from stepbot.viewing.connections import motion_document
 from tests.robots import ROBOTS
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE
-from stepbot.report.junit import Suite
+from stepbot.report.document import Suite
 from stepbot.runtime.file import is_file, read_regular
 from stepbot.runtime.output import failed_output
 from stepbot.viewing.report.page import Entry, index_page
