@@ -108,7 +108,6 @@ def _slides(joint: "Joint") -> bool:
 
 _SIZE = re.compile(r"(\d{2,4})x(\d{2,4})")
 _VIEWS = ("corner", "iso", "front", "left", "back", "right", "top", "bottom")
-_SIDECARS = (".yaml", ".yml")
 
 
 def _size(context: click.Context, option: click.Parameter, text: str) -> tuple[int, int]:  # noqa: ARG001

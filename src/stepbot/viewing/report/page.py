@@ -30,6 +30,7 @@ from .robot_tables import (
     masses_section,
     motors_section,
     table,
+    table_row,
 )
 
 
@@ -75,16 +76,15 @@ def _row(one: Entry) -> Markup:
     name = element("a", one.name, href=quote(one.page)) if one.page else one.name
     failed = element("b.bad", f", {one.failed} failed") if one.failed else None
     checks = (f"{one.passed} passed", failed) if one.passed or one.failed else "–"
-    return element(
-        "tr",
-        element("th", name),
+    return table_row(
+        name,
         element("td.bad" if one.status == "failed" else "td.good", one.status),
-        element("td", checks),
+        checks,
         element("td.number", "–" if one.mass is None else mass_text(one.mass)),
         element("td.number", "–" if one.links is None else one.links),
         element("td.number", "–" if one.joints is None else one.joints),
         element("td.number", one.warnings),
-        element("td", (element("div", message) for message in one.errors)),
+        (element("div", message) for message in one.errors),
         data_robot=one.name,
     )
 
@@ -166,14 +166,6 @@ def _areas(mesh: TriMesh) -> Array:
 
 
 STYLES = ("style.css", "report.css")
-_GENERATOR = f"Written by stepbot {__version__}."
-_WAYS = (
-    ("joint-table", "Joints"),
-    ("mass-table", "Masses"),
-    ("proof-table", "Verification"),
-    ("finding-list", "Findings"),
-    ("body-table", "Bodies"),
-)
 
 
 def report_page(robot: Robot, report: Report, found: Sequence[Diagnostic], lines: Places) -> bytes:

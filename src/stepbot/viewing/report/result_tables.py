@@ -7,7 +7,7 @@ from stepbot.diagnostics import Diagnostic
 from stepbot.diagnostics.codes import CODES
 from stepbot.report.robot import Check, Report, Row, Status
 
-from .robot_tables import Markup, cell, element, short, table
+from .robot_tables import Markup, cell, element, section, short, table, table_row
 
 _LOWEST = -14
 """Power of ten at the left; what is smaller, or exactly zero, is there."""
@@ -99,14 +99,13 @@ def proof_section(report: Report) -> Markup:
         "Each dot is a quantity of a file as one engine reports it, compared with the model. Dots left of the line are "
         "within their tolerance."
     )
-    return element(
-        "section",
-        element("h2", "Verification"),
+    return section(
+        "Verification",
         element("p", _counts(report)),
         deviations_plot(report),
         element("p.quiet", note),
         groups,
-        id="proof-table",
+        name="proof-table",
     )
 
 
@@ -138,15 +137,13 @@ def _group(row: Row, report: Report) -> Markup:
 
 
 def _check_row(check: Check) -> Markup:
-    deviation, tolerance = check.deviation, check.tolerance
-    return element(
-        "tr",
-        element("th", check.quantity),
+    return table_row(
+        check.quantity,
         element(f"td.{_TONES[check.status]}", check.status.value),
-        cell("" if deviation is None else short(deviation), deviation),
-        cell("" if tolerance is None else short(tolerance), tolerance),
-        element("td", check.unit),
-        element("td", check.where, ": " if check.where and check.why else "", check.why),
+        cell(check.deviation, short),
+        cell(check.tolerance, short),
+        check.unit,
+        (check.where, ": " if check.where and check.why else "", check.why),
     )
 
 
@@ -160,7 +157,7 @@ def findings_section(found: Iterable[Diagnostic], lines: Places, short_name: Map
     ranked = sorted(found, key=lambda one: _SEVERITIES.index(one.severity))
     shown = [_finding(one, lines.get((one.span.file, one.span.line)), short_name) for one in ranked]
     nothing = element("p.good", "No errors, warnings or notes.")
-    return element("section", element("h2", "Findings"), shown or nothing, id="finding-list")
+    return section("Findings", shown or nothing, name="finding-list")
 
 
 def _finding(one: Diagnostic, line: str | None, short_name: Mapping[str, str]) -> Markup:
@@ -188,5 +185,5 @@ def inputs_section(report: Report) -> Markup:
     """The files that were read, and the engines that ran."""
     files = ((name, f"sha256 {digest}") for name, digest in report.inputs.items())
     engines = ((name, version) for name, version in report.versions.items())
-    rows = (element("tr", element("th", name), element("td.number", value)) for name, value in (*files, *engines))
-    return element("section", element("h2", "Inputs and engines"), table(("", ""), rows), id="inputs")
+    rows = (table_row(name, element("td.number", value)) for name, value in (*files, *engines))
+    return section("Inputs and engines", table(("", ""), rows), name="inputs")

@@ -3,7 +3,8 @@
 Every text and attribute of an HTML or SVG element is escaped, so that no name becomes markup.
 """
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from functools import partial
 from html import escape
 from math import degrees, isfinite
 
@@ -53,11 +54,22 @@ def _content(child: object) -> str:
     return escape(str(child))
 
 
-def cell(text: str, value: float | None) -> Markup:
-    """A cell of a table with a number; a dash without one."""
+def cell(value: float | None, words: Callable[[float], str]) -> Markup:
+    """A cell of a table with a number in words; a dash without one."""
     if value is None or not isfinite(value):
         return element("td.number", "–")
-    return element("td.number", text, data_value=repr(float(value)))
+    return element("td.number", words(value), data_value=repr(float(value)))
+
+
+def table_row(head: object, *cells: object, **attributes: object) -> Markup:
+    """A row of a table: its heading, and cells; a text is a cell of its own."""
+    shown = (one if isinstance(one, Markup) else element("td", one) for one in cells)
+    return element("tr", element("th", head), *shown, **attributes)
+
+
+def section(heading: str, *content: object, name: str) -> Markup:
+    """A section of the page."""
+    return element("section", element("h2", heading), *content, id=name)
 
 
 def mass_text(mass: float) -> str:
@@ -91,47 +103,44 @@ def joints_section(robot: Robot, rows: Iterable[JointRow]) -> Markup:
     headings = ("joint", "type", "links", "lower", "upper", "axis", "through", "found by")
     shown = (_joint_row(row, robot.joint_by_name.get(row.name)) for row in listed)
     body = table(headings, shown) if listed else element("p.quiet", "The robot has no joints.")
-    return element("section", element("h2", "Joints"), note, body, id="joint-table")
+    return section("Joints", note, body, name="joint-table")
 
 
-def _joint_row(row: JointRow, joint: Joint | None) -> Markup:
-    found = row.evidence
-    axis = "–" if row.axis is None else direction_words(row.axis)
-    second = "" if row.axis2 is None else f", {direction_words(row.axis2)}"
+def _joint_row(one: JointRow, joint: Joint | None) -> Markup:
+    found = one.evidence
+    axis = "–" if one.axis is None else direction_words(one.axis)
+    second = "" if one.axis2 is None else f", {direction_words(one.axis2)}"
     others = (
         element(
             "details",
             element("summary", f"{len(found.rivals)} other lines"),
-            element("ul", (element("li", rival_words(one)) for one in found.rivals)),
+            element("ul", (element("li", rival_words(rival)) for rival in found.rivals)),
         )
         if found.rivals
         else None
     )
-    return element(
-        "tr",
-        element("th", "? " if found.doubt else "", row.name),
-        element("td", f"{row.kind}{' closure' if row.is_closure else ''}"),
-        element("td", f"{row.parent} → {row.child}"),
+    weak = element("div.warn", f"weak: {found.doubt}") if found.doubt else None
+    return table_row(
+        f"{'? ' if found.doubt else ''}{one.name}",
+        f"{one.kind}{' closure' if one.is_closure else ''}",
+        f"{one.parent} → {one.child}",
         *_limits(joint),
         element("td.number", axis + second),
-        element("td.number", "not reported" if row.origin is None else point_words(row.origin)),
-        element(
-            "td", evidence_words(found), element("div.warn", f"weak: {found.doubt}") if found.doubt else None, others
-        ),
-        data_joint=row.name,
+        element("td.number", "not reported" if one.origin is None else point_words(one.origin)),
+        (evidence_words(found), weak, others),
+        data_joint=one.name,
     )
 
 
-def _limits(joint: Joint | None) -> tuple[Markup, Markup]:
+def _limits(joint: Joint | None) -> tuple[object, object]:
     if joint is None or not joint.kind.has_axis:
-        return element("td"), element("td")
+        return "", ""
     if joint.mimic is not None:
-        words = f"{joint.mimic.multiplier:g} × {joint.mimic.joint}"
-        return element("td", words), element("td")
-    slides, limit = joint.kind is JointKind.PRISMATIC, joint.limit
-    lower = cell(position_text(limit.lower, slides), limit.lower) if limit.lower > -NO_BOUND else cell("", None)
-    upper = cell(position_text(limit.upper, slides), limit.upper) if limit.upper < NO_BOUND else cell("", None)
-    return lower, upper
+        return f"{joint.mimic.multiplier:g} × {joint.mimic.joint}", ""
+    words, limit = partial(position_text, slides=joint.kind is JointKind.PRISMATIC), joint.limit
+    lower = limit.lower if limit.lower > -NO_BOUND else None
+    upper = limit.upper if limit.upper < NO_BOUND else None
+    return cell(lower, words), cell(upper, words)
 
 
 def masses_section(robot: Robot) -> Markup:
@@ -139,19 +148,9 @@ def masses_section(robot: Robot) -> Markup:
     total = exact_sum(link.mass_properties.mass for link in robot.links)
     headings = ("link", "mass", "share", "centre of mass [mm]", "inertia xx, yy, zz [kg m²]", "from")
     rows = [_link_row(link, total) for link in robot.links]
-    rows.append(
-        element(
-            "tr.total",
-            element("th", "total"),
-            cell(mass_text(total), total),
-            element("td"),
-            element("td"),
-            element("td"),
-            element("td"),
-        )
-    )
+    rows.append(element("tr.total", element("th", "total"), cell(total, mass_text), [element("td")] * 4))
     note = "Centre and inertia in the frame of the link, the inertia about its centre of mass."
-    return element("section", element("h2", "Masses"), table(headings, rows), element("p.quiet", note), id="mass-table")
+    return section("Masses", table(headings, rows), element("p.quiet", note), name="mass-table")
 
 
 def _link_row(link: Link, total: float) -> Markup:
@@ -159,14 +158,13 @@ def _link_row(link: Link, total: float) -> Markup:
     share = body.mass / total if total > 0.0 else 0.0
     center = ", ".join(f"{round(1e3 * value, 4) + 0.0:.6g}" for value in body.com)
     moments = ", ".join(short(body.inertia[i][i]) for i in range(3))
-    return element(
-        "tr",
-        element("th", link.name),
-        cell(mass_text(body.mass), body.mass),
-        element("td", _bar(share), f" {100 * share:.1f} %"),
+    return table_row(
+        link.name,
+        cell(body.mass, mass_text),
+        (_bar(share), f" {100 * share:.1f} %"),
         element("td.number", center if body.mass else "–"),
         element("td.number", moments if body.mass else "–"),
-        element("td", _sources(link.masses)),
+        (_sources(link.masses),),
         data_link=link.name,
     )
 
@@ -190,9 +188,9 @@ def _sources(masses: tuple[ComponentMass, ...]) -> Markup | None:
         element(
             "tr",
             element("td", one.component or "the whole link"),
-            cell("" if one.mass is None else mass_text(one.mass), one.mass),
-            cell("" if one.density is None else f"{one.density:.6g}", one.density),
-            cell("" if one.volume is None else f"{1e6 * one.volume:.6g}", one.volume),
+            cell(one.mass, mass_text),
+            cell(one.density, "{:.6g}".format),
+            cell(one.volume, lambda volume: f"{1e6 * volume:.6g}"),
             element("td", one.origin),
             element("td", one.method),
         )
@@ -205,13 +203,12 @@ def motors_section(robot: Robot) -> Markup | None:
     """Each figure that a motor of the catalogue gives, with its source, and the doubts."""
     driven = [(one, one.motor) for one in robot.actuators if one.motor is not None]
     rows = [
-        element(
-            "tr",
-            element("th", actuator.name),
-            element("td", motor.name),
-            element("td", figure.quantity),
-            cell(f"{figure.value:.6g} {figure.unit}", figure.value),
-            element("td", figure.source),
+        table_row(
+            actuator.name,
+            motor.name,
+            figure.quantity,
+            cell(figure.value, f"{{:.6g}} {figure.unit}".format),
+            figure.source,
         )
         for actuator, motor in driven
         for figure in motor.figures
@@ -222,21 +219,19 @@ def motors_section(robot: Robot) -> Markup | None:
     headings = ("actuator", "motor", "quantity", "value", "source")
     note = "Limits and dynamics that the sidecar sets for a joint apply in place of these."
     listed = element("ul", (element("li", doubt) for doubt in doubts)) if doubts else None
-    heading = element("h2", "Motors")
-    return element("section", heading, table(headings, rows), listed, element("p.quiet", note), id="motor-table")
+    return section("Motors", table(headings, rows), listed, element("p.quiet", note), name="motor-table")
 
 
 def collisions_section(shapes: Iterable[LinkCollision]) -> Markup | None:
     """The collision shapes of every link, and how well they match its solids."""
     rows = [
-        element(
-            "tr",
-            element("th", one.link),
-            element("td", one.rule),
-            element("td", shape_words(one.shapes)),
+        table_row(
+            one.link,
+            one.rule,
+            shape_words(one.shapes),
             element("td.number", one.vertices),
-            cell("" if one.iou is None else f"{one.iou:.3f}", one.iou),
-            cell("" if one.overshoot is None else f"{1e3 * one.overshoot:.2f} mm", one.overshoot),
+            cell(one.iou, "{:.3f}".format),
+            cell(one.overshoot, lambda overshoot: f"{1e3 * overshoot:.2f} mm"),
             data_link=one.link,
         )
         for one in shapes
@@ -245,24 +240,22 @@ def collisions_section(shapes: Iterable[LinkCollision]) -> Markup | None:
         return None
     headings = ("link", "rule", "shapes", "vertices", "intersection / union", "overshoot")
     note = "Intersection over union of the shapes and the solids, by volume; overshoot is how far the shapes reach."
-    heading = element("h2", "Collision shapes")
-    return element("section", heading, table(headings, rows), element("p.quiet", note), id="collision-table")
+    return section("Collision shapes", table(headings, rows), element("p.quiet", note), name="collision-table")
 
 
 def bodies_section(bodies: Iterable[MeasuredBody]) -> Markup | None:
     """Every body, measured on its mesh and on the exact solid."""
     rows = [
-        element(
-            "tr",
-            element("th", body.name),
+        table_row(
+            body.name,
             element("td.number", body.occurrences),
-            cell("" if body.deviation is None else short(body.deviation), body.deviation),
-            cell("" if body.error is None else short(body.error), body.error),
-            element("td", body.written),
+            cell(body.deviation, short),
+            cell(body.error, short),
+            body.written,
         )
         for body in bodies
     ]
     if not rows:
         return None
     headings = ("body", "count", "mesh against exact solid", "error of the exact", "used")
-    return element("section", element("h2", "Bodies"), table(headings, rows), id="body-table")
+    return section("Bodies", table(headings, rows), name="body-table")
