@@ -11,7 +11,7 @@ import re
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, StepbotError
 from stepbot.pipeline.conversion import Checked, Conversion, Kept, Options, is_description, write
@@ -29,6 +29,10 @@ from stepbot.runtime.cache import (
 )
 from stepbot.runtime.file import read_regular
 from stepbot.step.exchange.input_files import input_digest
+
+if TYPE_CHECKING:
+    from stepbot.robot.joint_table import JointRow
+    from stepbot.runtime.cache.codec import Codec
 
 _WORDS = re.compile(rb"""[^"'{}\[\],#:\n]+""")
 _NAMED_FILE = re.compile(rb".*\.(?:ya?ml|json)\b", re.DOTALL)
@@ -55,7 +59,10 @@ class _Findings(NamedTuple):
 
     diagnostics: tuple[Diagnostic, ...]
     ignored: tuple[Diagnostic, ...]
-    checked: Checked
+    checked: tuple[str, int, int, str]
+    """A :class:`Checked` without its joint table."""
+    joint_table: bytes
+    """That, encoded; empty without joints: its records are loaded where there are some."""
 
 
 def convert(sidecar: Path, options: Options, progress: Callable[[str], None] = lambda stage: None) -> Conversion:
@@ -138,7 +145,8 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     if kept is not None:
         found.extend(kept.diagnostics)
         found.add_ignored(kept.ignored)
-        return kept.checked
+        named, links, joints, robot = kept.checked
+        return Checked(named, links, joints, _rows().decode(kept.joint_table) if kept.joint_table else (), robot)
     from stepbot.pipeline import stages as pipeline
 
     before, local = _content(sidecar, options._replace(cache=cache)), Diagnostics()
@@ -153,8 +161,17 @@ def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: boo
     if not (open_step and local.has_errors):
         after = _check_key(sidecar, options, open_step)
         if after and key in ("", after):
-            TypedCache(cache, _Findings).put(after, _Findings(tuple(local), local.ignored, checked))
+            named, links, joints, table, robot = checked
+            rows = _rows().encode(table) if table else b""
+            kept = _Findings(tuple(local), local.ignored, (named, links, joints, robot), rows)
+            TypedCache(cache, _Findings).put(after, kept)
     return checked
+
+
+def _rows() -> "Codec[tuple[JointRow, ...]]":
+    from stepbot.robot.joint_table import JointRow
+
+    return codec_of(tuple[JointRow, ...])
 
 
 def _conversion_of(record: Record) -> Conversion:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, NamedTuple
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.formats import default_formats
 from stepbot.report.summary import Summary
-from stepbot.robot.joint_table import JointRow
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.file import exists
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
 if TYPE_CHECKING:
     from stepbot.report.results import Results
+    from stepbot.robot.joint_table import JointRow
     from stepbot.robot.model import Robot
 
 
@@ -89,7 +89,7 @@ class Checked(NamedTuple):
     links: int = 0
     joints: int = 0
     """Number of tree joints, and of joints that close loops."""
-    joint_table: tuple[JointRow, ...] = ()
+    joint_table: "tuple[JointRow, ...]" = ()
     """Position of each joint; empty if no STEP was read or there is no robot because of errors."""
     robot: str = ""
     """Name, size and mass of the robot in words; empty as ``joint_table``."""
