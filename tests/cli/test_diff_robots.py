@@ -135,3 +135,28 @@ def test_a_joint_to_a_link_that_is_missing(old: str, tmp_path: Path, stepbot: St
         run = stepbot("diff", *pair)
         assert run.code in (1, 2)
         assert "SB901" not in run.err
+
+
+@pytest.mark.mujoco
+def test_diff_quotes_texts_with_commas(tmp_path: Path, stepbot: Stepbot) -> None:
+    """Where the old text ends is not guessed from what it has in it."""
+    skip_without("mujoco")
+    old = _arm(tmp_path / "old.urdf", ("k_velocity", 'note="a, b expected" k_velocity'))
+    new = _arm(tmp_path / "new.urdf", ("k_velocity", 'note="c, d" k_velocity'))
+    code, rows = _diff(stepbot, old, new)
+    assert code == 1
+    assert [row["name"] for row in rows] == [
+        "robot/joint 'elbow'/safety_controller@note: 'c, d', formerly 'a, b expected'"
+    ]
+
+
+@pytest.mark.mujoco
+def test_robots_without_masses_are_compared(tmp_path: Path, stepbot: Stepbot) -> None:
+    """A robot of frames alone has no centre of mass to compare."""
+    skip_without("mujoco")
+    frames = """<robot name="frames"><link name="a"/><link name="b"/>
+      <joint name="j" type="revolute"><parent link="a"/><child link="b"/><origin xyz="0 0 0.1"/><axis xyz="0 0 1"/>
+        <limit lower="-1" upper="1" effort="5" velocity="2"/></joint></robot>"""
+    for name in ("old.urdf", "new.urdf"):
+        (tmp_path / name).write_text(frames)
+    assert _diff(stepbot, str(tmp_path / "old.urdf"), str(tmp_path / "new.urdf")) == (0, [])

@@ -24,19 +24,22 @@ _FAR = 0.02
 """Change of a number, relative to it; absolute for 0."""
 _LEAST = 1e-11
 """Smallest change: files round lengths and angles to 1e-12."""
+_DIRECTIONS = ("axis@xyz", "axis/xyz", "@axis", "@quat")
+"""Numbers of which only the direction has a meaning: one that is alone may be any."""
 
 
 def other_numbers(content: bytes, random: Random, count: int) -> Iterator[tuple[str, bytes]]:
-    """Copies of a file with one number changed, and which."""
+    """Copies of a file with one number changed, and which; what only lengthens an axis is the same robot."""
     every = [(slot, index) for slot in slots_of(content) for index in range(len(slot.words))]
     for slot, index in random.sample(every, min(count, len(every))):
         old = float(slot.words[index])
         new = repr(old * (1.0 + _FAR)) if old else repr(_FAR)
         if slot.is_whole:
             new = str(int(old) + 1)
-        if abs(float(new) - old) < _LEAST:
-            continue
         words = (*slot.words[:index], new, *slot.words[index + 1 :])
+        longer = slot.path.endswith(_DIRECTIONS) and old and all(float(one) == 0.0 for one in {*words} - {new})
+        if abs(float(new) - old) < _LEAST or longer:
+            continue
         top = etree.fromstring(content)
         element = [one for one in top.iter() if isinstance(one.tag, str)][slot.element]
         if slot.attribute:

@@ -145,6 +145,16 @@ def test_base_of_a_urdf_is_a_stated_guess(tmp_path: Path) -> None:
     assert b"freejoint" in stated.files["cart.xml"]
 
 
+def test_a_second_root_is_a_stated_guess(tmp_path: Path) -> None:
+    """A link that no joint connects to the root is held in its place, with a warning: the file does not say so."""
+    path = tmp_path / "carts.urdf"
+    path.write_text(f'<robot name="carts">{BARE.format("one")}{BARE.format("two")}</robot>', encoding="utf-8")
+    guessed = convert(path, Options(tmp_path / "out", formats=("mjcf",), verify=False, base="fixed"))
+    (one,) = (one for one in guessed.diagnostics if one.severity == "warning")
+    assert one.code == "SB874:base"
+    assert one.message.startswith("link 'two' is not connected to 'one'")
+
+
 def test_missing_limits_are_reported_and_proven(tmp_path: Path) -> None:
     """A joint without bounds is unlimited; one missing bound is 0, also to engines that ignore the other one."""
     moving = """<joint name="{0}" type="{1}">

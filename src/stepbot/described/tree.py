@@ -17,7 +17,7 @@ from stepbot.robot.kinematics import MOVING
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link
 
-from .finding import LOST, OPEN_LIMIT, REARRANGED, UNSUPPORTED, Finding
+from .finding import LOST, OPEN_LIMIT, REARRANGED, TAKEN_AS_FIXED, UNSUPPORTED, Finding
 
 _UNLIMITED = (
     *(("lower", -inf), ("upper", inf), ("velocity", inf), ("effort", inf)),
@@ -49,6 +49,7 @@ class _Tree:
         seen = description.observation
         self._X_PC, self._poses = description.X_PC, seen.poses[0] if seen.poses else {}
         self._free = set(description.free_roots)
+        self._are_loose_links_unknown = seen.format == "urdf"
         self._names = [link.name for link in seen.links]
         self._above, self._found = above, found
         self._below: dict[str, list[str]] = {}
@@ -85,7 +86,8 @@ class _Tree:
             self._found.append(Finding(UNSUPPORTED, f"link '{loose}' is not connected to '{root}', and moves freely"))
         else:
             text = f"link '{loose}' is not connected to '{root}'; a fixed joint holds it in its place"
-            self._found.append(Finding(REARRANGED, text, (Quantity.JOINTS,)))
+            code = TAKEN_AS_FIXED if self._are_loose_links_unknown else REARRANGED
+            self._found.append(Finding(code, text, (Quantity.JOINTS,)))
 
     def _chain(self, child: str) -> list[Joint]:
         """The joints above a link; anchors beside its origin become links in between."""

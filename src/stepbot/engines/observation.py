@@ -69,8 +69,9 @@ class ObservedShape:
     """Lowest and highest corner [m] in the link's frame."""
     oblique: tuple[Vector3, Vector3] | None = None
     """The same along the axes of :data:`OBLIQUE`: a shape that is turned or mirrored may fill the same upright box."""
-    group: int | None = None
-    """The group that viewers show and hide together: by convention, 2 is visual and 3 is collision."""
+    groups: tuple[int, ...] | None = None
+    """MJCF only: the group that viewers show and hide together, by convention 2 for visuals and 3 for collisions; the
+    bits of what a shape is to others, and of what it collides with."""
     surface: Surface | None = None
     """Contact properties of a collision; those that the engine does not report are None."""
     surface_is_default: bool = False

@@ -134,12 +134,23 @@ class Reference:
             has_collisions=bool(link.collisions),
             visuals=tuple(
                 ObservedShape(
-                    shape.name, shape.rgba, shape.rgba if shaded else None, box, self._box(robot, shape, OBLIQUE), 2
+                    shape.name,
+                    shape.rgba,
+                    shape.rgba if shaded else None,
+                    box,
+                    self._box(robot, shape, OBLIQUE),
+                    (2, 0, 0),
                 )
                 for shape, box in zip(link.visuals, seen, strict=True)
             ),
             collisions=tuple(
-                ObservedShape(shape.name, None, None, box, self._box(robot, shape, OBLIQUE), 3, surface=shape.surface)
+                ObservedShape(
+                    shape.name,
+                    bounds=box,
+                    oblique=self._box(robot, shape, OBLIQUE),
+                    groups=(3, 1, 1),
+                    surface=shape.surface,
+                )
                 for shape, box in zip(link.collisions, touched, strict=True)
             ),
         )

@@ -14,7 +14,6 @@ from .matching import Certainty, Match, Pair, match
 from .shapes import Motion, change, common_words, moved_words, shape_words, stuff_words
 from .snapshot import Snapshot
 
-_EXPECTED = re.compile(r", (\S.*) expected$")
 _RENAMED = re.compile(r"(?:link|joint) '(.*)' is named '(.*)', paired by structure")
 _SHOWN = {"rad": (180.0 / pi, "deg"), "rad/s": (180.0 / pi, "deg/s"), "m": (1e3, "mm"), "m/s": (1e3, "mm/s")}
 _FOLLOWING = frozenset({Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS})
@@ -80,7 +79,8 @@ def _of_robots(quantity: Quantity, failures: Iterable[Deviation]) -> Iterator[Di
     """Differences of one quantity; a distance and an angle at the same place are one difference."""
     by_place: dict[str, list[Deviation]] = {}
     for one in failures:
-        name = _EXPECTED.sub(r", formerly \1", one.where).replace(" is not in the robot", " is new")
+        new = one.where.replace(" is not in the robot", " is new")
+        name = f"{one.where}, formerly {one.expected}" if one.expected else new
         by_place.setdefault(name.removesuffix(" at configuration 1"), []).append(one)
     for name, found in by_place.items():
         by_unit = {one.unit: one for one in found}

@@ -29,7 +29,7 @@ _LIGHTEST = 25.0
 """[kg/m^3]: lighter than most foams, and above the densest metal in g/cm^3."""
 _SPARSEST = 5.0
 """[kg/m^3]: foams have 10 or more."""
-_LEADING_NUMBER = re.compile(r"[0-9.]+(?:[eE][+-]?[0-9]+)?")
+_LEADING_NUMBER = re.compile(r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _EFFORTS = ("effort", "friction")
 _LENGTHS = ("xyz", "near", "com", "size", "radius", "length")
 

@@ -46,9 +46,8 @@ def compare_gravity_settings(deviations: Deviations, reference: Observation, obs
 
 def _compare_acceleration(deviations: Deviations, expected: tuple[float, ...], found: tuple[float, ...]) -> None:
     if expected and found:
-        deviations.off(
-            dist(expected, found), f"acceleration of gravity {_text(found)}, {_text(expected)} expected", "m/s^2"
-        )
+        where = f"acceleration of gravity {_text(found)} instead of {_text(expected)}"
+        deviations.off(dist(expected, found), where, "m/s^2")
         return
     for given in filter(None, (expected, found)):
         there = "here" if given is found else "in the file that it is compared with"
@@ -115,7 +114,7 @@ def _compare_names(deviations: Deviations, what: str, reference: Sequence[str], 
 def _compare_links(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     if reference.name is not None and observed.name is not None:
         deviations.equal(
-            reference.name == observed.name, f"robot is named '{observed.name}', '{reference.name}' expected"
+            reference.name == observed.name, f"robot is named '{observed.name}'", expected=f"'{reference.name}'"
         )
     _compare_names(deviations, "link", [link.name for link in reference.links], [link.name for link in observed.links])
 
@@ -128,7 +127,7 @@ def _kind(joint: ObservedJoint) -> str:
 
 def _compare_joints(deviations: Deviations, reference: Observation, observed: Observation) -> None:
     ours, theirs = _by_child(reference), _by_child(observed)
-    deviations.equal(len(ours) == len(theirs), f"{len(observed.joints)} joints, {len(reference.joints)} expected")
+    deviations.equal(len(ours) == len(theirs), f"{len(observed.joints)} joints", expected=f"{len(reference.joints)}")
     for child in dict.fromkeys([*ours, *theirs]):
         a, b = ours.get(child), theirs.get(child)
         if a is None or b is None:
@@ -139,12 +138,12 @@ def _compare_joints(deviations: Deviations, reference: Observation, observed: Ob
             continue
         known = a.name and b.name
         deviations.equal(
-            not known or a.name == b.name, f"joint above link '{child}': named '{b.name}', '{a.name}' expected"
+            not known or a.name == b.name, f"joint above link '{child}': named '{b.name}'", expected=f"'{a.name}'"
         )
-        deviations.equal(_kind(a) == _kind(b), f"joint '{a.name}': {_kind(b)}, {_kind(a)} expected")
-        deviations.equal(a.parent == b.parent, f"joint '{a.name}': parent '{b.parent}', '{a.parent}' expected")
+        deviations.equal(_kind(a) == _kind(b), f"joint '{a.name}': {_kind(b)}", expected=f"{_kind(a)}")
+        deviations.equal(a.parent == b.parent, f"joint '{a.name}': parent '{b.parent}'", expected=f"'{a.parent}'")
     if reference.base is not None and observed.base is not None:
-        deviations.equal(reference.base == observed.base, f"base: {observed.base}, {reference.base} expected")
+        deviations.equal(reference.base == observed.base, f"base: {observed.base}", expected=f"{reference.base}")
 
 
 def _by_child(observation: Observation) -> dict[str, ObservedJoint]:
@@ -210,8 +209,8 @@ def _compare_mimic(deviations: Deviations, reference: Observation, observed: Obs
         if a.mimic is None or b.mimic is None:
             deviations.equal(False, f"joint '{a.name}': " + ("does not mimic" if a.mimic else "mimics another"))
             continue
-        leader = f"joint '{a.name}': mimics '{b.mimic.joint}', '{a.mimic.joint}' expected"
-        deviations.equal(a.mimic.joint == b.mimic.joint, leader)
+        leads = a.mimic.joint == b.mimic.joint
+        deviations.equal(leads, f"joint '{a.name}': mimics '{b.mimic.joint}'", expected=f"'{a.mimic.joint}'")
         for name in ("multiplier", "offset"):
             expected = getattr(a.mimic, name)
             deviations.near(
@@ -261,7 +260,7 @@ def _compare_frames(deviations: Deviations, reference: Observation, observed: Ob
             deviations.equal(False, f"frame '{name}' is missing")
             continue
         found, Y_LF = observed.frames[name]
-        deviations.equal(link == found, f"frame '{name}': on link '{found}', '{link}' expected")
+        deviations.equal(link == found, f"frame '{name}': on link '{found}'", expected=f"'{link}'")
         distance, angle = X_LF.distance_to(Y_LF)
         deviations.off(distance, f"frame '{name}'", "m")
         deviations.off(angle, f"frame '{name}'", "rad")
@@ -332,6 +331,7 @@ def _has_shapes(observation: Observation) -> bool:
 
 _HAS: Mapping[Quantity, Callable[[Observation], bool]] = {
     Quantity.AXES: _has_axes,
+    Quantity.COM: lambda observation: any(link.mass != 0.0 for link in observation.links),
     Quantity.LIMITS: _moves,
     Quantity.DYNAMICS: _moves,
     Quantity.MIMIC: lambda observation: any(joint.mimic for joint in observation.joints),

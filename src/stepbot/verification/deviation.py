@@ -71,6 +71,8 @@ class Deviation:
     """Link, joint, configuration."""
     values: tuple[float, float] | None = None
     """The expected number and the observed one, in ``unit``; None for other comparisons."""
+    expected: str = ""
+    """What was expected in place of what ``where`` ends with; empty if it says all."""
 
     @property
     def ratio(self) -> float:
@@ -85,9 +87,9 @@ class Deviation:
         return self.amount <= self.allowed
 
     def __str__(self) -> str:
-        return (
-            f"{self.where}: {self.amount:.3g} {self.unit} off, {self.allowed:.3g} allowed" if self.unit else self.where
-        )
+        if self.unit:
+            return f"{self.where}: {self.amount:.3g} {self.unit} off, {self.allowed:.3g} allowed"
+        return f"{self.where}, {self.expected} expected" if self.expected else self.where
 
 
 @dataclass
@@ -119,9 +121,15 @@ class Deviations:
         allowed = (tolerance or self.tolerance).allowed(scale, whole)
         self.deviations.append(Deviation(amount, allowed, unit, where, values))
 
-    def equal(self, same: bool, where: str) -> None:
-        """Add the result of a comparison without a number; ``where`` describes a failure."""
-        self.deviations.append(Deviation(0.0 if same else 1.0, 0.0, "", where))
+    def equal(self, same: bool, where: str, *, expected: str = "") -> None:
+        """Add the result of a comparison without a number.
+
+        Args:
+            same: Whether there is no difference.
+            where: Describes a difference, and ends with what was found where something else is ``expected``.
+            expected: What takes the place of that.
+        """
+        self.deviations.append(Deviation(0.0 if same else 1.0, 0.0, "", where, expected=expected))
 
     @property
     def worst(self) -> Deviation | None:

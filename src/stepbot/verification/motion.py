@@ -155,7 +155,7 @@ def _compare_closure(
     for side, X, Y in (("a", ours.X_AF, found.X_AF), ("b", ours.X_BF, found.X_BF)):
         if X is None or Y is None:
             continue
-        deviations.equal(ours.kind == found.kind, f"{name}: {found.kind}, {ours.kind} expected")
+        deviations.equal(ours.kind == found.kind, f"{name}: {found.kind}", expected=f"{ours.kind}")
         deviations.off(float(np.linalg.norm(X.p - Y.p)), f"{name}, frame on link {side}", "m")
         deviations.off(X.distance_to(Y)[1], f"{name}, frame on link {side}", "rad")
     if ours.axis is not None and found.axis is not None:

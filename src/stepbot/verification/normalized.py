@@ -94,7 +94,7 @@ def normalized(a: Observation, b: Observation) -> tuple[Observation, Observation
     a, b = _with_leaders(_with_frames(a, links_b)), _with_leaders(_with_frames(b, links_a))
     if alike:
         a, b = _with_capsules_of(a, b), _with_capsules_of(b, a)
-        return _with_common_frames(replace(a, name=None), replace(b, name=None))
+        return _with_common_frames(a, b)
     a, b = _without_held_mimics(a, b), _without_held_mimics(b, a)
     a, b = _with_common_looks(_with_velocities(a), _with_velocities(b))
     a, b = (_within_a_turn(a), _within_a_turn(b)) if "usd" in (a.format, b.format) else (a, b)

@@ -95,8 +95,8 @@ def compare_shapes(deviations: Deviations, reference: Observation, observed: Obs
 def _compare_series(
     deviations: Deviations, side: str, link: str, expected: Sequence[ObservedShape], found: Sequence[ObservedShape]
 ) -> None:
-    wrong = f"{side} shapes of link '{link}': {len(found)}, {len(expected)} expected"
-    deviations.equal(len(expected) == len(found), wrong)
+    count = f"{side} shapes of link '{link}': {len(found)}"
+    deviations.equal(len(expected) == len(found), count, expected=str(len(expected)))
     for number, (a, b) in enumerate(zip(expected, found, strict=False), start=1):
         which = f"{side} {_called(a, number)} of link '{link}'"
         if a.name is not None and b.name is not None:
@@ -107,8 +107,9 @@ def _compare_series(
             _compare_colors(deviations, f"ambient colour of {which}", a.ambient, b.ambient)
         if a.surface is not None and b.surface is not None:
             _compare_surfaces(deviations, which, a.surface, b.surface)
-        if a.group is not None and b.group is not None:
-            deviations.equal(a.group == b.group, f"{which}: in group {b.group}, {a.group} expected")
+        if a.groups is not None and b.groups is not None:
+            words = f"{which}: in group, contype and conaffinity {b.groups}"
+            deviations.equal(a.groups == b.groups, words, expected=f"{a.groups}")
 
 
 def _compare_surfaces(deviations: Deviations, which: str, ours: Surface, theirs: Surface) -> None:
@@ -201,14 +202,14 @@ def _named(devices: Sequence[Device], others: Sequence[Device]) -> list[Device]:
 
 def _compare_actuator(deviations: Deviations, a: ObservedActuator, b: ObservedActuator) -> None:
     who = f"actuator '{a.name}'"
-    deviations.equal(a.joint == b.joint, f"{who}: on joint '{b.joint}', '{a.joint}' expected")
-    deviations.equal(a.kind == b.kind, f"{who}: {b.kind}, {a.kind} expected")
+    deviations.equal(a.joint == b.joint, f"{who}: on joint '{b.joint}'", expected=f"'{a.joint}'")
+    deviations.equal(a.kind == b.kind, f"{who}: {b.kind}", expected=f"{a.kind}")
     for name in ("gear", "kp", "kv"):
         expected, seen = getattr(a, name), getattr(b, name)
         if expected is not None and seen is not None:
             deviations.near(seen, expected, f"{name} of {who}", "SI", abs(expected))
         elif name != "gear" and expected:  # formats without gears have gains, too, and 0 may be left out
-            deviations.equal(False, f"{who}: no {name}, {expected} expected")
+            deviations.equal(False, f"{who}: no {name}", expected=f"{expected}")
         elif name != "gear" and seen is not None:
             deviations.untold.append(name)
     for name in ("control", "force"):
@@ -235,11 +236,11 @@ def _both_or_none(bounds: tuple[float, float], at_joint: float) -> tuple[float, 
 
 def _compare_sensor(deviations: Deviations, a: ObservedSensor, b: ObservedSensor) -> None:
     who = f"sensor '{a.name}'"
-    deviations.equal(a.kind == b.kind, f"{who}: {b.kind}, {a.kind} expected")
+    deviations.equal(a.kind == b.kind, f"{who}: {b.kind}", expected=f"{a.kind}")
     for name in ("link", "joint"):
         expected, found = getattr(a, name), getattr(b, name)
         if expected is not None and found is not None:
-            deviations.equal(expected == found, f"{who}: on {name} '{found}', '{expected}' expected")
+            deviations.equal(expected == found, f"{who}: on {name} '{found}'", expected=f"'{expected}'")
     if a.X_LS is not None and b.X_LS is not None:
         distance, angle = a.X_LS.distance_to(b.X_LS)
         deviations.off(distance, f"place of {who}", "m")

@@ -140,9 +140,9 @@ def verify_against_source(
 def _comparable(gathered: Gathered) -> Gathered:
     """The source without what the written files have by conventions of their own.
 
-    These are names of shapes to which the source gives none or that several of a link have, colours of shapes without
-    one, groups of shapes, ranges of actuators beyond the limits of their joints, limits of 0, and ambient colours: one
-    that is not the diffuse colour is reported as lost.
+    These are the name of the robot, names of shapes to which the source gives none or that several of a link have,
+    colours of shapes without one, groups of shapes, ranges of actuators beyond the limits of their joints, limits of 0,
+    and ambient colours: one that is not the diffuse colour is reported as lost.
     """
     seen = gathered.observation
 
@@ -153,11 +153,13 @@ def _comparable(gathered: Gathered) -> Gathered:
                 shape,
                 name=shape.name if shape.name and often[shape.name] == 1 else None,
                 rgba=shape.rgba or None,
-                group=None,
+                groups=None,
                 ambient=None,
             )
             for shape in shapes
         )
 
     links = tuple(replace(link, visuals=plain(link.visuals), collisions=plain(link.collisions)) for link in seen.links)
-    return replace(gathered, observation=with_effective_ranges(without_stand_ins(replace(seen, links=links))))
+    return replace(
+        gathered, observation=with_effective_ranges(without_stand_ins(replace(seen, name=None, links=links)))
+    )

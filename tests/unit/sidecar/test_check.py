@@ -428,3 +428,12 @@ modules:
         text.replace("my 2f85", "2f85").replace("the arm", "arm").replace("hånd_", "h.").replace("der Fuß", "foot")
     )
     assert codes(portable) == []
+
+
+@pytest.mark.parametrize("density", [".inf", "1e400", "9e9 g/cm^3", ".5", "4. kg/m^3", ".000_001"])
+def test_densities_of_any_form(density: str) -> None:
+    """Densities that no material has, each in another form of a number, end in findings, also beside another error."""
+    for fault in ("", "colour: red\n"):
+        assert codes(
+            f"version: 1\nrobot: a\nstep: a.step\n{fault}defaults: {{density: {density}}}\nlinks: {{base: {{}}}}\n"
+        )

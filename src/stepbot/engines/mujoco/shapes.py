@@ -40,7 +40,8 @@ def observed_shapes(compiled: "Compiled", body: int, *, touched: bool, mjcf: boo
             shape = ObservedShape(bounds=upright, oblique=oblique)
         if mjcf:
             rgba = None if touched else color_of(compiled, g)
-            shape = replace(shape, name=compiled.name("GEOM", g), rgba=rgba, group=int(model.geom_group[g]))
+            of = (model.geom_group, model.geom_contype, model.geom_conaffinity)
+            shape = replace(shape, name=compiled.name("GEOM", g), rgba=rgba, groups=tuple(int(each[g]) for each in of))
         if mjcf and touched:
             shape = replace(shape, surface=surface_of(compiled, g))
         shapes.append(shape)

@@ -243,7 +243,7 @@ def _read_header(text: bytes, encoding: str) -> Header:
         elif token == b")":
             depth -= 1
             inner = None
-        elif depth == 0:
+        elif depth == 0 and token.isascii():  # else a text outside of any record
             keyword = token.decode("ascii")
         elif token[:1] in (b"'", b"$") and arguments is not None:
             (arguments if inner is None else inner).append(token)

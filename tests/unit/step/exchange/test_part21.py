@@ -38,6 +38,15 @@ def test_header(tmp_path: Path, found: ReadDiagnostics) -> None:
     assert part21.header.schema == "AP214"
 
 
+def test_a_text_between_the_records_of_the_header(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """It is no record, in whatever encoding it is."""
+    start = HEADER.index("FILE_NAME")
+    damaged = HEADER[:start].encode() + b"'\x99';" + HEADER[start:].encode()
+    part21 = check_step(write(tmp_path, damaged + DATA.encode()), "arm.step", found)
+    assert part21 is not None
+    assert part21.header.name == "arm '7'"
+
+
 @pytest.mark.parametrize(
     ("schema", "name"),
     [
