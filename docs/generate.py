@@ -7,10 +7,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from click import Context
+from mapping_page import mapping_page
 from reference import REFERENCE, reference_page  # beside this file
 
 from stepbot.driving.limits import LIMITS, UNITS
-from stepbot.formats.mapping import mapping_page
 from stepbot.sidecar.schema import motors_schema_text, schema_text
 from stepbot_cli.application import application
 

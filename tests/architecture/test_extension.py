@@ -95,7 +95,7 @@ class Extended:
 
     def python(self, *arguments: str) -> Run:
         """Run the interpreter with the copy on its path, in the folder to work in."""
-        paths = os.pathsep.join(str(self.root / name) for name in ("src", "cli"))
+        paths = os.pathsep.join(str(self.root / name) for name in ("src", "cli", "docs"))
         done = run_process(
             [sys.executable, *arguments],
             cwd=self.desk,
@@ -140,7 +140,7 @@ def test_commands_list_an_added_format(extended: Extended) -> None:
     assert "urdf, sdf, mjcf, usd, webots, dummy, rare; may be repeated. [default: urdf,sdf,mjcf,dummy]" in help_text
     assert "URDF, SDFormat, MJCF and DummyML" in extended.stepbot("--help").out
     assert "did you mean 'dummy'?" in extended.stepbot("convert", "arm2.robot.yaml", "-f", "dumy").err
-    page = extended.python("-c", "from stepbot.formats.mapping import mapping_page; print(mapping_page())").out
+    page = extended.python("-c", "from mapping_page import mapping_page; print(mapping_page())").out
     assert "| | URDF | SDFormat | MJCF | OpenUSD | Webots | DummyML | RareML |" in page.splitlines()
 
 

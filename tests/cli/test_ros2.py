@@ -33,10 +33,10 @@ from stepbot.formats.urdf.ros2.package import ros2_package
 from stepbot.formats.urdf.ros2.xacro import GAZEBO_HARDWARE
 from stepbot.formats.urdf.writer import render
 from stepbot.geometry.spatial import Pose
+from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.datasheet import accelerations
 from stepbot.robot.metadata import Metadata
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit, Link, Mimic, Robot
-from stepbot.robot.standing import standing_height
 from stepbot.runtime.programs import sdf_programs
 from stepbot.runtime.robot_library import library_robot
 from stepbot_cli import main

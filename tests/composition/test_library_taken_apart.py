@@ -10,9 +10,9 @@ import pytest
 from stepbot.compose.mirroring import NORMALS, mirrored
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.stages import produce
+from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import MeshRef, Robot
-from stepbot.robot.standing import standing_height
 from stepbot.runtime.cache import Cache
 
 

@@ -14,9 +14,9 @@ from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose, rotation_from_rpy
+from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.kinematics import configurations, initial_configuration, link_poses
 from stepbot.robot.model import Base, Collision, JointKind, Link, LoopClosure, MeshAsset, MeshRef, Robot, Sphere, Visual
-from stepbot.robot.standing import standing_height
 from tests.conformance.conftest import Write
 from tests.devices import equipped
 from tests.robots import SINGLE_FREEDOMS, four_bar, one_link, pendulum

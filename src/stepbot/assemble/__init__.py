@@ -3,13 +3,13 @@
 material_assignment  density, colour and collision of each component
 claims               the link of each component
 measured_bodies      mass properties of each body: exact or from its mesh
-masses               mass of each component
+masses               mass of each component, the `inertial` of links against their geometry
+double_counting      mass that overlapping solids count twice
 motor_parts          the parts of motors against the catalogue
-overlaps             mass that overlapping solids count twice
 bound                links, masses and joints as far as the sidecar binds
 frames               origin of each joint and frame, as drawn
 axis_evidence        the faces that an origin was found by
-axis_direction       axes across the line of their origin
+far_axes             axes across the line of their origin, or far from the robot
 joints               joints, closures, the joint table
 devices              named frames, actuators, sensors, settings for simulations, mesh formats, metadata
 links                mass properties, visuals, collisions
@@ -17,7 +17,6 @@ collisions           collision shapes of each link
 fitted_collisions    shapes fitted to the solids of a link
 simplified_visuals   visual meshes within triangle budgets
 scored_collisions    scores of these shapes for the report
-given_inertials      the `inertial` of links against their geometry
 """
 
 from collections.abc import Callable, Sequence
@@ -50,7 +49,7 @@ from .devices import (
 )
 from .double_counting import DoubleCounting
 from .far_axes import report_axes_off_their_lines, report_far_axes, report_up_axis
-from .fitted_collisions import FittedCollisions, wait_for
+from .fitted_collisions import FittedCollisions, ScoredCollisions, wait_for
 from .frames import Frames
 from .joints import build_closures, build_joints, joint_table, tree_order
 from .links import Links, is_complete
@@ -58,7 +57,6 @@ from .masses import masses, report_given_inertials
 from .material_assignment import assign_materials
 from .measured_bodies import measured_bodies, report_choices, report_massless
 from .motor_parts import report_unlike_motors
-from .scored_collisions import ScoredCollisions
 from .simplified_visuals import SimplifiedVisualMeshes
 
 

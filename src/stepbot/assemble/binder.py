@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.sidecar.document import Document
 from stepbot.sidecar.located import Sidecar
-from stepbot.sidecar.subjects import subject
-from stepbot.sidecar.tree import Keys
+from stepbot.sidecar.tree import Keys, subject
 from stepbot.step.assembly import Assembly
 from stepbot.step.structure.paths import ComponentPaths, quoted
 

@@ -13,8 +13,7 @@ import numpy as np
 from stepbot.robot.model import Rgba
 from stepbot.sidecar.contact import Contact
 from stepbot.sidecar.document import Derived, Document, MaterialSection, PartRule, StepDensity
-from stepbot.sidecar.subjects import subject
-from stepbot.sidecar.tree import Keys
+from stepbot.sidecar.tree import Keys, subject
 from stepbot.step.assembly import BodyKind, Component
 from stepbot.step.structure.paths import quoted
 

@@ -11,7 +11,7 @@ from itertools import groupby
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_worker import report_death
-from stepbot.geometry.triangle_budgets import Simplified, TriangleBudget, Unit, all_simplified
+from stepbot.geometry.simplification import Simplified, TriangleBudget, Unit, all_simplified
 from stepbot.report.robot import SimplifiedVisuals
 from stepbot.robot.mesh_files import MeshFiles, share_meshes
 from stepbot.robot.mesh_names import UniqueNames

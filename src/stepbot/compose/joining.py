@@ -39,7 +39,7 @@ from stepbot.sidecar.document import AutoOrigin, ClosureSection
 from stepbot.sidecar.joint_settings import ONE_FREEDOM
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.own_part import TIE
-from stepbot.sidecar.subjects import ELEMENTS
+from stepbot.sidecar.tree import ELEMENTS
 
 from .interfaces import report_shared_parts
 from .parts import Part, Parts, module_record

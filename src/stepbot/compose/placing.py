@@ -9,10 +9,10 @@ import numpy as np
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import IDENTITY, ZERO3, Array, Pose, tidy
+from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.kinematics import initial_configuration
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Base, Joint, JointKind, Mimic, Robot
-from stepbot.robot.standing import standing_height
 from stepbot.sidecar.document import AutoOrigin, JointSection
 from stepbot.sidecar.joint_settings import joint_dynamics, joint_limits
 from stepbot.sidecar.located import Sidecar

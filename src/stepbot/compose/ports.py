@@ -13,8 +13,7 @@ from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.model import Joint, JointKind, Robot
 from stepbot.sidecar.document import ExplicitOrigin, Offset, Origin
 from stepbot.sidecar.located import Sidecar
-from stepbot.sidecar.subjects import subject
-from stepbot.sidecar.tree import Keys
+from stepbot.sidecar.tree import Keys, subject
 
 from .parts import Part, image_name
 

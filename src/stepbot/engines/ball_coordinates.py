@@ -12,7 +12,7 @@ import numpy as np
 from stepbot.geometry.spatial import Array, rotation_from_rpy
 from stepbot.runtime.file import is_file
 
-from .urdf_chains import xml_root
+from .xml import xml_root
 
 _X = np.array([1.0, 0.0, 0.0])
 

@@ -1,14 +1,20 @@
-"""Copies of descriptions that every engine can read; to be called in a worker process."""
+"""Copies of descriptions that every engine can read; to be called in a worker process.
+
+Chains of single joints take the place of planar and floating joints of a URDF, of which engines differ in what they
+make: PyBullet and yourdfpy fix them, MuJoCo rejects a floating joint within a robot, and names directions of a plane
+itself. https://wiki.ros.org/urdf/XML/joint
+"""
 
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from stepbot.geometry.spatial import Vector3, perpendicular_frame, vector3
 from stepbot.runtime.file import resolved
 
 from .observation import EngineRefused
 from .resources import resolve
-from .urdf_chains import ChainNames, with_chains, xml_root
+from .xml import xml_root
 
 Element = Any
 """``lxml.etree._Element``."""
@@ -19,6 +25,10 @@ class MissingMesh(NamedTuple):
 
     uri: str
     line: int
+
+
+ChainNames = tuple[tuple[str, ...], tuple[str, ...]]
+"""Names of the joints that replace a joint, from the parent on, and of the links in between, one less."""
 
 
 def located_copy(file: str, copy: str, packages: Iterable[Path]) -> tuple[MissingMesh, ...]:
@@ -67,7 +77,7 @@ def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[
 
     top = xml_root(Path(file))
     locate(top, Path(file), packages)
-    with_chains(top, chains)
+    _with_chains(top, chains)
     # State 0 for one missing bound of a URDF's joint: MuJoCo would ignore the other one, PyBullet takes -1 for it.
     for limit in top.iterfind("joint/limit"):
         if len({"lower", "upper"} & set(limit.keys())) == 1:
@@ -85,3 +95,52 @@ def locate(top: Element, file: Path, packages: Iterable[Path]) -> None:
             element.set("filename", resolved(found).as_posix())
         elif found is not None:
             element.text = resolved(found).as_posix()
+
+
+_X, _Y, _Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
+_UNLIMITED = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}
+"""A prismatic joint must have limits."""
+
+
+def _with_chains(robot: Element, chains: Mapping[str, ChainNames]) -> None:
+    """Replace joints by chains.
+
+    Args:
+        robot: The root element of a URDF; changed.
+        chains: Planar and floating joints, and the names of what replaces each.
+    """
+    for joint in robot.findall("joint"):
+        names = chains.get(joint.get("name", ""))
+        if names is not None:
+            _replace(robot, joint, names)
+
+
+def _replace(robot: Element, joint: Element, names: ChainNames) -> None:
+    from lxml import etree
+
+    parent, child = (joint.find(tag).get("link") for tag in ("parent", "child"))
+    joints, between = names
+    links = [parent, *between, child]
+    for name in between:
+        etree.SubElement(robot, "link", name=name)
+    steps = zip(joints, _steps(joint), links[:-1], links[1:], strict=True)
+    for number, (name, (kind, axis), parent, child) in enumerate(steps):
+        step = etree.SubElement(robot, "joint", name=name, type=kind)
+        etree.SubElement(step, "parent", link=parent)
+        etree.SubElement(step, "child", link=child)
+        etree.SubElement(step, "axis", xyz=" ".join(map(repr, axis)))
+        if kind == "prismatic":
+            etree.SubElement(step, "limit", _UNLIMITED)
+        if not number and joint.find("origin") is not None:
+            step.append(joint.find("origin"))
+    robot.remove(joint)
+
+
+def _steps(joint: Element) -> list[tuple[str, Vector3]]:
+    """Type and axis of each joint of a chain."""
+    if joint.get("type") == "floating":
+        return [("prismatic", _X), ("prismatic", _Y), ("prismatic", _Z), *(("continuous", one) for one in (_Z, _Y, _X))]
+    axis = joint.find("axis")
+    given = "1 0 0" if axis is None else axis.get("xyz", "1 0 0")
+    x, y, z = (vector3(column) for column in perpendicular_frame([float(part) for part in given.split()]).T)
+    return [("prismatic", x), ("prismatic", y), ("continuous", z)]

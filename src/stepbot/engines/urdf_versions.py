@@ -20,7 +20,7 @@ from stepbot.runtime.temporary import run_folder
 
 from .observation import Request
 from .source_copy import locate
-from .urdf_chains import xml_root
+from .xml import xml_root
 
 Element = Any
 """``lxml.etree._Element``."""

@@ -4,9 +4,9 @@ import json
 import re
 from collections.abc import Mapping
 
+from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.kinematics import initial_configuration
 from stepbot.robot.model import Base, Robot
-from stepbot.robot.standing import standing_height
 
 
 def home(robot: Robot) -> dict[str, float]:

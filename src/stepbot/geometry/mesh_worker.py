@@ -14,11 +14,11 @@ from stepbot.runtime.worker import WorkerDied
 
 from . import mass_properties as measure
 from .mass_properties import measured_all
+from .simplification import all_simplified
 from .solids import manifolds
 from .solids.collision_scores import collision_scores
 from .solids.collision_sets import collision_sets
 from .solids.overlapping import overlaps_of
-from .triangle_budgets import all_simplified
 
 MESH_WORKER = "stepbot.geometry.mesh_worker:compute"
 """The function that runs there; it handles one call after the other."""

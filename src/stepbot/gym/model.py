@@ -10,8 +10,8 @@ from typing import Any
 import mujoco
 
 from stepbot.engines.mujoco.model import collected_warnings
+from stepbot.robot.bounding_boxes import is_jaw
 from stepbot.robot.mesh_names import SCOPE
-from stepbot.robot.standing import is_jaw
 from stepbot.runtime.file import is_file, open_regular
 
 SCENE = ".scene.xml"

@@ -11,7 +11,7 @@ from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.scale import LARGEST, other_units
 from stepbot.robot.validity import check_robot
 from stepbot.sidecar.located import Sidecar
-from stepbot.sidecar.subjects import ELEMENTS, subject
+from stepbot.sidecar.tree import ELEMENTS, subject
 from stepbot.step.assembly import Assembly
 from stepbot.step.structure.paths import Binding, ComponentPaths
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostics, Ignore, Span, StepbotError
 from stepbot.robot.model import Robot
 from stepbot.robot.self_collision import PairClass
-from stepbot.sidecar.self_collision import SelfCollisionSection
+from stepbot.sidecar.settings import SelfCollisionSection
 
 from .building import build
 from .composing import compose

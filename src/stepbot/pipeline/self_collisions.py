@@ -7,7 +7,7 @@ from stepbot.diagnostics import Diagnostics, Span
 from stepbot.robot.model import Robot
 from stepbot.robot.self_collision import PairClass, PairContact, SelfCollision
 from stepbot.runtime.worker import RemoteError, WorkerDied
-from stepbot.sidecar.self_collision import SelfCollisionSection
+from stepbot.sidecar.settings import SelfCollisionSection
 from stepbot.verification.self_collision.shapes import available
 from stepbot.verification.self_collision.worker import find_self_collision
 

@@ -14,7 +14,7 @@ from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
 from stepbot.engines.file_references import openable
 from stepbot.engines.observation import Quantity
-from stepbot.engines.urdf_chains import ChainNames
+from stepbot.engines.source_copy import ChainNames
 from stepbot.formats.mjcf import FORMAT as MJCF
 from stepbot.formats.rendering import joined
 from stepbot.report.robot import Report

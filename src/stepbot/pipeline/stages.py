@@ -20,7 +20,7 @@ from stepbot.geometry.volume import VolumeProperties
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
 from stepbot.sidecar.own_part import own_part
-from stepbot.sidecar.self_collision import SelfCollisionSection
+from stepbot.sidecar.settings import SelfCollisionSection
 from stepbot.step.assembly import Assembly, MeshTolerance
 
 from .building import build

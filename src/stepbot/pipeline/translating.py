@@ -27,8 +27,8 @@ from stepbot.robot.validity import check_robot
 from stepbot.runtime.file import resolved
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
-from stepbot.sidecar.names import UNPORTABLE
-from stepbot.sidecar.self_collision import SelfCollisionSection
+from stepbot.sidecar.references import UNPORTABLE
+from stepbot.sidecar.settings import SelfCollisionSection
 from stepbot.verification.joint_rows import joint_rows
 
 from .conversion import Checked, Conversion, Options, is_description

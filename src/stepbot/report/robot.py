@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.spatial import tidy
+from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.model import Actuator, Base, Frame, Joint, JointKind, Limit, Link, LoopClosure, Module, Robot
@@ -16,7 +17,6 @@ from stepbot.robot.pybullet_closures import LoopConstraint, loop_constraints
 from stepbot.robot.self_collision import PairContact, SelfCollision
 from stepbot.robot.sensors import SEEING, Sensor
 from stepbot.robot.simulation_settings import settings_of
-from stepbot.robot.standing import standing_height
 from stepbot.robot.tuning import Tuning
 
 from .plain import picked, unpicked

@@ -6,7 +6,7 @@ from dataclasses import replace
 from stepbot.assemble.binder import LISTED, listed
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.sidecar.component_paths import PathPlace
-from stepbot.sidecar.subjects import subject
+from stepbot.sidecar.tree import subject
 from stepbot.step.structure.paths import quoted
 
 from .comparison import BrokenPath, Comparison, Fate

@@ -7,8 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from stepbot.assemble.binder import listed
 from stepbot.diagnostics import Diagnostics
-from stepbot.sidecar.subjects import subject
-from stepbot.sidecar.tree import Keys
+from stepbot.sidecar.tree import Keys, subject
 from stepbot.step.structure.paths import ComponentPaths, quoted, segments_of, without_ordinal
 
 from .broken_paths import pair_words, report_broken, several

@@ -9,7 +9,7 @@ import numpy as np
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
 
-from .bounding_boxes import robot_bounds
+from .bounding_boxes import robot_bounds, standing_height
 from .dh import DhTable, dh_table
 from .dynamics import GRAVITY, equations_of_motion
 from .gains import actuator_limit
@@ -17,7 +17,6 @@ from .kinematics import Tree, complete, initial_configuration, leader_range, lin
 from .model import ActuatorKind, Base, Frame, JointKind, Robot
 from .multi_dof import unfolded
 from .sampling import sampled
-from .standing import standing_height
 
 POSTURES = 96
 """Number of postures, the drawn one and random ones, in which forces are computed."""

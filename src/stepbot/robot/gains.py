@@ -30,13 +30,13 @@ import numpy as np
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
 
+from .bounding_boxes import standing_height
 from .closures import Loops, driven_joints, following
 from .dynamics import equations_of_motion
 from .kinematics import initial_configuration, link_poses
 from .model import Actuator, ActuatorKind, Base, Joint, JointKind, Limit, Robot
 from .multi_dof import unfolded
 from .sampling import sampled
-from .standing import standing_height
 
 Bounds = tuple[float, float]
 

@@ -1,21 +1,106 @@
-"""Doubts about given mass properties: values that no mass within the geometry of a body has."""
+"""Doubts about given mass properties: values that no mass within the geometry of a body has.
+
+Let S be the second moment of the mass about its centre c, S = integral of (p - c)(p - c)^T dm, so that the inertia is
+I = tr(S) 1 - S. Along a unit direction n, let the geometry extend from ``low`` to ``high``. A distribution on
+[low, high] with mean n.c has at most the variance (high - n.c)(n.c - low) (Bhatia and Davis, "A better bound on the
+variance", 2000), which two point masses at the ends reach. Hence n^T S n <= m (high - n.c)(n.c - low): the sharp bound,
+which any mass distribution within the geometry satisfies. With it the inertia about z is at most the sum of the bounds
+along x and y; eight point masses in the corners of the bounding box reach all three at once.
+
+Below, the trace of the inertia is bounded by density: of all bodies of mass m with no more than a given density, the
+ball has the smallest, 6/5 m r^2.
+"""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import product
+from math import pi
 
 import numpy as np
 
 from stepbot.geometry.inertia import MassProperties
-from stepbot.geometry.inertia_bounds import (
-    OSMIUM,
-    OUTSIDE_SLACK,
-    SpreadExcess,
-    largest_moments,
-    outside_by,
-    smallest_trace,
-    spread_excess,
-)
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, Vector3, dot, matrix_product, vector3
+
+OSMIUM = 22_590.0
+"""Density [kg/m^3] of the densest element."""
+SPREAD_SLACK = 0.02
+"""Excess over a bound, as a share of tr(S), that is not reported: published inertias are rounded to two or three
+digits, and meshes are inscribed in curved faces."""
+OUTSIDE_SLACK = 0.01
+"""Distance of a centre of mass from the geometry, as a share of its diagonal, that is not reported."""
+
+
+@dataclass(frozen=True)
+class SpreadExcess:
+    """A direction in which a mass is spread further than its geometry reaches."""
+
+    direction: Vector3
+    """Unit direction."""
+    given: float
+    """Root mean square distance [m] of the mass from its centre along it."""
+    largest: float
+    """Largest possible one [m] within the geometry."""
+
+
+def outside_by(points: Array, com: Vector3) -> float:
+    """Distance [m] of a point from the convex hull of points (n, 3): a lower bound, by 13 directions."""
+    low, high = _extents(points, _DIRECTIONS)
+    at = dot(_DIRECTIONS, np.array(com))
+    return max(0.0, float(np.maximum(low - at, at - high).max()))
+
+
+def spread_excess(points: Array, properties: MassProperties) -> SpreadExcess | None:
+    """The largest excess of spread over its bound, along the axes and the principal axes; None within the slack.
+
+    Args:
+        points: Points (n, 3) [m] whose convex hull contains the mass.
+        properties: Mass properties in the same frame, with a positive mass.
+    """
+    # Second moment (3, 3) [m^2] about the centre of mass, divided by the mass.
+    I = np.array(properties.inertia)  # noqa: E741 - the field's letter
+    S = np.asarray((0.5 * np.trace(I) * np.eye(3) - I) / properties.mass)
+    directions = np.vstack([np.eye(3), np.linalg.eigh(S)[1].T])
+    given = np.einsum("ni,ij,nj->n", directions, S, directions)
+    bounds = _variance_bounds(points, properties.com, directions)
+    worst = int(np.argmax(given - bounds))
+    if given[worst] - bounds[worst] <= SPREAD_SLACK * np.trace(S):
+        return None
+    return SpreadExcess(vector3(directions[worst]), float(given[worst]) ** 0.5, float(bounds[worst]) ** 0.5)
+
+
+def largest_moments(points: Array, properties: MassProperties) -> Vector3:
+    """Largest ixx, iyy, izz [kg m^2] about the centre of mass within the hull of points (n, 3)."""
+    x, y, z = (properties.mass * _variance_bounds(points, properties.com, np.eye(3))).tolist()
+    return y + z, x + z, x + y
+
+
+def smallest_trace(mass: float) -> float:
+    """Sum of the principal moments [kg m^2] of a ball of osmium: no body of this mass [kg] has less."""
+    radius: float = (3.0 * mass / (4.0 * pi * OSMIUM)) ** (1.0 / 3.0)
+    return 1.2 * mass * radius**2
+
+
+def _variance_bounds(points: Array, com: Vector3, directions: Array) -> Array:
+    """Largest variance [m^2] along each direction (k, 3); of a centre outside, the square of the farthest distance."""
+    low, high = _extents(points, directions)
+    at = dot(directions, np.array(com))
+    inside = (low <= at) & (at <= high)
+    return np.asarray(np.where(inside, (high - at) * (at - low), np.maximum(high - at, at - low) ** 2))
+
+
+def _extents(points: Array, directions: Array) -> tuple[Array, Array]:
+    along = matrix_product(points, directions.T)
+    return along.min(axis=0), along.max(axis=0)
+
+
+def _half_of_cube_directions() -> Array:
+    """Unit directions (13, 3) to faces, edges and corners of a cube, one of each opposite pair."""
+    every = [v for v in product((-1.0, 0.0, 1.0), repeat=3) if v > (0.0, 0.0, 0.0)]
+    return np.array([np.array(v) / np.linalg.norm(v) for v in every])
+
+
+_DIRECTIONS = _half_of_cube_directions()
+
 
 GREATEST = 1e30
 """In SI units: OpenUSD and several engines store single precision."""

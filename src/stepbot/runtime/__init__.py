@@ -12,8 +12,8 @@ Processes::
 
 Cache of results by content::
 
-    key = Digest("purpose").add(environment(), *inputs).key                          # cache.keys
-    known = TypedCache(Cache(folder), Kind).get(key)                                 # cache.typed, cache.store
+    key = Digest("purpose").add(environment(), *inputs).key                          # cache.sources
+    known = TypedCache(Cache(folder), Kind).get(key)                                 # cache.codec, cache.store
     TypedCache(Cache(folder), Kind).put(key, value)
 
 Decision 0021 compares both with libraries.

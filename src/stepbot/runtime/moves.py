@@ -1,11 +1,87 @@
-"""Moves the new files of a run to their destinations, all or none, and makes and removes the folders they need."""
+"""Moves the new files of a run to their destinations, all or none, and makes and removes the folders they need.
+
+It finds first which files the run must not replace: those that stepbot did not write, or that were edited since.
+"""
 
 import errno
+import hashlib
 import os
+import re
+from collections.abc import Collection, Mapping
 from pathlib import Path
-from stat import S_ISREG
+from stat import S_ISDIR, S_ISLNK, S_ISREG
 
-from .file import exists, is_folder, read_regular
+from .file import exists, is_folder, open_regular, read_regular
+from .output_list import Manifest
+
+_MARK = re.compile(rb'(?m)^[ \t]*(?:(?:<!--|#|doc = ")[ \t]*Written by stepbot\b|"generator": "stepbot )')
+"""A line of the start of every robot file and report that stepbot writes; meshes have no place for it."""
+_HEAD = 512
+"""Length [bytes] of what is searched for the mark."""
+
+
+def kept_files(
+    files: Mapping[str, bytes], folder: Path, before: Manifest, replaced: Mapping[str, list[str]]
+) -> dict[str, str]:
+    """Files to write that must stay as they are, in order, each with the reason.
+
+    An output folder whose list was lost, as in a repository that ignores hidden files, is recognised by marked files.
+
+    Args:
+        files: New content by path relative to ``folder``.
+        folder: Output folder.
+        before: Its list, empty if there is none.
+        replaced: For each file that a killed run may not have replaced, the SHA-256 of what it may hold.
+    """
+    written = {path: {*replaced.get(path, ())} for needs in before.values() for path in needs}
+    for needs in before.values():
+        for path, digest in needs.items():
+            written[path].add(digest)
+    # Without its list, a folder is stepbot's if it has a marked file; what never has a mark cannot be told apart there.
+    is_lost = not before and any(_is_marked(folder / path) for path in files if "/" not in path)
+    kept = {}
+    for path, content in files.items():
+        without_mark = is_lost and not _is_marked_by(content)
+        reason = _reason_to_keep(folder / path, content, written.get(path), without_mark)
+        if reason:
+            kept[path] = reason
+    return kept
+
+
+def _reason_to_keep(target: Path, content: bytes, written: Collection[str] | None, may_be_ours: bool) -> str:
+    """Why a file must stay; empty if it may be replaced, or need not be.
+
+    Args:
+        content: New content.
+        written: SHA-256 of what stepbot wrote there; None if the list does not have the file.
+        may_be_ours: Whether a file that is not in the list counts as one of stepbot's, even without its mark.
+    """
+    try:
+        mode = target.lstat().st_mode
+        if S_ISLNK(mode) or S_ISDIR(mode):  # a link is replaced, its target is not; a folder cannot be replaced
+            return ""
+        if not S_ISREG(mode):
+            return "exists, and is not a regular file"
+        there = read_regular(target)
+    except OSError:  # there is none, or it cannot be replaced either
+        return ""
+    if there == content:
+        return ""
+    if written is not None:
+        return "" if not there or hashlib.sha256(there).hexdigest() in written else "was edited since stepbot wrote it"
+    return "" if may_be_ours or _is_marked_by(there) else "exists, and stepbot has not written it"
+
+
+def _is_marked(target: Path) -> bool:
+    try:
+        with open_regular(target) as file:
+            return _is_marked_by(file.read(_HEAD))
+    except OSError:
+        return False
+
+
+def _is_marked_by(content: bytes) -> bool:
+    return _MARK.search(content[:_HEAD]) is not None
 
 
 def move(paths: list[str], folder: Path, staging: Path) -> None:

@@ -22,8 +22,7 @@ from typing import Any, NamedTuple, NoReturn
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .file import exists, is_file, is_folder, read_regular, resolved
-from .foreign_files import kept_files
-from .moves import holds, make_folders, move, remove_if_empty
+from .moves import holds, kept_files, make_folders, move, remove_if_empty
 from .output_list import (
     LOCK,
     MANIFEST,

@@ -20,8 +20,7 @@ from stepbot.sidecar.editing import Annotate, Append, Change, Put, Remove, Renam
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.motors import catalogue_names
 from stepbot.sidecar.schema import json_schema
-from stepbot.sidecar.subjects import SECTIONS
-from stepbot.sidecar.tree import Keys, Listing, Mapping, Scalar, Tree, last_line, plain_data, way
+from stepbot.sidecar.tree import SECTIONS, Keys, Listing, Mapping, Scalar, Tree, last_line, plain_data, way
 from stepbot.sidecar.variants import merged
 
 from .local_server import Refused

@@ -13,8 +13,7 @@ from stepbot.sidecar.editing import Annotate, Append, CannotEdit, Change, Put, R
 from stepbot.sidecar.ignored import KEY as IGNORED
 from stepbot.sidecar.ignored import can_ignore
 from stepbot.sidecar.located import Sidecar
-from stepbot.sidecar.subjects import ELEMENTS
-from stepbot.sidecar.tree import Keys, Mapping, way
+from stepbot.sidecar.tree import ELEMENTS, Keys, Mapping, way
 
 from .joint_edits import KINDS, WITH_LIMITS, change_type, choose_line, confirm, flip, set_limits
 from .local_server import Refused

@@ -5,16 +5,13 @@ from stepbot.diagnostics import Diagnostics
 from .connections import check_connections
 from .device_rules import check_actuators, check_sensors
 from .ignored import check_ignored
-from .joint_rules import check_joints
+from .joint_rules import check_closures, check_joints, check_mimics, check_turned_frames
 from .located import Sidecar
-from .magnitudes import check_densities, check_magnitudes, check_weights_as_forces
-from .mechanics import check_closures, check_mimics, check_turned_frames
 from .module_rules import check_modules
-from .names import check_names
 from .own_part import own_part
-from .references import check_references
+from .references import check_names, check_references
 from .text import BoundedDiagnostics, TooManyFaultsError, file_name
-from .unit_rules import check_joint_units
+from .unit_rules import check_densities, check_joint_units, check_magnitudes, check_weights_as_forces
 
 
 def _check_orientation(sidecar: Sidecar, found: Diagnostics) -> None:

@@ -23,9 +23,8 @@ from ruamel.yaml.events import (
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 
-from .subjects import subject
 from .text import has_only_text
-from .tree import Entry, Keys, Listing, Mapping, Scalar, Tree
+from .tree import Entry, Keys, Listing, Mapping, Scalar, Tree, subject
 
 LARGEST_SIZE = 50_000
 """Maximum number of values after alias expansion."""

@@ -17,7 +17,6 @@ from .contact import Contact
 from .devices import ActuatorSection, Bytes, FrameSection, SensorSection
 from .expected import ExpectSection
 from .ignored import IgnoredFinding, IgnoredFindings
-from .metadata import Line, MetadataSection, MjcfSection, UrdfSection
 from .modules import ModuleSection
 from .motion import DynamicsSection, JointLimits, LimitsSection, MimicSection
 from .motor_sections import Motors
@@ -38,7 +37,7 @@ from .quantities import (
     RelativeOrLength,
 )
 from .section import ComponentPath, MaterialName, Name, Reference, RobotName, Section
-from .self_collision import LinkPair, SelfCollisionSection, SimulationSection
+from .settings import Line, LinkPair, MetadataSection, MjcfSection, SelfCollisionSection, SimulationSection, UrdfSection
 from .shapes import (
     BoxShape,
     CapsuleShape,

@@ -9,8 +9,7 @@ from stepbot.diagnostics import Diagnostics, Ignore, did_you_mean
 from stepbot.diagnostics.codes import CODES, current
 
 from .section import Section
-from .subjects import subject
-from .tree import Keys, Listing, Mapping, Tree, last_line
+from .tree import Keys, Listing, Mapping, Tree, last_line, subject
 
 FindingCode = Annotated[str, Field(max_length=40, json_schema_extra={"pattern": "^SB[0-9]{3}(:[a-z-]+)?$"})]
 """A code of a warning or a note, some with a feature, as in `SB760:armature`; `stepbot explain` lists them."""

@@ -17,8 +17,7 @@ from .origins import FORMS
 from .quantities import described
 from .remedies import remedy, written
 from .section import NOT_IN_FILE_NAMES, NOT_IN_NAMES, REFERENCE_PATTERN
-from .subjects import subject
-from .tree import Keys, Listing, Mapping, Scalar, Tree, child, key_span, span, way
+from .tree import Keys, Listing, Mapping, Scalar, Tree, child, key_span, span, subject, way
 from .units import Dimension, UnitError, read_quantity
 from .vocabulary import ALSO_CALLED, NOT_SAID_SO, likely_meant, meant_by
 

@@ -1,16 +1,18 @@
-"""Check that the units of joints' values match the types of the joints: SB138, once for each cause."""
+"""Check units: those that do not match the type of a joint, and values that suggest a wrong or missing one."""
 
+import re
 from collections.abc import Iterator, Sequence
+from math import isfinite, tau
 from typing import NamedTuple
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.robot.inertial_doubts import DENSEST
 from stepbot.robot.model import JointKind
 
 from .joint_settings import joint_settings, position_dimension, settings_of
 from .located import Sidecar
-from .subjects import subject
-from .tree import Keys
-from .units import ANGLE, LENGTH, PITCH, RATIO, TURNS, Dimension
+from .tree import Keys, Listing, Mapping, Scalar, Tree, subject
+from .units import ANGLE, DENSITY, FORCE, LENGTH, PITCH, RATIO, TORQUE, TURNS, Dimension, UnitError, read_quantity
 
 _SUSPICIOUS = 3
 """Number of values of one joint that suggest that its type is wrong, if no unit of a value matches it."""
@@ -133,3 +135,155 @@ def check_unit(
 
 def _a(dimension: Dimension) -> str:
     return f"{'an' if dimension.name[0] in 'aeiou' else 'a'} {dimension.name}"
+
+
+_MOST_RADIANS = 20.0
+"""Three turns: beyond the limits of joints other than winches."""
+_MOST_ROTATION = 6.5
+"""One turn: roll, pitch and yaw are never larger."""
+_MOST_METRES = 10.0
+_FASTEST = {True: 10.0, False: 30.0}
+"""[m/s] of joints that slide, [rad/s] of others: faster than the joints of robots other than wheels and propellers."""
+_STRONGEST = {True: 20_000.0, False: 3_000.0}
+"""[N] of joints that slide, [N m] of others: above those of large industrial arms."""
+_COARSEST = 0.2
+"""Share of a solid's diagonal, at which a mesh resembles it no longer."""
+_LIGHTEST = 25.0
+"""[kg/m^3]: lighter than most foams, and above the densest metal in g/cm^3."""
+_SPARSEST = 5.0
+"""[kg/m^3]: foams have 10 or more."""
+_LEADING_NUMBER = re.compile(r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+_EFFORTS = ("effort", "friction")
+_LENGTHS = ("xyz", "near", "com", "size", "radius", "length")
+
+
+def check_magnitudes(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report SB139 for numbers without a unit that are implausible for robots."""
+    for name, joint in sidecar.document.joints.items():
+        for field, setting in joint_settings(sidecar.document, name).items():
+            if field in ("lower", "upper", "spring_reference") and field in settings_of(joint.type):
+                _check_position(sidecar, joint.type, setting.keys, found)
+            elif field in ("velocity", "effort") and field in settings_of(joint.type):
+                _check_rate(sidecar, joint.type, setting.keys, found)
+        _check_position(sidecar, joint.type, ("joints", name, "zero"), found, _MOST_ROTATION)
+        _check_position(sidecar, joint.type, ("joints", name, "mimic", "offset"), found, _MOST_ROTATION)
+    for name, actuator in sidecar.document.actuators.items():
+        driven = sidecar.document.joints.get(actuator.joint)
+        if driven is not None:
+            _check_rate(sidecar, driven.type, ("actuators", name, "limits", "velocity"), found)
+            _check_rate(sidecar, driven.type, ("actuators", name, "limits", "effort"), found)
+    for keys, number in _plain_numbers(sidecar.root, ()):
+        named = [key for key in keys if isinstance(key, str)]
+        if named[-1] == "rpy" and abs(number) > _MOST_ROTATION:
+            _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", found)
+        elif named[-1] in _LENGTHS and abs(number) > _MOST_METRES:
+            _report(sidecar, keys, f"{number:g} m is implausibly large", "mm", "m", found)
+        elif named[-1] == "tolerance" and number > _COARSEST:
+            _report(sidecar, keys, f"{number:g} is {number:.0%} of each solid's diagonal", "mm", "m", found)
+        elif named[-1] == "density" and 0.0 < number < _LIGHTEST:
+            _report(sidecar, keys, f"{number:g} kg/m^3 is less than the density of foam", "g/cm^3", "kg/m^3", found)
+
+
+def check_weights_as_forces(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report SB140 for torques with a unit of mass, as in data sheets of servos: ``20 kg.cm``."""
+    for keys, text in _texts(sidecar.root, ()):
+        if not isinstance(keys[-1], str) or keys[-1] not in _EFFORTS:
+            continue
+        try:
+            quantity = read_quantity(text, TORQUE, FORCE)
+        except UnitError:  # reported where the value was read
+            continue
+        if quantity.taken_as:
+            message = f"{subject(keys)}: '{text}' is interpreted as {quantity.taken_as} = {quantity.value:.6g} N*m"
+            help = [f"write `{quantity.taken_as}` to suppress this note"]
+            found.add("SB140", message, sidecar.span(*keys), help=help)
+
+
+def check_densities(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report SB521 for densities outside the range of all materials, such as 2700 g/cm^3."""
+    for keys, scalar in _scalars(sidecar.root, ()):
+        if keys[-1] != "density" or isinstance(scalar.value, bool) or scalar.value is None:
+            continue
+        try:
+            density = read_quantity(scalar.text, DENSITY).value
+        except UnitError:  # reported where the value was read
+            continue
+        if density > DENSEST:
+            help = _other_unit(scalar.text, "kg/m^3", 1.0) or "for comparison, gold has 19300 kg/m^3 = 19.3 g/cm^3"
+            message = f"{subject(keys)}: {density:g} kg/m^3 exceeds the density of any material"
+            found.add("SB521", message, sidecar.span(*keys), help=[help])
+        elif 0.0 < density < _SPARSEST and sidecar.plain_number(*keys) is None:  # else SB139
+            help = _other_unit(scalar.text, "g/cm^3", 1000.0) or "for comparison, polystyrene foam has 15 kg/m^3"
+            message = f"{subject(keys)}: {density:g} kg/m^3 is below the density of any solid, and that of foam"
+            found.add("SB521", message, sidecar.span(*keys), help=[help])
+
+
+def _other_unit(written: str, unit: str, scale: float) -> str:
+    """The same number in the unit that was probably meant; empty if it is out of range there, too."""
+    number = _LEADING_NUMBER.match(written)
+    plausible = number is not None and _SPARSEST <= float(number[0]) * scale <= DENSEST
+    return f"if the unit is {unit}, write `{number[0]} {unit}`" if number and plausible else ""
+
+
+def _check_position(
+    sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostics, most: float = _MOST_RADIANS
+) -> None:
+    number = sidecar.plain_number(*keys)
+    if number is None or not isfinite(number):
+        return
+    if kind is JointKind.PRISMATIC and abs(number) > _MOST_METRES:
+        _report(sidecar, keys, f"{number:g} m is implausibly large", "mm", "m", found)
+    elif kind is not JointKind.PRISMATIC and abs(number) > most:
+        _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", found)
+
+
+def _check_rate(sidecar: Sidecar, kind: JointKind, keys: Keys, found: Diagnostics) -> None:
+    """Report a velocity or an effort that no joint of a robot has."""
+    number, slides = sidecar.plain_number(*keys), kind is JointKind.PRISMATIC
+    if number is None or not isfinite(number):
+        return
+    if keys[-1] == "effort" and number > _STRONGEST[slides]:
+        own, other = ("N", "mN") if slides else ("N*m", "N*mm")
+        _report(sidecar, keys, f"{number:g} {own} is implausibly strong", other, own, found)
+    elif keys[-1] == "velocity" and number > _FASTEST[slides]:
+        own, other = ("m/s", "mm/s") if slides else ("rad/s", "deg/s")
+        speed = f"{number:g} {own}" + ("" if slides else f" = {number * 60.0 / tau:.0f} rpm")
+        _report(sidecar, keys, f"{speed} is implausibly fast", other, own, found)
+
+
+def _report(sidecar: Sidecar, keys: Keys, message: str, other: str, own: str, found: Diagnostics) -> None:
+    span, written = sidecar.span(*keys), sidecar.written(*keys)
+    behind = sidecar.text.split("\n")[span.line - 1][span.end_column - 1 :]
+    if isinstance(keys[-1], str) and behind[:1] == "," and behind[1:2].isdigit():
+        return  # half of a number with a decimal comma, which is an error of its own
+    help = [f"write `{written} {other}` if the unit is {other}, or `{written} {own}` to confirm {own}"]
+    found.add("SB139", f"{subject(keys)}: {message}", span, help=help)
+
+
+def _turns(radians: float) -> str:
+    return f"{abs(radians) / tau:.1f} turns"
+
+
+def _plain_numbers(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, float]]:
+    """Every value at and below a place that is written as a plain number."""
+    for place, scalar in _scalars(tree, keys):
+        if isinstance(scalar.value, int | float) and not isinstance(scalar.value, bool) and isfinite(scalar.value):
+            yield place, float(scalar.value)
+
+
+def _texts(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, str]]:
+    """Every value at and below a place that is written as a string."""
+    for place, scalar in _scalars(tree, keys):
+        if isinstance(scalar.value, str):
+            yield place, scalar.value
+
+
+def _scalars(tree: Tree, keys: Keys) -> Iterator[tuple[Keys, Scalar]]:
+    if isinstance(tree, Scalar):
+        yield keys, tree
+    elif isinstance(tree, Listing):
+        for index, value in enumerate(tree.values):
+            yield from _scalars(value, (*keys, index))
+    elif isinstance(tree, Mapping):
+        for key, entry in tree.entries.items():
+            yield from _scalars(entry.value, (*keys, key))

@@ -8,8 +8,7 @@ from collections.abc import Iterator
 from stepbot.diagnostics import Diagnostics, did_you_mean
 
 from .compose import compose
-from .subjects import ELEMENTS
-from .tree import Entry, Keys, Listing, Mapping, Scalar, Tree, child, span
+from .tree import ELEMENTS, Entry, Keys, Listing, Mapping, Scalar, Tree, child, span
 
 _NAMED = (*ELEMENTS, "modules")
 """Sections whose members `without` and `set` name."""

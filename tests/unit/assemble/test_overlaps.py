@@ -14,11 +14,10 @@ import trimesh
 
 from stepbot.assemble.binder import Binder
 from stepbot.assemble.claims import claim
-from stepbot.assemble.double_counting import DoubleCounting
+from stepbot.assemble.double_counting import DoubleCounting, OverlapSearch
 from stepbot.assemble.masses import masses
 from stepbot.assemble.material_assignment import assign_materials
 from stepbot.assemble.measured_bodies import measured_bodies
-from stepbot.assemble.overlaps import OverlapSearch
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_worker import MESH_WORKER

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from stepbot.engines.shape_bounds import mesh_file_bounds, vertices_of
+from stepbot.engines.resources import mesh_file_bounds, vertices_of
 from stepbot.geometry.spatial import IDENTITY
 
 _BAD = (

@@ -2,7 +2,6 @@
 
 from dataclasses import replace
 from math import inf
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +14,6 @@ from stepbot.formats.lowering import lower
 from stepbot.formats.lowering.joints import UNLIMITED
 from stepbot.formats.lowering.masses import STAND_IN_MASS, STAND_IN_MOMENT
 from stepbot.formats.lowering.rerooted_loops import reroot_loops
-from stepbot.formats.mapping import mapping_page
 from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
 from stepbot.robot.closures import close_loops, degrees_of_freedom, driven_joints, loop_ways
@@ -119,12 +117,6 @@ def test_what_is_not_exact_is_handled(format_: str) -> None:
     handled = {*lowering._HANDLINGS, Feature.RESERVED_NAME}
     not_exact = {feature for feature, s in FORMATS[format_].expresses.items() if s.level is not Level.EXACT}
     assert not_exact <= handled
-
-
-def test_mapping_page_is_fresh() -> None:
-    """``docs/mapping.md`` lists the writers' declarations."""
-    page = Path(__file__).resolve().parents[3] / "docs" / "mapping.md"
-    assert page.read_text(encoding="utf-8") == mapping_page(), "stale, run `make generate`"
 
 
 @every_format

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from stepbot.geometry.inertia import MassProperties, combined
-from stepbot.geometry.inertia_bounds import largest_moments, outside_by, smallest_trace, spread_excess
 from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.inertial_doubts import largest_moments, outside_by, smallest_trace, spread_excess
 
 CUBE = np.array([[x, y, z] for x in (-0.3, 0.3) for y in (-0.2, 0.2) for z in (-0.1, 0.1)])
 """Corners [m] of a box of 0.6 x 0.4 x 0.2."""

@@ -6,8 +6,7 @@ import trimesh
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_distance import squared_distances
-from stepbot.geometry.simplification import Simplification
-from stepbot.geometry.triangle_budgets import TriangleBudget, Unit, simplified
+from stepbot.geometry.simplification import Simplification, TriangleBudget, Unit, simplified
 
 
 def ours(mesh: trimesh.Trimesh) -> TriMesh:

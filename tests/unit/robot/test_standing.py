@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from stepbot.geometry.spatial import Pose
+from stepbot.robot.bounding_boxes import extent, floor_height, standing_height
 from stepbot.robot.kinematics import link_poses
 from stepbot.robot.model import (
     Base,
@@ -21,7 +22,6 @@ from stepbot.robot.model import (
     Sphere,
     Visual,
 )
-from stepbot.robot.standing import extent, floor_height, standing_height
 from tests.robots import floating_biped, one_link
 
 TILT = 0.4

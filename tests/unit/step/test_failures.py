@@ -90,7 +90,7 @@ def test_a_form_that_is_not_recognized_is_free(
     """Where the kernel fails to recognize one form, others are still tried, and the face stays a face."""
     from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
 
-    from stepbot.step.features import recognition
+    from stepbot.step.features import axis_faces as recognition
 
     class Failing:
         def __init__(self, face: Any) -> None:

@@ -3,7 +3,6 @@
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose
@@ -12,17 +11,12 @@ from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
 from .. import engine_of
 from ..observation import EngineCannotRead, Observation, Quantity, Request
 from ..sdformat_reader.frames import Frames, number_at, numbers, read_pose, three_at
-from ..sdformat_reader.shapes import surface_of
+from ..sdformat_reader.observer import surface_of
 from ..sdformat_reader.tree import read_model, the_model
-from ..urdf_chains import xml_root
+from ..xml import Element, xml_root
 from .description import DescribedShape, Description, MeshFiles, Primitive
 from .sdf_vocabulary import AROUND, MODEL
 from .vocabulary import Unread
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Element
-else:
-    Element = object
 
 
 def describe_sdf(file: str, packages: Iterable[Path] = ()) -> Description:

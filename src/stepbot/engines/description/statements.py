@@ -7,7 +7,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from ..urdf_chains import xml_root
+from ..xml import xml_root
 from .mjcf_vocabulary import MJCF
 from .sdf_vocabulary import AROUND, MODEL
 from .urdf_vocabulary import URDF

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import ZERO3, Pose
@@ -16,17 +15,12 @@ from stepbot.robot.surfaces import PLAIN, Surface
 
 from .. import engine_of
 from ..observation import EngineRefused, Observation, Request
-from ..urdf_chains import xml_root
-from ..urdf_extensions.ros2_control import initial_positions
+from ..urdf_extensions.observer import initial_positions
 from ..urdf_versions import EXTRA_LIMITS, extra_limits, newer_than_stated, with_rpy
+from ..xml import Element, xml_root
 from .description import DescribedShape, Description, MeshFiles, Primitive
 from .urdf_structure import check_structure, open_limits
 from .urdf_vocabulary import BULLET, URDF
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Element
-else:
-    Element = object
 
 
 def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:

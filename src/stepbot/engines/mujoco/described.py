@@ -20,7 +20,7 @@ from ..description.description import DescribedShape, Description, Primitive
 from ..description.mjcf_vocabulary import MJCF, unread_of_mjcf
 from ..description.vocabulary import Unread
 from ..observation import EngineRefused, Observation, Request
-from ..urdf_chains import xml_root
+from ..xml import xml_root
 from .compiled import Compiled
 from .model import collected_warnings
 from .observer import observe_model

@@ -5,11 +5,11 @@ visuals (``discardvisual``), folders in mesh paths (``strippath``). Its equality
 solved on their own rows. https://mujoco.readthedocs.io/en/stable/XMLreference.html
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -31,21 +31,14 @@ from ..observation import (
     Request,
 )
 from ..resources import resolve
-from ..urdf_chains import xml_root
 from ..urdf_versions import readable
+from ..xml import xml_root
 from . import ENGINE
 from .compiled import Compiled, excluded_pairs
 from .devices import observed_actuators, observed_frames, observed_sensors
 from .joints import observed_joints
 from .model import collected_warnings
 from .shapes import collides, observed_shapes, stray_mesh
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Element
-else:
-    Element = object
-
-from collections.abc import Callable
 
 _URDF_COMPILER = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
 _EXTENSION = "MuJoCo ignores the URDF extension blocks that contain it"

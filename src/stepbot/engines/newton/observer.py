@@ -19,7 +19,6 @@ from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import ActuatorKind, JointDynamics, JointKind, Limit, Mimic
 
 from ..captured_output import printed
-from ..closure_frames import turned_as_expected
 from ..distribution import provider
 from ..observation import (
     Dynamics,
@@ -32,6 +31,7 @@ from ..observation import (
     ObservedLink,
     Quantity,
     Request,
+    turned_as_expected,
 )
 from ..usd.stage import name_of
 from . import ENGINE

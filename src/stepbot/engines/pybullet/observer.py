@@ -38,8 +38,8 @@ from ..observation import (
     Request,
 )
 from ..sdformat_reader.tree import round_shapes, tree_copy
-from ..urdf_chains import xml_root
 from ..urdf_versions import readable
+from ..xml import xml_root
 from . import ENGINE
 from .body import Body, body_of, pose
 

@@ -20,7 +20,7 @@ from stepbot.robot.pybullet_closures import add_constraints
 from ..captured_output import printed
 from ..observation import EngineRefused
 from ..simulation import DOWN, FRICTION, GRAVITY, HEIGHT, Mechanism, Motor, Setup
-from ..urdf_chains import xml_root
+from ..xml import xml_root
 from .body import Body, body_of, pose
 from .motion import release
 

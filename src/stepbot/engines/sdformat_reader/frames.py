@@ -5,18 +5,14 @@ http://sdformat.org/tutorials?tut=pose_frame_semantics
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from stepbot.geometry.spatial import Array, Pose
 
 from ..observation import EngineRefused
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Element
-else:
-    Element = object
+from ..xml import Element
 
 MODEL = "__model__"
 WORLD = "world"

@@ -4,15 +4,10 @@ http://sdformat.org/tutorials?tut=composition: the elements of a nested model ar
 """
 
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING
 
 from ..observation import EngineCannotRead
+from ..xml import Element
 from .frames import MODEL, WORLD, Frames, ends, read_pose
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Element
-else:
-    Element = object
 
 _NAMED = ("link", "joint", "frame")
 _PLACED = ("visual", "collision")

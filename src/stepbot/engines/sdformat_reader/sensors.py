@@ -5,18 +5,13 @@ http://sdformat.org/spec?elem=sensor
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.sensors import SensorKind
 
 from ..observation import ObservedSensor
+from ..xml import Element
 from .frames import Frames, ends, number_at, read_pose
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Element
-else:
-    Element = object
 
 _KINDS = {
     "imu": SensorKind.IMU,

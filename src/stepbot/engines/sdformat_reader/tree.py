@@ -10,20 +10,14 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from stepbot.engines.resources import MeshSubstitutes
 
 from ..observation import EngineCannotRead, EngineRefused
 from ..resources import resolve
-from ..urdf_chains import xml_root
+from ..xml import Element, xml_root
 from .frames import ends, read_pose
 from .plain import join_links, plain
-
-if TYPE_CHECKING:
-    from lxml.etree import _Element as Element
-else:
-    Element = object
 
 _SIBLINGS = ("link", "joint", "frame", "visual", "collision", "sensor", "light")
 """Elements that need a name that no other element beside them has."""

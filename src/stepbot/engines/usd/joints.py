@@ -13,8 +13,14 @@ import numpy as np
 from stepbot.geometry.spatial import Array, Pose, Vector3, rotation_angle, vector3
 from stepbot.robot.model import ActuatorKind, JointDynamics, JointKind, Limit, LoopClosure, Mimic
 
-from ..closure_frames import turned_as_expected
-from ..observation import EngineCannotRead, EngineRefused, ObservedActuator, ObservedClosure, ObservedJoint
+from ..observation import (
+    EngineCannotRead,
+    EngineRefused,
+    ObservedActuator,
+    ObservedClosure,
+    ObservedJoint,
+    turned_as_expected,
+)
 from .stage import Body, Stage, name_of, rigid
 
 _KINDS = {

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from stepbot.engines.observation import ObservedShape
-from stepbot.engines.shape_bounds import mesh_file_bounds
+from stepbot.engines.resources import mesh_file_bounds
 from stepbot.geometry.spatial import Pose, matrix3, rotation_about, unit, vector3
 from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
 from stepbot.robot.dynamics import GRAVITY
@@ -31,7 +31,7 @@ from ..observation import (
     Request,
 )
 from ..parsed_motion import with_motion
-from ..shape_bounds import box_around
+from ..resources import box_around
 from . import ENGINE
 from .vrml import Node, read_proto
 

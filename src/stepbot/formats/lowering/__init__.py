@@ -59,6 +59,7 @@ from .joints import (
     describe_followers,
     drop_closures,
     each_joint,
+    far_limits,
     flatten_mimics,
     frames_as_links,
     is_limited_ball,
@@ -71,10 +72,13 @@ from .joints import (
     mimic_followers,
     mixed_mimics,
     move_loop_zeros,
+    passive_limits,
     without_armature,
     without_ball_force,
     without_ball_limit,
+    without_far_limits,
     without_mixed_mimics,
+    without_passive_limits,
     without_spring,
 )
 from .masses import (
@@ -103,7 +107,6 @@ from .shapes import (
     without_dead_bounce,
     without_surface,
 )
-from .stops import far_limits, passive_limits, without_far_limits, without_passive_limits
 
 
 @dataclass(frozen=True)

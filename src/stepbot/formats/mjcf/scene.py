@@ -5,12 +5,12 @@ from math import cos, radians, sin
 import numpy as np
 
 from stepbot.geometry.spatial import unit
+from stepbot.robot.bounding_boxes import extent, floor_height, standing_height
 from stepbot.robot.kinematics import initial_configuration
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import ActuatorKind, Base, Joint, JointKind, Robot
 from stepbot.robot.multi_dof import steps_by_child
 from stepbot.robot.sensors import SensorKind
-from stepbot.robot.standing import extent, floor_height, standing_height
 
 from ..xml import Element, document, element, root
 

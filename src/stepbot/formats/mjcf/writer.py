@@ -12,6 +12,7 @@ import numpy as np
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.predicates import is_flat
 from stepbot.geometry.spatial import Pose
+from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.mesh_files import MeshFile, MeshFiles
 from stepbot.robot.mesh_names import SCOPE, free_name
 from stepbot.robot.model import (
@@ -30,7 +31,6 @@ from stepbot.robot.model import (
 )
 from stepbot.robot.multi_dof import steps_by_child
 from stepbot.robot.simulation_settings import settings_of
-from stepbot.robot.standing import standing_height
 from stepbot.robot.tuning import Integrator
 
 from ..features import Feature, altered, exact, lowered, refused, reported

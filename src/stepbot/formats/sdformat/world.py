@@ -3,12 +3,12 @@
 The model is written into the world and not included, because programs search for included files in different folders.
 """
 
+from stepbot.robot.bounding_boxes import extent, floor_height
 from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Robot
 from stepbot.robot.sensors import SensorKind
 from stepbot.robot.simulation_settings import settings_of
-from stepbot.robot.standing import extent, floor_height
 
 from ..xml import Element, element
 

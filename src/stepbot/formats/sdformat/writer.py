@@ -9,6 +9,7 @@ from dataclasses import replace
 from math import isfinite, isinf, pi
 
 from stepbot.geometry.spatial import IDENTITY, Pose, Vector3
+from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import (
@@ -28,7 +29,6 @@ from stepbot.robot.model import (
     Sphere,
     Visual,
 )
-from stepbot.robot.standing import standing_height
 from stepbot.robot.surfaces import Surface
 
 from ..features import Feature, altered, deferred, exact, lowered, refused, reported

@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.bounding_boxes import is_jaw
 from stepbot.robot.kinematics import link_poses, rigid_bodies
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, JointKind, Robot
-from stepbot.robot.standing import is_jaw
 
 from .chains import Chain, chains, is_planned, module_of_joint, moving_joints
 

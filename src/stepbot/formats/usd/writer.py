@@ -6,16 +6,15 @@ the robot's prim, side by side, in the drawn pose; joints and materials in scope
 
 from stepbot.geometry.principal_axes import principal_axes
 from stepbot.geometry.spatial import Pose
+from stepbot.robot.bounding_boxes import floor_height, standing_height
 from stepbot.robot.dynamics import GRAVITY
 from stepbot.robot.kinematics import initial_configuration, link_poses, without_contacts
 from stepbot.robot.model import Base, Frame, Link, Robot
-from stepbot.robot.standing import floor_height, standing_height
 
 from ..features import Feature, altered, deferred, exact, lowered, reported
 from ..format import Companion
 from . import FORMAT
-from .isaac import mark_link, mark_robot, mark_site, marked_joints
-from .joints import JOINTS, joints
+from .joints import JOINTS, joints, mark_link, mark_robot, mark_site, marked_joints
 from .meshes import MeshLayer
 from .names import Names, named
 from .shapes import MATERIALS, Library, place

@@ -11,20 +11,27 @@ import numpy as np
 
 from stepbot.diagnostics import one_line
 from stepbot.geometry.spatial import Array, Pose, perpendicular_frame, vector3
+from stepbot.robot.bounding_boxes import extent, floor_height, standing_height
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import Base, Joint, JointKind, Link, LoopClosure, Robot
 from stepbot.robot.simulation_settings import settings_of
-from stepbot.robot.standing import extent, floor_height, standing_height
 from stepbot.version import __version__
 
 from ..features import Feature, altered, deferred, exact, lowered, reported
 from ..format import Companion
 from ..xml import number, text_of
 from . import FORMAT
-from .devices import joint_devices, sensor_nodes, stops
 from .names import proto_name
-from .shapes import bounding_object, contact_materials, contact_properties, visual_node
+from .shapes import (
+    bounding_object,
+    contact_materials,
+    contact_properties,
+    joint_devices,
+    sensor_nodes,
+    stops,
+    visual_node,
+)
 from .vrml import Node, text
 
 HEADER = "#VRML_SIM R2023b utf8"

@@ -3,11 +3,10 @@
 from collections.abc import Hashable, Iterable, Mapping
 from typing import Generic, TypeVar
 
-from .codec import codec_of
+from .codec import TypedCache, codec_of
 from .digest import Digest
 from .sources import environment
 from .store import Cache
-from .typed import TypedCache
 
 N = TypeVar("N", bound=Hashable)
 W = TypeVar("W")

@@ -13,6 +13,8 @@ from enum import Enum
 from functools import cache
 from typing import Any, Generic, Literal, TypeVar, Union, cast, get_args, get_origin, get_type_hints
 
+from .store import Cache
+
 T = TypeVar("T")
 Plain = Any
 """Values that JSON can represent."""
@@ -256,3 +258,25 @@ def _decode_array(plain: Plain, blobs: _Blobs) -> Any:
     array = np.frombuffer(blobs.get(start, length), kind).reshape(shape)
     array.setflags(write=False)
     return array
+
+
+class TypedCache(Generic[T]):
+    """A :class:`Cache` of values instead of bytes; without a cache it stays empty."""
+
+    def __init__(self, cache: Cache | None, kind: type[T]) -> None:
+        self._cache, self._kind = cache, kind
+
+    def get(self, key: str) -> T | None:
+        """The value under a key; None if it is missing or cannot be decoded."""
+        data = self._cache.get(key) if self._cache is not None else None
+        if data is None:
+            return None
+        try:
+            return codec_of(self._kind).decode(data)
+        except Undecodable:
+            return None
+
+    def put(self, key: str, value: T) -> None:
+        """Store a value."""
+        if self._cache is not None:
+            self._cache.put(key, codec_of(self._kind).encode(value))

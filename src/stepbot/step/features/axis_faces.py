@@ -6,22 +6,23 @@ cylinder or a cone.
 """
 
 import math
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Iterable
 from typing import Any
 
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_SurfaceType
-from OCP.gp import gp_Ax1, gp_Cone, gp_Cylinder, gp_Pnt, gp_Vec
+from OCP.gp import gp_Ax1, gp_Cone, gp_Cylinder, gp_Pln, gp_Pnt, gp_Sphere, gp_Vec
+from OCP.ShapeAnalysis import ShapeAnalysis_CanonicalRecognition
 from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
-from stepbot.step.kernel import evaluated
+from stepbot.step.kernel import KERNEL_ERRORS, OUT_OF_MEMORY, evaluated
 
 from ..assembly import AxisFace
 from ..kernel import MILLIMETRES_PER_METRE
-from .recognition import FREE_FORMS, revolved
 
 _SAMPLES = 16
 """Number of samples on a curve between which its extremes are searched."""
@@ -176,3 +177,55 @@ def _peak(place: Callable[[float], float], low: float, high: float) -> float:
             b = low + _GOLDEN * (high - low)
             at_b = place(b)
     return max(at_a, at_b)
+
+
+FREE_FORMS = (
+    GeomAbs_SurfaceType.GeomAbs_BSplineSurface,
+    GeomAbs_SurfaceType.GeomAbs_BezierSurface,
+    GeomAbs_SurfaceType.GeomAbs_SurfaceOfRevolution,
+    GeomAbs_SurfaceType.GeomAbs_SurfaceOfExtrusion,
+)
+_TOLERANCE = 1e-4
+"""Maximum deviation [mm] of a free-form surface from a plane or quadric."""
+
+
+def revolved(face: Any) -> gp_Cylinder | gp_Cone | None:
+    """The cylinder or cone that a free-form face is on; None if it is on neither, or the kernel fails on it."""
+    return _first(face, (("IsCylinder", gp_Cylinder()), ("IsCone", gp_Cone())))
+
+
+def recognized(face: Any) -> gp_Pln | gp_Cylinder | gp_Cone | gp_Sphere | None:
+    """The plane, cylinder, cone or sphere that a free-form face is on; None as for :func:`revolved`."""
+    forms = ("IsPlane", gp_Pln()), ("IsCylinder", gp_Cylinder()), ("IsCone", gp_Cone()), ("IsSphere", gp_Sphere())
+    return _first(face, forms)
+
+
+def _first(face: Any, forms: Iterable[tuple[str, Any]]) -> Any:
+    """The first form that the face has, fitted to it.
+
+    Each is tried alone: the kernel fails on some faces, with a null curve or a division by zero.
+    """
+    for test, form in forms:
+        try:
+            if getattr(ShapeAnalysis_CanonicalRecognition(face), test)(_TOLERANCE, form):
+                return form
+        except OUT_OF_MEMORY:
+            raise
+        except KERNEL_ERRORS:
+            continue
+    return None
+
+
+_KINDS = {
+    GeomAbs_SurfaceType.GeomAbs_Plane: "plane",
+    GeomAbs_SurfaceType.GeomAbs_Cylinder: "cylinder",
+    GeomAbs_SurfaceType.GeomAbs_Cone: "cone",
+    GeomAbs_SurfaceType.GeomAbs_Sphere: "sphere",
+    GeomAbs_SurfaceType.GeomAbs_Torus: "torus",
+}
+_OTHER = "other"
+
+
+def face_counts(faces: list[Any]) -> tuple[tuple[str, int], ...]:
+    """Number of a body's faces by the kind of their surface in the file, sorted by name."""
+    return tuple(sorted(Counter(_KINDS.get(BRepAdaptor_Surface(face).GetType(), _OTHER) for face in faces).items()))

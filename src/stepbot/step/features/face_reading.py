@@ -20,8 +20,7 @@ from stepbot.step.kernel import evaluated
 
 from ..faces import Face, FaceKind
 from ..kernel import MILLIMETRES_PER_METRE
-from .axis_faces import cone_radius, extent, is_bore
-from .recognition import FREE_FORMS, recognized
+from .axis_faces import FREE_FORMS, cone_radius, extent, is_bore, recognized
 
 _SMALLEST = 1e-3
 """Radius [mm] below which a face is ignored."""

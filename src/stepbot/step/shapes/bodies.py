@@ -18,7 +18,7 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.predicates import is_watertight
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.robot.model import Rgba
-from stepbot.step.features.recognition import face_counts
+from stepbot.step.features.axis_faces import face_counts
 from stepbot.step.kernel import OUT_OF_MEMORY, faces_of
 from stepbot.step.structure.source import BodySource
 
@@ -28,8 +28,7 @@ from ..features.face_reading import read_faces
 from ..kernel import MILLIMETRES_PER_METRE
 from .error_estimate import Estimate, by_mesh, estimated
 from .exact import Refinement, integrate, refine, surface_area, volume_properties
-from .healing import Healed, copied, healed, sewn, unhealed, with_islands
-from .self_intersection import share_within
+from .healing import Healed, copied, healed, sewn, share_within, unhealed, with_islands
 from .splitting import split
 from .stitching import Stitched, merged_by_position
 from .tessellation import Fineness, Tessellation, diagonal, fineness, fitted, plainly_tessellated

@@ -15,7 +15,7 @@ from stepbot.geometry.spatial import Array
 from stepbot.step.structure.source import NONE, Definition
 
 from ..assembly import Body, BodyKind, Component, Quantity, Validation
-from .subjects import Subject
+from .properties import Subject
 
 TOLERANCES = {Quantity.VOLUME: 1e-3, Quantity.AREA: 1e-2, Quantity.CENTROID: 1e-3}
 """Deviation from a validation property up to which a value counts as equal. CAD programs integrate areas coarsely: in

@@ -15,7 +15,7 @@ from robot_library.moments import Moments, mirror, pose, turn
 from robot_library.step_file import Assembly as Tree
 from robot_library.step_file import Occurrence, Part, write_step
 from stepbot.step.assembly import Body, BodyKind
-from stepbot.step.shapes.self_intersection import share_within
+from stepbot.step.shapes.healing import share_within
 from stepbot.step.shapes.stitching import Stitched
 from tests import parts, solids
 from tests.conftest import ROOT, ReadDiagnostics

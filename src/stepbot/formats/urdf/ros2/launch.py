@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
+from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.model import Base, Robot
 from stepbot.robot.sensors import SensorKind
-from stepbot.robot.standing import standing_height
 
 from ...lowering.masses import massless_bodies
 from ...sdformat.sensors import topic_of

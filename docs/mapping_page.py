@@ -1,9 +1,8 @@
 """The table of features and formats for the docs, generated from the writers' declarations."""
 
 from stepbot.diagnostics.codes import CODES
-
-from . import FORMATS, Format
-from .features import Feature, Level
+from stepbot.formats import FORMATS, Format
+from stepbot.formats.features import Feature, Level
 
 _HEAD = """\
 # What each format can express
