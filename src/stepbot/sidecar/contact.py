@@ -4,14 +4,13 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import Annotated, Any, NamedTuple
 
-from pydantic import BeforeValidator, Discriminator, Tag
+from pydantic import Discriminator, Tag
 
 from stepbot.robot.surfaces import PLAIN, Surface
 
 from . import units
-from .quantities import finite
+from .quantities import bounded
 from .section import Section
-from .units import quantity_schema
 
 
 class ContactMaterial(StrEnum):
@@ -55,16 +54,10 @@ MATERIALS: Mapping[ContactMaterial, Friction] = {
 }
 """Sliding friction: the smaller figure, which an engine with one coefficient can rely on; of a range the lowest."""
 
-_Coefficient = Annotated[
-    float, BeforeValidator(finite(units.RATIO, low=0.0, high=10.0)), quantity_schema(units.RATIO, minimum=0, maximum=10)
-]
-_Arm = Annotated[float, BeforeValidator(finite(units.LENGTH, low=0.0)), quantity_schema(units.LENGTH, minimum=0)]
-_Restitution = Annotated[
-    float, BeforeValidator(finite(units.RATIO, low=0.0, high=1.0)), quantity_schema(units.RATIO, minimum=0, maximum=1)
-]
-_Softness = Annotated[
-    float, BeforeValidator(finite(units.TIME, above=0.0, high=1.0)), quantity_schema(units.TIME, exclusiveMinimum=0)
-]
+_Coefficient = Annotated[float, *bounded(units.RATIO, low=0.0, high=10.0)]
+_Arm = Annotated[float, *bounded(units.LENGTH, low=0.0)]
+_Restitution = Annotated[float, *bounded(units.RATIO, low=0.0, high=1.0)]
+_Softness = Annotated[float, *bounded(units.TIME, above=0.0, high=1.0)]
 
 
 class ContactSection(Section):

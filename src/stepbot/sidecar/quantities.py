@@ -132,7 +132,7 @@ def finite(
 
 
 def _joint_value(
-    *dimensions: Dimension, finite: bool = True, low: float = -math.inf, above: float | None = None
+    *dimensions: Dimension, finite: bool = True, low: float = -math.inf, above: float = -math.inf
 ) -> Callable[[Any], JointValue]:
     """Parser of a value with one of several dimensions, stored for the check against the joint's type.
 
@@ -147,7 +147,7 @@ def _joint_value(
             raise fault("SB125", f"{number:g} exceeds the maximum of {GREATEST:g}")
         if number < low:
             raise fault("SB125", f"{number:g} is out of range: {dimensions[0].name} must be at least {low:g}")
-        if above is not None and number <= above:
+        if number <= above:
             hint = "remove the key for an unlimited value"
             raise fault(
                 "SB125", f"{number:g} is out of range: {dimensions[0].name} must be greater than {above:g}", hint
@@ -248,56 +248,46 @@ def _distance(value: Any) -> float:
     return number
 
 
+def bounded(
+    dimension: Dimension, *, low: float = -math.inf, above: float = -math.inf, high: float = math.inf
+) -> tuple[BeforeValidator, WithJsonSchema]:
+    """What pydantic needs for a number of a dimension, with the bounds of :func:`finite`."""
+    parser = finite(dimension, low=low, above=above, high=high if high < math.inf else None)
+    return BeforeValidator(parser), quantity_schema(dimension, low=low, above=above, high=high)
+
+
+def _joint_quantity(
+    *dimensions: Dimension, finite: bool = True, low: float = -math.inf, above: float = -math.inf
+) -> tuple[PlainValidator, WithJsonSchema]:
+    """What pydantic needs for a number of a joint, with the bounds of :func:`_joint_value`."""
+    parser = _joint_value(*dimensions, finite=finite, low=low, above=above)
+    return PlainValidator(parser), quantity_schema(*dimensions, low=low, above=above)
+
+
 Number = Annotated[
     float,
     BeforeValidator(finite(units.RATIO)),
     WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "pattern": units.QUANTITY_PATTERN}]}),
 ]
-Length = Annotated[
-    float, BeforeValidator(finite(units.LENGTH, above=0.0)), quantity_schema(units.LENGTH, exclusiveMinimum=0)
-]
-Angle = Annotated[
-    float,
-    BeforeValidator(finite(units.ANGLE, above=0.0, high=math.pi)),
-    quantity_schema(units.ANGLE, exclusiveMinimum=0, maximum=math.pi),
-]
-FieldOfView = Annotated[
-    float,
-    BeforeValidator(finite(units.ANGLE, low=0.0, high=math.tau)),
-    quantity_schema(units.ANGLE, minimum=0, maximum=math.tau),
-]
-Frequency = Annotated[
-    float, BeforeValidator(finite(units.FREQUENCY, low=0.0)), quantity_schema(units.FREQUENCY, minimum=0)
-]
-Bandwidth = Annotated[
-    float, BeforeValidator(finite(units.FREQUENCY, above=0.0)), quantity_schema(units.FREQUENCY, exclusiveMinimum=0)
-]
-DampingRatio = Annotated[
-    float, BeforeValidator(finite(units.RATIO, above=0.0)), quantity_schema(units.RATIO, exclusiveMinimum=0)
-]
-Timestep = Annotated[
-    float,
-    BeforeValidator(finite(units.TIME, above=0.0, high=LONGEST_TIMESTEP)),
-    quantity_schema(units.TIME, exclusiveMinimum=0, maximum=LONGEST_TIMESTEP),
-]
-StepShare = Annotated[
-    float,
-    BeforeValidator(finite(units.RATIO, above=0.0, high=1.0)),
-    quantity_schema(units.RATIO, exclusiveMinimum=0, maximum=1),
-]
-_Distance = Annotated[float, PlainValidator(_distance), quantity_schema(units.LENGTH, minimum=0)]
+Length = Annotated[float, *bounded(units.LENGTH, above=0.0)]
+Angle = Annotated[float, *bounded(units.ANGLE, above=0.0, high=math.pi)]
+FieldOfView = Annotated[float, *bounded(units.ANGLE, low=0.0, high=math.tau)]
+Frequency = Annotated[float, *bounded(units.FREQUENCY, low=0.0)]
+Bandwidth = Annotated[float, *bounded(units.FREQUENCY, above=0.0)]
+DampingRatio = Annotated[float, *bounded(units.RATIO, above=0.0)]
+Timestep = Annotated[float, *bounded(units.TIME, above=0.0, high=LONGEST_TIMESTEP)]
+StepShare = Annotated[float, *bounded(units.RATIO, above=0.0, high=1.0)]
+_Distance = Annotated[float, PlainValidator(_distance), quantity_schema(units.LENGTH, low=0.0)]
 DistanceRange = Annotated[tuple[_Distance, _Distance], BeforeValidator(two)]
-Mass = Annotated[float, BeforeValidator(finite(units.MASS, above=0.0)), quantity_schema(units.MASS, exclusiveMinimum=0)]
-Density = Annotated[
-    float, BeforeValidator(finite(units.DENSITY, above=0.0)), quantity_schema(units.DENSITY, exclusiveMinimum=0)
-]
+Mass = Annotated[float, *bounded(units.MASS, above=0.0)]
+Density = Annotated[float, *bounded(units.DENSITY, above=0.0)]
 DensityOrTodo = Annotated[
     float | Literal["todo"],
     BeforeValidator(lambda value: value if value == "todo" else finite(units.DENSITY, above=0.0)(value)),
-    quantity_schema(units.DENSITY, word="todo", exclusiveMinimum=0),
+    quantity_schema(units.DENSITY, word="todo", above=0.0),
 ]
-Inertia = Annotated[float, BeforeValidator(finite(units.INERTIA)), quantity_schema(units.INERTIA)]
-Pitch = Annotated[float, BeforeValidator(finite(units.PITCH)), quantity_schema(units.PITCH)]
+Inertia = Annotated[float, *bounded(units.INERTIA)]
+Pitch = Annotated[float, *bounded(units.PITCH)]
 
 _Coordinate = Annotated[float, BeforeValidator(finite(units.LENGTH))]
 _Extent = Annotated[float, BeforeValidator(finite(units.LENGTH, above=0.0))]
@@ -344,56 +334,16 @@ RelativeOrLength = Annotated[
         }
     ),
 ]
-Multiplier = Annotated[
-    JointValue,
-    PlainValidator(_joint_value(units.RATIO, units.PITCH, units.TURNS)),
-    quantity_schema(units.RATIO, units.PITCH, units.TURNS),
-]
-JointPosition = Annotated[
-    JointValue, PlainValidator(_joint_value(units.ANGLE, units.LENGTH)), quantity_schema(units.ANGLE, units.LENGTH)
-]
-JointBound = Annotated[
-    JointValue,
-    PlainValidator(_joint_value(units.ANGLE, units.LENGTH, finite=False)),
-    quantity_schema(units.ANGLE, units.LENGTH),
-]
-JointSpeed = Annotated[
-    JointValue,
-    PlainValidator(_joint_value(units.ANGULAR_SPEED, units.SPEED, finite=False, above=0.0)),
-    quantity_schema(units.ANGULAR_SPEED, units.SPEED, exclusiveMinimum=0),
-]
+Multiplier = Annotated[JointValue, *_joint_quantity(units.RATIO, units.PITCH, units.TURNS)]
+JointPosition = Annotated[JointValue, *_joint_quantity(units.ANGLE, units.LENGTH)]
+JointBound = Annotated[JointValue, *_joint_quantity(units.ANGLE, units.LENGTH, finite=False)]
+JointSpeed = Annotated[JointValue, *_joint_quantity(units.ANGULAR_SPEED, units.SPEED, finite=False, above=0.0)]
 JointAcceleration = Annotated[
-    JointValue,
-    PlainValidator(_joint_value(units.ANGULAR_ACCELERATION, units.ACCELERATION, finite=False, above=0.0)),
-    quantity_schema(units.ANGULAR_ACCELERATION, units.ACCELERATION, exclusiveMinimum=0),
+    JointValue, *_joint_quantity(units.ANGULAR_ACCELERATION, units.ACCELERATION, finite=False, above=0.0)
 ]
-JointJerk = Annotated[
-    JointValue,
-    PlainValidator(_joint_value(units.ANGULAR_JERK, units.JERK, finite=False, above=0.0)),
-    quantity_schema(units.ANGULAR_JERK, units.JERK, exclusiveMinimum=0),
-]
-JointEffort = Annotated[
-    JointValue,
-    PlainValidator(_joint_value(units.TORQUE, units.FORCE, finite=False, above=0.0)),
-    quantity_schema(units.TORQUE, units.FORCE, exclusiveMinimum=0),
-]
-JointFriction = Annotated[
-    JointValue,
-    PlainValidator(_joint_value(units.TORQUE, units.FORCE, low=0.0)),
-    quantity_schema(units.TORQUE, units.FORCE, minimum=0),
-]
-JointDamping = Annotated[
-    JointValue,
-    PlainValidator(_joint_value(units.ANGULAR_DAMPING, units.LINEAR_DAMPING, low=0.0)),
-    quantity_schema(units.ANGULAR_DAMPING, units.LINEAR_DAMPING, minimum=0),
-]
-JointStiffness = Annotated[
-    JointValue,
-    PlainValidator(_joint_value(units.ANGULAR_STIFFNESS, units.LINEAR_STIFFNESS, low=0.0)),
-    quantity_schema(units.ANGULAR_STIFFNESS, units.LINEAR_STIFFNESS, minimum=0),
-]
-JointInertia = Annotated[
-    JointValue,
-    PlainValidator(_joint_value(units.INERTIA, units.MASS, low=0.0)),
-    quantity_schema(units.INERTIA, units.MASS, minimum=0),
-]
+JointJerk = Annotated[JointValue, *_joint_quantity(units.ANGULAR_JERK, units.JERK, finite=False, above=0.0)]
+JointEffort = Annotated[JointValue, *_joint_quantity(units.TORQUE, units.FORCE, finite=False, above=0.0)]
+JointFriction = Annotated[JointValue, *_joint_quantity(units.TORQUE, units.FORCE, low=0.0)]
+JointDamping = Annotated[JointValue, *_joint_quantity(units.ANGULAR_DAMPING, units.LINEAR_DAMPING, low=0.0)]
+JointStiffness = Annotated[JointValue, *_joint_quantity(units.ANGULAR_STIFFNESS, units.LINEAR_STIFFNESS, low=0.0)]
+JointInertia = Annotated[JointValue, *_joint_quantity(units.INERTIA, units.MASS, low=0.0)]

@@ -120,11 +120,6 @@ def described(*dimensions: Dimension) -> str:
     return " or ".join(f"{name} {' or '.join(units)}" for name, units in units_of.items())
 
 
-def known_units() -> tuple[str, ...]:
-    """Every unit symbol, in the order of the table."""
-    return tuple(_UNITS)
-
-
 _LENGTH_POWERS: Powers = (0, 1, 0, 0)
 _MASS_POWERS: Powers = (1, 0, 0, 0)
 _TIME_POWERS: Powers = (0, 0, 1, 0)
@@ -145,7 +140,7 @@ def _unit(scale: Fraction | str | int, powers: Powers, turns: int = 0) -> UnitOf
 
 _DEGREE = _unit("1/360", _ANGLE_POWERS, 1)
 
-_UNITS: dict[str, UnitOfMeasure] = {
+UNITS: dict[str, UnitOfMeasure] = {
     "m": _unit(1, _LENGTH_POWERS),
     "km": _unit(1000, _LENGTH_POWERS),
     "dm": _unit("1e-1", _LENGTH_POWERS),
@@ -185,6 +180,7 @@ _UNITS: dict[str, UnitOfMeasure] = {
     "mNm": _unit("1e-3", _TORQUE_POWERS),
     "%": _unit("1e-2", (0, 0, 0, 0)),
 }
+"""Every unit by its symbol."""
 
 _LONGEST = 100
 """Maximum length of a quantity; longer texts are rejected without parsing, to bound the time."""
@@ -224,13 +220,13 @@ def _parse_unit(text: str) -> UnitOfMeasure:
     scale, turns, powers, end = Fraction(1), 0, (0, 0, 0, 0), 0
     while end < len(text.rstrip()):
         match = _FACTOR.match(text, end)
-        if match is None or match["symbol"] not in _UNITS or (match["operator"] and not end):
+        if match is None or match["symbol"] not in UNITS or (match["operator"] and not end):
             symbol = match["symbol"] if match else text
             raise UnitError(f"unknown unit '{text}'", _spelling_hints(text, symbol))
         written = match["power"] or match["raised"] or "1"
         power = _SUPERSCRIPTS[written] if written in _SUPERSCRIPTS else int(written)
         power = -power if match["operator"] == "/" else power
-        factor = _UNITS[match["symbol"]]
+        factor = UNITS[match["symbol"]]
         scale *= factor.scale**power
         turns += factor.turns * power
         powers = _multiplied(powers, factor.powers, power)
@@ -291,7 +287,7 @@ def _spelling_hints(text: str, symbol: str) -> tuple[str, ...]:
     """Help for an unknown symbol in the text of a unit."""
     if symbol.lower() in _SPELLED_OUT:
         return (f"did you mean '{text.strip().replace(symbol, _SPELLED_OUT[symbol.lower()])}'?",)
-    return did_you_mean(symbol, _UNITS) or ("known units: " + ", ".join(_UNITS),)
+    return did_you_mean(symbol, UNITS) or ("known units: " + ", ".join(UNITS),)
 
 
 def _dimension_hints(number: str, text: str, unit: UnitOfMeasure, dimensions: tuple[Dimension, ...]) -> tuple[str, ...]:
@@ -342,15 +338,26 @@ CHANNELS = {"type": "array", "items": {"type": "number", "minimum": 0, "maximum"
 HEX_COLOR = {"type": "string", "pattern": "^#([0-9a-fA-F]{3,4}|[0-9a-fA-F]{6}|[0-9a-fA-F]{8})$"}
 
 
-def quantity_schema(*dimensions: Dimension, word: str = "", **bounds: float) -> WithJsonSchema:
-    """A quantity: a number in SI units, or a string with the unit; or one word, if given."""
+def quantity_schema(
+    *dimensions: Dimension,
+    word: str = "",
+    low: float = -math.inf,
+    above: float = -math.inf,
+    high: float = math.inf,
+) -> WithJsonSchema:
+    """A quantity: a number in SI units, within finite bounds, or a string with the unit; or one word, if given."""
     examples = [dimension.example for dimension in dimensions]
     quoted = ", ".join(dict.fromkeys(f"`{example}`" for example in examples))
     text = f"{described(*dimensions)}: a number without a unit is SI; with a unit: {quoted}."
-    forms = _number_or_text(**bounds)
+    bounds = {"minimum": low, "exclusiveMinimum": above, "maximum": high}
+    forms = _number_or_text(**{name: _plain(bound) for name, bound in bounds.items() if math.isfinite(bound)})
     if word:
         forms["anyOf"].append({"const": word})
     return WithJsonSchema({**forms, "description": text, "examples": examples})
+
+
+def _plain(number: float) -> float:
+    return int(number) if number == int(number) else number
 
 
 def vector_schema(dimension: Dimension) -> WithJsonSchema:

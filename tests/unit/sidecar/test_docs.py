@@ -17,7 +17,7 @@ from stepbot.sidecar.document import CollisionShape
 from stepbot.sidecar.fields import key_of, section_classes
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.tree import plain_data
-from stepbot.sidecar.units import known_units
+from stepbot.sidecar.units import UNITS
 from stepbot.sidecar.variants import variant_names
 
 PAGE = (Path(__file__).parents[3] / "docs" / "sidecar.md").read_text(encoding="utf-8")
@@ -83,7 +83,7 @@ def test_every_key_and_word_is_explained() -> None:
     code = set(re.findall(r"[\w°µ%]+", " ".join(re.findall(r"`([^`\n]+)`", PAGE + COMPOSE) + EXAMPLES)))
     keys = {key_of(name) for section in section_classes() for name in section.model_fields}
     words = {str(word) for kinds in (JointKind, SensorKind, CollisionShape) for word in kinds}
-    assert keys | words | set(known_units()) <= code
+    assert keys | words | set(UNITS) <= code
 
 
 def test_links_lead_somewhere() -> None:
