@@ -16,7 +16,7 @@ from stepbot.engines.observation import Quantity
 from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.primitives import Primitive
-from stepbot.geometry.spatial import IDENTITY, Array, Pose, dot
+from stepbot.geometry.spatial import IDENTITY, Array, Pose, box_corners, dot
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.robot.bounding_boxes import primitive_bounds
 from stepbot.robot.inertial_doubts import inertial_doubts
@@ -179,7 +179,5 @@ def _points(link: Link, robot: Robot, X_BL: Pose) -> Array:
         if isinstance(shape.geometry, MeshRef):
             found.append(X_BG.apply(robot.mesh_by_name[shape.geometry.name].mesh.vertices))
         else:
-            low, high = primitive_bounds(shape.geometry, IDENTITY)
-            corners = [[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
-            found.append(X_BG.apply(np.array(corners)))
+            found.append(X_BG.apply(box_corners(*primitive_bounds(shape.geometry, IDENTITY))))
     return np.concatenate(found)

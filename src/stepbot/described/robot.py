@@ -13,10 +13,11 @@ from urllib.parse import unquote
 
 import numpy as np
 
-from stepbot.engines.description import DescribedShape, Description, half_size
+from stepbot.engines.description import DescribedShape, Description
 from stepbot.engines.observation import Observation, ObservedClosure, ObservedLink, Quantity
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.primitives import half_size
 from stepbot.geometry.spatial import ZERO3, ZERO33, Pose, perpendicular_frame, tidy
 from stepbot.robot.kinematics import (
     MOVING,

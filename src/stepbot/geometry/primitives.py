@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from .spatial import Vector3
+from .spatial import ZERO3, Vector3
 
 
 @dataclass(frozen=True)
@@ -42,6 +42,33 @@ class Capsule:
 
 
 Primitive = Box | Cylinder | Sphere | Capsule
+
+
+def primitive(kind: str, *, size: Vector3 = ZERO3, radius: float = 0.0, length: float = 0.0) -> Primitive | None:
+    """The shape that descriptions call ``box``, ``cylinder``, ``sphere`` or ``capsule``; None for others."""
+    match kind:
+        case "box":
+            return Box(size)
+        case "cylinder":
+            return Cylinder(radius, length)
+        case "sphere":
+            return Sphere(radius)
+        case "capsule":
+            return Capsule(radius, length)
+    return None
+
+
+def half_size(shape: Primitive) -> Vector3:
+    """Half edge lengths [m] of the bounding box of a primitive, in its own frame."""
+    match shape:
+        case Box((x, y, z)):
+            return 0.5 * x, 0.5 * y, 0.5 * z
+        case Cylinder(radius, length):
+            return radius, radius, 0.5 * length
+        case Capsule(radius, length):
+            return radius, radius, 0.5 * length + radius
+        case Sphere(radius):
+            return radius, radius, radius
 
 
 def srgb_from_linear(channel: float) -> float:

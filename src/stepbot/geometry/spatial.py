@@ -331,6 +331,11 @@ def bounds(points: ArrayLike) -> tuple[Vector3, Vector3]:
     return vector3(a.min(axis=0)), vector3(a.max(axis=0))
 
 
+def box_corners(low: Sequence[float], high: Sequence[float]) -> Array:
+    """Corners (8, 3) of a box, from its lowest and highest one."""
+    return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+
+
 def join_bounds(boxes: Iterable[tuple[Vector3, Vector3]]) -> tuple[Vector3, Vector3]:
     """The bounding box of boxes.
 

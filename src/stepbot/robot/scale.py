@@ -6,10 +6,11 @@ import numpy as np
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.poses import bounds_at
-from stepbot.geometry.spatial import Array, Vector3, bounds, join_bounds, vector3
+from stepbot.geometry.primitives import half_size
+from stepbot.geometry.spatial import Vector3, bounds, box_corners, join_bounds
 
 from .kinematics import initial_configuration, link_poses
-from .model import Box, Cylinder, Geometry, MeshRef, Robot, Sphere
+from .model import Geometry, MeshRef, Robot
 
 LARGEST = 20.0
 """Size [m] above which the unit is questionable."""
@@ -90,7 +91,7 @@ def _boxes(robot: Robot) -> tuple[list[_Extent], dict[str, list[_Extent]]]:
                     continue
                 by_hand = is_collision and not isinstance(geometry, MeshRef)
                 boxes = primitives.setdefault(link.name, []) if by_hand else drawn
-                boxes.append(bounds(np.concatenate(bounds_at(_corners(*extent), X_LG.seen_from(poses[link.name])))))
+                boxes.append(bounds(np.concatenate(bounds_at(box_corners(*extent), X_LG.seen_from(poses[link.name])))))
     return drawn, primitives
 
 
@@ -98,15 +99,5 @@ def _extent(geometry: Geometry, of_meshes: Mapping[str, _Extent]) -> _Extent | N
     """Lowest and highest corner [m] of a geometry in its own frame; None if it is empty."""
     if isinstance(geometry, MeshRef):
         return of_meshes.get(geometry.name)
-    if isinstance(geometry, Box):
-        half = np.array(geometry.size) / 2
-    else:
-        domes = 0.0 if isinstance(geometry, Cylinder) else geometry.radius
-        straight = 0.0 if isinstance(geometry, Sphere) else geometry.length / 2
-        half = np.array([geometry.radius, geometry.radius, straight + domes])
-    return vector3(-half), vector3(half)
-
-
-def _corners(low: Vector3, high: Vector3) -> Array:
-    """Corners (8, 3) of a box."""
-    return np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+    x, y, z = half_size(geometry)
+    return (-x, -y, -z), (x, y, z)

@@ -4,13 +4,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from stepbot.engines.resources import resolve
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_files import KINDS, Color, MeshContent, read_content
-from stepbot.geometry.spatial import IDENTITY, Array, Pose, Vector3
-from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
+from stepbot.geometry.primitives import Primitive, half_size
+from stepbot.geometry.spatial import IDENTITY, Array, Pose, box_corners
+from stepbot.robot.model import Rgba
 from stepbot.robot.surfaces import PLAIN, Surface
 from stepbot.robot.tuning import DEFAULTS, Simulation
 from stepbot.runtime.file import resolved
@@ -77,9 +76,6 @@ def _scaled(mesh: TriMesh, scale: tuple[float, ...]) -> TriMesh:
     return TriMesh.of(mesh.vertices * scale, faces)
 
 
-Primitive = Box | Cylinder | Sphere | Capsule
-
-
 @dataclass(frozen=True, eq=False)
 class DescribedShape:
     """A visual or a collision of a link."""
@@ -105,21 +101,8 @@ class DescribedShape:
         """Vertices (n, 3) [m] in the frame of the link; for a primitive the corners of its bounding box."""
         if isinstance(self.geometry, TriMesh):
             return self.X_LG.apply(self.geometry.vertices)
-        signs = np.array([(x, y, z) for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
-        return self.X_LG.apply(signs * np.array(half_size(self.geometry)))
-
-
-def half_size(shape: Primitive) -> Vector3:
-    """Half edge lengths [m] of the bounding box of a primitive, in its own frame."""
-    match shape:
-        case Box((x, y, z)):
-            return 0.5 * x, 0.5 * y, 0.5 * z
-        case Cylinder(radius, length):
-            return radius, radius, 0.5 * length
-        case Capsule(radius, length):
-            return radius, radius, 0.5 * length + radius
-        case Sphere(radius):
-            return radius, radius, radius
+        x, y, z = half_size(self.geometry)
+        return self.X_LG.apply(box_corners((-x, -y, -z), (x, y, z)))
 
 
 @dataclass(frozen=True)

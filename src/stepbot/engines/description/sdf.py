@@ -5,16 +5,17 @@ from dataclasses import replace
 from pathlib import Path
 
 from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.primitives import Primitive
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.model import Box, Capsule, Cylinder, Rgba, Sphere
+from stepbot.robot.model import Rgba
 
 from .. import engine_of
 from ..observation import EngineCannotRead, Observation, Quantity, Request
-from ..sdformat_reader.frames import Frames, number_at, numbers, read_pose, three_at
-from ..sdformat_reader.observer import surface_of
+from ..sdformat_reader.frames import Frames, numbers, read_pose, three_at
+from ..sdformat_reader.observer import primitive_of, surface_of
 from ..sdformat_reader.tree import read_model, the_model
 from ..xml import Element, xml_root
-from .description import DescribedShape, Description, MeshFiles, Primitive
+from .description import DescribedShape, Description, MeshFiles
 from .sdf_vocabulary import AROUND, MODEL
 from .vocabulary import Unread
 
@@ -111,16 +112,7 @@ def _color(shape: Element) -> Rgba | None:
 
 
 def _geometry(geometry: Element, files: MeshFiles) -> TriMesh | Primitive | None:
-    for shape in geometry:
-        if shape.tag == "mesh":
-            return files.mesh((shape.findtext("uri") or "").strip(), three_at(shape, "scale", "1 1 1"))
-        if shape.tag == "box":
-            return Box(three_at(shape, "size", "0 0 0"))
-        radius, length = number_at(shape, "radius", 0.0), number_at(shape, "length", 0.0)
-        if shape.tag == "cylinder":
-            return Cylinder(radius, length)
-        if shape.tag == "capsule":
-            return Capsule(radius, length)
-        if shape.tag == "sphere":
-            return Sphere(radius)
-    return None
+    mesh = geometry.find("mesh")
+    if mesh is None:
+        return primitive_of(geometry)
+    return files.mesh((mesh.findtext("uri") or "").strip(), three_at(mesh, "scale", "1 1 1"))

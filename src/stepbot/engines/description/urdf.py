@@ -9,8 +9,9 @@ from math import inf, nan
 from pathlib import Path
 
 from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.primitives import Primitive, primitive
 from stepbot.geometry.spatial import ZERO3, Pose
-from stepbot.robot.model import Box, Capsule, Cylinder, Limit, Rgba, Sphere
+from stepbot.robot.model import Limit, Rgba
 from stepbot.robot.surfaces import PLAIN, Surface
 
 from .. import engine_of
@@ -18,7 +19,7 @@ from ..observation import EngineRefused, Observation, Request
 from ..urdf_extensions.observer import initial_positions
 from ..urdf_versions import EXTRA_LIMITS, extra_limits, newer_than_stated, with_rpy
 from ..xml import Element, xml_root
-from .description import DescribedShape, Description, MeshFiles, Primitive
+from .description import DescribedShape, Description, MeshFiles
 from .urdf_structure import check_structure, open_limits
 from .urdf_vocabulary import BULLET, URDF
 
@@ -160,16 +161,10 @@ def _color(material: Element | None, materials: Mapping[str, Element]) -> Rgba |
 
 def _primitive(geometry: Element | None) -> Primitive | None:
     for shape in () if geometry is None else geometry:
-        if shape.tag == "box":
-            x, y, z = _numbers(shape.get("size"), ZERO3)
-            return Box((x, y, z))
+        x, y, z = _numbers(shape.get("size"), ZERO3)
         (radius,), (length,) = _numbers(shape.get("radius"), (0.0,)), _numbers(shape.get("length"), (0.0,))
-        if shape.tag == "cylinder":
-            return Cylinder(radius, length)
-        if shape.tag == "capsule":
-            return Capsule(radius, length)
-        if shape.tag == "sphere":
-            return Sphere(radius)
+        if made := primitive(str(shape.tag), size=(x, y, z), radius=radius, length=length):
+            return made
     return None
 
 

@@ -10,13 +10,13 @@ import numpy as np
 from stepbot.engines.description.description import MeshFiles
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_files import KINDS
+from stepbot.geometry.primitives import Primitive
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.mesh_names import SCOPE
-from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 from stepbot.robot.tuning import Integrator, Simulation
 from stepbot.runtime.file import is_file
 
-from ..description.description import DescribedShape, Description, Primitive
+from ..description.description import DescribedShape, Description
 from ..description.mjcf_vocabulary import MJCF, unread_of_mjcf
 from ..description.vocabulary import Unread
 from ..observation import EngineRefused, Observation, Request
@@ -24,7 +24,7 @@ from ..xml import xml_root
 from .compiled import Compiled
 from .model import collected_warnings
 from .observer import observe_model
-from .shapes import collides, color_of, geoms, is_visual, surface_of
+from .shapes import collides, color_of, geoms, is_visual, primitive_of, surface_of
 
 
 @collected_warnings()
@@ -217,14 +217,14 @@ def _shapes(compiled: Compiled, body: int, meshes: _MeshFiles) -> Iterator[Descr
     for g in geoms(compiled, body):
         X_LG, uri = Pose.from_quaternion(model.geom_quat[g].tolist(), model.geom_pos[g]), ""
         geometry: TriMesh | Primitive | None
+        is_round = model.geom_type[g] == compiled.engine.mjtGeom.mjGEOM_ELLIPSOID
         if model.geom_type[g] == compiled.engine.mjtGeom.mjGEOM_MESH:
             geometry, X_GM, uri = meshes.mesh(int(model.geom_dataid[g]))
             X_LG = X_LG @ X_GM
         else:
-            geometry = _primitive(compiled, g)
-        if geometry is None:
+            geometry = _ellipsoid(model.geom_size[g]) if is_round else primitive_of(compiled, g)
+        if geometry is None:  # a plane or a height field
             continue
-        is_round = model.geom_type[g] == compiled.engine.mjtGeom.mjGEOM_ELLIPSOID
         name = compiled.name("GEOM", g) or compiled.name("MESH", int(model.geom_dataid[g]))
         shape = DescribedShape(compiled.name("BODY", body), name, geometry, X_LG, color_of(compiled, g), mesh=uri)
         shape = replace(shape, approximated="ellipsoid" if is_round else "")
@@ -232,22 +232,6 @@ def _shapes(compiled: Compiled, body: int, meshes: _MeshFiles) -> Iterator[Descr
             yield shape
         if collides(compiled, g):
             yield replace(shape, collides=True, surface=surface_of(compiled, g))
-
-
-def _primitive(compiled: Compiled, g: int) -> TriMesh | Primitive | None:
-    engine, model = compiled.engine, compiled.model
-    kind, size = engine.mjtGeom(model.geom_type[g]), model.geom_size[g].tolist()
-    if kind == engine.mjtGeom.mjGEOM_ELLIPSOID:
-        return _ellipsoid(np.array(size))
-    if kind == engine.mjtGeom.mjGEOM_BOX:
-        return Box((2.0 * size[0], 2.0 * size[1], 2.0 * size[2]))
-    if kind == engine.mjtGeom.mjGEOM_SPHERE:
-        return Sphere(size[0])
-    if kind == engine.mjtGeom.mjGEOM_CYLINDER:
-        return Cylinder(size[0], 2.0 * size[1])
-    if kind == engine.mjtGeom.mjGEOM_CAPSULE:
-        return Capsule(size[0], 2.0 * size[1])
-    return None  # planes and height fields
 
 
 def _ellipsoid(radii: Array) -> TriMesh:

@@ -5,7 +5,7 @@ visuals (``discardvisual``), folders in mesh paths (``strippath``). Its equality
 solved on their own rows. https://mujoco.readthedocs.io/en/stable/XMLreference.html
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -13,9 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from stepbot.engines.resources import MeshSubstitutes
-from stepbot.geometry.spatial import Array, Pose, join_bounds, matrix3, turn_inertia, vector3
-from stepbot.robot.bounding_boxes import Bounds
+from stepbot.geometry.spatial import Array, Pose, matrix3, turn_inertia, vector3
 from stepbot.robot.dynamics import GRAVITY, Rates
 
 from ..ball_coordinates import inner_joints
@@ -26,11 +24,10 @@ from ..observation import (
     EngineRefused,
     Observation,
     ObservedLink,
-    ObservedShape,
     Quantity,
     Request,
 )
-from ..resources import resolve
+from ..resources import MeshSubstitutes, box_around, resolve
 from ..urdf_versions import readable
 from ..xml import xml_root
 from . import ENGINE
@@ -245,8 +242,8 @@ def _link(compiled: Compiled, body: int, mjcf: bool) -> ObservedLink:
         float(model.body_mass[body]),
         X_LI.position,
         matrix3(turn_inertia(X_LI.R, np.diag(model.body_inertia[body]))),
-        visual_bounds=_around(seen),
-        collision_bounds=_around(touched),
+        visual_bounds=box_around(seen),
+        collision_bounds=box_around(touched),
         has_visuals=bool(seen),
         has_collisions=bool(touched),
         visuals=seen,
@@ -260,12 +257,6 @@ def _gravity(compiled: Compiled) -> tuple[float, ...]:
     disabled = int(compiled.model.opt.disableflags) & int(compiled.engine.mjtDisableBit.mjDSBL_GRAVITY)
     gravity = (0.0, 0.0, 0.0) if disabled else vector3(compiled.model.opt.gravity)
     return () if gravity == GRAVITY else gravity
-
-
-def _around(shapes: Sequence[ObservedShape]) -> Bounds | None:
-    boxes = [shape.bounds for shape in shapes]
-    known = [box for box in boxes if box is not None]
-    return join_bounds(known) if known and len(known) == len(boxes) else None
 
 
 def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynamics:

@@ -2,13 +2,13 @@
 
 from dataclasses import replace
 from math import inf, isclose
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stepbot.geometry.primitives import Primitive, primitive
 from stepbot.geometry.spatial import Pose, vector3
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds
-from stepbot.robot.model import Box, Capsule, Cylinder, Sphere
 from stepbot.robot.surfaces import Surface, restitution_of
 
 from ..observation import OBLIQUE, ObservedShape
@@ -106,21 +106,15 @@ def geom_bounds(compiled: "Compiled", g: int, X_LG: Pose) -> Bounds:
         start = model.mesh_vertadr[mesh]
         vertices = model.mesh_vert[start : start + model.mesh_vertnum[mesh]]
         return mesh_bounds(np.asarray(vertices, dtype=np.float64), X_LG)
-    return _primitive_bounds(engine, kind, size, X_LG)
-
-
-def _primitive_bounds(engine: Any, kind: Any, size: list[float], X_LG: Pose) -> Bounds:
-    """Bounding box of a primitive; MuJoCo has half lengths. Planes and height fields are infinite."""
-    types = engine.mjtGeom
-    if kind == types.mjGEOM_BOX:
-        return primitive_bounds(Box((2 * size[0], 2 * size[1], 2 * size[2])), X_LG)
-    if kind == types.mjGEOM_SPHERE:
-        return primitive_bounds(Sphere(size[0]), X_LG)
-    if kind == types.mjGEOM_CYLINDER:
-        return primitive_bounds(Cylinder(size[0], 2 * size[1]), X_LG)
-    if kind == types.mjGEOM_CAPSULE:
-        return primitive_bounds(Capsule(size[0], 2 * size[1]), X_LG)
-    if kind == types.mjGEOM_ELLIPSOID:
+    if kind == engine.mjtGeom.mjGEOM_ELLIPSOID:
         half = np.sqrt(((X_LG.R * np.array(size)) ** 2).sum(axis=1))
         return vector3(X_LG.p - half), vector3(X_LG.p + half)
-    return (-inf, -inf, -inf), (inf, inf, inf)
+    shape = primitive_of(compiled, g)
+    return ((-inf, -inf, -inf), (inf, inf, inf)) if shape is None else primitive_bounds(shape, X_LG)
+
+
+def primitive_of(compiled: "Compiled", g: int) -> Primitive | None:
+    """The shape of a geom, of which MuJoCo has half lengths; None for meshes, ellipsoids, planes and height fields."""
+    kind, size = compiled.engine.mjtGeom(compiled.model.geom_type[g]), compiled.model.geom_size[g].tolist()
+    edges = (2.0 * size[0], 2.0 * size[1], 2.0 * size[2])
+    return primitive(kind.name.removeprefix("mjGEOM_").lower(), size=edges, radius=size[0], length=edges[1])

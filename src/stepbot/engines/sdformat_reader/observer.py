@@ -13,10 +13,11 @@ from pathlib import Path
 import numpy as np
 
 from stepbot.engines.observation import ObservedActuator, ObservedSensor
-from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, unit, vector3
+from stepbot.geometry.primitives import Primitive, primitive
+from stepbot.geometry.spatial import ZERO3, Pose, matrix3, turn_inertia, unit, vector3
 from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
 from stepbot.robot.dynamics import GRAVITY
-from stepbot.robot.model import ActuatorKind, Box, Capsule, Cylinder, JointDynamics, Limit, Mimic, Sphere
+from stepbot.robot.model import ActuatorKind, JointDynamics, Limit, Mimic
 from stepbot.robot.sensors import SensorKind
 from stepbot.robot.surfaces import Surface
 from stepbot.version import __version__
@@ -332,21 +333,17 @@ def _bounds(geometry: Element | None, X_LG: Pose, file: Path) -> tuple[Bounds | 
     if geometry is None:
         return None, []
     if mesh is None:
-        return _primitive_bounds(geometry, X_LG), []
+        shape = primitive_of(geometry)
+        return (None if shape is None else primitive_bounds(shape, X_LG)), []
     uri, scale = (mesh.findtext("uri") or "").strip(), three_at(mesh, "scale", "1 1 1")
     return mesh_file_bounds(uri, file, X_LG, scale)
 
 
-def _primitive_bounds(geometry: Element, X_LG: Pose) -> Bounds | None:
-    def number(path: str) -> float:
-        return number_at(geometry, path, 0.0)
-
-    if geometry.find("box") is not None:
-        return primitive_bounds(Box(three_at(geometry, "box/size", "0 0 0")), X_LG)
-    if geometry.find("sphere") is not None:
-        return primitive_bounds(Sphere(number("sphere/radius")), X_LG)
-    if geometry.find("cylinder") is not None:
-        return primitive_bounds(Cylinder(number("cylinder/radius"), number("cylinder/length")), X_LG)
-    if geometry.find("capsule") is not None:
-        return primitive_bounds(Capsule(number("capsule/radius"), number("capsule/length")), X_LG)
+def primitive_of(geometry: Element) -> Primitive | None:
+    """The primitive in a `<geometry>`; None for a mesh, and for shapes that the model does not have."""
+    for shape in geometry:
+        size = three_at(shape, "size", "0 0 0") if shape.tag == "box" else ZERO3
+        radius, length = number_at(shape, "radius", 0.0), number_at(shape, "length", 0.0)
+        if made := primitive(str(shape.tag), size=size, radius=radius, length=length):
+            return made
     return None
