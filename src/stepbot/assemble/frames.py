@@ -8,7 +8,7 @@ frame is the assembly's, unless the sidecar gives another, or the directions tha
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
-from stepbot.geometry.principal_axes import rotation_of
+from stepbot.geometry.inertia import rotation_of
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.joint_table import Basis, Evidence
 from stepbot.robot.kinematics import displacement

@@ -11,7 +11,7 @@ import numpy as np
 from stepbot.draft.draft import Draft, DraftContact
 from stepbot.draft.parts.names import Role, roles
 from stepbot.draft.parts.scene import Scene
-from stepbot.geometry.principal_axes import vector
+from stepbot.geometry.inertia import vector
 from stepbot.geometry.spatial import ZERO3, Array, perpendicular_frame
 from stepbot.robot.model import JointKind
 from stepbot.sidecar.contact import ContactMaterial

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, StrictBool, field_validator
 
-from stepbot.geometry.principal_axes import Direction
+from stepbot.geometry.inertia import Direction
 from stepbot.robot.model import Base, JointKind, MeshFormat
 
 from .contact import Contact

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.geometry.principal_axes import DIRECTIONS, vector
+from stepbot.geometry.inertia import DIRECTIONS, vector
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.model import Robot
 from stepbot.sidecar.check import check_sidecar

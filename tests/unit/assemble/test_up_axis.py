@@ -8,7 +8,7 @@ import pytest
 
 from stepbot.assemble import build_robot
 from stepbot.diagnostics import Diagnostics
-from stepbot.geometry.principal_axes import DIRECTIONS, Direction, rotation_of, vector
+from stepbot.geometry.inertia import DIRECTIONS, Direction, rotation_of, vector
 from stepbot.geometry.spatial import Pose
 from tests.unit.assemble.workshop import Workshop, at, sidecar
 

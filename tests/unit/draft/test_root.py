@@ -8,7 +8,7 @@ import pytest
 from stepbot.draft.contacts.survey import Sources
 from stepbot.draft.inference import infer_mechanism
 from stepbot.draft.parts.names import Role, roles
-from stepbot.geometry.principal_axes import DIRECTIONS, Direction, rotation_of
+from stepbot.geometry.inertia import DIRECTIONS, Direction, rotation_of
 from stepbot.geometry.spatial import Pose
 from stepbot.step.assembly import Assembly, ReadOptions
 from tests.assembled import BARE, Node, inferred, links, part

@@ -8,7 +8,7 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.draft.draft_robot import infer
 from stepbot.draft.text.sidecar_text import drawn_up, sidecar_text
-from stepbot.geometry.principal_axes import DIRECTIONS, Direction, rotation_of
+from stepbot.geometry.inertia import DIRECTIONS, Direction, rotation_of
 from stepbot.geometry.spatial import Pose
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import parse_sidecar

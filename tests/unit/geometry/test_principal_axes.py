@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stepbot.geometry.principal_axes import principal_axes
+from stepbot.geometry.inertia import principal_axes
 from stepbot.geometry.spatial import matrix3, rotation_from_rpy
 
 

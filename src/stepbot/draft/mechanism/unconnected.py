@@ -18,7 +18,7 @@ from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import box_gap
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.geometry.principal_axes import Direction
+from stepbot.geometry.inertia import Direction
 from stepbot.robot.model import JointKind
 from stepbot.step.features.ground import grounds
 

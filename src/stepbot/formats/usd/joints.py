@@ -16,8 +16,7 @@ from stepbot.robot.gains import actuator_limit
 from stepbot.robot.kinematics import initial_configuration
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointKind, LoopClosure, Robot
 
-from .names import Names, named
-from .usda import Prim, quoted, single, singles
+from .usda import Names, Prim, named, quoted, single, singles
 
 _TYPES: Mapping[JointKind, str] = {
     JointKind.FIXED: "PhysicsFixedJoint",

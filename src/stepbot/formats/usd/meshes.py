@@ -7,8 +7,7 @@ from stepbot.geometry.shading import NORMAL_DECIMALS, shaded
 from stepbot.robot.model import MeshAsset, MeshRef, Robot
 
 from .crate import CrateAttribute, CratePrim, Singles, crate
-from .names import Names
-from .usda import UNITS, Prim, asset_path, written_by
+from .usda import UNITS, Names, Prim, asset_path, written_by
 
 MESH = "mesh"
 """Name of the mesh in the prim of an asset."""

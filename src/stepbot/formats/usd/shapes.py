@@ -23,8 +23,7 @@ from stepbot.robot.surfaces import Surface
 from ..lowering.shapes import concave_meshes, upright
 from ..xml import number
 from .meshes import MESH, MeshLayer
-from .names import Names, named
-from .usda import Prim, doubles, single, singles
+from .usda import Names, Prim, doubles, named, single, singles
 
 MATERIALS = "materials"
 """The scope of the materials."""

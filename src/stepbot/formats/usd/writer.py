@@ -4,7 +4,7 @@ A text file, and a binary one for the meshes, written without USD's own library 
 the robot's prim, side by side, in the drawn pose; joints and materials in scopes of their own.
 """
 
-from stepbot.geometry.principal_axes import principal_axes
+from stepbot.geometry.inertia import principal_axes
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.bounding_boxes import floor_height, standing_height
 from stepbot.robot.dynamics import GRAVITY
@@ -16,9 +16,8 @@ from ..format import Companion
 from . import FORMAT
 from .joints import JOINTS, joints, mark_link, mark_robot, mark_site, marked_joints
 from .meshes import MeshLayer
-from .names import Names, named
 from .shapes import MATERIALS, Library, place
-from .usda import Prim, asset_path, layer, single, singles, written_by
+from .usda import Names, Prim, asset_path, layer, named, single, singles, written_by
 
 _SENSORS = reported("sensors are omitted")
 EXPRESSES = {

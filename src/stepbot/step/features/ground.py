@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from stepbot.geometry.fixed_point import exact_sum
+from stepbot.geometry.inertia import DIRECTIONS, Direction, vector
 from stepbot.geometry.poses import Poses, bounds_at
-from stepbot.geometry.principal_axes import DIRECTIONS, Direction, vector
 from stepbot.geometry.spatial import Array, Vector3
 
 from ..assembly import Assembly

@@ -10,7 +10,7 @@ from stepbot.robot.model import ActuatorKind, Limit, Robot
 
 from ...lowering.joints import UNLIMITED
 from ..chains import Chain, module_of_joint
-from ..ros2_control import COMMANDS
+from ..extensions import COMMANDS
 
 UPDATE_RATE = 100
 """[Hz]"""

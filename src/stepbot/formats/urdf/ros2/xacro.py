@@ -8,8 +8,8 @@ from stepbot.robot.renaming import renamed
 
 from ...lowering.masses import massless_bodies
 from ...xml import Element, document, element, root
+from ..extensions import HARDWARE, INITIAL, systems
 from ..package import with_package
-from ..ros2_control import HARDWARE, INITIAL, systems
 
 _XACRO = "http://www.ros.org/wiki/xacro"
 _PREFIX = "${prefix}"
