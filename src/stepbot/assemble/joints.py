@@ -91,18 +91,25 @@ def _joint(document: Document, frames: Frames, name: str) -> Joint | None:
     X_WP, X_WJ = frames.link(section.parent), frames.joint(name)
     if X_WP is None or X_WJ is None:
         return None
+    X_PC = tidy(X_WP.inverse() @ X_WJ)  # at q = 0 the child's frame C is the joint's frame J
+    leader = None if section.mimic is None else section.mimic.joint
+    return joint_of(document, name, (section.parent, section.child), X_PC, leader)
+
+
+def joint_of(document: Document, name: str, ends: tuple[str, str], X_PC: Pose, leader: str | None) -> Joint:
+    """A joint of the sidecar between two links of the robot; ``leader`` is the joint that it mimics, if it does."""
+    section = document.joints[name]
     mimic = section.mimic
     return Joint(
         name,
         section.type,
-        section.parent,
-        section.child,
-        tidy(X_WP.inverse() @ X_WJ),  # at q = 0 the child's frame C is the joint's frame J
+        *ends,
+        X_PC,
         axis=section.axis,
         axis2=section.axis2 or Joint.axis2,
         limit=joint_limits(document, name),
         dynamics=joint_dynamics(document, name),
-        mimic=None if mimic is None else Mimic(mimic.joint, mimic.multiplier.value, mimic.offset.value),
+        mimic=None if mimic is None or leader is None else Mimic(leader, mimic.multiplier.value, mimic.offset.value),
         pitch=section.pitch or 0.0,
         drawn_position=section.zero.value,
     )

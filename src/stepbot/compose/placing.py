@@ -7,6 +7,7 @@ from math import degrees, radians
 
 import numpy as np
 
+from stepbot.assemble.joints import joint_of
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import IDENTITY, ZERO3, Array, Pose, tidy
 from stepbot.robot.bounding_boxes import standing_height
@@ -14,7 +15,6 @@ from stepbot.robot.kinematics import initial_configuration
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Base, Joint, JointKind, Mimic, Robot
 from stepbot.sidecar.document import AutoOrigin, JointSection
-from stepbot.sidecar.joint_settings import joint_dynamics, joint_limits
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.modules import ModuleSection
 from stepbot.sidecar.own_part import TIE
@@ -174,22 +174,7 @@ class Places:
     def _joint_of(self, name: str, section: JointSection, parent: str, child: str, X_PC: Pose) -> Joint:
         mimic = section.mimic
         leader = None if mimic is None else self._ports.joint(mimic.joint, ("joints", name, "mimic", "joint"))
-        return Joint(
-            name,
-            section.type,
-            parent,
-            child,
-            X_PC,
-            axis=section.axis,
-            axis2=section.axis2 or Joint.axis2,
-            limit=joint_limits(self._document, name),
-            dynamics=joint_dynamics(self._document, name),
-            mimic=None
-            if mimic is None or leader is None
-            else Mimic(leader, mimic.multiplier.value, mimic.offset.value),
-            pitch=section.pitch or 0.0,
-            drawn_position=section.zero.value,
-        )
+        return joint_of(self._document, name, (parent, child), X_PC, leader)
 
     def _offset(self, name: str, section: JointSection) -> Pose | None:
         if section.origin == "auto":

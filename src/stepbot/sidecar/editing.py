@@ -108,7 +108,7 @@ def value_of(text: str) -> Any:
         raise CannotEdit(f"'{text}' is not a value of YAML; put a text in double quotes") from error
     if found.has_errors or not isinstance(tree, Mapping) or list(tree.entries) != ["value"]:
         raise CannotEdit(next((one.message for one in found), f"'{text}' is not a value"))
-    return _copied(plain_data(tree))["value"]
+    return plain_data(tree, shared=False)["value"]
 
 
 def _values(text: str) -> Any:
@@ -117,14 +117,7 @@ def _values(text: str) -> Any:
     if sidecar is None:
         first = next((one.message for one in found if one.severity == "error"), "it cannot be read")
         raise CannotEdit(f"the result would not be a sidecar: {first}")
-    return _copied(plain_data(sidecar.root))
-
-
-def _copied(data: Any) -> Any:
-    """A copy without shared objects, which aliases create: a change at one place must not appear at another."""
-    if isinstance(data, dict):
-        return {key: _copied(value) for key, value in data.items()}
-    return [_copied(value) for value in data] if isinstance(data, list) else data
+    return plain_data(sidecar.root, shared=False)
 
 
 def _applied(data: Any, change: Put | Append | Remove | Rename) -> Any:

@@ -22,7 +22,7 @@ from .quantities import described
 from .schema_faults import report_schema_faults
 from .syntax_faults import compose_around_faults
 from .text import BoundedDiagnostics, TooManyFaultsError, file_name, is_text, read_text
-from .tree import Keys, Listing, Mapping, Scalar, Tree, key_span, plain_data, subject
+from .tree import Keys, Mapping, Scalar, Tree, key_span, plain_data, subject
 
 
 def load_sidecar(path: Path, found: Diagnostics, variant: str = "", changes: Tree | None = None) -> Sidecar | None:
@@ -164,7 +164,7 @@ def check_what_is_left(root: Tree, faults: list[Keys], path: Path, text: str, fo
         faults: The places of the schema errors.
         path: The user's path of the file.
     """
-    data = _copy(root)
+    data = plain_data(root, shared=False)
     cuts: list[Keys] = []
     for _ in range(_ROUNDS):
         new: list[Keys] = []
@@ -242,13 +242,3 @@ def _without_tags(loc: tuple[str | int, ...], data: Any) -> Keys:
         keys.append(part)
         data = data[part] if inside and (isinstance(data, dict) or len(data) > int(part)) else None
     return tuple(keys)
-
-
-def _copy(tree: Tree) -> Any:
-    """The tree as data without shared objects, so that removing one leaves the other."""
-    if isinstance(tree, Scalar):
-        return tree.value
-    if isinstance(tree, Listing):
-        return [_copy(value) for value in tree.values]
-    assert isinstance(tree, Mapping)
-    return {key: _copy(entry.value) for key, entry in tree.entries.items()}

@@ -5,7 +5,7 @@ again, and must be the same sidecar except for these paths.
 """
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from stepbot.diagnostics import Diagnostics, Span
@@ -47,7 +47,7 @@ def rewritten(sidecar: Sidecar, content: bytes, paths: Mapping[str, str]) -> byt
         _splice(lines, span, spans[span], paths[spans[span]])
     new = mark + "".join(lines)
     again = parse_sidecar(new.removeprefix(mark).replace("\r\n", "\n").replace("\r", "\n"), sidecar.path, Diagnostics())
-    if again is None or plain_data(again.root) != _expected(plain_data(sidecar.root), places, paths):
+    if again is None or plain_data(again.root) != _expected(plain_data(sidecar.root, shared=False), places, paths):
         return None
     return new.encode("utf-8")
 
@@ -84,22 +84,13 @@ def _quoted_as(written: str, old: str, new: str) -> str:
     return '"' + new.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
-def _expected(data: Any, places: Iterable[PathPlace], paths: Mapping[str, str]) -> Any:
-    """The values of the sidecar with the new paths."""
-    changed = _copied(data)
-    for place in places:
-        if place.is_key:
-            changed["parts"] = {paths.get(key, key): value for key, value in data["parts"].items()}
-            continue
-        at = changed
+def _expected(data: Any, places: Sequence[PathPlace], paths: Mapping[str, str]) -> Any:
+    """The values of the sidecar, which are changed, with the new paths."""
+    if any(place.is_key for place in places):
+        data["parts"] = {paths.get(key, key): value for key, value in data["parts"].items()}
+    for place in (one for one in places if not one.is_key):
+        at = data
         for key in place.keys[:-1]:
             at = at[key]
         at[place.keys[-1]] = paths[place.pattern]
-    return changed
-
-
-def _copied(data: Any) -> Any:
-    """A copy without shared objects, which aliases create."""
-    if isinstance(data, dict):
-        return {key: _copied(value) for key, value in data.items()}
-    return [_copied(value) for value in data] if isinstance(data, list) else data
+    return data

@@ -112,20 +112,28 @@ def last_line(tree: Tree) -> int:
     return tree.span.line
 
 
-def plain_data(tree: Tree) -> Any:
-    """The tree as dictionaries, lists and scalars; aliases become the same object."""
-    return _plain_data(tree, {})
+def plain_data(tree: Tree, *, shared: bool = True) -> Any:
+    """The tree as dictionaries, lists and scalars.
+
+    Args:
+        shared: Whether aliases become the same object; otherwise a change at one place does not appear at another.
+    """
+    return _plain_data(tree, {} if shared else None)
 
 
-def _plain_data(tree: Tree, done: dict[int, Any]) -> Any:
+def _plain_data(tree: Tree, done: dict[int, Any] | None) -> Any:
     if isinstance(tree, Scalar):
         return tree.value
-    if id(tree) not in done:
-        if isinstance(tree, Listing):
-            done[id(tree)] = [_plain_data(value, done) for value in tree.values]
-        else:
-            done[id(tree)] = {key: _plain_data(entry.value, done) for key, entry in tree.entries.items()}
-    return done[id(tree)]
+    if done is not None and id(tree) in done:
+        return done[id(tree)]
+    data: Any
+    if isinstance(tree, Listing):
+        data = [_plain_data(value, done) for value in tree.values]
+    else:
+        data = {key: _plain_data(entry.value, done) for key, entry in tree.entries.items()}
+    if done is not None:
+        done[id(tree)] = data
+    return data
 
 
 _SUBJECTS = {
