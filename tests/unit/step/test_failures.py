@@ -34,8 +34,8 @@ STEPS = [
     ("one_file.mechanism_count", "reading mechanisms"),
     ("content._stated", "reading validation properties"),
     ("worker.compare", "reading validation properties"),
-    ("structure.colors.Colors._of_label", "colors"),
-    ("structure.colors.Colors._of_parts", "colors"),
+    ("structure.definitions.Colors._of_label", "colors"),
+    ("structure.definitions.Colors._of_parts", "colors"),
 ]
 """Functions that a file can be read without, and what the message says."""
 
