@@ -147,7 +147,7 @@ def _joint_value(
             raise fault("SB125", f"{number:g} exceeds the maximum of {GREATEST:g}")
         if number < low:
             raise fault("SB125", f"{number:g} is out of range: {dimensions[0].name} must be at least {low:g}")
-        if number <= above:
+        if number <= above and math.isfinite(above):
             hint = "remove the key for an unlimited value"
             raise fault(
                 "SB125", f"{number:g} is out of range: {dimensions[0].name} must be greater than {above:g}", hint
