@@ -90,7 +90,8 @@ class Shapes:
         if not isinstance(mesh, TriMesh):
             return mesh
         if id(mesh) not in self._assets:
-            name = self._meshes.unique(ascii_name(_stem(shape.mesh) or shape.name or shape.link))
+            stem = PurePosixPath(unquote(shape.mesh.replace("\\", "/"))).stem
+            name = self._meshes.unique(ascii_name(stem or shape.name or shape.link))
             self._assets[id(mesh)] = mesh, MeshAsset(name, mesh, shape.mesh)
         return MeshRef(self._assets[id(mesh)][1].name)
 
@@ -99,10 +100,6 @@ def _namer(link: str, kind: str, taken: set[str]) -> Callable[[DescribedShape], 
     """Valid names of the shapes of a link: those that they have, with the link's where one is taken."""
     suffix = f"_{valid_name(link, 'link')}"
     return lambda shape: free_name(valid_name(shape.name or f"{link}_{kind}", kind), suffix, taken)
-
-
-def _stem(uri: str) -> str:
-    return PurePosixPath(unquote(uri.replace("\\", "/"))).stem
 
 
 _INVALID = re.compile(r"""[/<>&"'\x00-\x1f\x7f]+|::""")

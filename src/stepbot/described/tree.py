@@ -180,16 +180,11 @@ def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, 
         X_PC,
         axis,
         seen.axis2 or (1.0, 0.0, 0.0),
-        Limit(*(_bound(getattr(limit, field), other) for field, other in _UNLIMITED)),
+        Limit(*(none if isnan(bound := getattr(limit, field)) else bound for field, none in _UNLIMITED)),
         _dynamics(seen.dynamics or JointDynamics()),
         seen.mimic if kind in MOVING else None,
         seen.pitch or 0.0,
     )
-
-
-def _bound(value: float, unlimited: float) -> float:
-    """A bound; unlimited if the engine could not express it."""
-    return unlimited if isnan(value) else value
 
 
 def _dynamics(seen: JointDynamics) -> JointDynamics:

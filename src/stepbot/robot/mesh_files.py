@@ -92,7 +92,8 @@ _Shape = TypeVar("_Shape", Visual, Collision)
 def share_meshes(robot: Robot) -> Robot:
     """The same robot without duplicate meshes."""
     first: dict[tuple[bytes, bytes], str] = {}
-    kept = {asset.name: first.setdefault(_content(asset), asset.name) for asset in robot.meshes}
+    contents = ((asset.name, (asset.mesh.vertices.tobytes(), asset.mesh.faces.tobytes())) for asset in robot.meshes)
+    kept = {name: first.setdefault(content, name) for name, content in contents}
     instead: dict[Geometry, Geometry] = {MeshRef(own): MeshRef(name) for own, name in kept.items() if own != name}
 
     def shared(shapes: tuple[_Shape, ...]) -> tuple[_Shape, ...]:
@@ -105,7 +106,3 @@ def share_meshes(robot: Robot) -> Robot:
         robot = replace(robot, links=tuple(links))
     used = {shape.geometry for shape in robot.distinct_shapes}
     return replace(robot, meshes=tuple(asset for asset in robot.meshes if MeshRef(asset.name) in used))
-
-
-def _content(asset: MeshAsset) -> tuple[bytes, bytes]:
-    return asset.mesh.vertices.tobytes(), asset.mesh.faces.tobytes()

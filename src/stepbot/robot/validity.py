@@ -25,7 +25,6 @@ from .model import (
     Frame,
     Joint,
     JointKind,
-    Limit,
     Link,
     LoopClosure,
     MeshAsset,
@@ -152,7 +151,9 @@ def _check_numbers(robot: Robot, report: Report) -> bool:
             report("SB415", f"{who}: axis has length {float(np.linalg.norm(axis)):g}, expected 1")
             sound = False
     for joint in robot.joints:
-        if not all(isinf(bound) or abs(bound) <= GREATEST for bound in _bounds(joint.limit)):
+        limit = joint.limit
+        bounds = (limit.lower, limit.upper, limit.velocity, limit.effort)
+        if not all(isinf(bound) or abs(bound) <= GREATEST for bound in bounds):
             report("SB414", f"joint '{joint.name}': a limit is not a number, or larger than {GREATEST:g}", help=_CHECK)
             sound = False
     return sound
@@ -322,10 +323,6 @@ def _rigid_groups(robot: Robot) -> Iterator[list[Link]]:
     for link, body in rigid_bodies(robot.root.name, robot.joints).items():
         groups.setdefault(body, []).append(robot.link_by_name[link])
     yield from groups.values()
-
-
-def _bounds(limit: Limit) -> tuple[float, float, float, float]:
-    return limit.lower, limit.upper, limit.velocity, limit.effort
 
 
 def _poses(robot: Robot) -> Iterator[tuple[str, Pose]]:

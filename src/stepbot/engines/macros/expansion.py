@@ -3,7 +3,7 @@
 import os
 import sys
 import xml.dom.minidom
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 from xml.dom import expatbuilder
@@ -223,7 +223,9 @@ def _written(document: Any, file: str) -> tuple[bytes, tuple[Place, ...]]:
         place = node.getUserData(_PLACE) or places[-1]
         lines.append(f"<{node.tagName}")
         places.append(place)
-        lines[-1] += "".join(f" {name}={quoteattr(str(value))}".replace("\n", " ") for name, value in _attributes(node))
+        lines[-1] += "".join(
+            f" {name}={quoteattr(str(value))}".replace("\n", " ") for name, value in node.attributes.items()
+        )
         lines[-1] += ">"
 
     pending: list[Any] = [document.documentElement]
@@ -238,7 +240,3 @@ def _written(document: Any, file: str) -> tuple[bytes, tuple[Place, ...]]:
         elif one.nodeType in (xml.dom.Node.TEXT_NODE, xml.dom.Node.CDATA_SECTION_NODE) and one.data.strip():
             lines[-1] += escape(" ".join(one.data.split()))
     return "\n".join(lines[1:]).encode(), tuple(places)
-
-
-def _attributes(node: Any) -> Iterator[tuple[str, str]]:
-    return iter(node.attributes.items())

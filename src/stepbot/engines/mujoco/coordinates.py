@@ -118,7 +118,7 @@ class Gimbals:
     def __init__(self, compiled: "NamedModel", data: Any) -> None:
         rows = _rows(compiled, data)
         self._compiled = compiled
-        self._names = [_names(compiled, row) for row in rows]
+        self._names = [", ".join(f"'{compiled.name('JOINT', joint)}'" for joint in row) for row in rows]
         self._rows = np.array(rows, dtype=np.intp).reshape(-1, 3)
         self._volumes = self._spanned(data)
         self._reversed: set[str] = set()
@@ -178,7 +178,3 @@ def _before(compiled: "NamedModel", joint: int) -> int | None:
             return None
         before = int(model.body_jntadr[above] + model.body_jntnum[above]) - 1
     return before if compiled.joint_type(before) == hinge else None
-
-
-def _names(compiled: "NamedModel", row: tuple[int, int, int]) -> str:
-    return ", ".join(f"'{compiled.name('JOINT', joint)}'" for joint in row)

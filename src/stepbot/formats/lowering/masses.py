@@ -22,7 +22,12 @@ def massless_links(robot: Robot) -> list[str]:
 
 def with_stand_in_masses(robot: Robot) -> Robot:
     """The robot with a small mass and inertia in place of missing ones."""
-    return replace(robot, links=tuple(_with_stand_in(link) if _is_massless(link) else link for link in robot.links))
+    return replace(
+        robot,
+        links=tuple(
+            _with(link, STAND_IN_MASS, STAND_IN_MOMENT) if _is_massless(link) else link for link in robot.links
+        ),
+    )
 
 
 def massless_moving_links(robot: Robot) -> list[str]:
@@ -49,10 +54,6 @@ def massless_bodies(robot: Robot) -> list[str]:
 
 def _is_massless(link: Link) -> bool:
     return link.mass_properties.mass == 0.0 or link.mass_properties.inertia == ZERO33
-
-
-def _with_stand_in(link: Link) -> Link:
-    return _with(link, STAND_IN_MASS, STAND_IN_MOMENT)
 
 
 def _with(link: Link, mass: float, I: float) -> Link:  # noqa: E741 - the field's letter

@@ -371,9 +371,8 @@ def _manifold(geometry: Primitive | TriMesh, wider: float) -> Any:
     if isinstance(geometry, Sphere):
         return solids.sphere(geometry.radius, _SIDES)
     assert isinstance(geometry, Capsule)
-    ends = [solids.sphere(geometry.radius, _SIDES).translate((0, 0, z)) for z in _half(geometry.length)]
+    ends = [
+        solids.sphere(geometry.radius, _SIDES).translate((0, 0, z))
+        for z in (-0.5 * geometry.length, 0.5 * geometry.length)
+    ]
     return solids.batch_hull(ends)
-
-
-def _half(length: float) -> tuple[float, float]:
-    return -0.5 * length, 0.5 * length

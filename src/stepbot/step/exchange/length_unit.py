@@ -42,7 +42,9 @@ def read_length_unit(session: Any, place: str, found: Diagnostics) -> LengthUnit
     missing = 0
     sizes: dict[int, tuple[Any, DeclaredUnit | None]] = {}  # a reference is kept, so that its id stays unique
     for representation in entities(session, StepShape_ShapeRepresentation):
-        if isinstance(representation, StepShape_ShapeDimensionRepresentation) or not _has_lengths(representation):
+        if isinstance(representation, StepShape_ShapeDimensionRepresentation) or not any(
+            isinstance(item, _WITH_LENGTHS) for item in items(representation)
+        ):
             continue
         context = representation.ContextOfItems()
         if id(context) not in sizes:
@@ -78,10 +80,6 @@ def precision(context: Any) -> float:
     factors.ComputeTolerance(measures)
     value = factors.Uncertainty() * factors.LengthFactor() if factors.HasUncertainty() else 0.0
     return value if math.isfinite(value) and value > 0.0 else DEFAULT_PRECISION
-
-
-def _has_lengths(representation: Any) -> bool:
-    return any(isinstance(item, _WITH_LENGTHS) for item in items(representation))
 
 
 def context_unit(context: Any) -> DeclaredUnit | None:

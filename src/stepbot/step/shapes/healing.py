@@ -100,7 +100,8 @@ def with_islands(body: Healed) -> Healed | None:
     if solids.Extent() != 1 or shells.Extent() < 3:
         return None
     alone = [_outwards(TopoDS.Shell(shells.FindKey(index))) for index in range(1, shells.Extent() + 1)]
-    points = [_first_vertex(solid) for solid in alone]
+    corners = (TopExp_Explorer(solid, TopAbs_ShapeEnum.TopAbs_VERTEX).Current() for solid in alone)
+    points = [BRep_Tool.Pnt_s(TopoDS.Vertex(corner)) for corner in corners]
     depths = [0] * len(alone)
     for number, solid in enumerate(alone):
         box, classifier = Bnd_Box(), BRepClass3d_SolidClassifier(solid)
@@ -124,10 +125,6 @@ def _outwards(shell: Any) -> Any:
     solid = BRepBuilderAPI_MakeSolid(shell).Solid()
     BRepLib.OrientClosedSolid_s(solid)
     return solid
-
-
-def _first_vertex(shape: Any) -> Any:
-    return BRep_Tool.Pnt_s(TopoDS.Vertex(TopExp_Explorer(shape, TopAbs_ShapeEnum.TopAbs_VERTEX).Current()))
 
 
 def unhealed(shape: Any) -> Healed:
