@@ -13,66 +13,48 @@ from fnmatch import fnmatchcase
 from stepbot.robot.joint_types import kinds_with
 from stepbot.robot.model import JointDynamics, JointKind, Limit
 
+from . import units
 from .document import Document, DynamicsSection, JointDefaults, JointSection, LimitsSection
 from .quantities import JointValue
 from .tree import Keys
-from .units import (
-    ACCELERATION,
-    ANGLE,
-    ANGULAR_ACCELERATION,
-    ANGULAR_DAMPING,
-    ANGULAR_JERK,
-    ANGULAR_SPEED,
-    ANGULAR_STIFFNESS,
-    FORCE,
-    INERTIA,
-    JERK,
-    LENGTH,
-    LINEAR_DAMPING,
-    LINEAR_STIFFNESS,
-    MASS,
-    SPEED,
-    TORQUE,
-    Dimension,
-)
 
 ONE_FREEDOM = kinds_with(coordinates=1)
 """Types with a single coordinate, which can mimic, be mimicked, be driven, and have a `zero`."""
 
 _TURNING = {
-    "lower": ANGLE,
-    "upper": ANGLE,
-    "velocity": ANGULAR_SPEED,
-    "acceleration": ANGULAR_ACCELERATION,
-    "deceleration": ANGULAR_ACCELERATION,
-    "jerk": ANGULAR_JERK,
-    "effort": TORQUE,
-    "damping": ANGULAR_DAMPING,
-    "friction": TORQUE,
-    "stiffness": ANGULAR_STIFFNESS,
-    "spring_reference": ANGLE,
-    "armature": INERTIA,
+    "lower": units.ANGLE,
+    "upper": units.ANGLE,
+    "velocity": units.ANGULAR_SPEED,
+    "acceleration": units.ANGULAR_ACCELERATION,
+    "deceleration": units.ANGULAR_ACCELERATION,
+    "jerk": units.ANGULAR_JERK,
+    "effort": units.TORQUE,
+    "damping": units.ANGULAR_DAMPING,
+    "friction": units.TORQUE,
+    "stiffness": units.ANGULAR_STIFFNESS,
+    "spring_reference": units.ANGLE,
+    "armature": units.INERTIA,
 }
 _SLIDING = {
-    "lower": LENGTH,
-    "upper": LENGTH,
-    "velocity": SPEED,
-    "acceleration": ACCELERATION,
-    "deceleration": ACCELERATION,
-    "jerk": JERK,
-    "effort": FORCE,
-    "damping": LINEAR_DAMPING,
-    "friction": FORCE,
-    "stiffness": LINEAR_STIFFNESS,
-    "spring_reference": LENGTH,
-    "armature": MASS,
+    "lower": units.LENGTH,
+    "upper": units.LENGTH,
+    "velocity": units.SPEED,
+    "acceleration": units.ACCELERATION,
+    "deceleration": units.ACCELERATION,
+    "jerk": units.JERK,
+    "effort": units.FORCE,
+    "damping": units.LINEAR_DAMPING,
+    "friction": units.FORCE,
+    "stiffness": units.LINEAR_STIFFNESS,
+    "spring_reference": units.LENGTH,
+    "armature": units.MASS,
 }
 _SHARED = {
     field: dimension
     for field, dimension in _TURNING.items()
-    if dimension not in (ANGLE, ANGULAR_ACCELERATION, ANGULAR_JERK)
+    if dimension not in (units.ANGLE, units.ANGULAR_ACCELERATION, units.ANGULAR_JERK)
 }
-_SETTINGS_OF: dict[JointKind, Mapping[str, Dimension]] = {
+_SETTINGS_OF: dict[JointKind, Mapping[str, units.Dimension]] = {
     JointKind.REVOLUTE: _TURNING,
     JointKind.SCREW: _TURNING,
     JointKind.CONTINUOUS: {field: d for field, d in _TURNING.items() if field not in ("lower", "upper")},
@@ -89,18 +71,18 @@ class Setting:
 
     value: float
     """[SI]."""
-    dimension: Dimension | None
+    dimension: units.Dimension | None
     """The dimension of the given unit; None for a plain number."""
     keys: Keys
     """Its keys in the sidecar: ``("joints", name, "limits", "lower")`` or below ``joint_defaults``."""
 
 
-def settings_of(kind: JointKind) -> Mapping[str, Dimension]:
+def settings_of(kind: JointKind) -> Mapping[str, units.Dimension]:
     """The fields of ``limits`` and ``dynamics`` that joints of this kind have, with their dimensions."""
     return _SETTINGS_OF.get(kind, {})
 
 
-def position_dimension(kind: JointKind) -> Dimension | None:
+def position_dimension(kind: JointKind) -> units.Dimension | None:
     """The dimension of the joint's position; None if it is not a single number."""
     return settings_of(kind).get("spring_reference")
 
@@ -138,7 +120,10 @@ def _numbers(document: Document, name: str, section: type[LimitsSection | Dynami
 
 
 def _take(
-    found: dict[str, Setting], source: JointSection | JointDefaults, keys: Keys, known: Mapping[str, Dimension] | None
+    found: dict[str, Setting],
+    source: JointSection | JointDefaults,
+    keys: Keys,
+    known: Mapping[str, units.Dimension] | None,
 ) -> None:
     """Add values of ``source`` that ``found`` lacks; only fields in ``known``, if given."""
     for key, section in (("limits", source.limits), ("dynamics", source.dynamics)):
