@@ -18,7 +18,7 @@ from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.formats import FORMATS, default_formats
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE, Options
 from stepbot.runtime.file import exists, is_folder, read_regular, resolved
-from stepbot.runtime.output_list import MANIFEST, sidecars_of
+from stepbot.runtime.output_list import MANIFEST, OutputList
 
 from .incremental import check, produce, recorded
 
@@ -38,7 +38,7 @@ def output_folders(below: Path) -> dict[Path, dict[Path, str]]:
         subfolders[:] = sorted(name for name in subfolders if not name.startswith("."))
         if MANIFEST in files:
             folder = Path(place)
-            for sidecar in dict.fromkeys(sidecars_of(folder).values()):
+            for sidecar in dict.fromkeys(OutputList.read(folder).sidecars.values()):
                 folders.setdefault(resolved(folder / sidecar), {})[folder] = _variant(folder)
     return folders
 
@@ -160,7 +160,7 @@ def _robot_part(document: Mapping[str, Any]) -> list[Any]:
 
 def _left_over(files: Mapping[str, bytes], folder: Path, sidecar: Path) -> list[str]:
     """Existing files that an earlier run wrote for this sidecar, by its own list."""
-    sources = sidecars_of(folder)
+    sources = OutputList.read(folder).sidecars
     try:
         written = json.loads(read_regular(folder / MANIFEST))["files"]
         ours = [

@@ -12,7 +12,6 @@ from pathlib import Path
 from stat import S_ISDIR, S_ISLNK, S_ISREG
 
 from .file import exists, is_folder, open_regular, read_regular
-from .output_list import Manifest
 
 _MARK = re.compile(rb'(?m)^[ \t]*(?:(?:<!--|#|doc = ")[ \t]*Written by stepbot\b|"generator": "stepbot )')
 """A line of the start of every robot file and report that stepbot writes; meshes have no place for it."""
@@ -20,9 +19,7 @@ _HEAD = 512
 """Length [bytes] of what is searched for the mark."""
 
 
-def kept_files(
-    files: Mapping[str, bytes], folder: Path, before: Manifest, replaced: Mapping[str, list[str]]
-) -> dict[str, str]:
+def kept_files(files: Mapping[str, bytes], folder: Path, written: Mapping[str, Collection[str]]) -> dict[str, str]:
     """Files to write that must stay as they are, in order, each with the reason.
 
     An output folder whose list was lost, as in a repository that ignores hidden files, is recognised by marked files.
@@ -30,15 +27,10 @@ def kept_files(
     Args:
         files: New content by path relative to ``folder``.
         folder: Output folder.
-        before: Its list, empty if there is none.
-        replaced: For each file that a killed run may not have replaced, the SHA-256 of what it may hold.
+        written: For each file of its list the SHA-256 of all that it may hold; empty if there is no list.
     """
-    written = {path: {*replaced.get(path, ())} for needs in before.values() for path in needs}
-    for needs in before.values():
-        for path, digest in needs.items():
-            written[path].add(digest)
     # Without its list, a folder is stepbot's if it has a marked file; what never has a mark cannot be told apart there.
-    is_lost = not before and any(_is_marked(folder / path) for path in files if "/" not in path)
+    is_lost = not written and any(_is_marked(folder / path) for path in files if "/" not in path)
     kept = {}
     for path, content in files.items():
         without_mark = is_lost and not _is_marked_by(content)

@@ -17,7 +17,7 @@ import time
 from collections.abc import Collection, Mapping
 from pathlib import Path, PurePosixPath
 from stat import S_ISDIR, S_ISREG
-from typing import Any, NamedTuple, NoReturn
+from typing import NamedTuple, NoReturn
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
@@ -29,21 +29,13 @@ from .output_list import (
     STAGING,
     FolderInUse,
     Manifest,
-    Owners,
+    OutputList,
     content_hashes,
     is_below,
-    list_document,
     locked,
-    manifest_bytes,
-    manifest_in,
     manifest_of,
-    read_list,
-    read_manifest,
-    replaced_in,
     robot_in,
     robot_of,
-    robots_in,
-    sidecars_in,
     stale_files,
     top_files,
 )
@@ -139,7 +131,7 @@ def discard(folder: Path) -> None:
 
 
 def _discard(folder: Path) -> None:
-    for needs in read_manifest(folder).values():
+    for needs in OutputList.read(folder).files.values():
         for path, digest in needs.items():
             _remove_stale(folder, path, digest)
     try:
@@ -152,24 +144,24 @@ def _discard(folder: Path) -> None:
 
 def beside(files: Mapping[str, bytes], folder: Path) -> tuple[list[str], list[str]]:
     """Other robots in a folder, and files of the same robot from earlier runs beside ``files``, sorted."""
-    document = read_list(folder)
-    others = _others(files, document, folder)
+    listed = OutputList.read(folder)
+    others = _others(files, listed, folder)
     same = (
         name
-        for name in manifest_in(document)
+        for name in listed.files
         if name not in files and name not in others and not name.endswith(".json") and exists(folder / name)
     )
     return sorted(set(others.values())), sorted(same)
 
 
-def _others(files: Mapping[str, bytes], document: Any, folder: Path) -> dict[str, str]:
+def _others(files: Mapping[str, bytes], listed: OutputList, folder: Path) -> dict[str, str]:
     """Files at the top of a folder that are those of other robots than the one of ``files``, each with its robot."""
-    names = [name for name in manifest_in(document) if not name.endswith(".json")]
-    if set(names) <= set(files) and not robots_in(document):
+    names = [name for name in listed.files if not name.endswith(".json")]
+    if set(names) <= set(files) and not listed.robots:
         return {}
-    robots, robot = robots_in(document), robot_in(files)
+    robot = robot_in(files)
     ours = {robot_of(name) for name in top_files(files)} if robot is None else {robot}
-    owners = {name: robots.get(name) or robot_of(name) for name in names}
+    owners = {name: listed.robots.get(name) or robot_of(name) for name in names}
     return {name: owner for name, owner in owners.items() if owner not in ours and exists(folder / name)}
 
 
@@ -196,35 +188,28 @@ def _from_folder(sidecar: Path | None, folder: Path) -> str:
 class _Lists(NamedTuple):
     """The list of an output folder before and after a run."""
 
-    document: Any
-    """The list before, as parsed."""
-    before: Manifest
+    before: OutputList
     own: Manifest
-    """The part that is about the files of this run."""
-    after: Manifest
-    owners: Owners
+    """The part of the list after it that is about the files of this run."""
+    after: OutputList
 
 
 def _listed_after(files: Mapping[str, bytes], hashes: Mapping[str, str], folder: Path, sidecar: str) -> _Lists:
-    document = read_list(folder)
-    before, own = manifest_in(document), manifest_of(hashes)
-    after = {**before, **own}
-    sidecars = {name: source for name, source in sidecars_in(document).items() if name in after}
-    robots = {name: robot for name, robot in robots_in(document).items() if name in after}
+    before, own = OutputList.read(folder), manifest_of(hashes)
+    after = {**before.files, **own}
+    sidecars = {name: source for name, source in before.sidecars.items() if name in after}
+    robots = {name: robot for name, robot in before.robots.items() if name in after}
     robot = robot_in(files)
     if robot is not None:
         robots.update(dict.fromkeys((name for name in own if not name.endswith(".json")), robot))
-    return _Lists(document, before, own, after, Owners(sidecars | dict.fromkeys(own, sidecar), robots))
+    return _Lists(before, own, OutputList(after, sidecars | dict.fromkeys(own, sidecar), robots))
 
 
 def _is_current(files: Mapping[str, bytes], folder: Path, lists: _Lists) -> bool:
     """Whether a folder has all files of a run with their content, the same list of them, and no file to remove."""
-    if stale_files(lists.before, lists.after) or not all(
-        holds(folder / path, content) for path, content in files.items()
-    ):
+    if stale_files(lists.before.files, lists.after.files):
         return False
-    is_same = list_document(lists.after, lists.owners, {}) == lists.document
-    return is_same and not (folder / MANIFEST).is_symlink()
+    return all(holds(folder / path, content) for path, content in {**files, MANIFEST: lists.after.content}.items())
 
 
 def _write(files: Mapping[str, bytes], folder: Path, lists: _Lists, made: list[Path]) -> None:
@@ -243,19 +228,19 @@ def _write(files: Mapping[str, bytes], folder: Path, lists: _Lists, made: list[P
 
 
 def _replace(files: Mapping[str, bytes], folder: Path, staging: Path, lists: _Lists, made: list[Path]) -> None:
-    document, before, own, after, owners = lists
-    stale = stale_files(before, after)
+    before, own, after = lists
+    stale = stale_files(before.files, after.files)
     # While files are moved, the manifest lists old and new, so that a killed run leaves no unlisted file.
-    during = {**after, **{name: {**before.get(name, {}), **needs} for name, needs in own.items()}}
-    replaced = _replaced(document, before, own)
+    both = {name: {**before.files.get(name, {}), **needs} for name, needs in own.items()}
+    during = after._replace(files={**after.files, **both}, replaced=_replaced(before, own))
     below = {path: content for path, content in files.items() if "/" in path}
     top = {path: content for path, content in files.items() if "/" not in path}
-    moves = {MANIFEST: manifest_bytes(during, owners, replaced), **below, **top}
+    moves = {MANIFEST: during.content, **below, **top}
     changed = {path: content for path, content in moves.items() if not holds(folder / path, content)}
     for number, (path, content) in enumerate(changed.items()):
         (staging / f"{number}.new").write_bytes(content)
         make_folders((folder / path).parent, made)
-    (staging / MANIFEST).write_bytes(manifest_bytes(after, owners))
+    (staging / MANIFEST).write_bytes(after.content)
     move(list(changed), folder, staging)
     for path, digest in stale.items():
         _remove_stale(folder, path, digest)
@@ -264,12 +249,9 @@ def _replace(files: Mapping[str, bytes], folder: Path, staging: Path, lists: _Li
     _remove_abandoned(folder, staging)
 
 
-def _replaced(document: Any, before: Manifest, own: Manifest) -> dict[str, list[str]]:
+def _replaced(before: OutputList, own: Manifest) -> dict[str, list[str]]:
     """What files may hold until they are moved, beside their new content, so that a killed run edits none."""
-    possible = {path: set(digests) for path, digests in replaced_in(document).items()}
-    for needs in before.values():
-        for path, digest in needs.items():
-            possible.setdefault(path, set()).add(digest)
+    possible = before.written
     new = {path: digest for needs in own.values() for path, digest in needs.items()}
     former = {path: sorted(possible.get(path, set()) - {digest}) for path, digest in new.items()}
     return {path: digests for path, digests in former.items() if digests}
@@ -339,8 +321,8 @@ def _check_case(files: Mapping[str, bytes], staging: Path, folder: Path) -> None
 def _check_others(files: Mapping[str, bytes], lists: _Lists, folder: Path) -> None:
     """Two robots may share a folder and identical files, but must not change files of the other."""
     changed = {path: digest for needs in lists.own.values() for path, digest in needs.items()}
-    for name, robot in _others(files, lists.document, folder).items():
-        needs = lists.before[name]
+    for name, robot in _others(files, lists.before, folder).items():
+        needs = lists.before.files[name]
         lost = next((path for path, digest in needs.items() if changed.get(path, digest) != digest), None)
         if lost is not None:
             what = f"a file of robot '{robot}'" if lost == name else f"a different mesh of '{name}'"
@@ -349,7 +331,7 @@ def _check_others(files: Mapping[str, bytes], lists: _Lists, folder: Path) -> No
 
 
 def _check_kept(files: Mapping[str, bytes], lists: _Lists, folder: Path) -> None:
-    kept = kept_files(files, folder, lists.before, replaced_in(lists.document))
+    kept = kept_files(files, folder, lists.before.written)
     if kept:
         path, reason = next(iter(kept.items()))
         more = f"; so do {len(kept) - 1} more that would be overwritten" if len(kept) > 1 else ""

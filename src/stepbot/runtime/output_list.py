@@ -11,16 +11,16 @@ import json
 import os
 import sys
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from types import MappingProxyType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from .file import is_file, read_regular
 
 LOCK = ".stepbot.lock"
 """File that is locked on Windows, where folders cannot be."""
 _POLL = 0.02
+_Value = TypeVar("_Value")
 _TAKEN = (errno.EAGAIN, errno.EACCES, errno.EDEADLK)
 
 
@@ -88,32 +88,59 @@ Manifest = dict[str, dict[str, str]]
 """For each file at the top of the folder, itself and the files below that it needs, each with its SHA-256."""
 
 
-def sidecars_of(folder: Path) -> dict[str, str]:
-    """For each file at the top of an output folder, the relative path of its sidecar, if the list has it."""
-    return sidecars_in(read_list(folder))
+class OutputList(NamedTuple):
+    """The list of an output folder."""
 
-
-def sidecars_in(document: Any) -> dict[str, str]:
-    """:func:`sidecars_of` a parsed list."""
-    return _texts(document, "sidecars")
-
-
-def _texts(document: Any, key: str) -> dict[str, str]:
-    try:
-        return {str(name): str(text) for name, text in document[key].items()}
-    except (KeyError, TypeError, AttributeError):
-        return {}
-
-
-def robots_in(document: Any) -> dict[str, str]:
-    """For each file at the top of an output folder, the robot that it belongs to, if its list has it."""
-    return _texts(document, "robots")
-
-
-def replaced_in(document: Any) -> dict[str, list[str]]:
+    files: Manifest
+    sidecars: Mapping[str, str] = {}
+    """For each file at the top the relative path of its sidecar; empty or missing where it is not known."""
+    robots: Mapping[str, str] = {}
+    """For each file at the top its robot."""
+    replaced: Mapping[str, list[str]] = {}
     """For each file that a killed run may not have replaced, the SHA-256 of what it may hold instead."""
+
+    @classmethod
+    def read(cls, folder: Path) -> "OutputList":
+        """The list of earlier runs; empty if it is missing or unreadable: then nothing is removed.
+
+        A pipe or device, which might block, is not read.
+        """
+        try:
+            document = json.loads(read_regular(folder / MANIFEST)) if is_file(folder / MANIFEST) else {}
+        except (OSError, ValueError, RecursionError):
+            document = {}
+        files = _mapping(document, "files", lambda needs: {str(path): str(digest) for path, digest in needs.items()})
+        outside = {path for path in {path for needs in files.values() for path in needs} if not is_below(path)}
+        if outside:
+            files = {
+                name: {path: needs[path] for path in needs if path not in outside} for name, needs in files.items()
+            }
+        replaced = _mapping(document, "replaced", lambda digests: list(map(str, digests)))
+        return cls(files, _mapping(document, "sidecars", str), _mapping(document, "robots", str), replaced)
+
+    @property
+    def content(self) -> bytes:
+        """The list as a file."""
+        known = {name: sidecar for name, sidecar in self.sidecars.items() if sidecar}
+        parts = {"sidecars": known, "robots": self.robots, "replaced": self.replaced}
+        document = {"version": 1, "files": self.files, **{key: part for key, part in parts.items() if part}}
+        text = json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n"
+        return text.encode("utf-8", "backslashreplace")
+
+    @property
+    def written(self) -> dict[str, set[str]]:
+        """For each listed file the SHA-256 of all that stepbot may have written there."""
+        found = {path: set(digests) for path, digests in self.replaced.items()}
+        for needs in self.files.values():
+            for path, digest in needs.items():
+                found.setdefault(path, set()).add(digest)
+        return found
+
+
+def _mapping(document: Any, key: str, value: Callable[[Any], _Value]) -> dict[str, _Value]:
+    """A part of a parsed list; empty if it is missing or something else."""
     try:
-        return {str(path): list(map(str, digests)) for path, digests in document["replaced"].items()}
+        return {str(name): value(one) for name, one in document[key].items()}
     except (KeyError, TypeError, AttributeError):
         return {}
 
@@ -158,65 +185,6 @@ def top_files(files: Iterable[str]) -> list[str]:
 def _pages(files: Iterable[str]) -> dict[str, str]:
     """For report.json its page: a run that writes the one without the other removes an outdated page."""
     return {path.removesuffix(".html") + ".json": path for path in files if path.endswith(".html")}
-
-
-class Owners(NamedTuple):
-    """Where the files at the top of a folder come from."""
-
-    sidecars: Mapping[str, str] = {}
-    """For each file the relative path of its sidecar; empty or missing where it is not known."""
-    robots: Mapping[str, str] = {}
-    """For each file its robot."""
-
-
-def list_document(manifest: Manifest, owners: Owners, replaced: Mapping[str, list[str]]) -> dict[str, Any]:
-    """The list as JSON data: its entries, and what is known about the files at the top.
-
-    Args:
-        owners: Sidecars and robots.
-        replaced: While files are moved: see :func:`replaced_in`.
-    """
-    known = {name: sidecar for name, sidecar in owners.sidecars.items() if sidecar}
-    parts = {"sidecars": known, "robots": owners.robots, "replaced": replaced}
-    return {"version": 1, "files": manifest, **{key: part for key, part in parts.items() if part}}
-
-
-def manifest_bytes(
-    manifest: Manifest, owners: Owners, replaced: Mapping[str, list[str]] = MappingProxyType({})
-) -> bytes:
-    """:func:`list_document` as a file."""
-    document = list_document(manifest, owners, replaced)
-    return (json.dumps(document, indent=1, sort_keys=True, ensure_ascii=False) + "\n").encode(
-        "utf-8", "backslashreplace"
-    )
-
-
-def read_manifest(folder: Path) -> Manifest:
-    """The list of earlier runs; empty if it is missing or unreadable: then nothing is removed."""
-    return manifest_in(read_list(folder))
-
-
-def manifest_in(document: Any) -> Manifest:
-    """The entries of a parsed list; empty if it is not one."""
-    try:
-        entries = {
-            str(name): {str(path): str(digest) for path, digest in needs.items()}
-            for name, needs in document["files"].items()
-        }
-    except (KeyError, TypeError, AttributeError):
-        return {}
-    outside = {path for path in {path for needs in entries.values() for path in needs} if not is_below(path)}
-    if not outside:
-        return entries
-    return {name: {path: needs[path] for path in needs if path not in outside} for name, needs in entries.items()}
-
-
-def read_list(folder: Path) -> Any:
-    """The parsed list of an output folder; empty if it is unreadable, or a pipe or device, which might block."""
-    try:
-        return json.loads(read_regular(folder / MANIFEST)) if is_file(folder / MANIFEST) else {}
-    except (OSError, ValueError, RecursionError):
-        return {}
 
 
 def stale_files(before: Manifest, after: Manifest) -> dict[str, str]:
