@@ -299,10 +299,10 @@ def shift_inertia(I_com: ArrayLike, mass: float, p: ArrayLike) -> Array:
 
 
 def turn_inertia(R_AB: ArrayLike, I_B: ArrayLike) -> Array:
-    """Inertia (3, 3) given along the axes of B, expressed along the axes of A; exactly symmetric."""
+    """Inertias (..., 3, 3) given along the axes of B, expressed along the axes of A; exactly symmetric."""
     R = np.asarray(R_AB, dtype=np.float64)
-    turned = matrix_product(matrix_product(R, np.asarray(I_B, dtype=np.float64)), R.T)
-    return 0.5 * (turned + turned.T)
+    turned = matrix_product(matrix_product(R, np.asarray(I_B, dtype=np.float64)), R.swapaxes(-1, -2))
+    return np.asarray(0.5 * (turned + turned.swapaxes(-1, -2)))
 
 
 def perpendicular_frame(z: ArrayLike) -> Array:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, Vector3, cross, turn_inertia
+from stepbot.geometry.spatial import Array, Vector3, cross, rotated, turn_inertia
 
 from .kinematics import Configuration, Tree, complete
 from .model import Robot
@@ -53,20 +53,21 @@ def equations_of_motion(
     full = complete(robot, q)
     X = tree.frames(np.array([full[name] for name in tree.joints]))
     v, a = (np.array([float(rate.get(name, 0.0)) for name in tree.joints]) for rate in rates)
-    bias = tree.bias(X, v) if v.any() else None
-    M = np.zeros((len(tree.joints),) * 2)
-    g, c = np.zeros(len(tree.joints)), np.zeros(len(tree.joints))
-    for link in robot.links:
-        i, body = tree.link_index[link.name], link.mass_properties
-        R_WL, p_WL = X[i, :3, :3], X[i, :3, 3]
-        p_WLcm = p_WL + R_WL @ np.array(body.com)
-        J = tree.jacobian(X, i, p_WLcm)
-        I_W = turn_inertia(R_WL, body.inertia)
-        M += J[:3].T @ I_W @ J[:3] + body.mass * J[3:].T @ J[3:]
-        g -= body.mass * J[3:].T @ np.array(gravity)
-        if bias is not None:
-            turning, moving = bias(i, p_WLcm)
-            w_WL = J[:3] @ v
-            c += J[:3].T @ (I_W @ turning + cross(w_WL, I_W @ w_WL)) + body.mass * J[3:].T @ moving
+    links = [tree.link_index[link.name] for link in robot.links]
+    bodies = [link.mass_properties for link in robot.links]
+    R_WL, p_WL = X[links, :3, :3], X[links, :3, 3]
+    p_WLcm = p_WL + rotated(R_WL, np.array([body.com for body in bodies]))
+    I_W = turn_inertia(R_WL, np.array([body.inertia for body in bodies]))
+    mass = np.array([body.mass for body in bodies])[:, None]
+    J = tree.jacobian(X, links, p_WLcm)
+    # Sums over links are one product each: of hundreds of links, what each adds takes the time of writing M that often.
+    M = np.tensordot(J, np.concatenate([I_W @ J[:, :3], mass[:, None] * J[:, 3:]], axis=1), ((0, 1), (0, 1)))
+    g = -np.tensordot(J[:, 3:], mass * np.array(gravity), ((0, 1), (0, 1)))
+    c = np.zeros(len(tree.joints))
+    if v.any():
+        turning, moving = tree.bias(X, v, links, p_WLcm)
+        w_WL = J[:, :3] @ v
+        efforts = rotated(I_W, turning) + cross(w_WL, rotated(I_W, w_WL))
+        c = np.tensordot(J, np.concatenate([efforts, mass * moving], axis=1), ((0, 1), (0, 1)))
     M = 0.5 * (M + M.T)
     return Equations(M, g, M @ a + c + g)

@@ -6,7 +6,7 @@ translate along it, screws do both. The coordinates of a multi-dof joint are tho
 (:mod:`stepbot.robot.multi_dof`).
 """
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from math import pi
 
 import numpy as np
@@ -157,12 +157,13 @@ class Tree:
             X[..., i, :, :] = matrix_product(X_WC, motion[..., column, :, :]) if column >= 0 else X_WC
         return X
 
-    def jacobian(self, X: Array, link: int, p_WQ: Array) -> Array:
-        """Jacobian of a point Q (3,) of a link over all joints, mimics not resolved.
+    def jacobian(self, X: Array, link: int | Sequence[int], p_WQ: Array) -> Array:
+        """Jacobian of a point Q of a link over all joints, mimics not resolved.
 
         Args:
-            link: Index of the link.
-            p_WQ: The point [m] in the world, of each configuration of ``X``.
+            X: Homogeneous X_WL [m] of all links.
+            link: Index of the link; of several links (m,) at one configuration, each has a point.
+            p_WQ: The point [m] in the world, of each configuration of ``X`` or of each link.
 
         Returns:
             Shape (..., 6, n): angular velocity [rad/s], then velocity of Q [m/s], in the world, per unit speed of a
@@ -173,33 +174,31 @@ class Tree:
         arm = p_WQ[..., None, :] - frames[..., :3, 3]
         swept = cross(a_W, arm)
         turn, slide = self._turn[:, None], self._advance[:, None]
-        rows = np.concatenate([turn * a_W, turn * swept + slide * a_W], axis=-1)
-        return np.asarray(np.where(self._above[link][:, None], rows, 0.0).swapaxes(-1, -2))
+        turned = np.broadcast_to(turn * a_W, swept.shape)
+        rows = np.concatenate([turned, turn * swept + slide * a_W], axis=-1)
+        return np.asarray(np.where(self._above[link][..., None], rows, 0.0).swapaxes(-1, -2))
 
-    def bias(self, X: Array, v: Array) -> Callable[[int, Array], tuple[Array, Array]]:
+    def bias(self, X: Array, v: Array, links: Sequence[int], p_WQ: Array) -> tuple[Array, Array]:
         """Accelerations of links at constant joint speeds: the time derivative of J, times v.
 
         Args:
+            X: Homogeneous X_WL [m] of all links at one configuration.
             v: Speed of every joint (n,).
+            links: Indices of links (m,).
+            p_WQ: A point Q (m, 3) [m] of each, in the world.
 
         Returns:
-            A function of a link's index and a point Q (3,) [m] of it, in the world: angular acceleration (3,) [rad/s^2]
-                of the link, and acceleration (3,) [m/s^2] of Q.
+            Angular acceleration (m, 3) [rad/s^2] of the links, and acceleration (m, 3) [m/s^2] of the points.
         """
         frames = X[self._child]
         a_W = np.einsum("nij,nj->ni", frames[:, :3, :3], self._axis)
-        at_joints = [self.jacobian(X, int(child), X[child, :3, 3]) @ v for child in self._child]
-        twists = np.array(at_joints).reshape(-1, 6)
+        twists = self.jacobian(X, self._child.tolist(), frames[:, :3, 3]) @ v
         turned = cross(twists[:, :3], a_W)  # an axis moves with the link that it is fixed to
-
-        def at(link: int, p_WQ: Array) -> tuple[Array, Array]:
-            v_Q = self.jacobian(X, link, p_WQ)[3:] @ v
-            swept = cross(turned, p_WQ - frames[:, :3, 3]) + cross(a_W, v_Q - twists[:, 3:])
-            rows = self._turn[:, None] * swept + self._advance[:, None] * turned
-            speeds = np.where(self._above[link], v, 0.0)
-            return (self._turn * speeds) @ turned, speeds @ rows
-
-        return at
+        v_Q = self.jacobian(X, links, p_WQ)[:, 3:] @ v
+        swept = cross(turned, p_WQ[:, None] - frames[:, :3, 3]) + cross(a_W, v_Q[:, None] - twists[:, 3:])
+        rows = self._turn[:, None] * swept + self._advance[:, None] * turned
+        speeds = np.where(self._above[links], v, 0.0)
+        return (self._turn * speeds) @ turned, np.einsum("mn,mni->mi", speeds, rows)
 
 
 def advance(joint: Joint) -> float:
