@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import DECIMALS, Array, Pose, cross, perpendicular_frame
 
-from .kinematics import Configuration, Tree, initial_configuration, leader_range, within_limits
+from .kinematics import Configuration, Tree, initial_configuration, leader_range, leader_ranges, within_limits
 from .model import JointKind, LoopClosure, Robot
 from .multi_dof import unfolded
 
@@ -333,7 +333,7 @@ def following(tree: Tree, driven: Sequence[str]) -> list[int]:
 
 def _targets(robot: Robot, driven: Sequence[str], seed: int) -> list[dict[str, float]]:
     """Targets of the driven joints of the loops."""
-    ranges = {name: leader_range(robot, name) for name in driven}
+    ranges = leader_ranges(robot, driven)
     targets = [{name: end} for name in driven for end in ranges[name]]
     if len(driven) > 1:
         random = np.random.Generator(np.random.PCG64(seed))

@@ -13,7 +13,7 @@ from .bounding_boxes import robot_bounds, standing_height
 from .dh import DhTable, dh_table
 from .dynamics import GRAVITY, equations_of_motion
 from .gains import actuator_limit
-from .kinematics import Tree, complete, initial_configuration, leader_range, link_poses, rigid_bodies
+from .kinematics import Tree, complete, initial_configuration, leader_ranges, link_poses, rigid_bodies
 from .model import ActuatorKind, Base, Frame, JointKind, Robot
 from .multi_dof import unfolded
 from .sampling import sampled
@@ -220,7 +220,7 @@ def _arm(forces: _Forces, tip: Frame) -> ArmFigures:
     robot, tree = forces.robot, forces.tree
     names = _chain(robot, tip.link)
     first = robot.joint_by_name[names[0]]
-    ranges = {name: leader_range(forces.robot, name) for name in tree.independent if name in names}
+    ranges = leader_ranges(forces.robot, [name for name in tree.independent if name in names])
 
     def distance(q: dict[str, float]) -> float:
         X = link_poses(forces.robot, complete(forces.robot, q), tree)

@@ -249,16 +249,22 @@ def leader_range(robot: Robot, name: str) -> tuple[float, float]:
 
     If no position satisfies all of them, the joint's own bounds.
     """
+    return leader_ranges(robot, [name])[name]
+
+
+def leader_ranges(robot: Robot, names: Iterable[str]) -> dict[str, tuple[float, float]]:
+    """The same of several independent joints, by name."""
     robot = unfolded(robot)
-    own = sampling_range(robot.joint_by_name[name])
-    lower, upper = own
+    own = {name: sampling_range(robot.joint_by_name[name]) for name in names}
+    kept = dict(own)
     for follower in moving_joints(robot):
-        leader, multiplier, offset = mimic_relation(robot, follower.name)
-        if leader != name or follower.mimic is None or multiplier == 0.0:
+        if follower.mimic is None:
             continue
-        ends = sorted((end - offset) / multiplier for end in (follower.limit.lower, follower.limit.upper))
-        lower, upper = max(lower, ends[0]), min(upper, ends[1])
-    return (lower, upper) if lower <= upper else own
+        leader, multiplier, offset = mimic_relation(robot, follower.name)
+        if leader in own and multiplier != 0.0:
+            ends = sorted((end - offset) / multiplier for end in (follower.limit.lower, follower.limit.upper))
+            kept[leader] = max(kept[leader][0], ends[0]), min(kept[leader][1], ends[1])
+    return {name: kept[name] if kept[name][0] <= kept[name][1] else own[name] for name in own}
 
 
 def configurations(robot: Robot, n: int = 32, seed: int = 1) -> tuple[dict[str, float], ...]:
@@ -268,7 +274,7 @@ def configurations(robot: Robot, n: int = 32, seed: int = 1) -> tuple[dict[str, 
     """
     robot = unfolded(robot)
     random = np.random.Generator(np.random.PCG64(seed))
-    ranges = {joint.name: leader_range(robot, joint.name) for joint in independent_joints(robot)}
+    ranges = leader_ranges(robot, [joint.name for joint in independent_joints(robot)])
     drawn = []
     for _ in range(n):
         shares = random.random(len(ranges)).tolist()

@@ -7,7 +7,7 @@ import numpy as np
 
 from stepbot.geometry.spatial import IDENTITY
 
-from .kinematics import Tree, complete, initial_configuration, leader_range, link_poses
+from .kinematics import Tree, complete, initial_configuration, leader_ranges, link_poses
 from .model import JointKind, Robot
 from .multi_dof import unfolded
 
@@ -38,7 +38,7 @@ def reach(robot: Robot, to: str, start: str) -> float:
     robot = _between(robot, {link for link, _ in ends})
     tree = Tree(robot)
     free = [joint for joint in robot.joints if joint.kind is not JointKind.FIXED and joint.mimic is None]
-    ranges = {joint.name: leader_range(robot, joint.name) for joint in free}
+    ranges = leader_ranges(robot, [joint.name for joint in free])
     slides = {joint.name for joint in free if joint.kind is JointKind.PRISMATIC}
 
     def squared(q: dict[str, float]) -> float:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from stepbot.geometry.spatial import Array
 
 from .closures import LARGEST_JUMP, LARGEST_STEP, Loops, driven_joints, following
-from .kinematics import MOVING, Tree, initial_configuration, leader_range
+from .kinematics import MOVING, Tree, initial_configuration, leader_ranges
 from .model import JointKind, Robot
 from .multi_dof import unfolded
 
@@ -39,7 +39,7 @@ def sampled(robot: Robot, n: int, seed: int = 1) -> Array:
     drawn = tree.vector(initial_configuration(robot))
     if not len(drawn):
         return tree.follow(drawn[None])
-    ranges = np.array([leader_range(robot, name) for name in tree.independent])
+    ranges = np.array(list(leader_ranges(robot, tree.independent).values()))
     anywhere = ranges[:, 0] + random.random((n, len(drawn))) * (ranges[:, 1] - ranges[:, 0])
     if not robot.closures:
         anywhere[0] = drawn
