@@ -353,7 +353,7 @@ def _answers(file: Path) -> dict[str, str]:
 def _beside(step: Path) -> Path:
     from stepbot.sidecar.starter import starter_name
 
-    return step.with_name(starter_name(step))
+    return step.parent / starter_name(step)
 
 
 def _show_result(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
-from stepbot.runtime.file import exists, is_file, read_regular
+from stepbot.runtime.file import exists, is_file, read_regular, replace_file
 
 from .application import Group
 from .columns import aligned, table_lines
@@ -127,7 +127,7 @@ def _export_source(robot: "LibraryRobot", folder: Path, display: Display) -> int
         try:
             folder.mkdir(parents=True, exist_ok=True)
             for name, content in files.items():
-                (folder / name).write_bytes(content)
+                replace_file(folder / name, content)
         except OSError as error:
             found.add(
                 "SB004", f"cannot write: {error.strerror or error}", Span(str(error.filename or folder)), help=help

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.file import replace_file
 
 from .diagnostic_text import printable
 
@@ -57,7 +58,7 @@ def write_picture(path: Path, picture: "Picture", found: Diagnostics) -> None:
 
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_bytes(png_bytes(picture.pixels))
+        replace_file(path, png_bytes(picture.pixels))
     except OSError as error:
         help = ["choose another file with -o"]
         found.add("SB004", f"cannot write: {error.strerror or error}", Span(path.as_posix()), help=help)

@@ -242,8 +242,11 @@ def test_step_that_is_not_there(desk: Desk) -> None:
         (("convert", SIDECAR, "--step", "out", "-o", "out"), "out"),
         (("convert", "out", "-o", "out"), "out"),
         (("verify", "out/arm3.urdf"), "out/arm3.urdf"),
+        (("convert", "."), "."),
+        (("convert", ""), "."),
+        (("init", "/"), "/"),
     ],
-    ids=["sidecar", "step", "folder as step", "folder as sidecar", "robot file"],
+    ids=["sidecar", "step", "folder as step", "folder as sidecar", "robot file", "current folder", "nothing", "root"],
 )
 def test_file_that_is_not_there(desk: Desk, arguments: tuple[str, ...], place: str) -> None:
     """A missing argument file is reported by the name given; exit code 2."""

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.file import replace_file
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
 from .arguments import AnyPath, Drafted, Rendered, checked, known, reading
@@ -75,7 +76,7 @@ def draft(
     from stepbot.sidecar.starter import starter_name
 
     path = Path(step)
-    sidecar = Path(output) if output is not None else path.with_name(starter_name(path))
+    sidecar = Path(output) if output is not None else path.parent / starter_name(path)
     options = reading(encoding, timeout, memory_limit, cache, package_path)
     drafting = draft_step(path, options, Path(description) if description is not None else None, answers=answers)
     found = drafting.diagnostics
@@ -145,5 +146,5 @@ def render(
         return Rendered(found)
     png = png_bytes(picture.pixels)
     if output is not None:
-        Path(output).write_bytes(png)
+        replace_file(Path(output), png)
     return Rendered(found, png)

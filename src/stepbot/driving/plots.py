@@ -3,6 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+from stepbot.runtime.file import replace_file
+
 from .driving import Driven
 from .judgement import Verdict
 from .results import Plot
@@ -35,7 +37,7 @@ def draw(driven: Driven, folder: Path) -> list[Path]:
     paths = []
     for test, verdicts in _by_test(driven).items():
         path = folder / f"{test}.svg"
-        path.write_bytes(_svg([verdicts]))
+        replace_file(path, _svg([verdicts]))
         paths.append(path)
     return paths
 

@@ -82,13 +82,20 @@ def write_file(path: Path, content: bytes, found: Diagnostics, *, replaces: byte
     """
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        _replace(Path(os.path.realpath(path)), content, replaces)
+        replace_file(path, content, replaces)
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
         found.add("SB004", f"cannot write the file: {reason}", Span(path.as_posix()))
 
 
-def _replace(target: Path, content: bytes, replaces: bytes | None) -> None:
+def replace_file(path: Path, content: bytes, replaces: bytes | None = None) -> None:
+    """Write a file as :func:`write_file` does, into a folder that exists.
+
+    Raises:
+        OSError: It cannot be written; the previous file is as it was.
+        ValueError: No file can have this name.
+    """
+    target = Path(os.path.realpath(path))
     status = target.lstat() if os.path.lexists(target) else None
     if status is not None and not S_ISREG(status.st_mode):
         raise OSError(errno.EINVAL, "not a regular file")

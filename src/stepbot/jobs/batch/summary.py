@@ -8,7 +8,7 @@ from typing import Any
 
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE
 from stepbot.report.document import Suite
-from stepbot.runtime.file import is_file, read_regular
+from stepbot.runtime.file import is_file, read_regular, replace_file
 from stepbot.runtime.output import failed_output
 from stepbot.viewing.report.page import Entry, index_page
 
@@ -77,7 +77,7 @@ def write_index(folder: Path, outcomes: Sequence[Outcome]) -> None:
         OSError: It cannot be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    (folder / INDEX).write_bytes(index_page([_entry(folder, outcome) for outcome in outcomes]))
+    replace_file(folder / INDEX, index_page([_entry(folder, outcome) for outcome in outcomes]))
 
 
 def _entry(folder: Path, outcome: Outcome) -> Entry:
