@@ -2,6 +2,8 @@
 
 from math import pi
 
+import pytest
+
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.evidence.subassemblies import Structure
 from tests.assembled import Node, assembled, group, inferred, joints, links, part, turned
@@ -60,14 +62,15 @@ def test_a_wheel_that_touches_nothing_is_not_held_by_its_subassembly() -> None:
     assert joints(inferred(*blocks, top)) == []
 
 
-def test_bodies_of_one_part_that_others_hold_are_no_single_part() -> None:
-    """Two bodies of one part that do not touch, each screwed to another link, do not hold these together."""
+@pytest.mark.parametrize("are_screwed", [True, False])
+def test_bodies_of_one_part_on_different_links_are_no_single_part(are_screwed: bool) -> None:
+    """Two bodies of one part that do not touch, each on another link, screwed or not, do not hold these together."""
     arm, base = box(200, 30, 10).at(90, 0, 5), box(200, 100, 10).at(0, 0, -5)
     arm, base = arm - cylinder(4, 10), base - cylinder(4, 10).at(0, 0, -10)
     covers = [box(30, 20, 4).at(150, 0, 12), box(30, 20, 4).at(-80, 0, 2)]
-    for x in (142, 158):
+    for x in (142, 158) if are_screwed else ():
         arm, covers[0] = arm - cylinder(1, 10).at(x, 0, 0), covers[0] - cylinder(1, 4).at(x, 0, 10)
-    for x in (-88, -72):
+    for x in (-88, -72) if are_screwed else ():
         base, covers[1] = base - cylinder(1, 10).at(x, 0, -10), covers[1] - cylinder(1, 4).at(x, 0, 0)
     bodies = [part(f"body {n}", cover) for n, cover in enumerate(covers)]
     found = inferred(part("base", base), part("arm", arm), Node("covers", children=bodies, has_bodies=True))

@@ -134,7 +134,6 @@ def round_share(patches: Sequence[Patch], axis: Axis) -> float:
 
 _FEWEST = 12
 """Minimum number of points of a circle, below which an outline is a polygon."""
-_FEWEST_CORNERS = 4
 _SYMMETRIC = 2e-6
 """Distance [m] up to which opposite points are symmetric."""
 
@@ -164,7 +163,7 @@ def fitted_circle(points: Array, normal: Array, tolerance: float) -> tuple[Array
 
 def symmetric_outline(points: Array) -> tuple[Array, float] | None:
     """Centre (3,) and inner radius of an outline (n, 3) with a centre of symmetry, such as a rectangle, else None."""
-    if len(points) < _FEWEST_CORNERS or len(points) % 2:
+    if not len(points) or len(points) % 2:
         return None
     half = len(points) // 2
     # Opposite points of a symmetric outline are half of its length apart.

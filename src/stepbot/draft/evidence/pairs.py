@@ -10,10 +10,10 @@ from stepbot.draft.evidence.subassemblies import Structure, is_guide
 from stepbot.draft.parts.names import Role
 from stepbot.robot.model import JointKind
 
-_BEARING = 0.79
-"""Maximum score of a pin at a part named a bearing, which is between two links and none itself."""
+_REVIEW_BEARING = "a bearing is between two links: one of its sides may belong to it"
+"""What to review of a pin at a part named a bearing."""
 _OF_LINKAGE = 0.6
-"""The same of a linkage's pin: its sides turn on each other, and it is on one of them."""
+"""Maximum score of a linkage's pin: its sides turn on each other, and it is on one of them."""
 _RINGS, _TREAD, _AS_WIDE = 0.92, 3.0, 0.25
 """Score of a weld between the rings of one wheel; how far a tread may be from symmetric; share of a width up to which
 others are equal.
@@ -111,8 +111,6 @@ class PairEvidence:
             score -= 0.1
         if self._is_electric(r) or Role.SEAL in roles:
             score -= 0.3
-        if Role.BEARING in roles:
-            score = min(score, _BEARING)
         if not self._found.pins.isdisjoint((r.a, r.b)):
             score = min(score, _OF_LINKAGE)
         if not across and r.axis is not None and self._survey.has_screw_at(r.axis):
@@ -121,7 +119,8 @@ class PairEvidence:
         if not across and self._draws_play and is_exact and (r.a, r.b) not in self._pivots:
             self._weld(r, 0.74, "shaft as thick as its bore, where others have play")
         shoulder = " with a shoulder" if r.freedom.kind == FreedomKind.REVOLUTE else ""
-        self._joint(r, score, JointKind.REVOLUTE, f"{_engaged(r)}{shoulder}")
+        review = _REVIEW_BEARING if Role.BEARING in roles else ""
+        self._joint(r, score, JointKind.REVOLUTE, f"{_engaged(r)}{shoulder}", review)
 
     def _is_clamped(self, r: Relation) -> bool:
         """Whether a round body lies in half a bore of two parts that touch each other, as a cradle and its strap."""
@@ -185,9 +184,9 @@ class PairEvidence:
     def _weld(self, r: Relation, score: float, why: str) -> None:
         self._found.weld(score, r.a, r.b, why)
 
-    def _joint(self, r: Relation, score: float, kind: JointKind, why: str) -> None:
+    def _joint(self, r: Relation, score: float, kind: JointKind, why: str, review: str = "") -> None:
         assert r.axis is not None
-        self._found.joint(JointEvidence(score, r.a, r.b, kind, r.axis, why, r))
+        self._found.joint(JointEvidence(score, r.a, r.b, kind, r.axis, why, r, review=review))
 
 
 def several_axes(structure: Structure, found: Evidence) -> None:
