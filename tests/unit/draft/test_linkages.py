@@ -78,16 +78,17 @@ def test_bars_on_both_sides_of_a_linkage_are_one() -> None:
     assert len(joints(found)) == 4
 
 
-def test_bodies_that_are_bolted_together_are_no_single_part() -> None:
-    """A linkage drawn as bodies of one part, with a cover on two screw holes, moves as one of several parts does."""
+@pytest.mark.parametrize("has_cover", [True, False])
+def test_a_linkage_in_one_part_is_an_assembly(has_cover: bool) -> None:
+    """A linkage drawn as bodies of one part, with a cover on two screw holes or not, moves as one of parts does."""
     cover, solids = box(60, 10, 5).at(60, 0, -5), bars()
     for x in (40, 80):
         cover = cover - cylinder(1, 9).at(x, 0, -9)
         solids["ground"] = solids["ground"] - cylinder(1, 9).at(x, 0, -4)
-    bodies = [part(name, solid) for name, solid in {**solids, "cover": cover}.items()]
+    bodies = [part(name, solid) for name, solid in {**solids, **({"cover": cover} if has_cover else {})}.items()]
     found = inferred(Node("robot", children=bodies, has_bodies=True), part("table", box(300, 300, 20).at(60, 0, -50)))
     assert len(joints(found)) == 4
-    assert any({"robot/ground", "robot/cover"} <= link for link in links(found))
+    assert any({"robot/ground", "robot/cover"} <= link for link in links(found)) == has_cover
 
 
 def test_a_truss_of_three_bars_does_not_move() -> None:

@@ -11,6 +11,8 @@ from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import largest
 from stepbot.geometry.fixed_point import exact_sum
 
+_MOVING = 0.79
+"""Score of a joint of a loop or a wheel, which bodies of one part may have."""
 _IMPORT, _PIECE = 0.15, 0.05
 """Share of the assembly's volume from which a subassembly may be an import, and of its own that a second piece has."""
 
@@ -122,14 +124,16 @@ def is_guide(survey: Survey, a: int, b: int) -> bool:
 def body_welds(survey: Survey, motors: Sequence[Sequence[int]], found: Evidence) -> None:
     """Add evidence that the bodies of one product are one part, unless it is a motor drawn as case and horn."""
     in_motor = {i for parts in motors for i in parts}
+    moving = {(h.a, h.b) for h in found.joints if h.score >= _MOVING}
     assembly = survey.assembly
     for c in assembly.components:
         bodies = [i for i in assembly.children[c.index] if i in survey.parts and not assembly.components[i].product]
         bodies = [i for i in bodies if i not in survey.small]
-        if len(bodies) < 2 or c.index == 0 or not survey.sources.tree or in_motor.intersection(bodies):
+        if len(bodies) < 2 or c.index in survey.tops or not survey.sources.tree or in_motor.intersection(bodies):
             continue
-        if any(r.holes > 1 for pair, r in survey.pairs() if set(pair) <= set(bodies)):
-            continue  # what is bolted together is an assembly that was drawn in one part
+        pairs = {(a, b) for n, a in enumerate(bodies) for b in bodies[n + 1 :]}
+        if any(r is not None and r.holes > 1 for r in map(survey.relations.get, pairs)) or moving & pairs:
+            continue  # what is bolted together, or moves in a loop, is an assembly that was drawn in one part
         for island in survey.islands(bodies):
             for i in island[1:]:
                 found.weld(0.97, island[0], i, f"bodies of one part '{c.path}'")
