@@ -52,7 +52,6 @@ def find_captured(
     scene: Scene,
     relations: dict[Pair, Relation],
     larger: Collection[int],
-    slides: Collection[int],
     cut: dict[str, None],
 ) -> dict[Pair, Captured]:
     """Pairs of parts of which one is held in the other across a line, and free along it.
@@ -61,28 +60,26 @@ def find_captured(
         scene: The faces.
         relations: Those of parts that touch.
         larger: The parts to look at.
-        slides: Parts whose names say that they slide: faces on one side are enough in one direction across.
         cut: Gets a note if a part is left out.
     """
     found: dict[Pair, Captured] = {}
     planes: Planes | None = None
-    known: dict[tuple[bytes, bool], bool] = {}  # of equal parts elsewhere that are no slide: whether faces are beside
+    known: dict[bytes, bool] = {}  # of equal parts elsewhere that are no slide: whether faces are beside
     bolted = _bolted(relations, larger)
     for pair, arrangement in _overlapping(scene, larger, cut):
         planes = planes or Planes(scene)
-        key = arrangement, any(i in slides for i in pair)
         for one, host in _within(scene, pair, bolted):
-            if key in known and not known[key]:
+            if arrangement in known and not known[arrangement]:
                 break
-            if key in known and len(host) == 1:
+            if arrangement in known and len(host) == 1:
                 continue
             facing = [face for other in host for face in planes.facing(one, other, _WIDE)]
-            slide = _slide(facing, by_name=key[1]) if len(facing) > 1 else None
+            slide = _slide(facing) if len(facing) > 1 else None
             if slide is not None and not _is_locked(relations, one, host, slide.axis):
                 found[pair] = slide
                 break
             if slide is None and len(host) == 1:
-                known[key] = bool(facing)
+                known[arrangement] = bool(facing)
     return found
 
 
@@ -127,7 +124,7 @@ def _overlapping(scene: Scene, larger: Collection[int], cut: dict[str, None]) ->
     return scene.arranged([(ids[k], ids[m]) for k, m in zip(*rows, strict=True)])
 
 
-def _slide(facing: Sequence[Facing], *, by_name: bool) -> Captured | None:
+def _slide(facing: Sequence[Facing]) -> Captured | None:
     """The longest direction that is free between faces that hold one part in the other."""
     near = [one for one in facing if one.gap < _CLEARANCE]
     normals = _distinct([one.normal for one in facing])
@@ -139,8 +136,6 @@ def _slide(facing: Sequence[Facing], *, by_name: bool) -> Captured | None:
             continue
         wide = [one for one in facing if abs(float(one.normal @ along)) < _STRAIGHT]
         least = _ENGAGED if _are_around(guides, along) else _LONG if _is_kept(guides, wide, along) else None
-        if least is None and by_name and _is_between(guides) and not all(_is_same(one, guides[0]) for one in guides):
-            least = _ENGAGED
         hull = np.concatenate([one.patch.hull for one in guides])
         widths = [float(np.ptp(hull @ one.normal)) for one in guides]
         length = float(np.ptp(hull @ along))
@@ -161,13 +156,12 @@ def _distinct(directions: Sequence[Array]) -> list[Array]:
     return found
 
 
-def _is_same(one: Facing, two: Facing) -> bool:
-    return are_parallel(one.normal, two.normal)
-
-
 def _is_between(guides: Sequence[Facing]) -> bool:
     """Whether two of some faces hold a part from opposite sides."""
-    return any(_is_same(one, two) and float(one.normal @ two.normal) < 0.0 for one, two in combinations(guides, 2))
+    return any(
+        are_parallel(one.normal, two.normal) and float(one.normal @ two.normal) < 0.0
+        for one, two in combinations(guides, 2)
+    )
 
 
 def _are_around(guides: Sequence[Facing], along: Array) -> bool:

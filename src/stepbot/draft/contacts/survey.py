@@ -134,8 +134,7 @@ class Survey:
     def captured(self) -> dict[Pair, Captured]:
         """Larger parts that others hold across a line, and not along it."""
         larger = [i for i in self.parts if i not in self.small]
-        slides = {i for i in larger if Role.SLIDE in self.parts[i].roles}
-        return find_captured(self.scene, self.relations, larger, slides, self.cut)
+        return find_captured(self.scene, self.relations, larger, self.cut)
 
     @cached_property
     def tops(self) -> set[int]:
