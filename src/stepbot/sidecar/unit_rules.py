@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from math import isfinite, tau
+from math import inf, isfinite, tau
 from typing import NamedTuple
 
 from stepbot.diagnostics import Diagnostics
@@ -154,7 +154,14 @@ _SPARSEST = 5.0
 """[kg/m^3]: foams have 10 or more."""
 _LEADING_NUMBER = re.compile(r"(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _EFFORTS = ("effort", "friction")
-_LENGTHS = ("xyz", "near", "com", "size", "radius", "length")
+_LONGEST = {
+    **dict.fromkeys(("xyz", "near", "com", "size", "radius", "length"), _MOST_METRES),
+    "range": 1000.0,
+    **dict.fromkeys(("torsional", "rolling"), 0.1),
+}
+"""[m] by key: places and shapes of robots, sight of sensors, levers of friction."""
+_STEEPEST = 0.1
+"""[m/rad], 628 mm per turn: steeper than screws that are sold."""
 
 
 def check_magnitudes(sidecar: Sidecar, found: Diagnostics) -> None:
@@ -176,7 +183,9 @@ def check_magnitudes(sidecar: Sidecar, found: Diagnostics) -> None:
         named = [key for key in keys if isinstance(key, str)]
         if named[-1] == "rpy" and abs(number) > _MOST_ROTATION:
             _report(sidecar, keys, f"{number:g} rad is {_turns(number)}", "deg", "rad", found)
-        elif named[-1] in _LENGTHS and abs(number) > _MOST_METRES:
+        elif named[-1] == "pitch" and abs(number) > _STEEPEST:
+            _report(sidecar, keys, f"{number:g} m/rad is {number * tau:.3g} m per turn", "mm/rev", "m/rad", found)
+        elif abs(number) > _LONGEST.get(named[-1], inf):
             _report(sidecar, keys, f"{number:g} m is implausibly large", "mm", "m", found)
         elif named[-1] == "tolerance" and number > _COARSEST:
             _report(sidecar, keys, f"{number:g} is {number:.0%} of each solid's diagonal", "mm", "m", found)

@@ -192,6 +192,9 @@ TURNS = "type: continuous"
         ("type: prismatic, limits: {lower: 0, upper: 1, velocity: 45, effort: 16500}", TURNS, ["SB139"]),
         ("type: continuous, zero: 20", TURNS, ["SB139"]),
         ("type: continuous, zero: 20 rad", TURNS, []),
+        ("type: screw, pitch: 0.1", TURNS, []),
+        ("type: screw, pitch: 2", TURNS, ["SB139"]),
+        ("type: screw, pitch: 2 m/rad", TURNS, []),
     ],
 )
 def test_rules_of_joints(elbow: str, wrist: str, expected: list[str]) -> None:
@@ -437,3 +440,16 @@ def test_densities_of_any_form(density: str) -> None:
         assert codes(
             f"version: 1\nrobot: a\nstep: a.step\n{fault}defaults: {{density: {density}}}\nlinks: {{base: {{}}}}\n"
         )
+
+
+@pytest.mark.parametrize(
+    ("section", "expected"),
+    [
+        ("sensors: {s: {type: lidar, link: base, range: [0.1, 300]}}", []),
+        ("sensors: {s: {type: lidar, link: base, range: [100, 12000]}}", ["SB139"]),
+        ("defaults: {density: 1000, contact: {friction: 1, torsional: 2}}", ["SB139"]),
+    ],
+)
+def test_lengths_of_each_kind_have_a_usual_size(section: str, expected: list[str]) -> None:
+    """A range in millimetres is longer than sensors see, though as metres of a place it would not be."""
+    assert codes(f"version: 1\nrobot: a\nstep: a.step\nlinks: {{base: {{rest: true}}}}\n{section}\n") == expected
