@@ -160,3 +160,19 @@ def test_robots_without_masses_are_compared(tmp_path: Path, stepbot: Stepbot) ->
     for name in ("old.urdf", "new.urdf"):
         (tmp_path / name).write_text(frames)
     assert _diff(stepbot, str(tmp_path / "old.urdf"), str(tmp_path / "new.urdf")) == (0, [])
+
+
+@pytest.mark.mujoco
+@pytest.mark.parametrize("command", ["diff", "verify"])
+def test_words_that_no_engine_reports_are_compared(command: str, tmp_path: Path, stepbot: Stepbot) -> None:
+    """Two files of one robot that are simulated by other integrators."""
+    skip_without("mujoco")
+    text = """<mujoco model="arm"><option{}/><worldbody><body name="a"><inertial pos="0 0 0" mass="1"
+      diaginertia="1 1 1"/><joint name="j" axis="0 0 1"/></body></worldbody></mujoco>"""
+    paths = [tmp_path / f"{number}.xml" for number in range(3)]
+    for path, integrator in zip(paths, ("", ' integrator="Euler"', ' integrator="RK4"'), strict=True):
+        path.write_text(text.format(integrator))
+    same, other = (stepbot(command, str(paths[0]), str(path)) for path in paths[1:])
+    assert same.code == 0
+    assert other.code == 1
+    assert "option@integrator" in other.out + other.err

@@ -176,7 +176,7 @@ def compare_text(
         ours: Statements of the first file.
         theirs: Those of the other file.
         equal: Whether engines see the same robot in both; otherwise only what they cannot see is compared.
-        whole: Whether what one file has alone differs, too, and words as numbers do.
+        whole: Whether what is not read differs, too, where it is words, or where one file has it alone.
     """
     deviations = Deviations(_EQUAL)
     a, b = (_by_place(side, (*ours, *theirs)) for side in (ours, theirs))
@@ -187,7 +187,7 @@ def compare_text(
     for one in differ:
         if one.read and (not equal or _is_said_otherwise(one, b[one.place], alone=alone)):
             continue
-        words = whole and not (one.read and _last(one.place) in _NAMES.split())
+        words = _last(one.place) not in _NAMES.split() if one.read else whole
         _compare(deviations, one, b[one.place], words=words)
     for place in (*a, *b) if whole else ():
         one = a.get(place) or b[place]
