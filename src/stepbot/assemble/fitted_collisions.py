@@ -1,4 +1,10 @@
-"""Collision shapes that a worker computes: fits to the solids of links, and their scores."""
+"""Collision shapes that a worker computes: fits to the solids of links, and their scores.
+
+Those of ``auto`` and ``decompose`` are requested for all links at once, from the cache or a worker.
+A link's components without a rule of their own are one solid, given in the frame of the first of them; a component with
+a rule is a solid of its own, shared by all occurrences of its body. Neither depends on joints, so editing them does not
+change a shape or its cache key.
+"""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Bounding boxes of shapes and of links, exact for every rotation."""
+"""Bounding boxes of shapes and of links, exact for every rotation, and the height at which a robot stands."""
 
 import re
 from collections.abc import Iterable

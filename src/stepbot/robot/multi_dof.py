@@ -1,6 +1,6 @@
 """Multi-dof joints as chains of joints of one degree of freedom each, with massless links in between.
 
-One file with one function, Robot to Robot, per kind. The joints of a chain are named like the coordinates of the joint
+There is one function, Robot to Robot, per kind. The joints of a chain are named like the coordinates of the joint
 that it represents, so that a configuration is the same whether a format supports the joint or not.
 
 | kind | chain, from the parent on |

@@ -1,4 +1,4 @@
-"""A Drake plant of one file, with its state."""
+"""A Drake plant of one file, with its state; passive motion, and loops closed by its constraint solver."""
 
 import re
 from collections.abc import Mapping

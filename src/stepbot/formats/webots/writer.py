@@ -23,7 +23,7 @@ from ..format import Companion
 from ..xml import number, text_of
 from . import FORMAT
 from .names import proto_name
-from .shapes import (
+from .nodes import (
     bounding_object,
     contact_materials,
     contact_properties,

@@ -2,6 +2,9 @@
 
 With the kernel's default precision instead of the file's, volumes are wrong by percents; 126 files with 597 solids,
 healed this way, have the volumes of the default import (586 of them to 1e-9, the worst to 1.3e-6).
+
+Self-intersecting solids are closed, but part of their surface is inside them: any integration counts the volume of
+overlapping lobes twice, so they are found, too.
 """
 
 from dataclasses import dataclass
