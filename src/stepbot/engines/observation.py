@@ -321,6 +321,11 @@ class Request:
     """For each configuration, the velocities and accelerations for inverse dynamics."""
 
     @property
+    def closed(self) -> tuple[Mapping[str, float], ...]:
+        """The configurations of all :attr:`ways`."""
+        return tuple(q for way in self.ways for q in way)
+
+    @property
     def moments(self) -> tuple[tuple[Mapping[str, float], Rates], ...]:
         """Every configuration with its rates; at rest if there are none."""
         rest: Rates = ({}, {})

@@ -16,6 +16,9 @@ from stepbot.robot.model import Joint, JointKind, Limit, Link, Robot
 
 from .observation import Dynamics, EngineCannotRead, EngineRefused, Observation, Quantity, Request
 
+NOTE = "read by stepbot's own parser, with stepbot's own kinematics"
+"""Of the parsers that use it, for the report."""
+
 Frames = Mapping[str, tuple[Pose, Pose]]
 """For each link with a parent, the pose of the joint above it with q = 0: in its parent, and in itself."""
 
@@ -46,7 +49,7 @@ def with_motion(
     robot = _robot(observation, frames)
     layout = Tree(robot)
     poses, dynamics = [], []
-    for q in [*request.configurations, *(q for way in request.ways for q in way)]:
+    for q in [*request.configurations, *request.closed]:
         X_WJ = link_poses(robot, {name: q.get(name, 0.0) for name in layout.joints})
         poses.append({name: X @ _X_LJ(frames, name).inverse() for name, X in X_WJ.items()})
     for q, rates in request.moments:

@@ -77,7 +77,7 @@ class Reference:
 
     def observe(self, robot: Robot, request: Request, *, dynamics: bool = True) -> Observation:
         """See :func:`observe_robot`."""
-        closed = [q for way in request.ways for q in way]
+        closed = request.closed
         motion = self._motion(robot, request, closed, request.moments if dynamics else ())
         sensitivity = loop_sensitivity(robot, closed, request.driven)
         closed_poses = motion.poses[len(request.configurations) :]

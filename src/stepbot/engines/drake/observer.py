@@ -135,7 +135,6 @@ def _check_mjcf(path: Path) -> None:
 
 
 def _static(built: Built, request: Request) -> Observation:
-    closed = [q for way in request.ways for q in way]
     format_name = "sdf" if request.format == "drake.sdf" else request.format
     held = any(joint.child_body().index() == built.root.index() for joint in built.joints)
     return Observation(
@@ -147,7 +146,7 @@ def _static(built: Built, request: Request) -> Observation:
         links=tuple(_link(built, body) for body in built.bodies),
         joints=observed_joints(built),
         coordinates=built.coordinates.names,
-        poses=tuple(_poses(built, q) for q in [*request.configurations, *closed]),
+        poses=tuple(_poses(built, q) for q in [*request.configurations, *request.closed]),
         dynamics=tuple(_dynamics(built, *at) for at in request.moments),
         frames=_frames(built) if format_name == "sdf" else None,
         not_run=_NOT_RUN[format_name],

@@ -198,7 +198,7 @@ def closures_in(_built: Built, request: Request) -> tuple[ObservedClosure, ...]:
     plain = build(request, (0.0, 0.0, 0.0), shapes=False)
     residual = {closure.name: 0.0 for closure in request.closures}
     deviation = 0.0
-    for q in (q for way in request.ways for q in way):
+    for q in request.closed:
         deviation = max(deviation, _back_at(plain, request, q))
         X_W = {body.name(): plain.X_WB(body) for body in plain.bodies}
         for closure in request.closures:

@@ -54,7 +54,7 @@ def close_by_newton(compiled: "Compiled", request: Request) -> tuple[ObservedClo
     wanted = [closure for closure in request.closures if closure.name in in_file]
     residual = {closure.name: 0.0 for closure in wanted}
     deviation = 0.0
-    for q in (q for way in request.ways for q in way) if wanted else ():
+    for q in request.closed if wanted else ():
         solved, data = _newton(compiled, request, q)
         deviation = max([deviation, *(abs(solved[name] - q[name]) for name in solved)])
         for closure in wanted:

@@ -197,7 +197,6 @@ def _urdf_spec(engine: Any, path: Path, substitutes: MeshSubstitutes) -> Any:
 
 def observe_model(compiled: Compiled, request: Request) -> Observation:
     """Report what a compiled model contains, without closures and simulation."""
-    closed = [q for way in request.ways for q in way]
     mjcf = request.format == "mjcf"
     sensors = observed_sensors(compiled)
     return Observation(
@@ -210,7 +209,7 @@ def observe_model(compiled: Compiled, request: Request) -> Observation:
         joints=tuple(joint for body in compiled.bodies for joint in observed_joints(compiled, body, mjcf)),
         gravity=_gravity(compiled) if mjcf else None,
         coordinates=compiled.coordinates.names,
-        poses=tuple(compiled.poses(compiled.data(q)) for q in [*request.configurations, *closed]),
+        poses=tuple(compiled.poses(compiled.data(q)) for q in [*request.configurations, *request.closed]),
         dynamics=tuple(_dynamics(compiled, *at) for at in request.moments),
         frames=observed_frames(compiled, sensors) if mjcf else None,
         actuators=observed_actuators(compiled) if mjcf else None,

@@ -94,7 +94,6 @@ class _Loaded:
 
     def observation(self, messages: list[str]) -> Observation:
         """Everything that Newton reports."""
-        closed = [q for way in self.request.ways for q in way]
         joints = tuple(self.joints())
         balls = [joint.name for joint in joints if joint.kind == JointKind.BALL]
         not_run = dict(_NOT_RUN) | ({Quantity.MASS_MATRIX: _BALL_RATES} if balls else {})
@@ -106,7 +105,7 @@ class _Loaded:
             links=tuple(map(self.link, range(len(self.bodies)))),
             joints=joints,
             coordinates=tuple(self.columns),
-            poses=tuple(self.poses(q) for q in [*self.request.configurations, *closed]),
+            poses=tuple(self.poses(q) for q in [*self.request.configurations, *self.request.closed]),
             dynamics=() if balls else tuple(self.dynamics(q) for q in self.request.configurations),
             closures=tuple(self.closures()),
             actuators=tuple(self.actuators()),

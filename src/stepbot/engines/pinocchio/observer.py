@@ -108,7 +108,6 @@ class _Built:
         model.gravity.linear = np.array(GRAVITY)
         model.armature[:] = 0.0  # compared separately, if an engine reports it
         data = model.createData()
-        closed = [q for way in request.ways for q in way]
         mjcf = request.format == "mjcf"
         not_run = {**_NOT_RUN, **(_MJCF_NOT_RUN if mjcf else {})}
         if isinstance(mimics, str):
@@ -121,7 +120,7 @@ class _Built:
             links=tuple(self.link(body) for body in self.bodies.values()),
             joints=tuple(self.joints(mimics if isinstance(mimics, dict) else None)),
             coordinates=columns,
-            poses=tuple(self.poses(data, q) for q in [*request.configurations, *closed]),
+            poses=tuple(self.poses(data, q) for q in [*request.configurations, *request.closed]),
             dynamics=tuple(self.dynamics(data, *at) for at in request.moments),
             not_run=not_run,
         )

@@ -192,7 +192,6 @@ def _observe_urdf(engine: Any, request: Request) -> Observation:
 
 def _tree(body: Body, request: Request) -> Observation:
     """What PyBullet reports for every format: links, joints, poses."""
-    closed = [q for way in request.ways for q in way]
     return Observation(
         engine=ENGINE.name,
         **provider("pybullet"),
@@ -201,7 +200,7 @@ def _tree(body: Body, request: Request) -> Observation:
         links=tuple(_link(body, index, request) for index in range(-1, len(body.joints))),
         joints=tuple(_joint(body, index, request.format) for index in range(len(body.joints))),
         coordinates=tuple(body.coordinates),
-        poses=tuple(_poses(body, q) for q in [*request.configurations, *closed]),
+        poses=tuple(_poses(body, q) for q in [*request.configurations, *request.closed]),
     )
 
 

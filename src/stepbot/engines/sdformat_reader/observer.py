@@ -33,7 +33,7 @@ from ..observation import (
     Quantity,
     Request,
 )
-from ..parsed_motion import with_motion
+from ..parsed_motion import NOTE, with_motion
 from ..resources import box_around, mesh_file_bounds
 from ..xml import Element
 from . import ENGINE
@@ -43,7 +43,6 @@ from .tree import closing_joints, joints_to_world, read_model, repeated_names
 
 NO_LIMIT = 1e15
 """Limits beyond this are the format's value for unlimited, 1e16."""
-_NOTE = "read by stepbot's own parser, with stepbot's own kinematics"
 
 
 def prepare() -> None:
@@ -90,7 +89,7 @@ def observe(request: Request) -> Observation:
             Quantity.SIMULATION: "a parser cannot simulate",
         },
         warnings=tuple(repeated_names(model)),
-        notes=(_NOTE,),
+        notes=(NOTE,),
     )
     return with_motion(
         observation,

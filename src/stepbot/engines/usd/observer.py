@@ -29,7 +29,7 @@ from stepbot.robot.surfaces import Surface
 
 from ..distribution import provider
 from ..observation import Observation, ObservedLink, ObservedShape, Quantity, Request
-from ..parsed_motion import with_motion
+from ..parsed_motion import NOTE, with_motion
 from ..resources import box_around
 from . import ENGINE
 from .joints import (
@@ -45,8 +45,6 @@ from .joints import (
     wxyz,
 )
 from .stage import Body, Stage, name_of, rigid
-
-_NOTE = "read by stepbot's own parser, with stepbot's own kinematics"
 
 
 def prepare() -> None:
@@ -87,7 +85,7 @@ def observe(request: Request) -> Observation:
         initial=_initial(branches, request),
         excluded_pairs=_excluded_pairs(stage, found, {link.name for link in links if link.has_collisions}),
         not_run={Quantity.SIMULATION: "a parser cannot simulate"},
-        notes=(_NOTE,),
+        notes=(NOTE,),
     )
     down = vector3(root.X_W.inverse().turn(stage.up * GRAVITY[2]))
     frames = {branch.child.name: branch.frames for branch in branches}

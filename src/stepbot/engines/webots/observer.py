@@ -30,14 +30,13 @@ from ..observation import (
     Quantity,
     Request,
 )
-from ..parsed_motion import with_motion
+from ..parsed_motion import NOTE, with_motion
 from ..resources import box_around
 from . import ENGINE
 from .vrml import Node, read_proto
 
 NO_LIMIT = 1e9
 """Limits of this size stand for none."""
-_NOTE = "read by stepbot's own parser, with stepbot's own kinematics"
 _KINDS = {"HingeJoint": "revolute", "SliderJoint": "prismatic", "BallJoint": "ball"}
 _SENSORS = {"InertialUnit": "imu", "Camera": "camera", "Lidar": "lidar"}
 _SUFFIX = "_sensor"
@@ -83,7 +82,7 @@ def observe(request: Request) -> Observation:
         initial=seen.initial,
         missing_meshes=tuple(seen.missing),
         not_run=_NOT_RUN,
-        notes=(_NOTE,),
+        notes=(NOTE,),
     )
     frames = {child: (X_PC, Pose()) for child, X_PC in seen.X_PC.items()}
     return with_motion(observation, frames, lambda _root: vector3(GRAVITY), request)

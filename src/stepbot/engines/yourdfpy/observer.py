@@ -55,8 +55,7 @@ def observe(request: Request) -> Observation:
             urdf.validate()
             joints = tuple(_joint(joint) for joint in urdf.robot.joints)
             chained = _mimic_chains(joints)
-            closed = [q for way in request.ways for q in way]
-            poses = () if chained else tuple(_poses(urdf, q) for q in [*request.configurations, *closed])
+            poses = () if chained else tuple(_poses(urdf, q) for q in [*request.configurations, *request.closed])
         except (ArithmeticError, ValueError, LookupError, TypeError, AttributeError, engine.urdf.URDFError) as error:
             raise EngineRefused(f"{type(error).__name__}: {error}") from error
     not_run = dict(_NOT_RUN)
