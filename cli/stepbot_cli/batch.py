@@ -12,7 +12,7 @@ import click
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 
 from .columns import aligned
-from .command import Command, display_options, ignore_option
+from .command import PATH, Command, display_options, ignore_option
 from .convert import again_format_option, for_option, formats_with, html_option, no_verify_option, strict_option
 from .diagnostic_text import counted, paint, printable
 from .limits import interruptible
@@ -38,12 +38,12 @@ def _cores(text: str) -> int:
 
 
 @click.command(cls=Command, epilog="Example: stepbot batch robots/ -o out -j 4")
-@click.argument("sidecars", metavar="DIR|LIST|SIDECAR...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("sidecars", metavar="DIR|LIST|SIDECAR...", nargs=-1, required=True, type=PATH)
 @click.option(
     "-o",
     "--output",
     required=True,
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR",
     help="Output folder, with a subfolder per robot; or DIR/{name}, and {folder} for the folder of its sidecar.",
 )

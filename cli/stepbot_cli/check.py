@@ -9,7 +9,7 @@ import click
 
 from stepbot.diagnostics import Diagnostics
 
-from .command import Command, display_options, ignore_option
+from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import counted, printable
 from .machine_output import output_format_option
 from .progress import progress_bar
@@ -75,7 +75,7 @@ class CheckCommand(Command):
     cls=CheckCommand,
     epilog="Example: stepbot check --step arm.robot.yaml\n\nAfter a CAD change: stepbot check --fix arm.robot.yaml",
 )
-@click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
+@click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=PATH)
 @click.option("--step", metavar="[FILE]", help="Also read the STEP file of the sidecar, or FILE, and build the robot.")
 @click.option(
     "--fix", is_flag=True, help="Rewrite paths of components that the CAD has certainly renamed; implies --step."

@@ -10,7 +10,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.robot.self_collision import DEFAULT_SAMPLES, MOST_SAMPLES
 
 from .columns import table_lines
-from .command import Command, display_options, ignore_option
+from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import counted, printable
 from .progress import progress_bar
 from .reading import package_path_option, reading_options, say_trouble
@@ -27,7 +27,7 @@ _HEADINGS = ("class", "links", "poses", "first overlap")
     cls=Command,
     epilog="Example: stepbot collisions arm.robot.yaml --srdf arm.srdf",
 )
-@click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))
+@click.argument("target", metavar="TARGET", type=PATH)
 @click.option(
     "--samples",
     type=click.IntRange(1, MOST_SAMPLES),

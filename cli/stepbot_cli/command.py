@@ -15,6 +15,9 @@ from stepbot.runtime.file import exists
 from .streams import CannotPrint
 from .terminal import Display
 
+PATH = click.Path(path_type=Path)
+"""A path as an argument or an option."""
+
 
 class Command(click.Command):
     """A command whose function returns the exit code."""

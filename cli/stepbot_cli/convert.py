@@ -12,10 +12,9 @@ import click
 from stepbot.diagnostics import did_you_mean
 from stepbot.formats import FORMATS, default_formats, format_named
 
-from .command import Command, display_options, ignore_option, names_option, split_names
+from .command import PATH, Command, display_options, ignore_option, names_option, split_names
 from .diagnostic_text import counted
 from .machine_output import junit_option, output_format_option, write_junit
-from .picture_file import require_packages
 from .progress import CONVERSION, progress_bar
 from .reading import (
     description_options,
@@ -105,6 +104,8 @@ def _programs(context: click.Context, option: click.Parameter, given: tuple[str,
     except ValueError as error:
         raise click.BadParameter(str(error)) from None
     if MENAGERIE in programs:
+        from .render import require_packages
+
         require_packages()  # its picture
     return programs
 
@@ -133,15 +134,13 @@ no_verify_option = click.option(
     epilog="Example: stepbot convert arm.robot.yaml -f urdf,sdf -o arm\n\n"
     "From another format: stepbot convert robot.urdf -f mjcf,sdf -o robot",
 )
-@click.argument("sidecar", type=click.Path(path_type=Path))
-@click.option(
-    "--step", type=click.Path(path_type=Path), metavar="FILE", help="STEP file, instead of the one in SIDECAR."
-)
+@click.argument("sidecar", type=PATH)
+@click.option("--step", type=PATH, metavar="FILE", help="STEP file, instead of the one in SIDECAR.")
 @format_option
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR",
     help="Output folder.  [default: name of SIDECAR, in the current folder]",
 )

@@ -9,7 +9,7 @@ import click
 
 from stepbot.diagnostics import Diagnostics
 
-from .command import Command, display_options, ignore_option
+from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import printable
 from .reading import package_path_option, reading_options, say_trouble
 from .terminal import Display, show_diagnostics_of_use, write_document, write_result
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @click.command(cls=Command, epilog="Example: stepbot datasheet arm.robot.yaml > arm.md")
-@click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))
+@click.argument("target", metavar="TARGET", type=PATH)
 @ignore_option
 @reading_options
 @package_path_option

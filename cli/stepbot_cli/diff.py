@@ -12,7 +12,7 @@ from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.runtime.file import exists, is_folder
 
 from .columns import wrapped_rows
-from .command import Command, display_options
+from .command import PATH, Command, display_options
 from .diagnostic_text import counted, paint, printable
 from .machine_output import output_format_option
 from .progress import progress_bar
@@ -48,8 +48,8 @@ _HEADINGS = ("difference", "what", "how")
     cls=Command,
     epilog="Example: stepbot diff arm_v1.step arm_v2.step\n\nExit codes: 0 same, 1 different, 2 could not run.",
 )
-@click.argument("old", type=click.Path(path_type=Path))
-@click.argument("new", type=click.Path(path_type=Path))
+@click.argument("old", type=PATH)
+@click.argument("new", type=PATH)
 @click.option("--markdown", is_flag=True, help="Print a table in Markdown, for a comment on a pull request.")
 @reading_options
 @package_path_option

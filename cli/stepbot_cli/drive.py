@@ -11,9 +11,8 @@ import click
 from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.driving.plan import ENGINES, TESTS
 
-from .command import Command, display_options, names_option
+from .command import PATH, Command, display_options, names_option
 from .diagnostic_text import counted, printable
-from .picture_file import require_plots
 from .progress import progress_bar
 from .reading import package_path_option, reading_options, say_trouble, variant_option
 from .table import filled, status_lines
@@ -115,7 +114,7 @@ def _known(given: tuple[str, ...], known: Collection[str], noun: str) -> tuple[s
     cls=Command,
     epilog="Example: stepbot drive gripper.robot.yaml --test hold,grip",
 )
-@click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))
+@click.argument("target", metavar="TARGET", type=PATH)
 @names_option(
     "--test", "tests", metavar="TEST,...", help=f"Tests to run, of {', '.join(TESTS)}.  [default: all that apply]"
 )
@@ -127,13 +126,11 @@ def _known(given: tuple[str, ...], known: Collection[str], noun: str) -> tuple[s
 )
 @click.option(
     "--limits",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="FILE",
     help="JSON file whose object `drive` has the robot's own limits, such as an expected.json of the library.",
 )
-@click.option(
-    "--plots", type=click.Path(path_type=Path), metavar="DIR", help="Draw the curves of each test, as SVG files in DIR."
-)
+@click.option("--plots", type=PATH, metavar="DIR", help="Draw the curves of each test, as SVG files in DIR.")
 @reading_options
 @variant_option
 @package_path_option
@@ -156,6 +153,8 @@ def command(
     from stepbot.pipeline.driving import DriveOptions, drive
 
     if plots is not None:
+        from .render import require_plots
+
         require_plots()
     chosen = DriveOptions(_known(tests, TESTS, "test"), _known(engines, ENGINES, "engine"), limits)
     found = Diagnostics()

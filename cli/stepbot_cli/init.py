@@ -13,7 +13,7 @@ import click
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.runtime.file import exists
 
-from .command import Command, display_options
+from .command import PATH, Command, display_options
 from .convert import default_output
 from .diagnostic_text import counted, printable
 from .progress import progress_bar
@@ -263,18 +263,18 @@ def _choice(options: list[str], default: int = 0) -> int:
     cls=Command,
     epilog="Example: stepbot init arm.step",
 )
-@click.argument("step", metavar="STEP", type=click.Path(path_type=Path))
+@click.argument("step", metavar="STEP", type=PATH)
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="FILE",
     help="Sidecar to write.  [default: name of STEP with .robot.yaml, in the same folder]",
 )
 @click.option(
     "--from",
     "description",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="ROBOT",
     help="URDF, SDFormat or MJCF of the same robot: take its names, joints, limits and masses.",
 )
@@ -283,7 +283,7 @@ def _choice(options: list[str], default: int = 0) -> int:
 @click.option(
     "--answers",
     "answers_file",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="FILE",
     help="Answers to the questions of --json: a JSON object {question: answer}, or a sidecar with `answers`. "
     "[default: those of the sidecar that --force overwrites]",

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .command import Command, display_options
-from .picture_file import checked_picture_name, picture_lines, require_packages, write_picture
+from .command import PATH, Command, display_options
 from .progress import progress_bar
 from .reading import reading_options, say_trouble, variant_option
+from .render import checked_picture_name, picture_lines, require_packages, write_picture
 from .terminal import Display, screen_width, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ _APART = 0.8
     cls=Command,
     epilog="Example: stepbot inspect arm.step --between base forearm",
 )
-@click.argument("step", metavar="STEP", type=click.Path(path_type=Path))
+@click.argument("step", metavar="STEP", type=PATH)
 @click.option(
     "--features", is_flag=True, help="List the axes of each component, with the origin that selects each axis."
 )
@@ -51,7 +51,7 @@ _APART = 0.8
 @click.option("--unfold", is_flag=True, help="List repeated occurrences individually.")
 @click.option(
     "--picture",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="FILE",
     callback=checked_picture_name,
     help="Write an exploded view as a PNG file; the listed components have labels.",

@@ -13,7 +13,7 @@ from stepbot.runtime.file import exists, is_file, read_regular, replace_file
 
 from .application import Group
 from .columns import aligned, table_lines
-from .command import Command, display_options, json_option
+from .command import PATH, Command, display_options, json_option
 from .convert import format_names, format_option, no_verify_option, run_conversion
 from .reading import require_option, working_options
 from .terminal import Display, screen_width, show_diagnostics, text_width, write_document, write_json, write_result
@@ -84,7 +84,7 @@ def show(name: str, as_json: bool) -> int:
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR",
     help="Output folder.  [default: name of the robot, in the current folder]",
 )

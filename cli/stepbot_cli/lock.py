@@ -7,7 +7,7 @@ import click
 
 from stepbot.diagnostics import Diagnostics
 
-from .command import Command, display_options, ignore_option
+from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import counted, printable
 from .progress import progress_bar
 from .reading import reading_options, reject_descriptions, say_trouble, variant_option
@@ -22,10 +22,8 @@ if TYPE_CHECKING:
     cls=Command,
     epilog="Example: stepbot lock arm.robot.yaml",
 )
-@click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
-@click.option(
-    "--step", type=click.Path(path_type=Path), metavar="FILE", help="STEP file, instead of the one in SIDECAR."
-)
+@click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=PATH)
+@click.option("--step", type=PATH, metavar="FILE", help="STEP file, instead of the one in SIDECAR.")
 @ignore_option
 @reading_options
 @variant_option

@@ -14,15 +14,14 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.diagnostics.codes import CODES
 from stepbot.version import __version__
 
+from .command import PATH
 from .terminal import Display
 
 if TYPE_CHECKING:
     from stepbot.report.document import Suite
 
 
-junit_option = click.option(
-    "--junit", type=click.Path(path_type=Path), metavar="FILE", help="Also write the results as JUnit XML."
-)
+junit_option = click.option("--junit", type=PATH, metavar="FILE", help="Also write the results as JUnit XML.")
 
 
 def write_junit(path: Path, suites: "Sequence[Suite]") -> None:

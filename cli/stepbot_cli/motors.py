@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import click
 
 from .columns import table_lines
-from .command import Command, json_option
+from .command import PATH, Command, json_option
 from .terminal import screen_width, write_json, write_result
 
 if TYPE_CHECKING:
@@ -45,9 +45,7 @@ _SPEEDS = ("no_load_speed", "rated_speed", "no_load_linear_speed")
 
 @click.command(cls=Command, epilog="Example: stepbot motors XL430-W250")
 @click.argument("name", required=False)
-@click.option(
-    "--own", type=click.Path(path_type=Path), metavar="FILE", help="A file of motors of your own; they come first."
-)
+@click.option("--own", type=PATH, metavar="FILE", help="A file of motors of your own; they come first.")
 @json_option
 def command(name: str | None, own: Path | None, as_json: bool) -> int:
     """List the motors that `motor:` of an actuator can name, or show NAME: each figure with its source, and doubts.

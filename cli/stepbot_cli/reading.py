@@ -14,7 +14,7 @@ from stepbot.diagnostics import Diagnostics, Span
 from stepbot.runtime.cache import DEFAULT_LIMIT, Cache, default_folder
 from stepbot.runtime.memory import DEFAULT_TIMEOUT, worker_limit
 
-from .command import names_option
+from .command import PATH, names_option
 from .diagnostic_text import printable
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ SIZE_VARIABLE = "STEPBOT_CACHE_SIZE"
 
 folder_option = click.option(
     "--cache",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR",
     envvar="STEPBOT_CACHE",
     help="Cache folder.  [default: stepbot in the user's cache folder]",
@@ -239,7 +239,7 @@ folders_option = click.option(
     "--package-path",
     "package_path",
     multiple=True,
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR",
     help="Folder of a package, or of packages, that a description names in package:// or model://; may be repeated.",
 )

@@ -8,7 +8,7 @@ import click
 from stepbot.diagnostics import Diagnostics
 from stepbot.runtime.file import resolved
 
-from .command import Command, display_options, ignore_option
+from .command import PATH, Command, display_options, ignore_option
 from .convert import (
     again_format_option,
     for_option,
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     cls=Command,
     epilog="Example: stepbot uptodate arm.robot.yaml -o arm",
 )
-@click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=click.Path(path_type=Path))
+@click.argument("sidecars", metavar="[SIDECAR|DIR]...", nargs=-1, type=PATH)
 @click.option(
     "-o",
     "--output",

@@ -6,7 +6,7 @@ import click
 
 from stepbot.diagnostics import Diagnostics, Ignore, Span
 
-from .command import Command, display_options, ignore_option
+from .command import PATH, Command, display_options, ignore_option
 from .machine_output import junit_option, output_format_option, write_junit
 from .progress import progress_bar
 from .reading import folders_option, limit_options, require_option
@@ -18,7 +18,7 @@ from .terminal import Display, show_diagnostics, write_document, write_result
     cls=Command,
     epilog="Example: stepbot verify arm.urdf arm.sdf --require mujoco",
 )
-@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("files", metavar="FILE...", nargs=-1, required=True, type=PATH)
 @click.option("--strict", is_flag=True, help="Turn warnings into errors.")
 @require_option
 @ignore_option

@@ -12,7 +12,7 @@ import click
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.runtime.file import exists
 
-from .command import Command, display_options
+from .command import PATH, Command, display_options
 from .convert import default_output
 from .diagnostic_text import printable, summary
 from .progress import progress_bar
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     cls=Command,
     epilog="Example: stepbot view arm.robot.yaml",
 )
-@click.argument("target", metavar="TARGET", type=click.Path(path_type=Path))
+@click.argument("target", metavar="TARGET", type=PATH)
 @click.option(
     "--edit", is_flag=True, help="Edit the sidecar in the page; a STEP file or description without one gets one."
 )

@@ -11,7 +11,7 @@ import click
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.runtime.file import is_file
 
-from .command import Command, display_options
+from .command import PATH, Command, display_options
 from .diagnostic_text import printable
 from .progress import progress_bar
 from .reading import say_trouble, working_options
@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     cls=Command,
     epilog="Example: stepbot watch arm.robot.yaml -o arm",
 )
-@click.argument("sidecars", metavar="SIDECAR...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.argument("sidecars", metavar="SIDECAR...", nargs=-1, required=True, type=PATH)
 @click.option(
     "-o",
     "--output",
-    type=click.Path(path_type=Path),
+    type=PATH,
     metavar="DIR",
     help="Also write the verified files there; of several sidecars, to a folder each.",
 )

@@ -10,8 +10,7 @@ from stepbot.pipeline.conversion import Conversion
 
 from .arguments import CheckResult, Drafted, DriveResult, Rendered, Verification
 from .converting import check, convert
-from .looking import draft, inspect, render
-from .proving import close_loops, drive, verify
+from .using import close_loops, draft, drive, inspect, render, verify
 
 __all__ = [
     "CheckResult",
