@@ -18,14 +18,7 @@ from stepbot.runtime.worker import RemoteError, WorkerDied
 
 from .compare import compare
 from .expectation import mechanism, requests
-from .judging import (
-    Subject,
-    check_of,
-    checks_without_observation,
-    report_failure,
-    report_of,
-    report_unread,
-)
+from .judging import Subject, checks_without_observation, judged, report_of, report_unread
 from .self_collision.search import Overlap
 from .self_collision.shapes import available
 from .self_collision.worker import Collider
@@ -174,10 +167,7 @@ def _checks(subject: Subject, expected: Observation, outcome: Outcome, found: Di
     if outcome.observation is None:
         quantities = [compared.quantity for compared in compare(expected, expected)]
         return checks_without_observation(subject, outcome, quantities, found)
-    results = compare(expected, outcome.observation)
-    for compared in results:
-        report_failure(subject, compared, ENGINE_WARNING, found)
-    return [check_of(subject, compared) for compared in results]
+    return [judged(subject, one, found, ENGINE_WARNING) for one in compare(expected, outcome.observation)]
 
 
 def _self_collision(

@@ -41,7 +41,6 @@ from .judging import (
     compared_with_first,
     judge,
     ranked,
-    reference_of,
     report_of,
     report_unread,
 )
@@ -115,7 +114,7 @@ def compare_two(
     )
     of_file = {_key(path): [outcome for outcome in outcomes if outcome.key == _key(path)] for path in (old, new)}
     for key, some in of_file.items():
-        list(checks_within(key, some, reference_of(some), reported))
+        list(checks_within(key, some, reported))
     seen = [seen_by for path in (old, new) if (seen_by := ranked(of_file[_key(path)]))]
     found.extend(one for one in reported if one.severity == "error" and (len(seen) < 2 or one.code in _UNREAD))
     if len(seen) < 2:

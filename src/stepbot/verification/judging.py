@@ -62,6 +62,15 @@ class Subject:
         return Check(*of, why=why, against=self.against)
 
 
+ENGINE_WARNING = "SB813"
+
+
+def judged(subject: Subject, compared: Compared, found: Diagnostics, warning_code: str = ENGINE_WARNING) -> Check:
+    """The check of a comparison; a failure is reported, with this code if it is a warning of the engine."""
+    report_failure(subject, compared, warning_code, found)
+    return check_of(subject, compared)
+
+
 def check_of(subject: Subject, compared: Compared) -> Check:
     """The check of a comparison."""
     worst, quantity = compared.deviations.worst, compared.quantity.value
@@ -240,8 +249,6 @@ def _numbers(text: str) -> list[float] | None:
         return None
 
 
-ENGINE_WARNING = "SB813"
-
 UNCHANGED = Renaming()
 _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """Diagnostics of an engine's own result, independent of others."""
@@ -289,7 +296,7 @@ def judge(outcomes: Sequence[Outcome], asked: Asked, found: Diagnostics) -> tupl
     by_file = {key: [outcome for outcome in outcomes if outcome.key == key] for key in asked.requests}
     checks: list[Check] = []
     for key, of_file in by_file.items():
-        checks += checks_within(key, of_file, reference_of(of_file), found)
+        checks += checks_within(key, of_file, found)
     seen = [seen_by for of_file in by_file.values() if (seen_by := ranked(of_file))]
     checks += _checks_across([gather(one) for one in seen], asked, found)
     return tuple(checks)
@@ -301,15 +308,9 @@ def ranked(outcomes: Sequence[Outcome]) -> list[Outcome]:
     return sorted(seen, key=lambda outcome: engine_of(outcome.engine).order)
 
 
-def reference_of(outcomes: Sequence[Outcome]) -> Outcome | None:
-    """Diagnostics of the engine that reports most."""
-    return next(iter(ranked(outcomes)), None)
-
-
-def checks_within(
-    key: str, outcomes: Sequence[Outcome], reference: Outcome | None, found: Diagnostics
-) -> Iterator[Check]:
+def checks_within(key: str, outcomes: Sequence[Outcome], found: Diagnostics) -> Iterator[Check]:
     """Every engine of a file against the one that reports most; that one only for its own result."""
+    reference = next(iter(ranked(outcomes)), None)
     if reference is None and all(outcome.fate in (Fate.ABSENT, Fate.UNREADABLE) for outcome in outcomes):
         report_unread(key, outcomes, found)
     for outcome in outcomes:
@@ -322,8 +323,7 @@ def checks_within(
         assert reference is not None
         assert reference.observation is not None
         pair = normalized(reference.observation, outcome.observation)
-        results = [one for one in compare(*pair) if not alone or one.quantity in _OWN]
-        yield from _reported(subject, results, found)
+        yield from (judged(subject, one, found) for one in compare(*pair) if not alone or one.quantity in _OWN)
 
 
 def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostics) -> Iterator[Check]:
@@ -343,7 +343,7 @@ def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostic
             for one in results:
                 against = f"{ours.key} ({ours.engine(one.quantity)})"
                 subject = Subject(theirs.key, theirs.format, theirs.engine(one.quantity), against)
-                yield from _reported(subject, [one], found)
+                yield judged(subject, one, found)
 
 
 def compared_with_first(ours: Gathered, theirs: Gathered, asked: Asked) -> tuple[Compared, ...]:
@@ -381,9 +381,3 @@ def _add_other_names(results: Iterable[Compared], names: Renaming) -> None:
         for new, old in renamed.items():
             what = one.quantity.value.removesuffix("s")
             one.deviations.equal(False, f"{what} '{old}' is named '{new}', paired by structure")
-
-
-def _reported(subject: Subject, results: Iterable[Compared], found: Diagnostics) -> Iterator[Check]:
-    for compared in results:
-        report_failure(subject, compared, ENGINE_WARNING, found)
-        yield check_of(subject, compared)

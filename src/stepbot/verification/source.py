@@ -19,7 +19,7 @@ from stepbot.runtime.memory import DEFAULT_TIMEOUT
 
 from .counterparts import Renaming
 from .files import observed
-from .judging import ENGINE_WARNING, Subject, check_of, compared_with_first, ranked, report_failure
+from .judging import Subject, compared_with_first, judged, ranked
 from .merged_observation import Gathered, gather
 from .normalized import without_stand_ins
 
@@ -132,8 +132,7 @@ def verify_against_source(
                 compared = replace(compared, not_run=reason)
             against = f"{name} ({ours.engine(compared.quantity)})"
             subject = Subject(written.name, theirs.format, theirs.engine(compared.quantity), against)
-            report_failure(subject, compared, ENGINE_WARNING, found)
-            checks.append(check_of(subject, compared))
+            checks.append(judged(subject, compared, found))
     return tuple(checks)
 
 
