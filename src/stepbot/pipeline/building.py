@@ -1,8 +1,10 @@
 """One sidecar and its assembly become one robot, with what the lock file records of an earlier revision."""
 
 import os.path
+from contextlib import closing
 from dataclasses import replace
 from functools import cache, partial
+from pathlib import Path
 
 from stepbot.assemble import UNREVISED, Built, build_robot
 from stepbot.diagnostics import Diagnostics, Span
@@ -17,6 +19,7 @@ from stepbot.step.structure.paths import Binding, ComponentPaths
 
 from .conversion import Options
 from .loading import Loading
+from .sidecars import what_to_read
 
 
 def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Options, found: Diagnostics) -> Built | None:
@@ -48,6 +51,21 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
         paths = ComponentPaths(assembly.components)
         check_expected(sidecar, built.robot, lambda path: paths_of(assembly, paths.find(path)), found)
     return built
+
+
+def built_of(sidecar: Sidecar, step: Path, options: Options, found: Diagnostics) -> tuple[Built, Assembly]:
+    """Read a STEP file, and build and check the robot of a sidecar.
+
+    Raises:
+        StepbotError: There are errors.
+    """
+    with closing(Loading(step, what_to_read(sidecar, options), options, found)) as loading:
+        assembly = loading.assembly(found)
+        built = build(sidecar, assembly, loading, options, found)
+        found.raise_if_errors()
+        assert built is not None  # a missing robot always has an error
+        built.double_counting.report(options.timeout)
+    return built, assembly
 
 
 def paths_of(assembly: Assembly, binding: Binding) -> list[str]:

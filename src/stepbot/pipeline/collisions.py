@@ -1,7 +1,6 @@
 """Which links of a sidecar's or a description's robot can overlap, for its own sake."""
 
 from collections.abc import Callable
-from contextlib import closing
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Ignore, Span, StepbotError
@@ -9,13 +8,12 @@ from stepbot.robot.model import Robot
 from stepbot.robot.self_collision import PairClass
 from stepbot.sidecar.settings import SelfCollisionSection
 
-from .building import build
+from .building import built_of
 from .composing import compose
 from .conversion import Options
 from .describing import described_robot
-from .loading import Loading
 from .self_collisions import by_depth, with_self_collision
-from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
+from .sidecars import SIDECAR_SUFFIXES, load, named_step
 
 
 def search(
@@ -57,15 +55,10 @@ def robot_of(target: Path, options: Options, found: Diagnostics) -> tuple[Robot,
         StepbotError: There are errors.
     """
     if target.suffix.lower() in SIDECAR_SUFFIXES:
-        # The robot of a sidecar, and what the sidecar requests.
         sidecar = load(target, options, found)
         if sidecar.document.modules:
             return compose(sidecar, options, found).robot, sidecar.document.self_collision
-        with closing(Loading(named_step(sidecar, found), what_to_read(sidecar, options), options, found)) as loading:
-            built = build(sidecar, loading.assembly(found), loading, options, found)
-            found.raise_if_errors()
-            assert built is not None  # a missing robot always has an error
-            built.double_counting.report(options.timeout)
+        built, _ = built_of(sidecar, named_step(sidecar, found), options, found)
         return built.robot, sidecar.document.self_collision
     described = described_robot(target, options, found, drawn=False)
     return None if described is None else (described, None)

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Mapping as MappingType
-from contextlib import closing
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -10,8 +9,6 @@ from pathlib import Path
 from stepbot.compose.changing import changed, with_names
 from stepbot.compose.joining import composed
 from stepbot.diagnostics import Diagnostics, Span, StepbotError, did_you_mean
-from stepbot.engines.observation import Request
-from stepbot.engines.reference import observe_robot
 from stepbot.report.robot import Check
 from stepbot.revisions import lock_path
 from stepbot.robot.joint_table import JointRow
@@ -30,14 +27,13 @@ from stepbot.sidecar.own_part import own_part
 from stepbot.sidecar.starter import robot_name
 from stepbot.sidecar.tree import Mapping, way
 from stepbot.sidecar.variants import merged
-from stepbot.verification.joint_rows import joint_rows
+from stepbot.verification.joint_rows import joint_rows_of
 from stepbot.verification.modules import ALLOWED, Alone, module_checks, module_deviations
 
-from .building import build, places
+from .building import built_of, places
 from .conversion import Options, is_description
 from .expectations import check_expected
-from .loading import Loading
-from .sidecars import LIBRARY, SIDECAR_SUFFIXES, load, named_step, what_to_read
+from .sidecars import LIBRARY, SIDECAR_SUFFIXES, load, named_step
 
 DEEPEST = 8
 """Most modules within modules."""
@@ -66,7 +62,7 @@ class Composed:
     @property
     def joint_table(self) -> tuple[JointRow, ...]:
         """Where each joint is, with all joints at 0."""
-        return joint_rows(observe_robot(self.robot, Request("", "", configurations=({},))))
+        return joint_rows_of(self.robot)
 
 
 def compose(sidecar: Sidecar, options: Options, found: Diagnostics) -> Composed:
@@ -169,12 +165,7 @@ class _Files:
 
     def _from_step(self, sidecar: Sidecar, step: Path, found: Diagnostics) -> Robot:
         self._note(step)
-        with closing(Loading(step, what_to_read(sidecar, self._options), self._options, found)) as loading:
-            assembly = loading.assembly(found)
-            built = build(sidecar, assembly, loading, self._options, found)
-            found.raise_if_errors()
-            assert built is not None  # a missing robot always has an error
-            built.double_counting.report(self._options.timeout)
+        built, assembly = built_of(sidecar, step, self._options, found)
         self._note(*(step.parent / name for name in assembly.external_files))
         return built.robot
 

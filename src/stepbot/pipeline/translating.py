@@ -15,12 +15,9 @@ from stepbot.described.finding import ASSUMED, Finding
 from stepbot.described.robot import Described, robot_of_description
 from stepbot.diagnostics import Diagnostics, Ignore, Span
 from stepbot.engines.description import Description
-from stepbot.engines.observation import Request
-from stepbot.engines.reference import observe_robot
 from stepbot.engines.workers import check_required
 from stepbot.formats import format_named
 from stepbot.robot.gains import tuned
-from stepbot.robot.joint_table import JointRow
 from stepbot.robot.mesh_names import portable_name
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Robot
 from stepbot.robot.validity import check_robot
@@ -29,7 +26,7 @@ from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
 from stepbot.sidecar.references import UNPORTABLE
 from stepbot.sidecar.settings import SelfCollisionSection
-from stepbot.verification.joint_rows import joint_rows
+from stepbot.verification.joint_rows import joint_rows_of
 
 from .conversion import Checked, Conversion, Options, is_description
 from .describing import place_of, read_description
@@ -87,7 +84,7 @@ def produce_translation(
         report = compared_with_source(path, description, described, written, report, options, found)
     report_unused(found, _JUDGED + judged_by_files(options))
     inputs = input_hashes(input_names(path, description.files))
-    report = replace(report, inputs=inputs, joint_table=joint_table_at_zero(robot))
+    report = replace(report, inputs=inputs, joint_table=joint_rows_of(robot))
     if options.strict:
         found.make_strict()
     return Conversion(found, robot, all_files(written, report, options, found), report)
@@ -103,7 +100,7 @@ def check_description(path: Path, options: Options, found: Diagnostics) -> Check
     robot, _ = _robot(path, _read(path, options, found), options, found)
     report_unused(found, _JUDGED)
     joints = len(robot.joints) + len(robot.closures)
-    return Checked("", len(robot.links), joints, joint_table_at_zero(robot), robot_words(robot))
+    return Checked("", len(robot.links), joints, joint_rows_of(robot), robot_words(robot))
 
 
 def robot_of_file(path: Path, options: Options, found: Diagnostics) -> tuple[Robot, tuple[Path, ...]]:
@@ -114,11 +111,6 @@ def robot_of_file(path: Path, options: Options, found: Diagnostics) -> tuple[Rob
     """
     description = _read(path, options, found)
     return _robot(path, description, options, found)[0], description.files
-
-
-def joint_table_at_zero(robot: Robot) -> tuple[JointRow, ...]:
-    """Where each joint is, with all joints at 0."""
-    return joint_rows(observe_robot(robot, Request("", "", configurations=({},)), dynamics=False))
 
 
 def _read(path: Path, options: Options, found: Diagnostics) -> Description:

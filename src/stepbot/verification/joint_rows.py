@@ -4,11 +4,18 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from stepbot.engines.observation import Observation
+from stepbot.engines.observation import Observation, Request
+from stepbot.engines.reference import observe_robot
 from stepbot.geometry.spatial import Pose, Vector3, vector3
 from stepbot.robot.joint_table import JointRow
+from stepbot.robot.model import Robot
 
 _DECIMALS = 9
+
+
+def joint_rows_of(robot: Robot) -> tuple[JointRow, ...]:
+    """Where each joint of a robot is, with all joints at 0."""
+    return joint_rows(observe_robot(robot, Request("", "", configurations=({},)), dynamics=False))
 
 
 def joint_rows(seen: Observation) -> tuple[JointRow, ...]:
