@@ -44,15 +44,15 @@ def command(
     """
     from stepbot.pipeline.verdict import compared_words
     from stepbot.report.document import Suite, report_document
+    from stepbot.runtime.worker import Workers
     from stepbot.verification import verify_files
 
     found = Diagnostics()
     found.ignore(Ignore(code, Span("stepbot")) for code in ignore)
     with progress_bar(("verify",)) as progress:
         progress("verify")
-        report = verify_files(
-            files, found, require=require, timeout=timeout, memory_limit=memory_limit, packages=package_path
-        )
+        workers = Workers(timeout, memory_limit)
+        report = verify_files(files, found, require=require, workers=workers, packages=package_path)
     if strict:
         found.make_strict()
     document = report_document(report, found)

@@ -12,6 +12,7 @@ from stepbot.engines.workers import check_required
 from stepbot.formats import FORMATS
 from stepbot.formats.lowering import lower
 from stepbot.report.robot import Report, Status
+from stepbot.runtime.worker import Workers
 from stepbot.verification import verify_files
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS
@@ -64,7 +65,7 @@ def test_three_formats_are_the_same_robot(name: str, tmp_path: Path) -> None:
     folder = write(robot, tmp_path)
     found = Diagnostics()
     same = [one.path for format_, one in folder.written.items() if not _is_another_robot(name, format_)]
-    report = verify_files(same, found, timeout=120.0)
+    report = verify_files(same, found, workers=Workers(120.0))
     assert not list(found)
     assert not report.failed
     names = {row.name for row in report.joint_table}
@@ -84,7 +85,7 @@ def test_a_difference_between_files_is_found(arm: Folder, found: ReadDiagnostics
     skip_without("mujoco")
     right = arm.written["urdf"].path
     wrong = _copy(arm, "mjcf", "heavy.xml", ('mass="0.972', 'mass="0.973'))
-    report = verify_files([right, wrong], found, timeout=120.0)
+    report = verify_files([right, wrong], found, workers=Workers(120.0))
     assert ("mujoco", "mass") in _failed(report)
     assert ("mujoco", "poses") not in _failed(report)
     masses = next(one for one in found if one.code == "SB803" and ": mass: " in one.message)
@@ -107,7 +108,7 @@ def test_engines_that_disagree_about_one_file(arm: Folder, found: ReadDiagnostic
     assert zero in inertial
     path = arm.written["urdf"].path.with_name("no_inertial.urdf")
     path.write_text(text[:start] + text[start + len(inertial) :], encoding="utf-8")
-    report = verify_files([path], found, timeout=120.0)
+    report = verify_files([path], found, workers=Workers(120.0))
     assert ("pybullet", "mass") in _failed(report)
     assert ("yourdfpy", "mass") not in _failed(report)
     assert {"SB803", "SB813"} <= set(found.codes())
@@ -118,7 +119,7 @@ def test_an_engine_that_dies_is_a_diagnostic(arm: Folder, found: ReadDiagnostics
     """Two roots crash PyBullet; the results of the other engines are still reported."""
     skip_without("pybullet")
     path = _copy(arm, "urdf", "two_roots.urdf", ('<link name="base">', '<link name="other"/><link name="base">'))
-    report = verify_files([path], found, timeout=120.0)
+    report = verify_files([path], found, workers=Workers(120.0))
     assert ("pybullet", "load") in _failed(report)
     (death,) = (diagnostic for diagnostic in found if diagnostic.code == "SB802")
     assert death.message == "pybullet: killed by SIGSEGV"
@@ -147,7 +148,7 @@ def test_a_required_engine_that_is_unknown_or_missing(
 ) -> None:
     """An unknown or missing required engine is SB005, with a similar name, and exit code 2."""
     monkeypatch.setattr(engine_of("mujoco"), "available", lambda: "mujoco is not installed")
-    report = verify_files([arm.written["mjcf"].path], found, require=("mujoko", "mujoco"), timeout=120.0)
+    report = verify_files([arm.written["mjcf"].path], found, require=("mujoko", "mujoco"), workers=Workers(120.0))
     unknown, missing = (diagnostic for diagnostic in found if diagnostic.code == "SB005")
     assert unknown.help == ("did you mean 'mujoco'?",)
     assert missing.message == "--require mujoco: mujoco is not installed"
@@ -190,7 +191,7 @@ def test_the_same_file_twice_is_one(arm: Folder) -> None:
     """A path given twice is not compared with itself."""
     found = Diagnostics()
     path = arm.written["sdf"].path
-    report = verify_files([path, path], found, timeout=120.0)
+    report = verify_files([path, path], found, workers=Workers(120.0))
     assert not list(found)
     assert {check.against for check in report.checks} == {"itself", "reader"} & ({"itself"} | INSTALLED)
 
@@ -202,7 +203,7 @@ def test_names_of_files_are_those_of_the_user(
     """Relative paths stay relative in checks and messages."""
     monkeypatch.chdir(arm.path)
     name = arm.written["sdf"].path.name
-    report = verify_files([Path(name)], found, timeout=120.0)
+    report = verify_files([Path(name)], found, workers=Workers(120.0))
     assert {check.file for check in report.checks} == {name}
     assert not found.codes()
 
@@ -233,7 +234,7 @@ def test_a_number_that_one_engine_reads_is_compared(
     skip_without("yourdfpy")
     changed = _copy(arm, written_in, f"changed.{written_in}", (old, new))
     files = [changed if name == written_in else arm.written[name].path for name in ("urdf", "sdf", "mjcf")]
-    report = verify_files(files, found, timeout=120.0)
+    report = verify_files(files, found, workers=Workers(120.0))
     assert quantity in {name for _, name in _failed(report)}
     assert any(where in diagnostic.message + "".join(diagnostic.notes) for diagnostic in found)
 
@@ -252,7 +253,9 @@ def test_where_a_loop_closes_is_compared_with_the_file_that_has_loops(
     x, *rest = place.split()
     site = f'<site name="rocker_pin::{side}" class="mark" pos="'
     moved = _copy(folder, "mjcf", "moved.xml", (f"{site}{place}", f"{site}{' '.join([str(float(x) + 1e-6), *rest])}"))
-    report = verify_files([folder.written["urdf"].path, folder.written["sdf"].path, moved], found, timeout=120.0)
+    report = verify_files(
+        [folder.written["urdf"].path, folder.written["sdf"].path, moved], found, workers=Workers(120.0)
+    )
     assert _failed(report) == {("mujoco", "closures")}
     (wrong,) = found
     assert f"closure 'rocker_pin', point on link {side}: 1e-06 m off" in wrong.notes[0]

@@ -175,6 +175,7 @@ def verify(
     Returns:
         The report with every check, and the diagnostics.
     """
+    from stepbot.runtime.worker import Workers
     from stepbot.verification import verify_files
 
     found = Diagnostics()
@@ -183,8 +184,7 @@ def verify(
         [Path(file) for file in files],
         found,
         require=several(require),
-        timeout=timeout,
-        memory_limit=memory_limit,
+        workers=Workers(timeout, memory_limit),
         packages=tuple(map(Path, several(package_path))),
     )
     if strict:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from stepbot.report.results import Results
     from stepbot.robot.joint_table import JointRow
     from stepbot.robot.model import Robot
+    from stepbot.runtime.worker import Workers
 
 
 _SUFFIXES = (".urdf", ".xacro", ".sdf", ".xml", ".mjcf", ".world", ".usd", ".usda", ".usdc", ".proto")
@@ -79,6 +80,13 @@ class Options(NamedTuple):
     """Programs for learning that get a Python file which loads the robot."""
     gazebo: str = ""
     """Name of the Gazebo model that the SDFormat names in the paths of its meshes; empty for relative paths."""
+
+    @property
+    def workers(self) -> "Workers":
+        """How functions on foreign data run."""
+        from stepbot.runtime.worker import Workers
+
+        return Workers(self.timeout, self.memory_limit)
 
 
 class Checked(NamedTuple):

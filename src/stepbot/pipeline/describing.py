@@ -16,7 +16,7 @@ from stepbot.engines.macros.expressions import Expanded
 from stepbot.robot.model import Robot
 from stepbot.runtime.file import exists, open_regular, resolved
 from stepbot.runtime.temporary import run_folder
-from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
+from stepbot.runtime.worker import RemoteError, WorkerDied
 from stepbot.verification.admission import admitted, robot_file
 from stepbot.verification.files import format_of
 
@@ -46,7 +46,7 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
     written_in = format_of(path, found)
     if written_in is None:
         return None
-    if not admitted({path: written_in}, found, timeout=options.timeout, memory_limit=options.memory_limit):
+    if not admitted({path: written_in}, found, options.workers):
         return None
     if has_macros(path):
         return _expanded(path, options, found)
@@ -58,23 +58,21 @@ def _described(
 ) -> Description | None:
     """The content of a file that engines may read; with ``macros``, messages name the files that it is from."""
     span = Span(path.as_posix())
-    with Worker(_DESCRIBE, memory_limit=options.memory_limit) as worker:
-        try:
-            description: Description = worker.submit(str(openable(path)), written_in, options.package_path).result(
-                options.timeout
-            )
-        except RemoteError as error:
-            if error.kind not in ("EngineRefused", "EngineCannotRead"):
-                raise
-            first, *more = error.text.splitlines() or [""]
-            text, line = _without_line(first)
-            span = Span(span.file, line) if macros is None else Span(*macros.places[min(line, len(macros.places) - 1)])
-            found.add("SB823", text, span, notes=more)
-            return None
-        except WorkerDied as death:
-            message = f"the process that reads the description died: {death.reason}"
-            found.add("SB902", message, span, notes=death.last_lines)
-            return None
+    try:
+        names = str(openable(path)), written_in
+        description: Description = options.workers.call(_DESCRIBE, *names, options.package_path)
+    except RemoteError as error:
+        if error.kind not in ("EngineRefused", "EngineCannotRead"):
+            raise
+        first, *more = error.text.splitlines() or [""]
+        text, line = _without_line(first)
+        span = Span(span.file, line) if macros is None else Span(*macros.places[min(line, len(macros.places) - 1)])
+        found.add("SB823", text, span, notes=more)
+        return None
+    except WorkerDied as death:
+        message = f"the process that reads the description died: {death.reason}"
+        found.add("SB902", message, span, notes=death.last_lines)
+        return None
     if not description.observation.links:
         found.add("SB823", "the file has no links", span if macros is None else Span(macros.places[0].file))
         return None
@@ -99,13 +97,12 @@ def _expanded(path: Path, options: Options, found: Diagnostics) -> Description |
         )
         return None
     given = dict(options.xacro)
-    with Worker(_EXPAND, memory_limit=options.memory_limit) as worker:
-        try:
-            asked = worker.submit(str(openable(path)), given, tuple(map(resolved, options.package_path)))
-            macros: Expanded = asked.result(options.timeout)
-        except WorkerDied as death:
-            found.add("SB902", f"the process that expands macros died: {death.reason}", span, notes=death.last_lines)
-            return None
+    packages = tuple(map(resolved, options.package_path))
+    try:
+        macros: Expanded = options.workers.call(_EXPAND, str(openable(path)), given, packages)
+    except WorkerDied as death:
+        found.add("SB902", f"the process that expands macros died: {death.reason}", span, notes=death.last_lines)
+        return None
     shown = {str(resolved(path)): path.as_posix()}
     macros = macros._replace(places=tuple(one._replace(file=shown.get(one.file, one.file)) for one in macros.places))
     if macros.error:

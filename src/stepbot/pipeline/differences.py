@@ -83,14 +83,7 @@ def _modules(old: Robot, new: Robot) -> tuple[list[Difference], Robot]:
 
 def differing_robots(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
     """Compare two robot files as engines load them; None if either cannot be read at all."""
-    results = compare_two(
-        old,
-        new,
-        found,
-        timeout=options.timeout,
-        memory_limit=options.memory_limit,
-        packages=options.package_path,
-    )
+    results = compare_two(old, new, found, options.workers, options.package_path)
     if results is None:
         return None
     lacking = not_compared(results)

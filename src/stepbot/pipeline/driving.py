@@ -126,7 +126,7 @@ def _drive_written(
     files = {engine: path for engine, path in files.items() if engine not in not_run}
     formats = {path: ENGINES[engine] for engine, path in files.items()}
     timeout, memory_limit = options.timeout, options.memory_limit
-    places, _ = located(formats, options.package_path, copies, found, timeout=timeout, memory_limit=memory_limit)
+    places, _ = located(formats, options.package_path, copies, found, options.workers)
     if len(places) < len(formats):
         return None
     files = {engine: places[path] for engine, path in files.items()}

@@ -25,9 +25,7 @@ def with_self_collision(robot: Robot, wanted: SelfCollisionSection, options: Opt
         found.add("SB817", f"self-collision: {reason}", span)
         return robot
     try:
-        searched = find_self_collision(
-            robot, wanted.samples, options.cache, timeout=options.timeout, memory_limit=options.memory_limit
-        )
+        searched = find_self_collision(robot, wanted.samples, options.cache, options.workers)
     except WorkerDied as death:
         found.add("SB817", f"self-collision: {death.reason}", span, notes=death.last_lines)
         return robot

@@ -22,7 +22,6 @@ from stepbot.robot.model import Joint, JointKind, Robot
 from stepbot.robot.multi_dof import steps_by_child, unfolded
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
-from stepbot.runtime.worker import Worker
 from stepbot.verification.counterparts import Renaming
 from stepbot.verification.source import NOT_CONFIRMED, Converted, verify_against_source
 
@@ -92,9 +91,7 @@ def compared_with_source(
             chains or one_sided or (options.package_path and description.observation.format != MJCF.name)
         ):  # which has no packages
             read, source = source, Path(folder) / f"source{source.suffix}"
-            with Worker(_COPIED, memory_limit=options.memory_limit) as worker:
-                asked = worker.submit(str(openable(read)), str(source), options.package_path, chains)
-                asked.result(options.timeout)
+            options.workers.call(_COPIED, str(openable(read)), str(source), options.package_path, chains)
         if chains:
             kinds = {joint.name: joint.kind for joint in description.observation.joints}
             joints = ", ".join(f"'{name}' ({kinds[name]})" for name in chains)
@@ -107,8 +104,7 @@ def compared_with_source(
             _lost(described, description),
             Renaming(described.names.links, described.names.joints, described.names.frames),
             found,
-            timeout=options.timeout,
-            memory_limit=options.memory_limit,
+            options.workers,
         )
     return replace(report, checks=(*report.checks, *checks))
 

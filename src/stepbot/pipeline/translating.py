@@ -23,7 +23,6 @@ from stepbot.robot.model import Actuator, ActuatorKind, Base, Robot
 from stepbot.robot.validity import check_robot
 from stepbot.runtime.file import resolved
 from stepbot.runtime.fork_server import ForkServer
-from stepbot.runtime.worker import Worker
 from stepbot.sidecar.references import UNPORTABLE
 from stepbot.sidecar.settings import SelfCollisionSection
 from stepbot.verification.joint_rows import joint_rows_of
@@ -168,8 +167,7 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
 def _with_assumed(described: Described, options: Options) -> Described:
     """The robot with mass properties from its geometry where the file states none that are possible."""
     robot, findings = described.robot, list[Finding]()
-    with Worker("stepbot.described.assumed:solids_of", memory_limit=options.memory_limit) as worker:
-        solids = worker.submit(lacking(robot)).result(options.timeout)
+    solids = options.workers.call("stepbot.described.assumed:solids_of", lacking(robot))
     robot = with_assumed(robot, solids, options.assume_inertia, findings)
     return replace(described, robot=robot, findings=(*described.findings, *findings))
 

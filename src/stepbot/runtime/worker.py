@@ -22,7 +22,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cache
 from types import TracebackType
-from typing import IO, Any, BinaryIO, NoReturn, Protocol
+from typing import IO, Any, BinaryIO, NamedTuple, NoReturn, Protocol
 
 from .memory import DEFAULT_TIMEOUT
 from .processes import end_with_parent, interpreter, start_process, worker_environment
@@ -217,8 +217,26 @@ def call_isolated(
         WorkerDied: The process ended without a result.
         RemoteError: The function raised.
     """
-    with Worker(function, memory_limit=memory_limit) as worker:
-        return worker.submit(*arguments).result(timeout)
+    return Workers(timeout, memory_limit).call(function, *arguments)
+
+
+class Workers(NamedTuple):
+    """How functions run in workers of their own."""
+
+    timeout: float = DEFAULT_TIMEOUT
+    """Time limit [s] of each call."""
+    memory_limit: int | None = None
+    """Address space [bytes] of each; None for no limit."""
+    start: Start | None = None
+    """Starts them; None for the one set by :func:`started_by`, or a new interpreter."""
+
+    def call(self, function: str, *arguments: Any) -> Any:
+        """Call ``package.module:function``; raises what :meth:`Worker.result` does."""
+        with Worker(function, memory_limit=self.memory_limit, start=self.start) as worker:
+            return worker.submit(*arguments).result(self.timeout)
+
+
+DEFAULT_WORKERS = Workers()
 
 
 def spawned(function: str, memory_limit: int | None, stderr: BinaryIO) -> Process:

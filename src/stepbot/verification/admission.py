@@ -16,7 +16,7 @@ from stepbot.formats import FORMATS
 from stepbot.formats.features import Feature, Level
 from stepbot.robot.step_names import is_step_name
 from stepbot.runtime.file import exists, is_file, is_folder, open_regular
-from stepbot.runtime.worker import Start, Worker, WorkerDied
+from stepbot.runtime.worker import WorkerDied, Workers
 
 SCENES = (".drake.sdf", *(written.scene for written in FORMATS.values() if written.scene))
 """Ends of the names of files that contain the robot of a main file once more."""
@@ -96,26 +96,15 @@ _EXAMINE = "stepbot.engines.examination:examine"
 _MOST_NOTES = 5
 
 
-def admitted(
-    formats: Mapping[Path, str],
-    found: Diagnostics,
-    *,
-    timeout: float,
-    memory_limit: int | None = None,
-    start: Start | None = None,
-) -> dict[Path, str]:
+def admitted(formats: Mapping[Path, str], found: Diagnostics, workers: Workers) -> dict[Path, str]:
     """The files that engines may read, each with its format.
 
     Args:
         formats: The files and their formats.
         found: Receives SB820 for rejected files.
-        timeout: Time limit [s] of the check of one file.
-        memory_limit: Address space [bytes] of the process that checks; None for no limit.
-        start: Starts that process; None to start a new interpreter.
+        workers: Check the files, each in one.
     """
-    copies = dict.fromkeys(formats)
-    examined = _examined(formats, copies, (), found, timeout=timeout, memory_limit=memory_limit, start=start)
-    return {path: formats[path] for path, _ in examined}
+    return {path: formats[path] for path, _ in _examined(formats, dict.fromkeys(formats), (), found, workers)}
 
 
 def located(
@@ -123,10 +112,7 @@ def located(
     packages: Iterable[Path],
     folder: Path,
     found: Diagnostics,
-    *,
-    timeout: float,
-    memory_limit: int | None = None,
-    start: Start | None = None,
+    workers: Workers,
 ) -> tuple[dict[Path, Path], dict[Path, tuple[Statement, ...]]]:
     """The files that engines may read, and where they find each: a copy with absolute paths, if it names packages.
 
@@ -137,16 +123,12 @@ def located(
         packages: Folders of packages, or the folders that contain them; those above a file are searched, too.
         folder: Receives the copies.
         found: Receives SB820 for rejected files, and SB861 for those whose meshes are missing.
-        timeout: Time limit [s] for one file.
-        memory_limit: Address space [bytes] of the process that reads it; None for no limit.
-        start: Starts that process; None to start a new interpreter.
+        workers: Read the files, each in one.
     """
     copies: dict[Path, Path | None] = {path: folder / str(n) / path.name for n, path in enumerate(formats)}
     places, said = {}, {}
     shared = len(set(formats.values())) < len(formats)
-    for path, one in _examined(
-        formats, copies, tuple(packages), found, stated=shared, timeout=timeout, memory_limit=memory_limit, start=start
-    ):
+    for path, one in _examined(formats, copies, tuple(packages), found, workers, stated=shared):
         copy = copies[path]
         if one.missing:
             _report_missing(path, one.missing, found)
@@ -161,25 +143,22 @@ def _examined(
     copies: Mapping[Path, Path | None],
     packages: tuple[Path, ...],
     found: Diagnostics,
+    workers: Workers,
     *,
     stated: bool = False,
-    timeout: float,
-    memory_limit: int | None,
-    start: Start | None,
 ) -> Iterator[tuple[Path, Examined]]:
     """The files that engines may read, with what was found in each."""
     for path, written_in in formats.items():
         copy = copies[path]
         if copy is not None:
             copy.parent.mkdir()
-        with Worker(_EXAMINE, memory_limit=memory_limit, start=start) as worker:
-            asked = worker.submit(str(path), written_in, str(openable(path)), str(copy or ""), packages, stated)
-            try:
-                examined: Examined = asked.result(timeout)
-            except WorkerDied as death:
-                message = f"the process that reads the file's references died: {death.reason}"
-                found.add("SB902", message, Span(path.as_posix()), notes=death.last_lines)
-                continue
+        names = str(path), written_in, str(openable(path)), str(copy or "")
+        try:
+            examined: Examined = workers.call(_EXAMINE, *names, packages, stated)
+        except WorkerDied as death:
+            message = f"the process that reads the file's references died: {death.reason}"
+            found.add("SB902", message, Span(path.as_posix()), notes=death.last_lines)
+            continue
         for one in examined.refusals:
             found.add(one.code, one.message, Span(Path(one.file).as_posix(), one.line))
         if not examined.refusals:

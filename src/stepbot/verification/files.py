@@ -25,8 +25,8 @@ from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import configurations, rates
 from stepbot.robot.model import Link, Robot
 from stepbot.runtime.file import open_regular
-from stepbot.runtime.memory import DEFAULT_TIMEOUT
 from stepbot.runtime.temporary import run_folder
+from stepbot.runtime.worker import DEFAULT_WORKERS, Workers
 
 from .admission import admitted, is_robot_file, located
 from .compare import Compared
@@ -59,8 +59,7 @@ def verify_files(
     found: Diagnostics,
     *,
     require: Iterable[str] = (),
-    timeout: float = DEFAULT_TIMEOUT,
-    memory_limit: int | None = None,
+    workers: Workers = DEFAULT_WORKERS,
     packages: Iterable[Path] = (),
 ) -> Report:
     """Load every file in every engine that reads it, and compare the observations.
@@ -69,13 +68,12 @@ def verify_files(
         paths: The files; the others are compared with the first.
         found: Receives the diagnostics: unreadable files, engines that reject a file or crash, differences.
         require: Engines whose absence is an error.
-        timeout: Time limit [s] of each engine.
-        memory_limit: Address space [bytes] of each engine; None for no limit.
+        workers: Run the engines.
         packages: Folders of the packages that the files name, or the folders that contain them.
     """
     required = tuple(require)
     check_required(required, found)
-    asked, outcomes = observed(paths, found, timeout=timeout, memory_limit=memory_limit, packages=tuple(packages))
+    asked, outcomes = observed(paths, found, workers, packages=tuple(packages))
     check_started(required, outcomes, found)
     checks = judge(outcomes, asked, found)
     return report_of(checks, outcomes, joint_table=_named(asked.joint_table, outcomes))
@@ -92,9 +90,7 @@ def compare_two(
     old: Path,
     new: Path,
     found: Diagnostics,
-    *,
-    timeout: float = DEFAULT_TIMEOUT,
-    memory_limit: int | None = None,
+    workers: Workers,
     packages: Iterable[Path] = (),
 ) -> "tuple[Compared, ...] | None":
     """Compare one file with another in everything that engines report of both; None if either cannot be read.
@@ -104,14 +100,11 @@ def compare_two(
         new: The file that is compared.
         found: Receives the errors of files that cannot be read, and of engines that cannot read one of them; SB815 for
             a file that no engine reads.
-        timeout: Time limit [s] of each engine.
-        memory_limit: Address space [bytes] of each engine; None for no limit.
+        workers: Run the engines.
         packages: Folders of the packages that the files name, or the folders that contain them.
     """
     reported = Diagnostics()
-    asked, outcomes = observed(
-        (old, new), reported, timeout=timeout, memory_limit=memory_limit, count=1, seconds=0.0, packages=tuple(packages)
-    )
+    asked, outcomes = observed((old, new), reported, workers, count=1, seconds=0.0, packages=tuple(packages))
     of_file = {_key(path): [outcome for outcome in outcomes if outcome.key == _key(path)] for path in (old, new)}
     for key, some in of_file.items():
         list(checks_within(key, some, reported))
@@ -130,9 +123,8 @@ def compare_two(
 def observed(
     paths: Sequence[Path],
     found: Diagnostics,
+    workers: Workers,
     *,
-    timeout: float,
-    memory_limit: int | None,
     count: int = CONFIGURATIONS,
     seconds: float = SECONDS,
     renamed: Mapping[str, Renaming] | None = None,
@@ -143,8 +135,7 @@ def observed(
     Args:
         paths: The files; the same motions are asked of all, in the coordinates of the first.
         found: Receives the errors of files that cannot be read.
-        timeout: Time limit [s] of each engine.
-        memory_limit: Address space [bytes] of each engine; None for no limit.
+        workers: Run the engines.
         count: Number of random configurations.
         seconds: Duration [s] of the passive simulation.
         renamed: By absolute path, the names under which files are compared.
@@ -154,19 +145,18 @@ def observed(
     formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
     with ExitStack() as running:
         server = started_engine_server()
-        start = running.enter_context(server).fork if server is not None else None
+        if server is not None:
+            workers = workers._replace(start=running.enter_context(server).fork)
         if packages is None:
-            formats = admitted(formats, found, timeout=timeout, memory_limit=memory_limit, start=start)
+            formats = admitted(formats, found, workers)
             places, said = {path: path for path in formats}, dict[Path, tuple[Statement, ...]]()
         else:
             copies = Path(running.enter_context(TemporaryDirectory(dir=run_folder())))
-            places, said = located(
-                formats, packages, copies, found, timeout=timeout, memory_limit=memory_limit, start=start
-            )
+            places, said = located(formats, packages, copies, found, workers)
             formats = {path: formats[path] for path in places}
         keys = {_key(path): name for path, name in formats.items()}
-        engines = running.enter_context(Engines(keys, memory_limit, start))
-        observe = in_a_process(timeout, memory_limit, start)
+        engines = running.enter_context(Engines(keys, workers.memory_limit, workers.start))
+        observe = in_a_process(workers)
 
         def observe_renamed(engine: Engine, request: Request) -> Observation | None:
             name = names.get(request.file, UNCHANGED)
@@ -179,7 +169,8 @@ def observed(
         asked = ask(formats, places, probe, count=count, seconds=seconds)
         asked = replace(asked, paired=paired, said={_key(path): one for path, one in said.items()})
         engines.submit({key: names.get(one.file, UNCHANGED).asked(one) for key, one in asked.requests.items()})
-        return asked, [_renamed(one, names.get(asked.requests[one.key].file)) for one in engines.results(timeout)]
+        outcomes = engines.results(workers.timeout)
+        return asked, [_renamed(one, names.get(asked.requests[one.key].file)) for one in outcomes]
 
 
 def _paired(

@@ -8,7 +8,7 @@ from stepbot.engines import Engine, engines_for
 from stepbot.engines.file_references import openable
 from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.geometry.spatial import Pose
-from stepbot.runtime.worker import RemoteError, Start, Worker, WorkerDied
+from stepbot.runtime.worker import RemoteError, WorkerDied, Workers
 
 from .chains import Chain, Edge, chain, coordinates, edges_said_differently, is_known
 from .correspondence import Correspondence, match
@@ -20,22 +20,15 @@ Observe = Callable[[Engine, Request], Observation | None]
 """Runs an engine; None if it fails: it will be run again later, and its failure reported then."""
 
 
-def in_a_process(timeout: float, memory_limit: int | None, start: Start | None) -> Observe:
-    """Runs engines, each in a separate process.
-
-    Args:
-        timeout: Time limit [s] of each engine.
-        memory_limit: Address space [bytes]; None for no limit.
-        start: Starts the process; None to start a new interpreter.
-    """
+def in_a_process(workers: Workers) -> Observe:
+    """Runs engines, each in a separate process."""
 
     def observe(engine: Engine, request: Request) -> Observation | None:
-        with Worker(engine.observe_function, memory_limit=memory_limit, start=start) as worker:
-            try:
-                seen: Observation = worker.submit(request).result(timeout)
-            except (RemoteError, WorkerDied):
-                return None
-            return seen
+        try:
+            seen: Observation = workers.call(engine.observe_function, request)
+        except (RemoteError, WorkerDied):
+            return None
+        return seen
 
     return observe
 

@@ -15,7 +15,7 @@ from stepbot.engines.file_references import openable
 from stepbot.engines.observation import Observation, ObservedActuator, ObservedShape, Quantity
 from stepbot.report.robot import Check
 from stepbot.robot.model import ActuatorKind, Limit
-from stepbot.runtime.memory import DEFAULT_TIMEOUT
+from stepbot.runtime.worker import Workers
 
 from .counterparts import Renaming
 from .files import observed
@@ -85,9 +85,7 @@ def verify_against_source(
     lost: Mapping[Quantity, str],
     names: Renaming,
     found: Diagnostics,
-    *,
-    timeout: float = DEFAULT_TIMEOUT,
-    memory_limit: int | None = None,
+    workers: Workers,
 ) -> tuple[Check, ...]:
     """The checks of every file against the file that it was converted from.
 
@@ -97,16 +95,14 @@ def verify_against_source(
         lost: Quantities with declared losses, each with the reason not to compare it.
         names: Names that the conversion changed.
         found: Receives differences, and SB867 if no engine reads the source.
-        timeout: Time limit [s] of each engine.
-        memory_limit: Address space [bytes] of each engine; None for no limit.
+        workers: Run the engines.
     """
     name = PurePath(span.file).name
     reported = Diagnostics()  # engines that reject a written file are reported by the comparison with the model
     asked, outcomes = observed(
         (source, *files),
         reported,
-        timeout=timeout,
-        memory_limit=memory_limit,
+        workers,
         renamed={str(openable(source)): names, **{str(openable(path)): one.names for path, one in files.items()}},
     )
     of_source = [outcome for outcome in outcomes if outcome.key == source.as_posix()]

@@ -11,7 +11,7 @@ from stepbot.robot.kinematics import Tree
 from stepbot.robot.model import Robot
 from stepbot.robot.self_collision import SelfCollision
 from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
-from stepbot.runtime.worker import Start, Worker
+from stepbot.runtime.worker import Start, Worker, Workers
 
 from .search import Overlap, placed, separate_links
 from .shapes import available, only_collisions, prepare
@@ -147,19 +147,16 @@ class Collider:
         self._worker.close()
 
 
-def find_self_collision(
-    robot: Robot, samples: int, cache: Cache | None, *, timeout: float, memory_limit: int | None
-) -> SelfCollision:
+def find_self_collision(robot: Robot, samples: int, cache: Cache | None, workers: Workers) -> SelfCollision:
     """The classes of all pairs of links, from the cache or from a process of its own.
 
     Args:
         samples: Number of poses.
         cache: Where results are kept; None for nowhere.
-        timeout: Time limit [s].
-        memory_limit: Address space [bytes] of the process; None for no limit.
+        workers: Search, in one.
 
     Raises:
-        WorkerDied: The process ended without a result, or took longer than ``timeout``.
+        WorkerDied: The process ended without a result, or took too long.
         RemoteError: The function raised; of kind ``DoesNotClose`` if the drawn pose is not closed.
     """
     subject = only_collisions(robot)
@@ -167,8 +164,7 @@ def find_self_collision(
     key = _key("self-collision", subject, str(samples)) if cache is not None else ""
     known = results.get(key) if key else None
     if known is None:
-        with Worker(f"{_ROOM}.search:matrix", memory_limit=memory_limit) as worker:
-            known = worker.submit(subject, samples).result(timeout)
+        known = workers.call(f"{_ROOM}.search:matrix", subject, samples)
         if key:
             results.put(key, known)
     return known
