@@ -28,7 +28,7 @@ from .conversion import REPORT, Checked, Conversion, Options, is_description, wr
 from .loading import Loading, input_hashes, input_names
 from .sidecars import SIDECAR_SUFFIXES, load, named_step, what_to_read
 from .verdict import robot_words
-from .writing import all_files, judged_by_files, proven, rendered, report_unused, started_proof
+from .writing import all_files, judged_by_files, proven, rendered, report_unused, started_provers
 
 __all__ = ["REPORT", "Conversion", "Inspection", "Options", "check", "convert", "inspect", "produce", "step_of"]
 
@@ -103,9 +103,9 @@ def _produce(
             step = options.step or named_step(sidecar, found)
             loading = Loading(step, what_to_read(sidecar, options), options, found, kernel)
             running.enter_context(closing(loading))
-        proof = started_proof(formats, options, server)
-        if proof is not None:
-            running.enter_context(closing(proof))
+        provers = started_provers(formats, options, server)
+        if provers is not None:
+            running.enter_context(provers)
         if loading is None:
             from .composing import compose
 
@@ -135,7 +135,7 @@ def _produce(
         found.raise_if_errors()
 
         progress("verify")
-        report = proven(written, proof, found)
+        report = proven(written, provers, options, found)
     report_unused(found, _JUDGED_BY_BUILD + judged_by_files(options))
     motors = {one.name: one.motor for one in robot.actuators if one.motor is not None}
     report = replace(

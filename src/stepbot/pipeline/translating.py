@@ -5,7 +5,7 @@ the file that they came from.
 """
 
 from collections.abc import Callable, Iterable
-from contextlib import ExitStack, closing
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 
@@ -32,7 +32,7 @@ from .describing import place_of, read_description
 from .loading import input_hashes, input_names
 from .self_collisions import with_self_collision
 from .verdict import robot_words
-from .writing import Rendered, all_files, judged_by_files, proven, rendered, report_unused, started_proof
+from .writing import Rendered, all_files, judged_by_files, proven, rendered, report_unused, started_provers
 
 __all__ = ["check_description", "is_description", "produce_translation"]
 
@@ -60,9 +60,9 @@ def produce_translation(
     if options.verify:
         check_required(options.require, found)
     with ExitStack() as running:
-        proof = started_proof(formats, options, server)
-        if proof is not None:
-            running.enter_context(closing(proof))
+        provers = started_provers(formats, options, server)
+        if provers is not None:
+            running.enter_context(provers)
         description = _read(path, options, found)
         progress("build")
         robot, described = _robot(path, description, options, found)
@@ -76,7 +76,7 @@ def produce_translation(
             found.make_strict()
         found.raise_if_errors()
         progress("verify")
-        report = proven(written, proof, found)
+        report = proven(written, provers, options, found)
     if options.verify:
         from .source_proof import compared_with_source
 

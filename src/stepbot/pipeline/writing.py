@@ -35,56 +35,6 @@ from stepbot.verification import Provers, Written, verify
 from .conversion import REPORT, REPORT_PAGE, Options
 from .prestart import started_server
 
-
-class Proof:
-    """Engines that will check the files of a conversion; they import while the kernel works."""
-
-    def __init__(self, formats: Sequence[str], options: Options, server: ForkServer | None) -> None:
-        """Start them.
-
-        Args:
-            formats: The formats to write.
-            server: A process started in advance to start them; None to start one.
-        """
-        self._options = options
-        self._provers = Provers(formats, memory_limit=options.memory_limit, server=server or started_server(options))
-
-    def report(
-        self,
-        robot: Robot,
-        lowered: Mapping[str, Robot],
-        files: Mapping[str, Mapping[str, bytes]],
-        found: Diagnostics,
-    ) -> Report:
-        """Verify the files in a temporary folder, before anything in the output folder is changed.
-
-        Args:
-            robot: The expected robot.
-            lowered: For each format, the robot as that format expresses it.
-            files: For each format, the bytes of its files.
-            found: Receives SB8xx and SB9xx.
-        """
-        options = self._options
-        with TemporaryDirectory(dir=run_folder()) as folder:
-            place = Path(folder) / (
-                options.package or options.gazebo
-            )  # where `package://` and `model://` find the meshes
-            write_atomically(joined(files), place)
-            written = {name: Written(place / next(iter(files[name])), one) for name, one in lowered.items()}
-            contents = {name: content_digest(of_format) for name, of_format in files.items()}
-            for name, one in lowered.items():
-                for beside in (one for one in format_named(name).writer.companions(one) if one.format):
-                    written[beside.format] = Written(place / beside.path, beside.robot)
-                    contents[beside.format] = contents[name]
-            observations = ObservationCache(options.cache, contents)
-            provers, require, timeout = self._provers, options.require, options.timeout
-            return verify(robot, written, provers, found, require=require, timeout=timeout, observations=observations)
-
-    def close(self) -> None:
-        """End all processes that still run."""
-        self._provers.close()
-
-
 _NEVER_UNUSED = ("SB31", "SB465")
 """Codes of CAD changes, which come with a change and go with the next lock file, and one of `check --step` alone."""
 
@@ -154,23 +104,45 @@ def _listed(by_format: Mapping[str, Mapping[str, bytes]]) -> tuple[WrittenFile, 
     return tuple(listed)
 
 
-def started_proof(formats: Sequence[Format], options: Options, server: ForkServer | None) -> "Proof | None":
-    """The engines that will verify the files; None if verification is disabled."""
+def started_provers(formats: Sequence[Format], options: Options, server: ForkServer | None) -> Provers | None:
+    """The engines that will verify the files, which import while the kernel works; None if none is to.
+
+    Args:
+        server: A process started in advance to start them; None to start one.
+    """
     if not options.verify:
         return None
+    names = [written.name for written in formats]
+    return Provers(names, memory_limit=options.memory_limit, server=server or started_server(options))
 
-    return Proof([written.name for written in formats], options, server)
 
-
-def proven(written: Rendered, proof: "Proof | None", found: Diagnostics) -> Report:
-    """The report on the files; without a proof, on the robot alone."""
+def proven(written: Rendered, provers: Provers | None, options: Options, found: Diagnostics) -> Report:
+    """The report on the files; without engines, on the robot alone."""
     robot = written.robot
-    if proof is not None:
-        report = proof.report(robot, written.lowered, written.by_format, found)
+    if provers is not None:
+        report = _verified(written, provers, options, found)
     else:
         driven = driven_joints(robot) if robot.closures else ()
         report = Report(robot=robot, degrees_of_freedom=degrees_of_freedom(robot), driven=driven)
     return replace(report, files=written.listed, names=_sources(written))
+
+
+def _verified(written: Rendered, provers: Provers, options: Options, found: Diagnostics) -> Report:
+    """Verify the files in a temporary folder, before anything in the output folder is changed."""
+    with TemporaryDirectory(dir=run_folder()) as folder:
+        place = Path(folder) / (options.package or options.gazebo)  # where `package://` and `model://` find the meshes
+        write_atomically(joined(written.by_format), place)
+        files = {
+            name: Written(place / next(iter(written.by_format[name])), one) for name, one in written.lowered.items()
+        }
+        contents = {name: content_digest(of_format) for name, of_format in written.by_format.items()}
+        for name, one in written.lowered.items():
+            for beside in (one for one in format_named(name).writer.companions(one) if one.format):
+                files[beside.format] = Written(place / beside.path, beside.robot)
+                contents[beside.format] = contents[name]
+        observations = ObservationCache(options.cache, contents)
+        require, timeout = options.require, options.timeout
+        return verify(written.robot, files, provers, found, require=require, timeout=timeout, observations=observations)
 
 
 def _sources(written: Rendered) -> dict[str, str]:
