@@ -77,12 +77,17 @@ def unpicked(
 
     Raises:
         Invalid: It is none of such a record.
+        TypeError: With ``has_defaults``, a field without a default is null.
     """
     hints, values = _hints(cast(Hashable, kind)), dict[str, Any]()
-    for key, _, name in (key.partition("=") for key in keys.split()):
-        if (name or key) not in given:
-            value = value_at(document, key, hints[name or key] | None if has_defaults else hints[name or key], where)
-            values |= {} if value is None else {name or key: value}
+    for key, _, field in (key.partition("=") for key in keys.split()):
+        name = field or key
+        if name in given:
+            continue
+        if name not in hints:
+            raise Invalid(f"{where}.{key}: unknown")
+        value = value_at(document, key, hints[name] | None if has_defaults else hints[name], where)
+        values |= {} if value is None else {name: value}
     return kind(**values, **given)
 
 
@@ -123,6 +128,9 @@ def _value(kind: Any, value: Any, where: str) -> Any:
     if hasattr(kind, "from_xyz_rpy"):
         return kind.from_xyz_rpy(*(value_at(value, key, Vector3, where) for key in ("xyz", "rpy")))
     if isinstance(kind, EnumType):
+        known = [one.value for one in cast(type[Enum], kind)]
+        if value not in known:
+            raise Invalid(f"{where}: expected one of {', '.join(map(str, known))}")
         return kind(value)
     if not isinstance(value, Mapping):
         raise Invalid(f"{where}: expected an object")
