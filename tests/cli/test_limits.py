@@ -7,6 +7,7 @@ import threading
 import time
 from pathlib import Path
 
+import click
 import pytest
 
 from stepbot.diagnostics import StepbotError
@@ -107,3 +108,17 @@ def test_a_log_gets_lines(monkeypatch: pytest.MonkeyPatch) -> None:
         begin("verify")
         assert printed.wait(60.0)
     assert "stepbot: verifying in the engines, 0 s\n" in log.getvalue()
+
+
+def test_a_quiet_command_leaves_out_the_lines(monkeypatch: pytest.MonkeyPatch) -> None:
+    """`-q` of the command that runs is known from its context."""
+    log = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", log)
+    monkeypatch.delenv(NO_PROGRESS)
+    monkeypatch.setattr("stepbot_cli.progress.BETWEEN_LINES", 0.01)
+    context = click.Context(click.Command("convert"))
+    context.params["quiet"] = True
+    with context, progress_bar() as begin:
+        begin("verify")
+        time.sleep(0.1)
+    assert "verifying" not in log.getvalue()
