@@ -12,8 +12,8 @@ from stepbot.geometry.spatial import Array, perpendicular_frame
 
 from .camera import VIEWS, Camera, View, camera_of
 from .layout import Color, Columns, Drawing, Place, Placed, Wanted, anchors, extent, placed
-from .raytrace import Renderer
-from .scene import Axis, OwnedScene, Subject, scene_of
+from .raytrace import Renderer, Scene
+from .scene import Axis, Subject, scene_of
 
 AXIS_COLOR: Color = (196, 64, 16)
 _FAINT = 0.38
@@ -137,25 +137,25 @@ def draw(subject: Subject, sheet: Sheet) -> Picture:
         NothingToDraw: No shape of the subject has a surface.
         ModuleNotFoundError: A package of the extra ``render`` is missing.
     """
-    owned = scene_of(subject, sheet.view)
-    if owned is None:
+    scene = scene_of(subject, sheet.view)
+    if scene is None:
         raise NothingToDraw("nothing to draw: no visible part has a surface")
     room = 1.0 - 2.0 * _column_share(subject, sheet) if sheet.labels else 1.0
-    camera = camera_of(owned.scene.vertices, sheet.view, sheet.width, sheet.height, room)
-    renderer = Renderer(owned.scene, camera)
+    camera = camera_of(scene.vertices, sheet.view, sheet.width, sheet.height, room)
+    renderer = Renderer(scene, camera)
     triangles = renderer.triangles()
-    visible = np.where(triangles >= 0, owned.owners[triangles], -1)
+    visible = np.where(triangles >= 0, scene.owners[triangles], -1)
     found = anchors(visible)
     pixels = renderer.picture(sheet.samples)
     unlabelled: tuple[str, ...] = ()
     if sheet.labels:
         drawing = Drawing(pixels, _text_size(sheet))
-        size = float(np.linalg.norm(np.ptp(owned.scene.vertices, axis=0)))
+        size = float(np.linalg.norm(np.ptp(scene.vertices, axis=0)))
         for axis in subject.axes:
             draw_axis(drawing, renderer, camera, axis, size)
-        unlabelled = _label(drawing, subject, owned, camera, sheet, visible, found)
+        unlabelled = _label(drawing, subject, scene, camera, sheet, visible, found)
         pixels = drawing.done()
-    drawn = set(owned.owners.tolist())
+    drawn = set(scene.owners.tolist())
     hidden = tuple(name for owner, name in enumerate(subject.names) if owner in drawn and owner not in found)
     return Picture(pixels, hidden, {subject.names[owner]: place for owner, place in found.items()}, unlabelled)
 
@@ -176,14 +176,14 @@ def png_bytes(pixels: NDArray[np.uint8], texts: dict[str, str] | None = None) ->
 def _label(
     drawing: Drawing,
     subject: Subject,
-    owned: OwnedScene,
+    scene: Scene,
     camera: Camera,
     sheet: Sheet,
     visible: NDArray[np.int32],
     found: dict[int, Place],
 ) -> tuple[str, ...]:
     """Add the labels; returns the names for which there is no room."""
-    wanted = _wanted(subject, owned, camera, found)
+    wanted = _wanted(subject, scene, camera, found)
     size = _text_size(sheet)
     left, _, right, _ = extent(visible)
     column = _column_share(subject, sheet) * sheet.width
@@ -207,13 +207,13 @@ def _label(
     return tuple(label.text for label in wanted if label.text not in texts)
 
 
-def _wanted(subject: Subject, owned: OwnedScene, camera: Camera, found: dict[int, Place]) -> list[Wanted]:
+def _wanted(subject: Subject, scene: Scene, camera: Camera, found: dict[int, Place]) -> list[Wanted]:
     labels = []
-    for owner in dict.fromkeys(owned.owners.tolist()):
+    for owner in dict.fromkeys(scene.owners.tolist()):
         if owner in found:
             labels.append(Wanted(subject.names[owner], found[owner]))
             continue
-        points = owned.scene.vertices[np.unique(owned.scene.triangles[owned.owners == owner])]
+        points = scene.vertices[np.unique(scene.triangles[scene.owners == owner])]
         labels.append(Wanted(subject.names[owner], _place(camera, _middle(points)), hidden=True))
     labels += [Wanted(axis.name, _place(camera, np.array(axis.point)), kind="joint") for axis in subject.axes]
     return labels

@@ -61,6 +61,8 @@ class Scene:
     """Linear colour of each triangle, shape (m, 3)."""
     floor: float
     """Height [m] of the floor; ``-inf`` for none."""
+    owners: NDArray[np.int32]
+    """Whose each triangle is, shape (m,): an index of names."""
 
 
 class Renderer:

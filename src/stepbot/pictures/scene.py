@@ -55,26 +55,16 @@ class Subject:
     axes: tuple[Axis, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class OwnedScene:
-    """The triangles of a subject."""
-
-    scene: Scene
-    owners: NDArray[np.int32]
-    """Index in :attr:`Subject.names` for each triangle."""
-
-
-def scene_of(subject: Subject, view: View) -> OwnedScene | None:
+def scene_of(subject: Subject, view: View) -> Scene | None:
     """The triangles of a subject in the world; None if there are none."""
     shapes = [shape for shape in subject.shapes if len(shape.mesh.faces)]
     if not shapes:
         return None
     points = np.concatenate([shape.X_WG.apply(shape.mesh.vertices) for shape in shapes])
     floor = float(points[:, 2].min()) if view.floor and view.elevation >= 0.0 else NEVER
-    return OwnedScene(
-        Scene(points, _triangles(shapes), np.concatenate([_face_colors(shape) for shape in shapes]), floor),
-        np.concatenate([np.full(len(shape.mesh.faces), shape.owner, dtype=np.int32) for shape in shapes]),
-    )
+    colors = np.concatenate([_face_colors(shape) for shape in shapes])
+    owners = np.concatenate([np.full(len(shape.mesh.faces), shape.owner, dtype=np.int32) for shape in shapes])
+    return Scene(points, _triangles(shapes), colors, floor, owners)
 
 
 def _triangles(shapes: Sequence[Shape]) -> NDArray[np.int32]:

@@ -198,11 +198,13 @@ class Session:
         triangle = _triangle(question.get("triangle"))
         if index is None or assembly.components[index].body < 0 or triangle is None:
             raise Refused("no such face")
-        face = clicked_face(assembly, index, triangle)
-        if face is None:
+        found = clicked_face(assembly, index, triangle)
+        if found is None:
             return {"why": "This face has no axis."}
+        face, origin = found
         line = {"component": question["component"], "point": face.point, "direction": face.direction}
-        return {"kind": face.kind, "radius": face.radius, "origin": face.origin, "line": line}
+        kind = "cone" if face.cone else "bore" if face.bore else "shaft"
+        return {"kind": kind, "radius": face.radius, "origin": origin, "line": line}
 
 
 def _signature(files: Iterable[Path]) -> Signature:

@@ -28,24 +28,10 @@ _ON_SURFACE = 2e-6
 is a micrometre."""
 
 
-@dataclass(frozen=True)
-class ClickedFace:
-    """A cylindrical or conical face with its axis."""
-
-    kind: str
-    """``bore``, ``shaft`` or ``cone``."""
-    radius: float
-    """[m]; of a cone, the larger one."""
-    origin: str
-    """Value of ``origin`` in a sidecar: ``{axis_of: "motor/horn", radius: 8 mm}``."""
-    point: Vector3
-    """A point of the axis [m], in the component's frame."""
-    direction: Vector3
-    """Unit direction of the axis, in the component's frame."""
-
-
-def clicked_face(assembly: Assembly, component: int, triangle: Sequence[Sequence[float]]) -> ClickedFace | None:
-    """The face that a triangle belongs to; None if the face has no axis.
+def clicked_face(
+    assembly: Assembly, component: int, triangle: Sequence[Sequence[float]]
+) -> tuple[AxisFace, str] | None:
+    """The face that a triangle belongs to, and the ``origin`` of its axis in a sidecar; None if the face has no axis.
 
     Args:
         component: Index of the component.
@@ -62,8 +48,7 @@ def clicked_face(assembly: Assembly, component: int, triangle: Sequence[Sequence
     placed = face.moved(assembly.components[component].X_WC)
     index = min(range(len(found)), key=lambda i: _apart(found[i], placed))
     origin = f"{{axis_of: {quoted(assembly.components[component].path)}{selectors(found)[index]}}}"
-    kind = "cone" if face.cone else "bore" if face.bore else "shaft"
-    return ClickedFace(kind, face.radius, origin, face.point, face.direction)
+    return face, origin
 
 
 def _nearest_triangle(body: Body, drawn: Array) -> Array:

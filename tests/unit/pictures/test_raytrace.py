@@ -10,8 +10,8 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.pictures import raytrace
 from stepbot.pictures.camera import TANGENT, VIEWS, View, camera_of
-from stepbot.pictures.raytrace import BACKGROUND, Renderer
-from stepbot.pictures.scene import OwnedScene, Shape, Subject, scene_of
+from stepbot.pictures.raytrace import BACKGROUND, Renderer, Scene
+from stepbot.pictures.scene import Shape, Subject, scene_of
 from stepbot.runtime.worker import Worker
 
 GREY = np.array((0.5, 0.5, 0.5))
@@ -23,7 +23,7 @@ def shape(mesh: trimesh.Trimesh, X_WG: Pose = IDENTITY, owner: int = 0) -> Shape
     return Shape(TriMesh.of(mesh.vertices, mesh.faces), X_WG, GREY, owner)
 
 
-def owned_scene(*shapes: Shape, view: View = VIEWS["front"]) -> OwnedScene:
+def scene_with(*shapes: Shape, view: View = VIEWS["front"]) -> Scene:
     """The triangles of shapes, with a name for each."""
     found = scene_of(Subject(shapes, tuple(f"link_{i}" for i in range(len(shapes)))), view)
     assert found is not None
@@ -32,7 +32,7 @@ def owned_scene(*shapes: Shape, view: View = VIEWS["front"]) -> OwnedScene:
 
 def test_the_silhouette_of_a_sphere_has_its_area() -> None:
     """A sphere of radius r at distance d is a disc of radius tan(asin(r / d)) at distance 1."""
-    scene = owned_scene(shape(trimesh.creation.icosphere(5, radius=0.3))).scene
+    scene = scene_with(shape(trimesh.creation.icosphere(5, radius=0.3)))
     camera = camera_of(scene.vertices, VIEWS["front"], WIDTH, HEIGHT)
     distance = float(np.linalg.norm(camera.position))
     radius = tan(asin(0.3 / distance)) / TANGENT * HEIGHT / 2
@@ -44,7 +44,7 @@ def test_the_silhouette_of_a_sphere_has_its_area() -> None:
 def test_the_silhouette_of_a_box_is_its_near_face(view: str) -> None:
     """Seen along an axis, a box is the rectangle of its near face: rows and columns to the pixel."""
     size = np.array((0.4, 0.6, 0.3))
-    scene = owned_scene(shape(trimesh.creation.box(extents=size)), view=VIEWS[view]).scene
+    scene = scene_with(shape(trimesh.creation.box(extents=size)), view=VIEWS[view])
     camera = camera_of(scene.vertices, VIEWS[view], WIDTH, HEIGHT)
     depth, across, up = {"front": (0, 1, 2), "left": (1, 0, 2), "top": (2, 1, 0)}[view]
     scale = HEIGHT / TANGENT / 2 / (float(np.linalg.norm(camera.position)) - size[depth] / 2)
@@ -56,7 +56,7 @@ def test_the_silhouette_of_a_box_is_its_near_face(view: str) -> None:
 
 def test_points_behind_a_surface_are_hidden() -> None:
     """A box hides what is behind and inside of it, not what is in front of or beside it."""
-    scene = owned_scene(shape(trimesh.creation.box(extents=(0.2, 0.2, 0.2)))).scene
+    scene = scene_with(shape(trimesh.creation.box(extents=(0.2, 0.2, 0.2))))
     camera = camera_of(scene.vertices, VIEWS["front"], WIDTH, HEIGHT)
     points = np.array([(-0.5, 0, 0), (0, 0, 0), (0.09, 0, 0), (0.11, 0, 0), (0.3, 0, 0), (0, 0.15, 0)])
     assert Renderer(scene, camera).hides(points, 1e-4).tolist() == [True, True, True, False, False, False]
@@ -65,16 +65,16 @@ def test_points_behind_a_surface_are_hidden() -> None:
 def test_the_nearer_of_two_shapes_is_visible() -> None:
     """The owner of the visible triangle is the shape nearer to the camera."""
     box = trimesh.creation.box(extents=(0.1, 0.1, 0.1))
-    found = owned_scene(shape(box, Pose.of(position=(-0.5, 0, 0)), 0), shape(box, Pose.of(position=(0.5, 0, 0)), 1))
-    camera = camera_of(found.scene.vertices, VIEWS["front"], WIDTH, HEIGHT)
-    assert found.owners[Renderer(found.scene, camera).triangles()[HEIGHT // 2, WIDTH // 2]] == 1
+    found = scene_with(shape(box, Pose.of(position=(-0.5, 0, 0)), 0), shape(box, Pose.of(position=(0.5, 0, 0)), 1))
+    camera = camera_of(found.vertices, VIEWS["front"], WIDTH, HEIGHT)
+    assert found.owners[Renderer(found, camera).triangles()[HEIGHT // 2, WIDTH // 2]] == 1
 
 
 def test_the_background_is_plain_and_shadows_are_dark() -> None:
     """Above the horizon every pixel is paper; in the shadow of a box on the floor it is darker."""
-    found = owned_scene(shape(trimesh.creation.box(extents=(0.2, 0.2, 0.2))), view=View(0.0, 20.0))
-    camera = camera_of(found.scene.vertices, View(0.0, 20.0), WIDTH, HEIGHT)
-    picture = Renderer(found.scene, camera).picture(2)
+    found = scene_with(shape(trimesh.creation.box(extents=(0.2, 0.2, 0.2))), view=View(0.0, 20.0))
+    camera = camera_of(found.vertices, View(0.0, 20.0), WIDTH, HEIGHT)
+    picture = Renderer(found, camera).picture(2)
     paper = picture[0, 0]
     assert (picture[0] == paper).all()
     (beside,) = np.rint(camera.project((0.0, 0.12, -0.1))).astype(int)  # the key light comes from the left
@@ -85,9 +85,9 @@ def test_the_background_is_plain_and_shadows_are_dark() -> None:
 def test_soft_light_has_no_noise() -> None:
     """On a ball and in the penumbra of its shadow, no pixel differs from the mean of its neighbours by 2 levels."""
     view = VIEWS["corner"]
-    found = owned_scene(shape(trimesh.creation.icosphere(5, radius=0.3)), view=view)
-    camera = camera_of(found.scene.vertices, view, WIDTH, HEIGHT)
-    renderer = Renderer(found.scene, camera)
+    found = scene_with(shape(trimesh.creation.icosphere(5, radius=0.3)), view=view)
+    camera = camera_of(found.vertices, view, WIDTH, HEIGHT)
+    renderer = Renderer(found, camera)
     grey = renderer.picture(3).mean(axis=2)
     around = np.stack([np.roll(grey, shift, axis) for axis in (0, 1) for shift in (-1, 1)])
     seen = renderer.triangles() != BACKGROUND
@@ -101,20 +101,20 @@ def test_soft_light_has_no_noise() -> None:
 
 def test_a_scene_gives_the_same_pixels_again() -> None:
     """Nothing in the light is random."""
-    found = owned_scene(shape(trimesh.creation.icosphere(2, radius=0.3)), view=VIEWS["corner"])
-    camera = camera_of(found.scene.vertices, VIEWS["corner"], 80, 60)
-    first, second = (Renderer(found.scene, camera).picture(2) for _ in range(2))
+    found = scene_with(shape(trimesh.creation.icosphere(2, radius=0.3)), view=VIEWS["corner"])
+    camera = camera_of(found.vertices, VIEWS["corner"], 80, 60)
+    first, second = (Renderer(found, camera).picture(2) for _ in range(2))
     np.testing.assert_array_equal(first, second)
 
 
 def test_processes_draw_the_same_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
     """A picture whose bands three processes draw is that of one process."""
-    found = owned_scene(shape(trimesh.creation.icosphere(2, radius=0.3)), view=VIEWS["corner"])
-    camera = camera_of(found.scene.vertices, VIEWS["corner"], 160, 120)
-    alone = Renderer(found.scene, camera).picture(1)
+    found = scene_with(shape(trimesh.creation.icosphere(2, radius=0.3)), view=VIEWS["corner"])
+    camera = camera_of(found.vertices, VIEWS["corner"], 160, 120)
+    alone = Renderer(found, camera).picture(1)
     monkeypatch.setattr(raytrace, "_RAYS_OF_A_PROCESS", 160 * 40)
     monkeypatch.setattr(raytrace, "core_count", lambda: 8)
     started = []
     monkeypatch.setattr(raytrace, "Worker", lambda function: started.append(function) or Worker(function))
-    np.testing.assert_array_equal(Renderer(found.scene, camera).picture(1), alone)
+    np.testing.assert_array_equal(Renderer(found, camera).picture(1), alone)
     assert len(started) == 2

@@ -46,9 +46,9 @@ def test_a_joint_moves_the_pixels_of_its_link(kind: JointKind, q: float, middle:
     """From the top, the middle of the visible pixels of the link is where kinematics puts the plate."""
     robot = turning(kind)
     subject = robot_subject(robot, posed(robot, {"joint": q}))
-    owned = scene_of(subject, TOP.view)
-    assert owned is not None
-    camera = camera_of(owned.scene.vertices, TOP.view, TOP.width, TOP.height)
+    scene = scene_of(subject, TOP.view)
+    assert scene is not None
+    camera = camera_of(scene.vertices, TOP.view, TOP.width, TOP.height)
     ((x, y),) = camera.project((*middle, 0.001))
     assert draw(subject, TOP).places["arm"] == pytest.approx((x, y), abs=1.5)
 
