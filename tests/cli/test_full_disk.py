@@ -12,7 +12,7 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.jobs.batch.summary import INDEX, write_index
 from stepbot.pictures.picture import Picture
-from stepbot_cli.picture_file import write_picture
+from stepbot_cli.render import write_picture
 
 from .conftest import Stepbot
 
