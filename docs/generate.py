@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from click import Context
+from drive_table import drive_table
 from mapping_page import mapping_page
 from reference import REFERENCE, reference_page  # beside this file
 
@@ -71,10 +72,11 @@ def _example(folder: Path) -> str:
 
 
 _LIMITS = re.compile(r"(<!-- limits -->\n).*?(<!-- end of limits -->)", re.DOTALL)
+_LIBRARY = re.compile(r"(<!-- library -->\n).*?(<!-- end of library -->)", re.DOTALL)
 
 
 def drive() -> str:
-    """docs/drive.md with the default limits."""
+    """docs/drive.md with the default limits and the table of the library."""
     rows = ["| test | quantity | limit | reason |", "| --- | --- | --- | --- |"]
     rows += [
         f"| {test} | {quantity} | {bound.value:g} {UNITS[quantity]} | {bound.why} |"
@@ -82,7 +84,9 @@ def drive() -> str:
         for quantity, bound in sorted(bounds.items())
     ]
     text = (ROOT / "docs" / "drive.md").read_text(encoding="utf-8")
-    return _LIMITS.sub(lambda match: match[1] + "\n" + "\n".join(rows) + "\n\n" + match[2], text)
+    for pattern, lines in ((_LIMITS, rows), (_LIBRARY, drive_table())):
+        text = pattern.sub(lambda match, lines=lines: "\n".join([match[1], *lines, "", match[2]]), text)
+    return text
 
 
 def api() -> str:

@@ -224,8 +224,9 @@ def _simple(shape: CollisionShape, points: Array, axes: Sequence[Array]) -> _Pla
         return box_around(points)
     if shape is CollisionShape.SPHERE:
         return sphere_around(points)
-    if shape is CollisionShape.CYLINDER:
-        return cylinder_around(points, axes)
+    if shape in (CollisionShape.CYLINDER, CollisionShape.WHEEL):
+        fit = cylinder_around(points, axes)
+        return fit if fit is None or shape is CollisionShape.CYLINDER else (Sphere(fit[0].radius), fit[1])
     assert shape is CollisionShape.CAPSULE
     return capsule_around(points, axes)
 

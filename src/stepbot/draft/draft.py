@@ -231,6 +231,8 @@ class DraftContact:
     """Path of the part; empty for the whole link."""
     material: ContactMaterial
     why: str
+    rolls: bool = False
+    """Whether the link is a wheel without rollers."""
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ Each is a proposal by the place of a link: on the ground, or at the end of a gri
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -80,16 +81,33 @@ class _Touching:
         axles = {name: float(np.array(self._moving[name].point) @ self._up) for name in names}
         level = min(axles[name] - radius for name, radius in wheels) + _SLIDING * min(radius for _, radius in wheels)
         for name in names:
-            what = "a tyre" if not self._rollers(name) else "a roller"
-            for link in self._rollers(name) or [name]:
-                yield _rubber(link, f"{what} on the ground, of one of {len(names)} wheels")
+            rollers = self._rollers(name)
+            for link in rollers or [name]:
+                what = "a roller" if rollers else "a tyre"
+                yield replace(_rubber(link, f"{what} on the ground, of one of {len(names)} wheels"), rolls=not rollers)
+        others = {link.name for link in self._draft.links} - names
+        heights = {(link, i): self._lowest(i) for link in others - self._rolling(names) for i in self._members[link]}
         why = "on the ground beside wheels, and no joint rolls it: little friction instead"
-        for link in {link.name for link in self._draft.links} - names - self._rolling(names):
-            for i in self._members[link]:
-                has_faces = i in self._scene.boxes
-                lowest = self._scene.span(i, self._up)[0] if has_faces else self._height([i]) + self._ground
-                if lowest < level:
-                    yield DraftContact(link, self._components[i].path, ContactMaterial.PTFE_ON_STEEL, why)
+        slide = level - min(axles[name] - radius for name, radius in wheels)
+        supports = others & self._rolling(names) or any(height < level for height in heights.values())
+        if not supports and heights and self._in_line(wheels):
+            level = min(heights.values()) + slide
+            why = "the lowest part of a base on wheels in one line, which leans on it: little friction"
+        for (link, i), height in heights.items():
+            if height < level:
+                yield DraftContact(link, self._components[i].path, ContactMaterial.PTFE_ON_STEEL, why)
+
+    def _in_line(self, wheels: Sequence[tuple[str, float]]) -> bool:
+        """Whether wheels are on one axle line."""
+        joints = [self._moving[name] for name, _ in wheels]
+        axle = np.array(joints[0].direction or ZERO3)
+        across = np.array([joint.point for joint in joints]) @ perpendicular_frame(axle)[:, :2]
+        return float(np.ptp(across, axis=0).max()) < _SLIDING * wheels[0][1]
+
+    def _lowest(self, index: int) -> float:
+        """Height [m] of the lowest point of a part in the assembly."""
+        has_faces = index in self._scene.boxes
+        return self._scene.span(index, self._up)[0] if has_faces else self._height([index]) + self._ground
 
     def on_feet(self) -> Iterator[DraftContact]:
         """The ends of limbs on the ground, if the root is above it."""

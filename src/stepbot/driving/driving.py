@@ -14,9 +14,10 @@ from stepbot.engines.simulation import Mechanism, Setup, Simulation
 from stepbot.report.robot import robot_of_report
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 
-from .experiments.base import drop, roll, stand, strafe
+from .experiments.base import drop, stand
 from .experiments.grip import grip
 from .experiments.motors import hold, step, sweep, torque, track
+from .experiments.wheels import roll, strafe, turn
 from .judgement import Status, Verdict, judge
 from .limits import Demands
 from .mechanism import Wheels, finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of
@@ -47,9 +48,6 @@ def drive(assignment: Assignment) -> tuple[Result | str, ...]:
         EngineRefused: The engine does not load the file.
     """
     results: list[Result | str] = []
-    if assignment.engine != "mujoco":  # URDF has no gains: its motors are the engine's own
-        motors = tuple(replace(motor, computed=False, braked=False) for motor in assignment.mechanism.motors)
-        assignment = replace(assignment, mechanism=replace(assignment.mechanism, motors=motors))
     with printed():
         for test in assignment.tests:
             stage = Stage(
@@ -76,7 +74,7 @@ def _opener(assignment: Assignment) -> Callable[[Setup], Simulation]:
 
 
 EXPERIMENTS: Mapping[str, Callable[[Stage], Result]] = {
-    one.__name__: one for one in (hold, step, track, sweep, torque, drop, grip, roll, strafe, stand)
+    one.__name__: one for one in (hold, step, track, sweep, torque, drop, grip, roll, turn, strafe, stand)
 }
 """The function of each test."""
 _DRIVE = "stepbot.driving.driving:drive"
@@ -169,7 +167,7 @@ class _Drive:
         pairs = finger_candidates(self._mechanism)
         fingers = (*pairs, *jaw_candidates(self._mechanism, pairs))
         with Worker(_SURVEY, memory_limit=self._memory_limit) as worker:
-            worker.submit(file, self._mechanism, fingers, self._demands.mass)
+            worker.submit(file, self._mechanism, fingers, self._demands.mass, self._demands.objects)
             survey: Survey | None = self._result("mujoco", worker)
         return survey
 

@@ -26,6 +26,9 @@ FACE = 1.5e-3
 """Depth [m] of the faces that grip: vertices behind the nearest point by less belong to them."""
 _TOUCHING = 1e-6
 """Depth [m] up to which the cube does not touch the robot."""
+_OUTWARDS = (0.0, 0.1, 0.2, 0.3, 0.4)
+"""Places of a given object, away from the hand, relative to its size: a large one touches the palm in the middle of the
+fingers."""
 _POSITIONS = 21
 _FAR = 1.0
 
@@ -46,11 +49,14 @@ class Grasp:
     """Narrowest and widest gap [m]."""
 
 
-def find_grasp(file: str, mechanism: Mechanism, fingers: Fingers, mass: float) -> Grasp | str:
+def find_grasp(
+    file: str, mechanism: Mechanism, fingers: Fingers, mass: float, given: Cube | None = None
+) -> Grasp | str:
     """The grasp of two groups of links, or why they are not fingers.
 
     Args:
         mass: Mass [kg] of the cube.
+        given: What to grip in its place.
     """
     room = _Room(file, mechanism, fingers)
     path = path_of(mechanism, fingers, _POSITIONS) if room.has_shapes else []
@@ -65,17 +71,20 @@ def find_grasp(file: str, mechanism: Mechanism, fingers: Fingers, mass: float) -
         return "the gap is not widest at one end of the range and narrowest at the other"
     if ends[0] < ends[1]:  # the path is to go from open to closed
         path, gaps = path[::-1], gaps[::-1]
-    edge, why = min(WIDEST, 0.5 * widest), ""
-    for _ in range(3):
+    edge, why = given.edge if given else min(WIDEST, 0.5 * widest), ""
+    for _ in range(1 if given else 3):
         near = next((i for i, gap in enumerate(gaps) if gap <= edge), len(gaps) - 1)
-        X_HC = room.cube_pose(path[near], path[max(0, near - 1)])
+        X_HC = room.cube_pose(path[near], path[max(near - 1, 0)], path[max(near, 1)])
         if X_HC is None:
             why = "the faces nearest to each other are not opposite each other"
         else:
-            grasp = Grasp(fingers, Cube(edge, mass), X_HC, path[0], path[-1][room.joint], (narrowest, widest))
-            if not overlap(file, mechanism, grasp):
-                return grasp
-            why = f"a cube of {1e3 * edge:.0f} mm between them touches the open hand"
+            cube = given or Cube(edge, mass)
+            for out in _OUTWARDS if given else (0.0,):
+                X_HO = X_HC @ Pose.of(position=(0.0, 0.0, out * edge))
+                grasp = Grasp(fingers, cube, X_HO, path[0], path[-1][room.joint], (narrowest, widest))
+                if not overlap(file, mechanism, grasp):
+                    return grasp
+            why = f"a {cube} between them touches the open hand"
         edge *= 0.7
     return why
 
@@ -125,9 +134,15 @@ class _Room:
         pairs = [self._simulation.distance(a, b, _FAR) for a, b in product(*self._sides)]
         return min(pairs, key=lambda pair: pair[0])
 
-    def cube_pose(self, q: Mapping[str, float], before: Mapping[str, float]) -> Pose | None:
-        """Pose of the cube in the hand: x is the direction in which the fingers close; None if they do not face it."""
-        moved = self._centres(q) - self._centres(before)
+    def cube_pose(self, q: Mapping[str, float], before: Mapping[str, float], after: Mapping[str, float]) -> Pose | None:
+        """Pose of the cube in the hand: x is the direction in which the fingers close; None if they do not face it.
+
+        Args:
+            q: Configuration in which they touch the cube.
+            before: One of two configurations between which they close, ...
+            after: ... and the other one.
+        """
+        moved = self._centres(after) - self._centres(before)
         closing = moved[0] - moved[1]
         if np.linalg.norm(closing) < 1e-9:
             return None

@@ -98,7 +98,7 @@ def _judge_grips(engine: str, span: Span, result: Result, bound: Bound, facts: F
         lost = grip.loss is not None
         if lost:
             fates.append(fate(grip))
-        what = fates[-1] if lost else _excess(Measure("slip", grip.slip, grip.joint), bound)
+        what = fates[-1] if lost else _excess(Measure("slip", grip.slip, f"{grip.joint}, {grip.cube}"), bound)
         notes = () if lost else (f"the limit: {bound.why}",)
         found.add(
             "SB830",

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from stepbot.engines.simulation import SHAPES, Cube
+
 UNITS: Mapping[str, str] = {
     "angle error": "rad",
     "angle error with other gains": "rad",
@@ -36,6 +38,8 @@ UNITS: Mapping[str, str] = {
     "sideways": "mm",
     "heading": "deg",
     "return error": "mm",
+    "turn error": "%",
+    "displacement": "mm",
     "tilt": "deg",
     "tilt at rest": "deg",
     "tilt after push": "deg",
@@ -96,10 +100,16 @@ LIMITS: Mapping[str, Mapping[str, Bound]] = {
     },
     "roll": {
         **_ANY,
-        "distance error": Bound(5.0, "wheels that roll without slip cover speed x time, but for starting and stopping"),
+        "distance error": Bound(1.0, "wheels that roll without slip cover speed x time, but for starting and stopping"),
         "heading": Bound(2.0, "35 mm aside per metre"),
-        "sideways": Bound(20.0, "with the heading above, on the way of 0.6 m"),
-        "return error": Bound(30.0, "5 % of the way of 0.6 m"),
+        "sideways": Bound(70.0, "with the heading above, on the way of 2 m"),
+        "return error": Bound(40.0, "1 % of the way there and back"),
+        "tilt": Bound(3.0, "all wheels stay on the floor"),
+    },
+    "turn": {
+        **_ANY,
+        "turn error": Bound(2.0, "7 degrees in a turn: the error of odometry from wheels that do not slip"),
+        "displacement": Bound(20.0, "the middle of the wheels stays where it is"),
         "tilt": Bound(3.0, "all wheels stay on the floor"),
     },
     "strafe": {
@@ -136,14 +146,16 @@ class Demands:
     """The tests that must apply; empty for those that the model decides."""
     mass: float = 0.2
     """Mass [kg] of the cube to grip."""
+    objects: tuple[Cube, ...] = ()
+    """What fingers grip in place of the cube, with its mass."""
 
 
 def demands(content: Mapping[str, Any] | None) -> Demands:
     """The limits with those of a robot.
 
     Args:
-        content: The object ``drive`` of a file of limits: ``tests``, ``cube`` [kg], and under ``limits`` for each test
-            and quantity ``[value, reason]``. None for the default limits.
+        content: The object ``drive`` of a file of limits: ``tests``, ``cube`` [kg], ``objects`` [m], and under
+            ``limits`` for each test and quantity ``[value, reason]``. None for the default limits.
 
     Raises:
         InvalidLimits: A test or quantity is unknown, or a limit is not a number with a reason.
@@ -152,9 +164,9 @@ def demands(content: Mapping[str, Any] | None) -> Demands:
         return Demands(LIMITS)
     if not isinstance(content, Mapping):
         raise InvalidLimits("'drive' is not an object")
-    unknown = sorted(set(content) - {"tests", "limits", "cube"})
+    unknown = sorted(set(content) - {"tests", "limits", "cube", "objects"})
     if unknown:
-        raise InvalidLimits(f"unknown key '{unknown[0]}'; expected tests, limits or cube")
+        raise InvalidLimits(f"unknown key '{unknown[0]}'; expected tests, limits, cube or objects")
     tests, mass = content.get("tests", []), content.get("cube", Demands.mass)
     if not isinstance(tests, list) or not set(map(str, tests)) <= set(LIMITS):
         raise InvalidLimits(f"'tests' is not a list of {', '.join(LIMITS)}")
@@ -173,7 +185,17 @@ def demands(content: Mapping[str, Any] | None) -> Demands:
             if not (isinstance(bound, list) and len(bound) == 2 and _is_number(bound[0]) and str(bound[1]).strip()):
                 raise InvalidLimits(f'limits: {test}: {quantity}: expected [number, "reason"]')
             limits[test][quantity] = Bound(float(bound[0]), str(bound[1]))
-    return Demands(limits, tuple(map(str, tests)), float(mass))
+    return Demands(limits, tuple(map(str, tests)), float(mass), _objects(content.get("objects", []), float(mass)))
+
+
+def _objects(given: object, mass: float) -> tuple[Cube, ...]:
+    """Objects to grip, each ``[shape, size]``."""
+    found = []
+    for pair in given if isinstance(given, list) else [given]:
+        if not (isinstance(pair, list) and len(pair) == 2 and pair[0] in SHAPES and _is_number(pair[1]) and pair[1]):
+            raise InvalidLimits(f"'objects' is not a list of [shape, size in m], with a shape of {', '.join(SHAPES)}")
+        found.append(Cube(float(pair[1]), mass, pair[0]))
+    return tuple(found)
 
 
 def _is_number(value: object) -> bool:

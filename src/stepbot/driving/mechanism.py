@@ -23,6 +23,8 @@ _NUDGE = 0.01
 """Motion [rad] or [m] of a motor by which the joints that it moves are found."""
 _STILL = 1e-5
 """Motion [rad] or [m] of a joint that does not move with it."""
+_IN_LINE = 0.02
+"""Distance of axles along the base, relative to that of the wheels from its middle, up to which they are in line."""
 _FEWEST_LIMBS = 2
 _FEWEST_ROLLERS = 3
 
@@ -46,6 +48,8 @@ class Wheels:
     """Direction of driving forwards, in the root link."""
     rollers: tuple[tuple[str, ...], ...] = ()
     """Joints of the rollers of each wheel, if all wheels have some: mecanum wheels, which can drive sideways."""
+    turns: bool = False
+    """Whether they turn the base on the spot without slipping: by rollers, or on one axle line."""
 
 
 @dataclass(frozen=True)
@@ -108,7 +112,12 @@ def wheels_of(mechanism: Mechanism) -> Wheels | None:
     wheels = tuple(Wheel(motor.name, link, float(np.sign(way @ ahead))) for motor, link, way in found)
     rollers = tuple(_rollers(robot, wheel.link) for wheel in wheels)
     all_have = all(len(names) >= _FEWEST_ROLLERS for names in rollers)
-    return Wheels(wheels, (float(ahead[0]), float(ahead[1]), float(ahead[2])), rollers if all_have else ())
+    places = np.array([poses[link].p for _, link, _ in found])
+    places -= places.mean(axis=0)
+    width = float(np.abs(places @ np.cross((0.0, 0.0, 1.0), ahead)).max())
+    in_line = float(np.abs(places @ ahead).max()) < _IN_LINE * width
+    direction = (float(ahead[0]), float(ahead[1]), float(ahead[2]))
+    return Wheels(wheels, direction, rollers if all_have else (), width > 0.0 and (all_have or in_line))
 
 
 def _rollers(robot: Robot, wheel: str) -> tuple[str, ...]:

@@ -39,6 +39,9 @@ def reasons(
         "roll": ""
         if wheels
         else "no velocity actuator on a continuous joint with a horizontal axle, on a floating base",
+        "turn": ""
+        if wheels and wheels.turns
+        else "no driven wheels, under a floating base, with rollers or with their axles in line",
         "strafe": "" if wheels and wheels.rollers else "no wheels with three or more passive rollers each",
         "stand": "" if limbs and not wheels else "no floating base with two or more limbs of two motors each",
     }
@@ -79,6 +82,7 @@ TESTS: Mapping[str, str] = {
     "drop": "falls on the floor, or limp if the base is fixed",
     "grip": "holds a cube",
     "roll": "drives straight ahead and back",
+    "turn": "turns once on the spot",
     "strafe": "drives to the left and back",
     "stand": "stands, and is pushed",
 }

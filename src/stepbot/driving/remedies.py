@@ -62,7 +62,7 @@ def remedy(quantity: str) -> str:
 
 def fate(grip: Grip) -> str:
     """What became of a cube that was lost."""
-    cube = f"the cube of {1e3 * grip.edge:.0f} mm"
+    cube = f"the {grip.cube}"
     if grip.loss is Loss.PUSHED:
         return f"{cube} was pushed out of the grip of '{grip.joint}' before it got its weight"
     if grip.loss is Loss.FREE:
@@ -81,7 +81,7 @@ def grip_remedies(grip: Grip, facts: Facts, *, gains: bool) -> Iterator[str]:
     if grip.loss is Loss.FREE:
         narrowest, widest = (1e3 * gap for gap in grip.gaps)
         yield f"check the direction and the limits of the joint: the gap closes from {widest:.0f} to {narrowest:.0f} mm"
-        if grip.gaps[0] >= grip.edge:  # whatever the force
+        if grip.gaps[0] >= grip.cube.edge:  # whatever the force
             return
     if grip.loss is Loss.PUSHED:
         yield "let the faces that close be parallel where the cube is between them"

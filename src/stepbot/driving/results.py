@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 
+from stepbot.engines.simulation import Cube
+
 Series = tuple[tuple[float, ...], tuple[float, ...]]
 """Horizontal and vertical values of a curve."""
 
@@ -30,14 +32,13 @@ class Loss(StrEnum):
 
 @dataclass(frozen=True)
 class Grip:
-    """What became of the cube in one gripper."""
+    """What became of the cube, or of the object in its place, in one gripper."""
 
     joint: str
     """The joint of its first motor."""
     links: frozenset[str]
     """The links that close on the cube."""
-    edge: float
-    """Edge [m] of the cube."""
+    cube: Cube
     gaps: tuple[float, float]
     """Narrowest and widest gap [m] without the cube."""
     slip: float

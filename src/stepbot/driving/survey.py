@@ -6,12 +6,13 @@ do the same motions.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import partial
 from math import inf, isfinite, pi
 
 import numpy as np
 
 from stepbot.engines.mujoco.simulation import MujocoSimulation
-from stepbot.engines.simulation import Mechanism, Motor, Setup
+from stepbot.engines.simulation import Cube, Mechanism, Motor, Setup
 from stepbot.robot.model import ActuatorKind, Joint
 from stepbot.robot.posing import NotReached, posed
 
@@ -92,13 +93,16 @@ class Survey:
     """What the sweep of each bounded joint covers."""
 
 
-def survey(file: str, mechanism: Mechanism, fingers: tuple[Fingers, ...], mass: float) -> Survey:
+def survey(
+    file: str, mechanism: Mechanism, fingers: tuple[Fingers, ...], mass: float, objects: tuple[Cube, ...] = ()
+) -> Survey:
     """Choose the poses.
 
     Args:
         file: The MJCF; empty for a robot without one, whose contacts are not known and that grips nothing.
         fingers: Links that may be fingers or jaws.
         mass: Mass [kg] of the cube to grip.
+        objects: What pairs of fingers grip in its place.
     """
     place = _Place(file, mechanism)
     swept = tuple(place.sweep(motor) for motor in place.servos)
@@ -107,17 +111,22 @@ def survey(file: str, mechanism: Mechanism, fingers: tuple[Fingers, ...], mass: 
         found for motor, (move, stops) in zip(place.servos, swept, strict=True) for found in _range(motor, move, stops)
     )
     shares = [one.share for one in ranges]
-    tried = {
-        pair: (find_jaw_grasp if pair.fixed else find_grasp)(file, mechanism, pair, mass)
-        for pair in (fingers if file else ())
-    }
+    tried: dict[tuple[Fingers, Cube | None], Grasp | str] = {}
+    for pair in fingers if file else ():
+        for given in objects if objects and not pair.fixed else (None,):
+            find = find_jaw_grasp if pair.fixed else partial(find_grasp, given=given)
+            tried[pair, given] = find(file, mechanism, pair, mass)
     return Survey(
         poses=tuple(place.poses()),
         steps=tuple(move for motor in place.servos for move in place.step(motor)),
         sweeps=sweeps,
         covered=float(np.mean(shares)) if shares else 1.0,
         grasps=tuple(found for found in tried.values() if not isinstance(found, str)),
-        misses={pair.motors[0]: found for pair, found in tried.items() if isinstance(found, str)},
+        misses={
+            f"{pair.motors[0]}, {given}" if given else pair.motors[0]: found
+            for (pair, given), found in tried.items()
+            if isinstance(found, str)
+        },
         ranges=ranges,
     )
 

@@ -18,6 +18,8 @@ GRAVITY = -dynamics.GRAVITY[2]
 """Acceleration [m/s^2] downwards in every test."""
 FRICTION = 1.0
 """Friction coefficient between the robot and the scene of a test: MuJoCo's default for two geoms."""
+SHAPES = ("cube", "cylinder", "sphere")
+"""What can be gripped."""
 HEIGHT = 1.0
 """Height [m] of the root link of a robot that is held in the air."""
 
@@ -60,12 +62,17 @@ class Mechanism:
 
 @dataclass(frozen=True)
 class Cube:
-    """A cube to grip."""
+    """A cube to grip, or the sphere or upright cylinder inside of it."""
 
     edge: float
     """[m]"""
     mass: float
     """[kg]"""
+    shape: str = "cube"
+    """One of :data:`SHAPES`; the axis of a cylinder is the cube's z axis, which points away from the hand."""
+
+    def __str__(self) -> str:
+        return f"{self.shape} of {1e3 * self.edge:.0f} mm"
 
 
 @dataclass(frozen=True)

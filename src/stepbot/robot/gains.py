@@ -82,6 +82,12 @@ STUCK, STICKING = 0.002, 8e-5
 """Error [rad] and [m] that its dry friction may cause."""
 CREEP = 0.005
 """Share of the speed of a velocity actuator that the passive damping of its joint may cost."""
+DROOP = 0.02
+"""Error of a wheel's speed at its effort limit, relative to its velocity limit: both wheels of a base that turns drive
+against their casters and against each other."""
+_SHORTEST = 2e-3
+"""Least time constant [s] of a wheel's speed: with a shorter one a motor at its effort limit leaps from one side of its
+target to the other in the time steps of simulators."""
 _POSTURES = 24
 """Number of postures in which the inertia and the weight of the joints are computed."""
 _RESIDUE = 9
@@ -201,9 +207,15 @@ def _tuned(
             braked, damping = braking > damping, braking
     else:
         kp = 0.0
+        damping = 0.0
         if tuning.at_least:
-            inertia = max(inertia, _load_on_wheel(robot, joint))
-        damping = max(inertia * w, passive / CREEP + passive if tuning.at_least else 0.0)
+            load = _load_on_wheel(robot, joint)
+            limit = actuator_limit(actuator, joint)
+            is_limited = load > 0.0 and isfinite(limit.effort) and 0.0 < limit.velocity < inf
+            droop = limit.effort / (DROOP * limit.velocity) if is_limited else 0.0
+            inertia = max(inertia, load)
+            damping = max(passive / CREEP, min(droop, inertia / _SHORTEST)) + passive
+        damping = max(inertia * w, damping)
     square = actuator.gear**2
     found = replace(tuning, inertia=_rounded(inertia), weight=_rounded(weight), stiffened=stiffened, braked=braked)
     kp, kv = kp / square, max(damping - passive, 0.0) / square

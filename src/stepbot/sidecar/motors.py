@@ -160,6 +160,10 @@ def motors_named_in(text: str) -> tuple[str, ...]:
     return max(found, key=lambda one: one[0], default=(0, ()))[1]
 
 
+_SUPPLIES = (0.4, 1.6)
+"""Supply, relative to the least and the largest one with figures, at which torque and speed are in proportion."""
+
+
 def default_kind(motor: MotorSection, joint: JointKind) -> ActuatorKind:
     """How a motor is driven if the sidecar does not say so: a speed on an endless joint, else a position."""
     turns = joint is JointKind.CONTINUOUS
@@ -248,6 +252,10 @@ def _at(name: str, motor: MotorSection, voltage: float | None) -> dict[str, Figu
         return {key: _at_supply(figure, own) if key == "position_gain" else figure for key, figure in given.items()}
     if own is None:
         raise UnscalableMotor(f"no source gives the supply of '{name}', so that its figures cannot be scaled")
+    known = [own, *(other.voltage for other in motor.at_other_voltages)]
+    if not _SUPPLIES[0] * min(known) <= voltage <= _SUPPLIES[1] * max(known):
+        of = f"{min(known):g} to {max(known):g} V" if len(known) > 1 else f"{own:g} V"
+        raise UnscalableMotor(f"a supply of {voltage:g} V is too far from that of '{name}', {of}, to scale its figures")
     for key, kinds in _SCALED_BY_VOLTAGE.items():
         if key in given and motor.kind in kinds:
             figure = given[key]

@@ -21,6 +21,8 @@ class CollisionShape(StrEnum):
     CYLINDER = "cylinder"
     SPHERE = "sphere"
     CAPSULE = "capsule"
+    WHEEL = "wheel"
+    """A sphere with the radius of the cylinder: it touches the floor in one point, and does not scrub as it turns."""
     DECOMPOSE = "decompose"
     AUTO = "auto"
 

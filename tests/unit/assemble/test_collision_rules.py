@@ -9,7 +9,7 @@ import pytest
 from stepbot.assemble import build_robot
 from stepbot.geometry.solids.slivers import face_normals
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.model import Box, Cylinder, Geometry, MeshRef, Robot
+from stepbot.robot.model import Box, Cylinder, Geometry, MeshRef, Robot, Sphere
 from stepbot.step.assembly import BodyKind
 from tests.conftest import ReadDiagnostics
 from tests.unit.assemble.workshop import Workshop, at, build, built, sidecar
@@ -40,6 +40,17 @@ def test_auto_is_exact_on_a_cylinder(tmp_path: Path) -> None:
     assert isinstance(cylinder, Cylinder)
     assert cylinder.radius == 0.0073
     assert pi * cylinder.radius**2 * cylinder.length == pytest.approx(pi * 0.0073**2 * 0.031, rel=1e-9)
+
+
+@pytest.mark.parametrize("rule", ["wheel", "{merge: wheel}"])
+def test_a_wheel_touches_the_floor_in_one_point(rule: str, tmp_path: Path) -> None:
+    """A sphere in its middle with the radius of its rim, where the sphere around it would be larger."""
+    shop = Workshop()
+    shop.rod("wheel", radius=20.0, length=30.0, sides=64)
+    links = f"    links: {{base: {{rest: true, collision: {rule}}}}}\n    defaults: {{density: 1000}}\n"
+    (sphere,) = _geometries(built(shop, tmp_path, links))
+    assert isinstance(sphere, Sphere)
+    assert sphere.radius == pytest.approx(0.02, rel=1e-6)
 
 
 def test_a_link_is_one_solid(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from stepbot.draft.draft import Confidence, Draft, DraftClosure, DraftJoint, Dra
 from stepbot.draft.text.sidecar_text import sidecar_text
 from stepbot.draft.touching import contacts_of
 from stepbot.geometry.spatial import Vector3
-from stepbot.robot.model import JointKind
+from stepbot.robot.model import JointKind, Sphere
 from stepbot.robot.surfaces import Surface
 from stepbot.sidecar.contact import ContactMaterial
 from tests.unit.assemble.workshop import MM, Workshop, at
@@ -71,6 +71,12 @@ def walker(reach: float = 100.0) -> tuple[Draft, Workshop]:
 def proposed(draft: Draft, made: Workshop) -> list[tuple[str, str, ContactMaterial]]:
     """Link, part and material of each proposal."""
     return [(one.link, one.part, one.material) for one in contacts_of(draft, made.assembly)]
+
+
+def test_a_base_on_wheels_in_one_line_slides_on_its_lowest_part() -> None:
+    """A skid that ends 8 mm above the ground, farther than what counts as on it: the base leans on it all the same."""
+    found = [("chassis", "skid", SLIDING), ("left", "", RUBBER), ("right", "", RUBBER)]
+    assert proposed(*rover(lift=-8.0)) == found
 
 
 def test_wheels_are_rubber_and_what_slides_beside_them_has_little_friction() -> None:
@@ -140,7 +146,11 @@ def test_proposals_are_written_with_their_reasons_and_reach_the_robot(tmp_path: 
     assert "    contact: rubber-on-floor  # REVIEW: a tyre on the ground, of one of 2 wheels; friction 0.7\n" in text
     assert "    contact: rubber-on-floor  # as above\n" in text
     assert '\nparts:\n  "skid": {contact: ptfe-on-steel}  # REVIEW: on the ground beside wheels, and no ' in text
+    assert text.count("    collision: {merge: wheel}\n") == 2
     robot, _ = built(draft, tmp_path, made)
+    (shape,) = next(one for one in robot.links if one.name == "left").collisions
+    assert isinstance(shape.geometry, Sphere)
+    assert shape.geometry.radius == pytest.approx(0.04, rel=1e-6)
     surfaces = {one.name: {shape.surface for shape in one.collisions} for one in robot.links}
     assert surfaces["left"] == surfaces["right"] == {Surface(0.7)}
     assert surfaces["chassis"] == {Surface(), Surface(0.04)}

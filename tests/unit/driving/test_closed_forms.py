@@ -7,12 +7,22 @@ from pathlib import Path
 import pytest
 
 from stepbot.driving.driving import EXPERIMENTS
+from stepbot.driving.grasping import Grasp, find_grasp
 from stepbot.driving.results import Result
 from stepbot.driving.stage import Stage
-from stepbot.engines.simulation import GRAVITY
+from stepbot.engines.simulation import GRAVITY, Cube
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Actuator, ActuatorKind, Box, Collision, Joint, JointKind, Limit, Link
-from tests.unit.driving.workbench import ENGINES, HORIZONTAL, VERTICAL, gripper, looped_gripper, one_joint, stage_of
+from tests.unit.driving.workbench import (
+    ENGINES,
+    HORIZONTAL,
+    VERTICAL,
+    files_of,
+    gripper,
+    looped_gripper,
+    one_joint,
+    stage_of,
+)
 
 INERTIA = 0.05 + 1.0 * 0.5**2
 """Inertia [kg m^2] of the arm of ``one_joint`` about its joint."""
@@ -69,6 +79,42 @@ def test_a_fast_motor_reaches_its_speed(engine: str, tmp_path: Path) -> None:
         for _ in range(round(0.5 / simulation.timestep)):
             simulation.step()
         assert simulation.speeds()["turn"] == pytest.approx(200.0, rel=0.01)
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_step_is_braked_along_the_torque_speed_line(engine: str, tmp_path: Path) -> None:
+    """An arm whose motor has just the effort to brake it does not overshoot: the line adds effort against the motion.
+
+    From 3 rad/s, 6 N m alone need 0.22 rad for the 0.3 kg m^2, and the gains brake within 0.15 rad.
+    """
+    (joint,) = one_joint(VERTICAL).joints
+    joint = replace(joint, limit=Limit(-2.0, 2.0, velocity=4.0, effort=6.0))
+    robot = replace(one_joint(VERTICAL, 2000.0, 100.0), joints=(joint,))
+    result = run("step", stage_of(robot, engine, tmp_path))
+    assert value(result, "overshoot with other gains") < 5.0
+    assert value(result, "speed of limit with other gains") <= 100.5
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_random_efforts_do_not_drive_a_light_joint_beyond_its_speed(engine: str, tmp_path: Path) -> None:
+    """One step of 1000 N m would accelerate the arm by 7 rad/s, its limit is 0.5 rad/s."""
+    (joint,) = one_joint(VERTICAL).joints
+    joint = replace(joint, limit=Limit(-2.0, 2.0, velocity=0.5, effort=1e3))
+    robot = replace(one_joint(VERTICAL, 100.0, 10.0), joints=(joint,))
+    assert value(run("torque", stage_of(robot, engine, tmp_path)), "speed of limit with other gains") <= 102.0
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_objects_are_held_in_place_of_the_cube(engine: str, tmp_path: Path) -> None:
+    """A cylinder, a sphere and a cube as wide as the open gripper, each held by 20 N."""
+    stage = stage_of(gripper(20.0), engine, tmp_path)
+    (grasp,) = stage.survey.grasps
+    files = files_of(gripper(20.0), tmp_path)
+    objects = (Cube(0.03, 0.2, "cylinder"), Cube(0.03, 0.2, "sphere"), Cube(grasp.gaps[1], 0.2))
+    found = [find_grasp(str(files["mujoco"]), stage.mechanism, grasp.fingers, 0.2, one) for one in objects]
+    assert all(isinstance(one, Grasp) for one in found), found
+    stage.survey = replace(stage.survey, grasps=tuple(one for one in found if isinstance(one, Grasp)))
+    assert [grip.slip < 3.0 for grip in run("grip", stage).grips] == [True] * 3
 
 
 def test_sag_under_gravity(tmp_path: Path) -> None:

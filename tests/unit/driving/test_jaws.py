@@ -76,8 +76,8 @@ def test_a_cube_that_nothing_holds_falls_freely(engine: str, tmp_path: Path) -> 
     """Without a force it is lost after the time of a free fall over two edges; the rest of the fall is left out."""
     (grip,) = gripped(clamp(1e-5), engine, tmp_path).grips
     assert grip.loss is Loss.FREE
-    assert grip.seconds == pytest.approx(sqrt(4.0 * grip.edge / GRAVITY), rel=0.15)
-    assert 2e3 * grip.edge < grip.slip < 2.5e3 * grip.edge
+    assert grip.seconds == pytest.approx(sqrt(4.0 * grip.cube.edge / GRAVITY), rel=0.15)
+    assert 2e3 * grip.cube.edge < grip.slip < 2.5e3 * grip.cube.edge
 
 
 @pytest.mark.parametrize("engine", ENGINES)

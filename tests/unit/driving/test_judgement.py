@@ -9,6 +9,7 @@ from stepbot.driving.judgement import Status, judge
 from stepbot.driving.limits import demands
 from stepbot.driving.remedies import Facts, facts_of
 from stepbot.driving.results import Grip, Loss, Measure, Plot, Result
+from stepbot.engines.simulation import Cube
 from stepbot.robot.model import JointDynamics
 from tests.unit.driving.workbench import clamp
 
@@ -24,7 +25,7 @@ def test_the_remedy_of_an_open_loop_is_one_that_the_sidecar_allows() -> None:
     assert "`simulation: {timestep:" in one.help[0]
 
 
-SLIPPED = Grip("close", frozenset({"jaw", "hand"}), 0.011, (0.003, 0.13), 23.0, 0.04, Loss.SLIPPED, 0.49)
+SLIPPED = Grip("close", frozenset({"jaw", "hand"}), Cube(0.011, 0.2), (0.003, 0.13), 23.0, 0.04, Loss.SLIPPED, 0.49)
 
 
 def judged(grip: Grip, facts: Facts, engine: str = "mujoco") -> Diagnostic:
@@ -47,7 +48,7 @@ def judged(grip: Grip, facts: Facts, engine: str = "mujoco") -> Diagnostic:
         (Loss.SLIPPED, "the cube of 11 mm slipped out of the grip of 'close' and fell, 0.49 s after it got its weight"),
         (Loss.FREE, "the cube of 11 mm fell freely as it got its weight: 'close' did not hold it"),
         (Loss.PUSHED, "the cube of 11 mm was pushed out of the grip of 'close' before it got its weight"),
-        (None, "slip of 'close' is 23 mm, limit 2 mm"),
+        (None, "slip of 'close, cube of 11 mm' is 23 mm, limit 2 mm"),
     ],
 )
 def test_a_lost_cube_is_no_slip(loss: Loss | None, message: str) -> None:

@@ -6,6 +6,7 @@ import pytest
 
 from stepbot.driving.limits import LIMITS, UNITS, InvalidLimits, demands
 from stepbot.driving.plan import TESTS
+from stepbot.engines.simulation import Cube
 
 
 def test_every_limit_has_a_unit_and_a_reason() -> None:
@@ -27,6 +28,13 @@ def test_a_robot_changes_one_limit() -> None:
     assert (own.tests, own.mass) == (("step",), 0.05)
 
 
+def test_objects_take_the_place_of_the_cube() -> None:
+    """They have its mass."""
+    sphere, cube = demands({"cube": 1.0, "objects": [["sphere", 0.05], ["cube", 0.08]]}).objects
+    assert sphere == Cube(0.05, 1.0, "sphere")
+    assert (str(sphere), str(cube)) == ("sphere of 50 mm", "cube of 80 mm")
+
+
 @pytest.mark.parametrize(
     ("content", "message"),
     [
@@ -35,6 +43,8 @@ def test_a_robot_changes_one_limit() -> None:
         ({"tests": ["jump"]}, "'tests' is not a list of"),
         ({"cube": -1}, "'cube' is not a mass"),
         ({"cube": True}, "'cube' is not a mass"),
+        ({"objects": [["ball", 0.05]]}, "'objects' is not a list of"),
+        ({"objects": "sphere"}, "'objects' is not a list of"),
         ({"limits": {"jump": {}}}, "no test 'jump'"),
         ({"limits": {"step": {"oversight": [1, "x"]}}}, "no quantity 'oversight'"),
         ({"limits": {"step": {"overshoot": 15}}}, 'expected \\[number, "reason"\\]'),

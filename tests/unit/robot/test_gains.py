@@ -13,7 +13,7 @@ from stepbot.geometry.spatial import Array, turn_inertia
 from stepbot.robot.closures import close_loops
 from stepbot.robot.gains import OVERSHOOT, SAG, SINKING, line_damping, tuned
 from stepbot.robot.kinematics import initial_configuration, link_poses
-from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointDynamics, JointKind, Limit, Robot
+from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointDynamics, JointKind, Limit, Robot
 from stepbot.robot.tuning import BANDWIDTH as TUNED
 from stepbot.robot.tuning import Tuning
 from tests.robots import ROBOTS, four_bar, gripper_with_mimic
@@ -310,3 +310,26 @@ def test_a_given_bandwidth_and_ratio_are_kept_beside_limits() -> None:
     (found,) = tuned(replace(robot, joints=(limited,)), fails).actuators
     assert line_damping(motor, limited) > motor.kv
     assert (found.kp, found.kv) == (motor.kp, motor.kv)
+
+
+@pytest.mark.parametrize(("effort", "time"), [(0.8, None), (20.0, 2e-3)])
+def test_a_wheel_keeps_its_speed_against_its_load(effort: float, time: float | None) -> None:
+    """At its effort limit it is 2 % of its velocity limit too slow, unless that is a time constant below 2 ms."""
+    shop = Workshop()
+    boxes = {name: ((0.1, 0.1, 0.1), at(y=y)) for name, y in (("base", 0.0), ("left", 0.2), ("right", -0.2))}
+    links = tuple(shop.link(name, [box]) for name, box in boxes.items())
+    turns = Limit(velocity=12.0, effort=effort)
+    joints = tuple(
+        Joint(name, JointKind.CONTINUOUS, "base", name, at(), (0.0, 1.0, 0.0), limit=turns)
+        for name in boxes
+        if name != "base"
+    )
+    motors = tuple(
+        Actuator(one.name, one.name, ActuatorKind.VELOCITY, tuning=Tuning(TUNED, at_least=True)) for one in joints
+    )
+    robot = Robot("rover", links, joints, base=Base.FLOATING, actuators=motors, meshes=shop.sorted_meshes())
+    (left, _) = tuned(robot, fails).actuators
+    assert left.tuning is not None
+    expected = effort / (0.02 * 12.0) if time is None else left.tuning.inertia / time
+    assert left.kv == pytest.approx(expected, rel=1e-3)
+    assert left.kv >= 2.0 * pi * TUNED * left.tuning.inertia * 0.999

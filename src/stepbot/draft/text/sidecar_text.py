@@ -57,6 +57,11 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
     for link in draft.links:
         lines += _link(link, names, is_root=link.name == draft.root)
         lines += [f"    contact: {material}  {why}" for material, why in proposed.get((link.name, ""), ())]
+        lines += (
+            ["    collision: {merge: wheel}"]
+            if any(one.rolls and one.link == link.name for one in draft.contacts)
+            else []
+        )
     fused = list(zip(draft.fused, names.freed, strict=True))[:_OFFERED]
     if fused:
         lines.append(

@@ -1,4 +1,7 @@
-"""Grip: fingers, or a jaw and its hand, close on a cube without weight, which then gets its weight."""
+"""Grip: fingers, or a jaw and its hand, close on a cube without weight, which then gets its weight.
+
+In place of the cube, limits of a robot can name other objects: cubes of other sizes, cylinders, spheres.
+"""
 
 from dataclasses import replace
 from math import cos, isfinite, pi, sqrt
@@ -39,15 +42,16 @@ def grip(stage: Stage) -> Result:
             held = Grip(
                 motor.joint,
                 grasp.fingers.one | grasp.fingers.other,
-                grasp.cube.edge,
+                grasp.cube,
                 grasp.gaps,
                 slip=0.0,
                 effort=effort if isfinite(motor.limit.effort) else None,
             )
-            held, curves[motor.joint] = _held(simulation, grasp, gaps, held)
+            held, curve = _held(simulation, grasp, gaps, held)
             grips.append(held)
-            depths[motor.joint] = MM * simulation.penetration()
-    slips = {one.joint: one.slip for one in grips}
+            where = f"{motor.joint}, {grasp.cube}"
+            curves[where], depths[where] = curve, MM * simulation.penetration()
+    slips = {f"{one.joint}, {one.cube}": one.slip for one in grips}
     measures = (*largest("slip", slips), *largest("penetration", depths), *gaps.measures())
     return Result("grip", measures, Plot("time [s]", "slip [mm]", curves), tuple(grips))
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from functools import cached_property
+from math import copysign, isfinite
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -22,6 +23,10 @@ FORMAT = "mjcf"
 SCENE = ".scene.xml"
 """Suffix of the scene beside the robot's file, whose floor is used if it is there."""
 _CUBE = "stepbot/cube"
+_CORRECTIONS = 12
+"""Maximum number of times that efforts are corrected in a step, ..."""
+_NEAR = 0.01
+"""... and error of the speed, relative to its limit, at which they are not corrected again."""
 _FIXED = "stepbot/cube on "
 """Start of the name of the weld that fixes the cube to a link."""
 
@@ -100,8 +105,37 @@ class MujocoSimulation:
         self.data.xfrc_applied[:] = 0.0
 
     def apply(self, efforts: Mapping[str, float]) -> None:  # noqa: D102
-        for name, effort in efforts.items():
-            self.data.qfrc_applied[self.model.jnt_dofadr[self._joints[name]]] = effort
+        # One step of full effort accelerates a light joint far beyond its limit of speed. Each motor gives the share of
+        # its effort, or of the same against it, that ends the step at the limit: the secant method, joint by joint.
+        dofs = {name: int(self.model.jnt_dofadr[self._joints[name]]) for name in efforts}
+        limits = {motor.joint: motor.limit.velocity for motor in self._mechanism.motors}
+        limited = [name for name in efforts if isfinite(limits[name]) and efforts[name]]
+        slopes = {name: self.timestep * self._mobility(dofs[name]) * abs(efforts[name]) for name in limited}
+        shares, excess = dict.fromkeys(efforts, 1.0), dict.fromkeys(limited, 0.0)
+        changes = dict.fromkeys(limited, 0.0)
+        for _ in range(_CORRECTIONS):
+            for name, dof in dofs.items():
+                self.data.qfrc_applied[dof] = shares[name] * efforts[name]
+            self._engine.mj_forward(self.model, self.data)
+            near = True
+            for name in limited:
+                dof = dofs[name]
+                speed = float(self.data.qvel[dof] + self.timestep * self.data.qacc[dof])
+                before, excess[name] = excess[name], copysign(1.0, efforts[name]) * speed - limits[name]
+                if (excess[name] - before) * changes[name] > 0.0:
+                    slopes[name] = (excess[name] - before) / changes[name]
+                share = min(max(shares[name] - excess[name] / slopes[name], -1.0), 1.0)
+                changes[name], shares[name] = share - shares[name], share
+                near = near and abs(changes[name] * slopes[name]) < _NEAR * limits[name]
+            if near:
+                break
+
+    def _mobility(self, dof: int) -> float:
+        """Acceleration [rad/s^2] or [m/s^2] that an effort of 1 gives a coordinate while the others move freely."""
+        unit, moved = np.zeros((1, self.model.nv)), np.zeros((1, self.model.nv))
+        unit[0, dof] = 1.0
+        self._engine.mj_solveM(self.model, self.data, moved, unit)
+        return float(moved[0, dof])
 
     def push(self, force_W: Array) -> None:  # noqa: D102
         self.data.xfrc_applied[self._root, :3] = force_W
@@ -124,7 +158,7 @@ class MujocoSimulation:
         dof, actuator = int(self.model.jnt_dofadr[index]), int(self.model.jnt_actuatorid[index])
         damping = self.model.actuator_damping[actuator] * self.model.actuator_gear[actuator][0] ** 2
         damping = float(damping) if actuator >= 0 else 0.0
-        return float(self.data.qfrc_actuator[dof]) - damping * float(self.data.qvel[dof])
+        return float(self.data.qfrc_actuator[dof] + self.data.qfrc_applied[dof]) - damping * float(self.data.qvel[dof])
 
     def pose(self, link: str) -> Pose:  # noqa: D102
         return self._body_pose(self._id("BODY", link))
@@ -248,8 +282,9 @@ def _spec(engine: Any, file: str, mechanism: Mechanism, setup: Setup) -> Any:
         body = spec.worldbody.add_body(name=_CUBE, pos=[0.0, 0.0, -HEIGHT], gravcomp=1.0)
         body.add_freejoint()
         half = 0.5 * setup.cube.edge
+        shape = "BOX" if setup.cube.shape == "cube" else setup.cube.shape.upper()
         body.add_geom(
-            type=engine.mjtGeom.mjGEOM_BOX,
+            type=getattr(engine.mjtGeom, f"mjGEOM_{shape}"),
             size=[half] * 3,
             mass=setup.cube.mass,
             friction=[FRICTION, 0.005, 0.0001],

@@ -1,0 +1,168 @@
+"""Tests of a wheeled base: it rolls ahead and back, strafes to the left and back, and turns once on the spot."""
+
+from collections.abc import Callable, Iterator, Mapping
+from math import atan2, degrees, inf, pi
+
+import numpy as np
+
+from stepbot.engines.simulation import Simulation
+from stepbot.geometry.spatial import Array
+
+from ..results import Measure, Plot, Result, thinned
+from ..stage import MM, Gaps, Stage, place, run, tilt
+
+_SETTLE = 0.5
+_STOP = 0.5
+"""Time [s] at rest before and after each way."""
+_WAY = 2.0
+"""Length [m] of each way; less if the wheels are slow."""
+_SIDEWAYS = 0.6
+"""The same of strafing."""
+_SECONDS = 10.0
+"""Longest time [s] of a way."""
+_SPEED = 0.3
+"""Speed [m/s] of the base at its wheels; less if they cannot turn so fast."""
+_SHARE = 0.5
+_RAMP = 0.5
+"""Time [s] in which the base starts and stops: at once, a short base rears up on its wheels."""
+
+
+def roll(stage: Stage) -> Result:
+    """Drive ahead and back at constant speed."""
+    assert stage.wheels is not None
+    return _drive(stage, "roll", stage.wheels.direction, _WAY)
+
+
+def strafe(stage: Stage) -> Result:
+    """Drive to the left and back at constant speed."""
+    assert stage.wheels is not None
+    left = np.cross((0.0, 0.0, 1.0), stage.wheels.direction)
+    return _drive(stage, "strafe", (float(left[0]), float(left[1]), float(left[2])), _SIDEWAYS)
+
+
+def _spins(
+    stage: Stage, simulation: Simulation, velocity: Callable[[Array], Array]
+) -> tuple[Mapping[str, float], float]:
+    """Speed of each wheel's motor, as fast as the test allows, and by how much slower or faster than asked for.
+
+    A roller on the floor does not slip along its axis e: v . e = w R (f . e) for the wheel's velocity v, speed w and
+    radius R, and the direction f in which the wheel drives the base; without rollers, e is f.
+
+    Args:
+        velocity: Velocity (3,) [m/s] of the base at a place (3,) [m], where a wheel is in the world.
+    """
+    assert stage.wheels is not None
+    robot, wheels, found = stage.mechanism.robot, stage.wheels, {}
+    fastest, slowest = 0.0, inf
+    for index, wheel in enumerate(wheels.wheels):
+        place, ahead = simulation.pose(wheel.link).p, np.array(wheels.direction)
+        axis = ahead
+        if wheels.rollers:
+            joints = [robot.joint_by_name[name] for name in wheels.rollers[index]]
+            lowest = min(joints, key=lambda joint: simulation.pose(joint.child).position[2])
+            axis = simulation.pose(lowest.child).turn(lowest.axis)
+        way = float(axis @ velocity(place)) / float(axis @ ahead)
+        found[wheel.motor] = wheel.forwards * way / float(place[2])
+        fastest = max(fastest, abs(way))
+        if way:
+            slowest = min(slowest, _SHARE * stage.motor(wheel.motor).limit.velocity * float(place[2]) / abs(way))
+    scale = min(_SPEED / fastest, slowest)
+    return {motor: scale * spin for motor, spin in found.items()}, scale
+
+
+def _ramped(stage: Stage, simulation: Simulation, spins: Mapping[str, float], seconds: float) -> Iterator[float]:
+    """Drive as far as at constant speeds of the wheels for a time [s], but start and stop in :data:`_RAMP` each.
+
+    Yields the time [s] after each step.
+    """
+    for time in run(simulation, seconds + _RAMP):
+        share = max(0.0, min(1.0, time / _RAMP, (seconds + _RAMP - time) / _RAMP))
+        simulation.command({**stage.home, **{motor: share * spin for motor, spin in spins.items()}})
+        yield time
+
+
+def _drive(stage: Stage, test: str, direction: tuple[float, float, float], way: float) -> Result:
+    """Drive in a direction and back at constant speed.
+
+    Args:
+        test: Name of the test.
+        direction: Unit vector in the root link.
+        way: Length [m] of each way.
+    """
+    root, gaps = stage.mechanism.robot.root.name, Gaps(stage)
+    times, path, tilts, clock = [], [], [], 0.0
+    with stage.scene(floor=True) as simulation:
+        place(simulation, stage)
+        ahead_spins, speed = _spins(stage, simulation, lambda place: np.array(direction))
+        going = min(_SECONDS, way / speed)
+        still = dict.fromkeys(ahead_spins, 0.0)
+        back_spins = {motor: -spin for motor, spin in ahead_spins.items()}
+        places = {}
+        for name, targets, seconds in (
+            ("start", still, _SETTLE),
+            ("ahead", ahead_spins, going),
+            ("there", still, _STOP),
+            ("back", back_spins, going),
+            ("end", still, _STOP),
+        ):
+            for time in _ramped(stage, simulation, targets, seconds):
+                X_WR = simulation.pose(root)
+                gaps.measure(simulation)
+                times.append(clock + time)
+                path.append(MM * float(X_WR.p @ np.array(direction)))
+                tilts.append(tilt(X_WR))
+            clock = times[-1]
+            places[name] = simulation.pose(root)
+    start, there, end = (places[name] for name in ("start", "there", "end"))
+    ahead = np.array(direction)
+    side = np.cross((0.0, 0.0, 1.0), ahead)
+    gone, back = start.R.T @ (there.p - start.p), start.R.T @ (end.p - start.p)
+    expected = speed * going
+    turned = start.R.T @ there.R
+    measures = (
+        Measure("distance error", 100.0 * abs(float(gone @ ahead) / expected - 1.0)),
+        Measure("sideways", MM * abs(float(gone @ side))),
+        Measure("heading", abs(degrees(atan2(turned[1, 0], turned[0, 0])))),
+        Measure("return error", MM * float(np.linalg.norm(back[:2]))),
+        Measure("tilt", max(tilts)),
+        *gaps.measures(),
+    )
+    curves = {"way [mm]": thinned(times, path)}
+    return Result(test, measures, Plot("time [s]", "way [mm]", curves))
+
+
+def turn(stage: Stage) -> Result:
+    """Turn by 360 degrees at constant speed of the wheels."""
+    root, gaps = stage.mechanism.robot.root.name, Gaps(stage)
+    times, angles, tilts = [0.0], [0.0], [0.0]
+    with stage.scene(floor=True) as simulation:
+        place(simulation, stage)
+        simulation.command(stage.home)
+        for _ in run(simulation, _SETTLE):
+            gaps.measure(simulation)
+        start, middle = simulation.pose(root), _middle(stage, simulation)
+        turning, rate = _spins(stage, simulation, lambda place: np.cross((0.0, 0.0, 1.0), place - middle))
+        for targets, seconds in ((turning, 2.0 * pi / rate), (dict.fromkeys(turning, 0.0), _STOP)):
+            for _ in _ramped(stage, simulation, targets, seconds):
+                gaps.measure(simulation)
+                X_WR = simulation.pose(root)
+                x, y, _ = start.R.T @ X_WR.R[:, 0]
+                angles.append(angles[-1] + (float(np.arctan2(y, x)) - angles[-1] + pi) % (2.0 * pi) - pi)
+                times.append(times[-1] + simulation.timestep)
+                tilts.append(tilt(X_WR))
+        moved = _middle(stage, simulation) - middle
+    measures = (
+        Measure("turn error", 100.0 * abs(angles[-1] / (2.0 * pi) - 1.0)),
+        Measure("displacement", MM * float(np.linalg.norm(moved[:2]))),
+        Measure("tilt", max(tilts)),
+        *gaps.measures(),
+    )
+    curve = thinned(times, [degrees(angle) for angle in angles])
+    return Result("turn", measures, Plot("time [s]", "heading [deg]", {"heading [deg]": curve}))
+
+
+def _middle(stage: Stage, simulation: Simulation) -> Array:
+    """Point (3,) [m] in the middle of the driven wheels."""
+    assert stage.wheels is not None
+    middle: Array = np.array([simulation.pose(wheel.link).p for wheel in stage.wheels.wheels]).mean(axis=0)
+    return middle
