@@ -1,7 +1,12 @@
-"""Processes other than this one, read from ``/proc``."""
+"""Processes other than this one: whether they ended, and interpreters with other packages."""
 
+import subprocess
 import time
+import venv
+from collections.abc import Sequence
 from pathlib import Path
+
+import pytest
 
 
 def ended(pid: int) -> bool:
@@ -16,3 +21,14 @@ def ended(pid: int) -> bool:
             return True
         time.sleep(0.01)
     return False
+
+
+def python_with(packages: Sequence[str], folder: Path) -> Path:
+    """The interpreter of a new environment with some packages; the test is skipped if they cannot be installed."""
+    venv.create(folder, with_pip=True, symlinks=True)
+    python = folder / "bin" / "python"
+    command = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *packages]
+    run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
+    if run.returncode:
+        pytest.skip(f"cannot be installed here: {', '.join(packages)}: {run.stderr.strip().splitlines()[-1:]}")
+    return python

@@ -116,9 +116,9 @@ for_option = click.option(
     multiple=True,
     callback=_programs,
     metavar="PROGRAM,...",
-    help="Also write a Python file that loads the robot in mjlab, maniskill, genesis, isaaclab, playground, lerobot "
-    "or newton, with its gains and initial pose; menagerie, simready: a folder for MuJoCo Menagerie, for Isaac Sim's "
-    "libraries of assets. Implies their formats.",
+    help="Also write a Python file that loads the robot in mjlab, maniskill, genesis, isaaclab, playground, lerobot, "
+    "newton or robosuite, with its gains and initial pose; menagerie, simready: a folder for MuJoCo Menagerie, for "
+    "Isaac Sim's libraries of assets. Implies their formats.",
 )
 no_verify_option = click.option(
     "--no-verify",

@@ -14,6 +14,7 @@ import stepbot as api
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats.learning import PROGRAMS, SIMREADY, program_files
 from tests.command_line import convert_once
+from tests.processes import python_with
 from tests.robots import two_link_arm
 
 from .conftest import Stepbot
@@ -27,7 +28,9 @@ MODULES = {
     "lerobot": "lerobot",
     "newton": "newton",
 }
-NAMES = ",".join((*PROGRAMS, SIMREADY))
+LOADED = tuple(program for program in PROGRAMS if program in MODULES)
+"""Programs that take an arm with a gripper; robosuite has grippers of its own."""
+NAMES = ",".join((*LOADED, SIMREADY))
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +48,7 @@ def test_layers_for_simready(folder: Path, robot_library: Path, stepbot: Stepbot
     sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
     asked = ("uptodate", str(sidecar), "-o", str(folder), "-f", "urdf,mjcf,sdf,usd")
     assert stepbot(*asked, "--for", NAMES).code == 0
-    programs = ",".join(PROGRAMS)
+    programs = ",".join(LOADED)
     assert "add simready to `--for` of `uptodate`" in stepbot(*asked, "--for", programs, "-v").out
 
 
@@ -73,7 +76,7 @@ def _value(node: ast.expr) -> Any:
 
 def test_each_file_loads_a_description_beside_it(folder: Path) -> None:
     """The formats that programs load are written, too, and no name is one of a file that is missing."""
-    for program in PROGRAMS:
+    for program in LOADED:
         (named,) = (
             _value(node.args[0])
             for node in ast.walk(tree(folder, program))
@@ -105,7 +108,7 @@ def test_uptodate_and_python_expect_the_same_files(
     assert stepbot(*asked, "--for", NAMES).code == 0
     left = stepbot(*asked, "-f", "urdf,sdf,mjcf,usd", "-v").out
     assert "no longer written" in left
-    assert all(f"add {program} to `--for` of `uptodate`" in left for program in PROGRAMS)
+    assert all(f"add {program} to `--for` of `uptodate`" in left for program in LOADED)
     result = api.convert(sidecar, output=tmp_path, programs=["mjlab"], formats="mjcf", verify=False)
     assert result.files["arm2_mjlab.py"] == (folder / "arm2_mjlab.py").read_bytes()
 
@@ -157,8 +160,43 @@ def test_unknown_program_is_a_usage_error(given: str, stepbot: Stepbot) -> None:
     assert f"no program '{given.rsplit(',', maxsplit=1)[-1]}'; there are {', '.join(PROGRAMS)}" in run.err
 
 
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Path:
+    """A UR5e for robosuite."""
+    sidecar = robot_library / "universal_robots_ur5e" / "ur5e.robot.yaml"
+    options = ("--no-verify", "-f", "mjcf", "--for", "robosuite")
+    return convert_once(tmp_path_factory, "ur5e for robosuite", sidecar, *options).folder
+
+
+def test_robosuite_gets_motors_and_a_hand(arm: Path, stepbot: Stepbot, robot_library: Path, tmp_path: Path) -> None:
+    """Torques up to the limits, and a body for grippers at the tool's frame; an arm with a gripper is rejected."""
+    file = ast.parse((arm / "ur5e_robosuite.py").read_text(encoding="utf-8"))
+    found = {one.targets[0].id: one.value for one in file.body if isinstance(one, ast.Assign)}  # type: ignore[attr-defined]
+    effort = ast.literal_eval(found["EFFORT"])
+    assert list(effort) == list(ast.literal_eval(found["HOME"]))
+    assert list(effort.values()) == [150.0, 150.0, 150.0, 28.0, 28.0, 28.0]
+    link, hand = ast.literal_eval(found["HAND"])
+    assert (link, hand["name"]) == ("wrist_3_link", "right_hand")
+    sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
+    run = stepbot("convert", str(sidecar), "-o", str(tmp_path), "-f", "mjcf", "--no-verify", "--for", "robosuite")
+    assert run.code == 1
+    assert "SB644" in run.err
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.long
-@pytest.mark.parametrize("program", PROGRAMS)
+def test_robosuite_lifts_the_hand(arm: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Its controller of torques moves the hand up in the task `Lift`, with a MuJoCo that it works with."""
+    python = python_with(("robosuite>=1.5.2,<1.6", "mujoco==3.3.7"), tmp_path_factory.mktemp("robosuite"))
+    command = [str(python), "ur5e_robosuite.py"]
+    run = subprocess.run(command, cwd=arm, capture_output=True, text=True, timeout=900, check=False)
+    assert run.returncode == 0, run.stderr
+    rose = float(run.stdout.partition("the hand rose by ")[2].split()[0])
+    assert 0.05 < rose < 0.3
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("program", LOADED)
 def test_program_loads_the_robot(program: str, folder: Path) -> None:
     """Where it is installed, the program prints the joints of the robot."""
     if importlib.util.find_spec(MODULES[program]) is None:

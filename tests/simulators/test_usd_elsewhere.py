@@ -5,8 +5,7 @@ import os
 import re
 import shutil
 import subprocess
-import venv
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from functools import cache
 from pathlib import Path
 
@@ -18,6 +17,7 @@ from stepbot.engines.observation import Observation, Request
 from stepbot.runtime.worker import call_isolated
 from stepbot_cli import main
 from tests.library.conftest import every_robot, name_of, sidecar_of
+from tests.processes import python_with
 
 pytestmark = pytest.mark.long
 
@@ -95,17 +95,6 @@ def converted(tmp_path_factory: pytest.TempPathFactory) -> Converted:
         return folder
 
     return convert
-
-
-def python_with(packages: Sequence[str], folder: Path) -> Path:
-    """The interpreter of a new environment with some packages; the test is skipped if they cannot be installed."""
-    venv.create(folder, with_pip=True, symlinks=True)
-    python = folder / "bin" / "python"
-    command = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *packages]
-    run = subprocess.run(command, capture_output=True, text=True, check=False, timeout=600)
-    if run.returncode:
-        pytest.skip(f"cannot be installed here: {', '.join(packages)}: {run.stderr.strip().splitlines()[-1:]}")
-    return python
 
 
 @pytest.fixture(scope="module")

@@ -15,10 +15,10 @@ from stepbot.robot.model import Actuator, ActuatorKind, Base, JointKind, Robot
 
 from . import FORMATS
 from .lowering.devices import gears_at_joints
-from .mjcf.learning import genesis, mjlab, playground
-from .python_text import height, home, literal, table, words
+from .mjcf.learning import genesis, mjlab, playground, robosuite
+from .python_text import class_name, height, home, literal, table, words
 from .rendering import main_file
-from .urdf.chains import Chain
+from .urdf.chains import Chain, chains
 from .urdf.grippers import groups
 
 MENAGERIE = "menagerie"
@@ -136,7 +136,6 @@ def _bounds(robot: Robot, actuator: Actuator) -> dict[str, float]:
 
 
 def _maniskill(robot: Robot, file: str) -> str:
-    name = "".join(word.capitalize() for word in re.findall(r"[A-Za-z0-9]+", robot.name)) or "Robot"
     controllers = "".join(
         f"            {literal(key)}: {control}(\n                {literal(joints)},\n{arguments}            ),\n"
         for key, control, joints, arguments in _controllers(robot)
@@ -159,7 +158,7 @@ HOME = {table(home(robot))}
 
 
 @register_agent()
-class {name if not name[0].isdigit() else f"Robot{name}"}(BaseAgent):
+class {class_name(robot)}(BaseAgent):
     """{words(robot)}, with position targets [rad, m], velocity targets [rad/s, m/s], and joints without a drive."""
 
     uid = {literal(robot.name)}
@@ -250,6 +249,19 @@ if __name__ == "__main__":
 '''
 
 
+def _other_than_an_arm(robot: Robot) -> str:
+    """Why robosuite cannot take a robot as an arm; empty if it can."""
+    moving = [joint for joint in robot.joints if joint.kind is not JointKind.FIXED]
+    others = [joint.name for joint in moving if any(part in joint.name for part in ("torso", "mobile", "head", "leg"))]
+    found = chains(robot)
+    if robot.base is Base.FLOATING or len(found) != 1 or found[0].joints != tuple(moving):
+        return "its arms have a fixed base and one chain of joints; a hand can be left out (`without` of a module)"
+    if others:
+        return f"the name of '{others[0]}' means that the joint is not in the arm"
+    unlimited = [joint.name for joint in moving if joint.limit.effort in (0.0, inf)]
+    return f"'{unlimited[0]}' has no effort limit, which a torque motor needs" if unlimited else ""
+
+
 def _newton(robot: Robot, file: str) -> str:
     """Newton starts at q = 0, and has no floor of its own."""
     return f'''"""{words(robot)} in Newton: `model()`, in the drawn pose on a floor."""
@@ -291,5 +303,6 @@ PROGRAMS = {
     "playground": Program("mjcf", playground),
     "lerobot": Program("urdf", _lerobot, lambda robot: "" if _turning(robot) else "no chain of turning joints"),
     "newton": Program("usd", _newton),
+    "robosuite": Program("mjcf", robosuite, _other_than_an_arm),
 }
 """By name in commands."""

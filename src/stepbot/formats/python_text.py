@@ -20,16 +20,22 @@ def height(robot: Robot) -> float:
     return standing_height(robot, initial_configuration(robot)) if robot.base is Base.FLOATING else 0.0
 
 
-def table(values: Mapping[str, float], indent: int = 0) -> str:
+def table(values: Mapping[str, object], indent: int = 0) -> str:
     """A dictionary, one row per line."""
     space = " " * indent
-    rows = "".join(f"{space}    {literal(name)}: {value!r},\n" for name, value in values.items())
+    rows = "".join(f"{space}    {literal(name)}: {literal(value)},\n" for name, value in values.items())
     return f"{{\n{rows}{space}}}"
 
 
 def words(robot: Robot) -> str:
     """The robot's name in a docstring, which nothing in a foreign name may end."""
     return re.sub(r"[^\w .-]", "_", robot.name)
+
+
+def class_name(robot: Robot) -> str:
+    """The robot's name as that of a class."""
+    name = "".join(word.capitalize() for word in re.findall(r"[A-Za-z0-9]+", robot.name)) or "Robot"
+    return f"Robot{name}" if name[0].isdigit() else name
 
 
 def literal(value: object) -> str:

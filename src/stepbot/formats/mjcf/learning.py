@@ -1,15 +1,18 @@
-"""Python files that load a robot's MJCF in programs for learning: mjlab, MuJoCo Playground, Genesis."""
+"""Python files that load a robot's MJCF in programs for learning: mjlab, MuJoCo Playground, Genesis, robosuite."""
 
 import re
 
+from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import JointKind, Robot
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.tuning import Integrator
 
-from ..python_text import height, home, literal, table, words
+from ..python_text import class_name, height, home, literal, table, words
 
 _CONTROL_STEP = 0.02
 """Time [s] between actions, as in most tasks of MuJoCo Playground."""
+_TOOLS = ("tool0", "tcp", "tool")
+"""Frames that grippers are attached to."""
 
 
 def mjlab(robot: Robot, file: str) -> str:
@@ -147,4 +150,95 @@ if __name__ == "__main__":
     scene.build()
     go_home(robot)
     print(robot.n_dofs, "degrees of freedom;", *HOME)
+'''
+
+
+def robosuite(robot: Robot, file: str) -> str:
+    """An arm for robosuite's tasks, whose controllers compute torques."""
+    moving = [joint for joint in robot.joints if joint.kind is not JointKind.FIXED]
+    drawn, effort = home(robot), {joint.name: joint.limit.effort for joint in moving}
+    frame = next((one for one in robot.frames if one.name in _TOOLS), None)
+    link = robot.links[-1].name if frame is None else frame.link  # links come after their parents
+    X_LF = Pose() if frame is None else frame.X_LF
+    hand = {
+        "name": "right_hand",
+        "pos": " ".join(map(repr, X_LF.position)),
+        "quat": " ".join(map(repr, X_LF.quaternion)),
+    }
+    return f'''"""{words(robot)} in robosuite: the arm `{class_name(robot)}`, as `robots` of an environment."""
+
+import tempfile
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from robosuite.models.robots import ManipulatorModel
+from robosuite.robots import register_robot_class
+
+MODEL = Path(__file__).with_name({literal(file)})
+HOME = {table({one.name: drawn[one.name] for one in moving})}
+EFFORT = {table(effort)}
+GRIPPER = None  # or one of robosuite's, such as "PandaGripper" or "Robotiq85Gripper"
+HAND = {literal(link)}, {table(hand)}
+
+
+def model():
+    """The path of the MJCF as robosuite takes it: torque motors, a body for the gripper, and no settings of its own."""
+    tree = ET.parse(MODEL)
+    root = tree.getroot()
+    for tag in ("custom", "keyframe", "option", "sensor", "size", "statistic", "visual"):
+        for element in root.findall(tag):
+            root.remove(element)
+    actuators = root.find("actuator")
+    actuators = ET.SubElement(root, "actuator") if actuators is None else actuators
+    actuators.clear()
+    for joint, bound in EFFORT.items():
+        motor = {{"joint": joint, "ctrllimited": "true", "ctrlrange": f"{{-bound}} {{bound}}"}}
+        ET.SubElement(actuators, "motor", name=f"{{joint}}_torque", **motor)
+    for mesh in root.iterfind("asset/mesh"):
+        mesh.set("name", mesh.get("name") or Path(mesh.get("file")).stem)
+        mesh.set("file", str(MODEL.parent / mesh.get("file")))
+    for geom in root.iter("geom"):
+        geom.set("group", "1" if geom.get("class") == "visual" else "0")
+    ET.SubElement(root.find("worldbody/body"), "site", name="right_center")
+    link = next(body for body in root.iter("body") if body.get("name") == HAND[0])
+    ET.SubElement(link, "body", **HAND[1])
+    with tempfile.NamedTemporaryFile(suffix=".xml", delete=False) as written:
+        tree.write(written)
+    return written.name
+
+
+@register_robot_class("FixedBaseRobot")
+class {class_name(robot)}(ManipulatorModel):
+    """{words(robot)}, in its drawn pose."""
+
+    arms = ["right"]
+    arm_type = "single"
+    default_base = "NullMount"
+    default_gripper = {{"right": GRIPPER}}
+    default_controller_config = {{"right": "default_panda"}}
+    init_qpos = np.array(list(HOME.values()))
+    base_xpos_offset = {{  # [m], as robosuite's own arms have them
+        "bins": (-0.5, -0.1, 0),
+        "empty": (-0.6, 0, 0),
+        "table": lambda length: (-0.16 - length / 2, 0, 0),
+    }}
+    top_offset = np.array((0, 0, 1))
+    _horizontal_radius = 0.5
+
+    def __init__(self, idn=0):
+        super().__init__(model(), idn=idn)
+
+
+if __name__ == "__main__":
+    import robosuite
+
+    options = {{"has_renderer": False, "has_offscreen_renderer": False, "use_camera_obs": False}}
+    control = robosuite.load_composite_controller_config(controller="BASIC")
+    task = robosuite.make("Lift", robots="{class_name(robot)}", controller_configs=control, **options)
+    task.reset()
+    before = task.step(np.zeros(task.action_dim))[0]["robot0_eef_pos"]
+    for _ in range(10):
+        after = task.step(np.eye(task.action_dim)[2])[0]["robot0_eef_pos"]  # upwards
+    print(task.action_dim, "actions; the hand rose by", after[2] - before[2], *task.robots[0].robot_model.joints)
 '''
