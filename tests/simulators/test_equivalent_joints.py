@@ -51,7 +51,7 @@ class InThisProcess:
 @pytest.fixture(autouse=True)
 def _engines_in_this_process(brief: None, monkeypatch: pytest.MonkeyPatch) -> None:
     skip_without("mujoco")
-    monkeypatch.setattr("stepbot.verification.probe.Worker", InThisProcess)
+    monkeypatch.setattr("stepbot.runtime.worker.Worker", InThisProcess)
     monkeypatch.setattr("stepbot.engines.workers.Worker", InThisProcess)
     for engine in engines():
         if engine.name not in ENGINES:

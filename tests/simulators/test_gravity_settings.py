@@ -107,7 +107,7 @@ def test_gravity_that_two_files_give_is_compared(siblings: Siblings) -> None:
     assert siblings.by_verify(both) == ""
     both["mjcf"] = changed(siblings, "mjcf", option('gravity="0 0 -9.79">'))
     reported = siblings.by_verify(both)
-    assert "acceleration of gravity (0, 0, -9.79), (0, 0, -9.8) expected" in reported
+    assert "acceleration of gravity (0, 0, -9.79) instead of (0, 0, -9.8)" in reported
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, Vector3, cross, rotated, turn_inertia
+from stepbot.geometry.spatial import Array, Vector3, cross, matrix_product, rotated, turn_inertia
 
 from .kinematics import Configuration, Tree, complete
 from .model import Robot
@@ -60,14 +60,22 @@ def equations_of_motion(
     I_W = turn_inertia(R_WL, np.array([body.inertia for body in bodies]))
     mass = np.array([body.mass for body in bodies])[:, None]
     J = tree.jacobian(X, links, p_WLcm)
-    # Sums over links are one product each: of hundreds of links, what each adds takes the time of writing M that often.
-    M = np.tensordot(J, np.concatenate([I_W @ J[:, :3], mass[:, None] * J[:, 3:]], axis=1), ((0, 1), (0, 1)))
-    g = -np.tensordot(J[:, 3:], mass * np.array(gravity), ((0, 1), (0, 1)))
+    momenta = np.concatenate([matrix_product(I_W, J[:, :3]), mass[:, None] * J[:, 3:]], axis=1)
+    M = np.zeros((len(tree.joints),) * 2)
+    for moves, momentum in zip(J, momenta, strict=True):
+        on = np.flatnonzero(moves.any(axis=0))  # the joints that move this link
+        M[np.ix_(on, on)] += matrix_product(moves[:, on].T, momentum[:, on])
+    g = -_efforts(J[:, 3:], mass * np.array(gravity))
     c = np.zeros(len(tree.joints))
     if v.any():
         turning, moving = tree.bias(X, v, links, p_WLcm)
-        w_WL = J[:, :3] @ v
-        efforts = rotated(I_W, turning) + cross(w_WL, rotated(I_W, w_WL))
-        c = np.tensordot(J, np.concatenate([efforts, mass * moving], axis=1), ((0, 1), (0, 1)))
+        w_WL = (J[:, :3] * v).sum(axis=-1)
+        torques = rotated(I_W, turning) + cross(w_WL, rotated(I_W, w_WL))
+        c = _efforts(J, np.concatenate([torques, mass * moving], axis=1))
     M = 0.5 * (M + M.T)
-    return Equations(M, g, M @ a + c + g)
+    return Equations(M, g, (M * a).sum(axis=1) + c + g)
+
+
+def _efforts(J: Array, forces: Array) -> Array:
+    """Efforts (n,) of joints for forces and torques (m, k) on links with the Jacobians J (m, k, n)."""
+    return np.asarray((J * forces[..., None]).sum(axis=(0, 1)))

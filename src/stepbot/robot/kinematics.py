@@ -192,13 +192,14 @@ class Tree:
         """
         frames = X[self._child]
         a_W = np.einsum("nij,nj->ni", frames[:, :3, :3], self._axis)
-        twists = self.jacobian(X, self._child.tolist(), frames[:, :3, 3]) @ v
+        twists = (self.jacobian(X, self._child.tolist(), frames[:, :3, 3]) * v).sum(axis=-1)
         turned = cross(twists[:, :3], a_W)  # an axis moves with the link that it is fixed to
-        v_Q = self.jacobian(X, links, p_WQ)[:, 3:] @ v
+        v_Q = (self.jacobian(X, links, p_WQ)[:, 3:] * v).sum(axis=-1)
         swept = cross(turned, p_WQ[:, None] - frames[:, :3, 3]) + cross(a_W, v_Q[:, None] - twists[:, 3:])
         rows = self._turn[:, None] * swept + self._advance[:, None] * turned
         speeds = np.where(self._above[links], v, 0.0)
-        return (self._turn * speeds) @ turned, np.einsum("mn,mni->mi", speeds, rows)
+        turning = ((self._turn * speeds)[..., None] * turned).sum(axis=1)
+        return np.asarray(turning), np.asarray((speeds[..., None] * rows).sum(axis=1))
 
 
 def advance(joint: Joint) -> float:
