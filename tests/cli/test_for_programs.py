@@ -15,7 +15,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.formats.learning import PROGRAMS, SIMREADY, program_files
 from tests.command_line import convert_once
 from tests.processes import python_with
-from tests.robots import two_link_arm
+from tests.robots import ROBOTS, two_link_arm
 
 from .conftest import Stepbot
 
@@ -182,6 +182,14 @@ def test_robosuite_gets_motors_and_a_hand(arm: Path, stepbot: Stepbot, robot_lib
     assert run.code == 1
     assert "SB644" in run.err
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("name", ["ball", "universal", "floating_biped", "gripper_with_mimic", "tree"])
+def test_robosuite_takes_arms_alone(name: str) -> None:
+    """Robots with other joints, branches, followers or without a fixed base are rejected."""
+    found = Diagnostics()
+    assert program_files(["robosuite"], {"mjcf": ROBOTS[name]()}, found) == {}
+    assert [one.code for one in found] == ["SB644"]
 
 
 @pytest.mark.long

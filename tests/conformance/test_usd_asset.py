@@ -163,6 +163,26 @@ def test_numbers_of_physx_and_mujoco(name: str) -> None:
             assert not prim.GetAttribute("mjc:gainPrm").HasAuthoredValue()
 
 
+def test_a_link_may_have_the_name_of_the_scope_of_actuators() -> None:
+    """Both are there, under two names."""
+    robot = lowered("two_link_arm")
+    old = robot.links[-1].name
+    named = replace(
+        robot,
+        links=tuple(replace(link, name="actuators") if link.name == old else link for link in robot.links),
+        joints=tuple(replace(one, child="actuators") if one.child == old else one for one in robot.joints),
+        frames=(),
+        sensors=(),
+        excluded_contacts=(),
+    )
+    stage = Usd.Stage.Open(str(written(named, "MuJoCo")))
+    (link,) = (prim for prim in stage.Traverse() if prim.GetName() == "actuators")
+    assert link.HasAPI("PhysicsRigidBodyAPI")
+    motors = [prim for prim in stage.Traverse() if prim.GetTypeName() == "MjcActuator"]
+    assert len(motors) == len(robot.actuators) > 0
+    assert not any(prim.GetPath().HasPrefix(link.GetPath()) for prim in motors)
+
+
 def test_same_bytes() -> None:
     """Twice, and without files that nothing refers to."""
     robot = lowered("primitives")

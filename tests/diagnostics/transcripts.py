@@ -65,6 +65,18 @@ class Transcript:
         return json.dumps(self.diagnostics, indent=2, ensure_ascii=False) + "\n"
 
 
+def copy_library_robot(folder: str, name: str, *changes: tuple[str, str]) -> None:
+    """Copy the STEP and the sidecar of a robot of the library here, the sidecar with some texts replaced."""
+    source = ROOT / "robot_library" / folder
+    step, sidecar = f"{name}.step", f"{name}.robot.yaml"
+    Path(step).write_bytes((source / step).read_bytes())
+    text = (source / sidecar).read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    Path(sidecar).write_text(text, encoding="utf-8", newline="\n")
+
+
 def folders() -> list[Path]:
     """The folders of all transcripts, by name."""
     return sorted(path for path in HERE.glob("SB[0-9][0-9][0-9]_*") if path.is_dir())

@@ -57,7 +57,10 @@ def _tuning(drive: ActuatorSection) -> Tuning | None:
 
 
 def tune_actuators(robot: Robot, sidecar: Sidecar, found: Diagnostics) -> Robot:
-    """The robot with its computed gains; reports SB464, actuators that are too weak for the weight of their joint."""
+    """The robot with its computed gains.
+
+    Reports SB464, actuators that are too weak for the weight of their joint, and SB466, those that cannot move theirs.
+    """
 
     def too_weak(actuator: Actuator, effort: float, weight: float) -> None:
         unit = "N" if robot.joint_by_name[actuator.joint].kind is JointKind.PRISMATIC else "N m"
@@ -69,7 +72,13 @@ def tune_actuators(robot: Robot, sidecar: Sidecar, found: Diagnostics) -> Robot:
         )
         found.add("SB464", f"{message}, whose weight is {weight:.3g} {unit} in the drawn pose", span, help=help)
 
-    return tuned(robot, too_weak)
+    result = tuned(robot, too_weak)
+    for actuator in result.actuators:
+        if actuator.tuning is not None and actuator.kp == actuator.kv == 0.0:
+            message = f"actuator '{actuator.name}': no gains can be computed: its joint cannot move in the drawn pose"
+            help = ("let the loop move, or set `kp` and `kv`",)
+            found.add("SB466", message, sidecar.span("actuators", actuator.name), help=help)
+    return result
 
 
 def build_simulation(document: Document) -> Simulation:

@@ -254,8 +254,9 @@ def _other_than_an_arm(robot: Robot) -> str:
     moving = [joint for joint in robot.joints if joint.kind is not JointKind.FIXED]
     others = [joint.name for joint in moving if any(part in joint.name for part in ("torso", "mobile", "head", "leg"))]
     found = chains(robot)
-    if robot.base is Base.FLOATING or len(found) != 1 or found[0].joints != tuple(moving):
-        return "its arms have a fixed base and one chain of joints; a hand can be left out (`without` of a module)"
+    is_chain = len(found) == 1 and found[0].joints == tuple(moving) and all(joint.kind.is_pair for joint in moving)
+    if robot.base is Base.FLOATING or not is_chain:
+        return "its arms have a fixed base and one chain of hinges or slides; `without` of a module leaves out a hand"
     if others:
         return f"the name of '{others[0]}' means that the joint is not in the arm"
     unlimited = [joint.name for joint in moving if joint.limit.effort in (0.0, inf)]

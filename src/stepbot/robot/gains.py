@@ -131,7 +131,7 @@ class _Driven:
 
 
 def tuned(robot: Robot, too_weak: Callable[[Actuator, float, float], None]) -> Robot:
-    """The robot with the gains of all actuators that have a :class:`Tuning`.
+    """The robot with the gains of all actuators that have a :class:`Tuning`; they stay 0 where nothing moves.
 
     Args:
         too_weak: Called for each of these actuators whose effort limit does not hold its joint in the drawn pose, with
@@ -140,7 +140,15 @@ def tuned(robot: Robot, too_weak: Callable[[Actuator, float, float], None]) -> R
     if all(actuator.tuning is None for actuator in robot.actuators):
         return robot
     driven = _driven(robot)
-    return replace(robot, actuators=tuple(_tuned(robot, actuator, driven, too_weak) for actuator in robot.actuators))
+
+    def gains(actuator: Actuator) -> Actuator:
+        if actuator.tuning is None:
+            return actuator
+        # Of more actuators than degrees of freedom, each moves the loop as if it were alone.
+        moving = driven if actuator.joint in driven.names else _driven(replace(robot, actuators=(actuator,)))
+        return _tuned(robot, actuator, moving, too_weak)
+
+    return replace(robot, actuators=tuple(map(gains, robot.actuators)))
 
 
 def _driven(robot: Robot) -> _Driven:

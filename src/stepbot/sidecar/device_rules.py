@@ -105,6 +105,10 @@ def _check_gains(sidecar: Sidecar, name: str, actuator: ActuatorSection, found: 
         message = f"{who}: missing key '{needed}', required for kind {kind}"
         help = [f"example: `{needed}: 100`", "or `gains: auto`, to compute the gains"]
         found.add("SB121", message, sidecar.key_span("actuators", name), help=help)
+    if needed in actuator.model_fields_set and getattr(actuator, needed) == 0.0:
+        message = f"{who}: {needed}: must be greater than 0 for kind {kind}"
+        help = [f"remove the actuator, or use kind {ActuatorKind.MOTOR} for an effort without feedback"]
+        found.add("SB125", message, sidecar.span("actuators", name, needed), help=help)
     if actuator.gear == 0.0:
         found.add("SB125", f"{who}: gear: ratio must not be 0", sidecar.span("actuators", name, "gear"))
 

@@ -23,6 +23,7 @@ _SECONDS = 10.0
 _SPEED = 0.3
 """Speed [m/s] of the base at its wheels; less if they cannot turn so fast."""
 _SHARE = 0.5
+"""Largest speed of a wheel, relative to its velocity limit: what corrects it needs a margin."""
 _RAMP = 0.5
 """Time [s] in which the base starts and stops: at once, a short base rears up on its wheels."""
 

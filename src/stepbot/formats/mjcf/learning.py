@@ -158,7 +158,7 @@ def robosuite(robot: Robot, file: str) -> str:
     moving = [joint for joint in robot.joints if joint.kind is not JointKind.FIXED]
     drawn, effort = home(robot), {joint.name: joint.limit.effort for joint in moving}
     frame = next((one for one in robot.frames if one.name in _TOOLS), None)
-    link = robot.links[-1].name if frame is None else frame.link  # links come after their parents
+    link = moving[-1].child if frame is None else frame.link
     X_LF = Pose() if frame is None else frame.X_LF
     hand = {
         "name": "right_hand",
@@ -182,8 +182,8 @@ GRIPPER = None  # or one of robosuite's, such as "PandaGripper" or "Robotiq85Gri
 HAND = {literal(link)}, {table(hand)}
 
 
-def model():
-    """The path of the MJCF as robosuite takes it: torque motors, a body for the gripper, and no settings of its own."""
+def write_model(path):
+    """Write the MJCF as robosuite takes it: torque motors, a body for the gripper, and no settings of its own."""
     tree = ET.parse(MODEL)
     root = tree.getroot()
     for tag in ("custom", "keyframe", "option", "sensor", "size", "statistic", "visual"):
@@ -203,9 +203,7 @@ def model():
     ET.SubElement(root.find("worldbody/body"), "site", name="right_center")
     link = next(body for body in root.iter("body") if body.get("name") == HAND[0])
     ET.SubElement(link, "body", **HAND[1])
-    with tempfile.NamedTemporaryFile(suffix=".xml", delete=False) as written:
-        tree.write(written)
-    return written.name
+    tree.write(path)
 
 
 @register_robot_class("FixedBaseRobot")
@@ -218,7 +216,7 @@ class {class_name(robot)}(ManipulatorModel):
     default_gripper = {{"right": GRIPPER}}
     default_controller_config = {{"right": "default_panda"}}
     init_qpos = np.array(list(HOME.values()))
-    base_xpos_offset = {{  # [m], as robosuite's own arms have them
+    base_xpos_offset = {{  # [m], as those of robosuite's UR5e, like the two below
         "bins": (-0.5, -0.1, 0),
         "empty": (-0.6, 0, 0),
         "table": lambda length: (-0.16 - length / 2, 0, 0),
@@ -227,7 +225,10 @@ class {class_name(robot)}(ManipulatorModel):
     _horizontal_radius = 0.5
 
     def __init__(self, idn=0):
-        super().__init__(model(), idn=idn)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, MODEL.name)
+            write_model(path)
+            super().__init__(str(path), idn=idn)
 
 
 if __name__ == "__main__":

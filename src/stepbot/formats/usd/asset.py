@@ -17,7 +17,7 @@ from ..xml import number
 from .joints import JOINTS, per_stage_unit, stage_unit
 from .meshes import MeshLayer
 from .shapes import MATERIALS
-from .usda import INDENT, Prim, asset_path, layer, quoted, single, written_by
+from .usda import INDENT, Names, Prim, asset_path, layer, quoted, single, written_by
 from .writer import tree
 
 _BASE, _PHYSICS = "payloads/base.usda", "payloads/physics/physics.usda"
@@ -192,7 +192,8 @@ def _mujoco(top: Prim, robot: Robot, prims: list[Prim]) -> Prim:
         if api := _EQUALITIES.get(closure.kind):
             scope.add(_over(prim.name, [api]))
     if robot.actuators:
-        over.add(Prim("Scope", "actuators", children=[_actuator(one, robot, paths) for one in robot.actuators]))
+        name = Names(child.name for child in top.children).of("actuators")  # a link may have that name
+        over.add(Prim("Scope", name, children=[_actuator(one, robot, paths) for one in robot.actuators]))
     return over
 
 

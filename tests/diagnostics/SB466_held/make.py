@@ -1,0 +1,15 @@
+"""A crank-rocker linkage closed by a weld in place of a pin, with a motor whose gains are to be computed."""
+
+import pytest
+
+from tests.diagnostics.transcripts import copy_library_robot
+
+
+def make(patch: pytest.MonkeyPatch) -> None:
+    """Set it up."""
+    copy_library_robot(
+        "stepbot_four_bar",
+        "four_bar",
+        ("rocker_pin: {type: revolute", "rocker_pin: {type: fixed"),
+        ("auto, axis: -z}", "auto}"),
+    )
