@@ -106,3 +106,11 @@ class Page:
         mouse = {"x": at[0], "y": at[1], "button": "left", "clickCount": 1, "modifiers": 2 if with_control else 0}
         for kind in ("mousePressed", "mouseReleased"):
             self.driver.execute_cdp_cmd("Input.dispatchMouseEvent", {"type": kind, **mouse})
+
+    def drag(self, start: tuple[float, float], end: tuple[float, float], *, with_control: bool = False) -> None:
+        """Press the mouse at a place of the window, move it in steps, and release it."""
+        mouse = {"button": "left", "buttons": 1, "clickCount": 1, "modifiers": 2 if with_control else 0}
+        steps = [[a + (b - a) * i / 8 for a, b in zip(start, end, strict=True)] for i in range(9)]
+        events = [("mousePressed", steps[0]), *(("mouseMoved", at) for at in steps[1:]), ("mouseReleased", steps[-1])]
+        for kind, (x, y) in events:
+            self.driver.execute_cdp_cmd("Input.dispatchMouseEvent", {"type": kind, "x": x, "y": y, **mouse})

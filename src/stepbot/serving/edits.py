@@ -15,7 +15,7 @@ from stepbot.sidecar.ignored import can_ignore
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.tree import ELEMENTS, Keys, Mapping, way
 
-from .joint_edits import KINDS, WITH_LIMITS, change_type, choose_line, confirm, flip, set_limits
+from .joint_edits import KINDS, WITH_LIMITS, change_type, choose_line, confirm, flip, set_limits, stops_gone
 from .local_server import Refused
 from .questions import (
     NAMED,
@@ -62,7 +62,7 @@ def set_value(sidecar: Sidecar, question: Json) -> list[Change]:
         for key in reversed(keys[last:]):
             value = {str(key): value}
         keys = keys[:last]
-    return [Put(keys, value), *reviewed]
+    return [Put(keys, value), *reviewed, *(stops_gone(sidecar, str(keys[1])) if keys[2:] == ("origin",) else [])]
 
 
 def append(sidecar: Sidecar, question: Json) -> list[Change]:  # noqa: ARG001 - every action gets it

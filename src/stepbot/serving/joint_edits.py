@@ -75,9 +75,7 @@ def change_type(sidecar: Sidecar, question: Json) -> list[Change]:
         changes.append(Remove((*place, "limits")))
     if kind == "fixed" and "axis" in written:
         changes.append(Remove((*place, "axis")))
-    if "prismatic" in (kind, former) and _has_stops(sidecar, name):
-        changes.append(Annotate(place, without_stops))
-    return changes
+    return [*changes, *(stops_gone(sidecar, name) if "prismatic" in (kind, former) else [])]
 
 
 def choose_line(sidecar: Sidecar, question: Json) -> list[Change]:
@@ -86,8 +84,7 @@ def choose_line(sidecar: Sidecar, question: Json) -> list[Change]:
     The comments about stops along the former axis are removed.
     """
     section, name = _place(sidecar, question)
-    gone: list[Change] = [Annotate((section, name), without_stops)] if _has_stops(sidecar, name) else []
-    return [_on_line(sidecar, section, name, question), *gone]
+    return [_on_line(sidecar, section, name, question), *stops_gone(sidecar, name)]
 
 
 def confirm(sidecar: Sidecar, question: Json) -> list[Change]:
@@ -111,6 +108,12 @@ def _on_line(sidecar: Sidecar, section: str, name: str, question: Json) -> Put:
         kept = {"auto": True, **kept}
     new = {**kept, **selectors(question)}
     return Put((section, name, "origin"), "auto" if new == {"auto": True} else new)
+
+
+def stops_gone(sidecar: Sidecar, name: str) -> list[Change]:
+    """The comments about stops of a joint or closure that gets another axis go."""
+    section = "closures" if name in sidecar.document.closures else "joints"
+    return [Annotate((section, name), without_stops)] if _has_stops(sidecar, name) else []
 
 
 def _has_stops(sidecar: Sidecar, name: str) -> bool:

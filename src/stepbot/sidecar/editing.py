@@ -20,7 +20,7 @@ from .compose import TooMuchError, compose
 from .draft_comments import Rewrite, above, below
 from .load import parse_sidecar
 from .starter import scalar
-from .tree import Mapping, plain_data
+from .tree import SECTIONS, Mapping, plain_data
 
 Keys = tuple[str | int, ...]
 
@@ -155,7 +155,7 @@ def _spliced(text: str, change: Change) -> str:
     if isinstance(change, Rename):
         return _renamed(text, nodes, change.name)
     if isinstance(change, Annotate):
-        return _annotated(text, nodes, change.rewrite)
+        return _annotated(text, nodes, change.keys, change.rewrite)
     if isinstance(change, Remove):
         return _without(text, nodes, change.keys, str(change.keys[-1]) if change.with_draft else None)
     if isinstance(change, Append) and not missing:
@@ -233,7 +233,7 @@ def _as_lines(text: str, after: int, lines: Sequence[str]) -> str:
     return "\n".join([head, *lines, ""]) + tail
 
 
-def _annotated(text: str, nodes: Sequence[Node], rewrite: Rewrite) -> str:
+def _annotated(text: str, nodes: Sequence[Node], keys: Keys, rewrite: Rewrite) -> str:
     lines: list[str | None] = list(text.split("\n"))
     if len(nodes) == 1:
         return "\n".join(line for line in rewrite(text.split("\n")) if line is not None)
@@ -242,7 +242,7 @@ def _annotated(text: str, nodes: Sequence[Node], rewrite: Rewrite) -> str:
         raise CannotEdit("an item of a list has no comments of the draft")
     start = next(key for key, value in parent.value if value is node).start_mark.line
     places = [*above([str(line) for line in lines], start), start]
-    if not (isinstance(node, MappingNode) and any(isinstance(value, MappingNode) for _, value in node.value)):
+    if len(keys) > 1 or keys[0] not in SECTIONS:  # the entries of a section have comments of their own
         places += range(start + 1, text.count("\n", 0, _end(node)) + 1)
     for at, line in zip(places, rewrite([str(lines[at]) for at in places]), strict=True):
         lines[at] = line

@@ -89,6 +89,17 @@ def test_a_mark_below_an_element_is_settled() -> None:
     assert "# REVIEW: a tyre" in after(TEXT, action="settle", keys=["links", "c"])
 
 
+@pytest.mark.parametrize("below", ["collision: {merge: wheel}", "collision:\n      merge: wheel"])
+def test_a_mark_beside_settings_of_its_own_is_settled(below: str) -> None:
+    """A link with settings of their own below it, as a drafted wheel has."""
+    text = TEXT.replace("# as above\n", f"# as above\n    {below}\n").replace("0.7\n", f"0.7\n    {below}\n")
+    changed = after(text, action="all", edits=[{"action": "settle", "keys": ["links", name]} for name in "ab"])
+    assert changed == text.replace("  # REVIEW: a tyre; friction 0.7", "").replace(
+        "rubber-on-floor  # as above", "rubber-on-floor"
+    )
+    assert after(text, action="settle", keys=["links"]) == text
+
+
 def test_findings_of_actuators_are_ignored_once() -> None:
     """Actuators have no list of ignored codes: that of the robot gets the code once."""
     edits = [{"action": "ignore", "keys": ["actuators", name], "code": "SB524"} for name in ("pan", "tilt")]

@@ -14,6 +14,7 @@ export class Camera {
     this.elevation = 0.42;
     this.size = 1;
     this.aspect = 1;
+    this.field = FIELD;
   }
 
   // Show a sphere.
@@ -99,14 +100,16 @@ export class Camera {
 
 const KEY_STEP = 24; // [px] that a key is worth
 
-// Connect a camera to the gestures on a canvas. A press without motion is a click.
-export function steer(canvas, camera, { changed, clicked }) {
+// Connect a camera to the gestures on a canvas. A press without motion is a click. `framing` takes the drags that it starts.
+export function steer(canvas, camera, { changed, clicked, framing }) {
   const fingers = new Map();
   let travelled = 0;
+  let corner = null; // where a frame started
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
-    if (!fingers.size) travelled = 0;
-    fingers.set(event.pointerId, [event.clientX, event.clientY]);
+    const here = [event.clientX, event.clientY];
+    if (!fingers.size) [travelled, corner] = [0, framing.starts(event) ? here : null];
+    fingers.set(event.pointerId, here);
   });
   canvas.addEventListener("pointermove", (event) => {
     const last = fingers.get(event.pointerId);
@@ -114,7 +117,8 @@ export function steer(canvas, camera, { changed, clicked }) {
     const here = [event.clientX, event.clientY];
     const [dx, dy] = [here[0] - last[0], here[1] - last[1]];
     travelled += Math.abs(dx) + Math.abs(dy);
-    if (fingers.size === 2) {
+    if (corner) framing.drawn(corner, here);
+    else if (fingers.size === 2) {
       const [other] = [...fingers].filter(([id]) => id !== event.pointerId).map(([, place]) => place);
       const apart = (place) => norm([place[0] - other[0], place[1] - other[1], 0]) || 1;
       camera.zoom(apart(last) / apart(here));
@@ -126,7 +130,12 @@ export function steer(canvas, camera, { changed, clicked }) {
   });
   const released = (event) => {
     const pressed = fingers.delete(event.pointerId);
-    if (pressed && event.type === "pointerup" && travelled < 6 && !fingers.size) clicked(event);
+    if (!pressed || fingers.size) return;
+    const isDone = event.type === "pointerup";
+    if (corner) framing.drawn(null);
+    if (isDone && travelled < 6) clicked(event);
+    else if (isDone && corner) framing.taken(corner, [event.clientX, event.clientY]);
+    corner = null;
   };
   canvas.addEventListener("pointerup", released);
   canvas.addEventListener("pointercancel", released);

@@ -4,6 +4,8 @@ import { copyable, element, pairs, place } from "./dom.js";
 import { mass, millimetres, short, shown, unitOf, vector } from "./numbers.js";
 import { position, turn } from "./vectors.js";
 
+const MOST_OPEN = 6; // parts that are listed without asking
+
 export function card(state, node, extras = () => []) {
   const close = element("button.close", { type: "button", "aria-label": "close", onclick: () => state.select(null) }, "×");
   let facts = [];
@@ -31,7 +33,7 @@ function partCard(state, selection) {
   const { mass: body } = link;
   if (selection.picked?.length > 1) {
     const pick = (former) => (path) => state.select({ ...state.selection, add: false, component: path, picked: selection.picked.map((one) => (one === former ? path : one)) });
-    return [element("h2", {}, `${selection.picked.length} parts`), element("ul", {}, selection.picked.map((path) => element("li", {}, path, ancestors(path, pick(path)))))];
+    return [element("h2", {}, `${selection.picked.length} parts`), element("details", { "data-group": "picked", open: selection.picked.length <= MOST_OPEN }, element("summary", {}, "which"), element("ul", {}, selection.picked.map((path) => element("li", {}, path, ancestors(path, pick(path))))))];
   }
   const source = link.sources.find((one) => one.component === selection.component);
   const lines = [element("h2", {}, selection.component || `link ${link.name}`)];

@@ -48,6 +48,16 @@ async function answered(name, question, words) {
   }
 }
 
+// What the next click is for: `take` gets what was clicked and returns what is selected then. Esc ends it.
+export function nextClick(words, take) {
+  say(words, "busy");
+  state.waiting = (selection) => {
+    state.waiting = null;
+    say("");
+    return selection ? take(selection) : state.selection;
+  };
+}
+
 export const edit = (action, question, words) => send("edit", async () => ({ action, ...(typeof question === "function" ? await question() : question) }), words);
 
 // A new name for a joint or link; what is selected stays selected under it. `from` is a function.

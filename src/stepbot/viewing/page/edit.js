@@ -1,6 +1,6 @@
 // Editing: parts to links, a joint between two parts, axes, limits. The server checks every change before it is written.
 
-import { edit, say } from "./changes.js";
+import { edit, nextClick, say } from "./changes.js";
 import { byId, copyable, element } from "./dom.js";
 import { button, choice, field } from "./form.js";
 import { jointForm } from "./jointform.js";
@@ -9,11 +9,11 @@ import { converted } from "./convert.js";
 import { app } from "./main.js";
 import { decisionsPanel } from "./decisions.js";
 import { extras } from "./proof.js";
+import { alikeTools, rulesForm } from "./several.js";
 import { robotPanel, selectedSheets } from "./settings.js";
 import { moduleOf } from "./written.js";
 
 const { state } = app;
-let picking = false;
 let form = null; // for the link or parts that are picked: kept with what is in it, until a scene changes what it is about
 
 // The paths that an edit is about: those picked, else the one selected.
@@ -40,14 +40,12 @@ function linkActs(link) {
 
 function partTools(selection) {
   const paths = picked(selection);
-  const about = JSON.stringify([paths, paths.map((path) => state.linkOf(path)), selection.link, state.scene.links.map(({ name }) => name), picking]);
+  const about = JSON.stringify([paths, paths.map((path) => state.linkOf(path)), selection.link, state.scene.links.map(({ name }) => name), Boolean(state.vocabulary)]);
   if (form?.about === about) return form.nodes;
-  const more = button(picking ? "click the next part" : "pick another part", () => {
-    picking = true;
-    state.tell("selection");
-  });
+  const more = button("pick another part", () => nextClick("Click the next part. Esc ends it.", (clicked) => joined({ ...clicked, add: true })));
   const joint = paths.length === 2 ? [jointForm(paths)] : [];
-  form = { about, nodes: [...joint, element("h3", {}, paths.length > 1 ? "Move these parts" : "Edit"), assignForm(paths, selection), more] };
+  const others = paths.length === 1 ? alikeTools(paths[0]) : state.vocabulary ? rulesForm(paths) : [];
+  form = { about, nodes: [...joint, element("h3", {}, paths.length > 1 ? "Move these parts" : "Edit"), assignForm(paths, selection), element("div.acts", {}, more, paths.length > 1 ? null : others), ...(paths.length > 1 ? others : [])] };
   return form.nodes;
 }
 
@@ -62,15 +60,18 @@ function assignForm(paths, selection) {
   return element("div.form", {}, field("link", link), move);
 }
 
-state.picking = (selection) => {
-  // A click after `pick another part`, or with Ctrl, adds to the parts picked before.
+// What is selected after a click that adds to the parts picked before, as with Ctrl; a second one takes a part away.
+function joined(selection) {
   const before = state.selection;
-  const adds = selection?.component && (picking || selection.add) && before?.component;
-  picking = false;
-  if (!adds) return selection;
-  const paths = [...new Set([...picked(before), selection.component])];
-  return { ...selection, picked: paths, triangle: null, line: null };
-};
+  if (!selection?.component || !selection.add || !before?.component) return selection;
+  const [former, more] = [picked(before), picked(selection)];
+  const isAgain = !selection.picked && former.length > 1 && former.includes(selection.component);
+  const paths = isAgain ? former.filter((path) => path !== selection.component) : [...new Set([...former, ...more])];
+  const component = isAgain ? paths.at(-1) : selection.component;
+  return { ...selection, component, link: state.linkOf(component), picked: paths, triangle: null, line: null };
+}
+
+state.picking = (selection) => (state.waiting ? state.waiting(selection) : joined(selection));
 app.extras.push((selection) => {
   const module = moduleOf(selection);
   if (module) return [element("p.quiet", {}, `In module '${module.name}', which is edited in its own file:`), copyable(module.edit, { id: "module" })];
@@ -89,7 +90,7 @@ state.listen((what) => {
   if (what === "written") Object.assign(app.counts.get("todo"), { textContent: String(state.written.decisions.length || ""), className: "count warn" });
 });
 app.open("todo");
-byId("toolbar").after(element("p", { id: "hint" }, "This page edits the sidecar. Click a part to move it or to put a joint on it, or a joint in the list to change it."));
+byId("toolbar").after(element("p", { id: "hint" }, "This page edits the sidecar. Click a part to move it or to put a joint on it, or a joint in the list to change it. Ctrl-drag selects parts with a box."));
 state.listen((what) => {
   if (what === "selection" && state.selection) byId("hint").hidden = true;
   if (!state.selection?.link) form = null;

@@ -22,7 +22,16 @@ export function joint(X, one, q, size, color) {
   const heads = [side, other].flatMap((d) => [d, scaled(d, -1)]);
   const lines = [[add(origin, scaled(axis, -0.6 * size)), tip, color]];
   for (const d of heads) lines.push([tip, add(tip, add(scaled(axis, -0.18 * size), scaled(d, 0.07 * size))), color]);
-  return [...lines, ...(one.turn ? arc(X, one, q, 0.7 * size, color) : bar(X, one, q, 0.12 * size, color))];
+  return [...lines, ...(one.turn ? arc(X, one, q, ARC * size, color) : bar(X, one, q, 0.12 * size, color))];
+}
+
+const ARC = 0.7; // radius of the arc of a joint, of the size of its glyph
+
+// Where a glyph has the position that is `by` more than the one of its link.
+export function onGlyph(X, one, by, size) {
+  if (!one.turn) return add(position(X), scaled(turn(X, one.axis), by));
+  const [u, v] = across(one.axis).map((axis) => scaled(turn(X, axis), 1.12 * ARC * size));
+  return add(position(X), add(scaled(u, Math.cos(by)), scaled(v, Math.sin(by))));
 }
 
 function arc(X, one, q, radius, color) {

@@ -1,11 +1,13 @@
 // Edits of one joint or closure: its name, type, axis, limits.
 
-import { edit, rename } from "./changes.js";
+import { edit, nextClick, rename, say } from "./changes.js";
 import { element } from "./dom.js";
 import { bound, button, choice, field, options } from "./form.js";
+import { followTools } from "./following.js";
 import { limitTools } from "./limittools.js";
-import { ask } from "./live.js";
+import { ask, faceOf } from "./live.js";
 import { app } from "./main.js";
+import { valueAt } from "./written.js";
 
 const { state } = app;
 let panel = null;
@@ -21,6 +23,8 @@ export function jointTools(selection) {
   return panel?.show(one, selection) ?? [];
 }
 
+app.view.grips.sources.push(() => panel?.grips() ?? []);
+
 state.listen(() => {
   if (state.selection?.connection) return;
   state.preview = {};
@@ -33,21 +37,27 @@ function jointPanel(first) {
   const fields = [nameField("joint", "name", name)];
   if (!first.closes) fields.push(nameField("link", "child link", () => made.one.child), typeField(() => made.one));
   const axis = lineField(() => made.one);
-  const form = element("div.form", {}, fields.map(({ node }) => node), axis.node);
+  const follow = followTools(() => made.one);
+  const form = element("div.form", {}, fields.map(({ node }) => node), axis.node, follow.node);
   const flip = act("flip", "flip axis", () => edit("flip", () => ({ joint: name() }), () => `axis flipped${hasLimits(made.one) ? "; limits mirrored, the motion is the same" : ""}`));
   const remove = act("remove", first.closes ? "remove closure" : "remove joint", async () => {
     if (await edit("remove_joint", () => ({ joint: name() }))) state.select(null);
   });
   const confirm = act("confirm", "", () => edit("confirm", async () => ({ joint: name(), ...(await axis.selectors()) })));
-  const acts = element("div.acts", {}, confirm, flip, remove);
+  const aim = act("aim", "axis from a click", () => nextClick("Click a bore, a shaft or an edge: its axis becomes that of the joint. Esc ends it.", (clicked) => {
+    take(name(), first.closes, clicked);
+    return state.selection;
+  }));
+  const acts = element("div.acts", {}, confirm, flip, aim, ...follow.acts, remove);
   let limits = null;
   const made = {
     one: first,
     selection: null,
     show(one, selection) {
       Object.assign(made, { one, selection });
-      for (const { update } of [...fields, axis]) update();
+      for (const { update } of [...fields, axis, follow]) update();
       flip.hidden = !one.axis;
+      aim.hidden = !one.axis || Boolean(state.written?.described);
       remove.hidden = Boolean(state.written?.described);
       confirm.hidden = !one.doubt;
       confirm.textContent = one.axis ? "axis is right" : "reviewed";
@@ -57,8 +67,20 @@ function jointPanel(first) {
       limits?.update(joint);
       return [title, form, ...(limits?.nodes ?? []), acts];
     },
+    grips: () => limits?.grips() ?? [],
   };
   return made;
+}
+
+// The axis of a face or edge becomes that of a joint.
+async function take(joint, isClosure, clicked) {
+  if (!clicked.triangle) return say("That is no place on the robot; click a part in the 3D view.");
+  const face = await faceOf(clicked).catch((error) => ({ why: error.message }));
+  if (!face.origin) return say(face.why);
+  const keys = [isClosure ? "closures" : "joints", joint];
+  const former = valueAt([...keys, "axis"]) ?? "";
+  const axis = face.axis ?? (/^-?z?$/.test(former) ? former : ""); // along a line of faces z is the axis, in either direction
+  return edit("all", { edits: [["origin", face.origin], ["axis", axis]].map(([key, text]) => ({ action: "set", keys: [...keys, key], text })) });
 }
 
 const hasLimits = ({ limits }) => limits && (limits.lower !== null || limits.upper !== null);

@@ -1,13 +1,14 @@
 // A slider and a box for each limit of a joint; the change is written when one is released and both are set.
 
 import { edit, say } from "./changes.js";
-import { element } from "./dom.js";
+import { element, place } from "./dom.js";
 import { bound, button, mark } from "./form.js";
 import { app } from "./main.js";
 import { fine, internal, mistyped, parsed, shown, unitOf } from "./numbers.js";
 
 const { state } = app;
 const ENDS = ["lower", "upper"];
+const stepOf = (joint) => (joint.turn ? 1 : 0.5); // [°] or [mm]
 
 // `current` returns the joint of the scene. Until a limit is written it is in `draft`, and drawn; no new scene replaces it.
 export function limitTools(kind, current) {
@@ -29,7 +30,7 @@ export function limitTools(kind, current) {
     write("upper");
   });
   adopt.dataset.edit = "stops";
-  const adopting = element("div.acts", {}, adopt);
+  const adopting = element("div.acts");
 
   function show() {
     const driven = state.scene.motion.driven.find((one) => one.name === joint.name);
@@ -39,7 +40,7 @@ export function limitTools(kind, current) {
     state.preview = { [joint.name]: { ...draft } };
     for (const row of rows) row.update(far, { lower: -widest, upper: widest }[row.end]);
     hint.hidden = ENDS.every((end) => value(end) === null) || ENDS.every((end) => value(end) !== null);
-    adopting.hidden = !stops();
+    place(adopting, stops() ? [...here, adopt] : here);
     app.view.request();
   }
 
@@ -64,6 +65,26 @@ export function limitTools(kind, current) {
     show();
   }
 
+  // To the steps of the sliders, as a person would write it.
+  const rounded = (q) => internal(joint, Math.round(shown(joint, q) / stepOf(joint)) * stepOf(joint));
+
+  // The limits as handles on the robot; one that is not set is drawn off the joint's position.
+  const handle = (end) => {
+    const aside = (joint.turn ? Math.PI / 2 : far / 2) * (end === "lower" ? -1 : 1);
+    return {
+      label: value(end) === null ? `${end}?` : end, joint, range: [-far, far],
+      value: () => value(end) ?? joint.drawn + aside, take: (q) => take(end, rounded(q)), done: () => draft[end] !== undefined && write(end),
+    };
+  };
+  const here = ENDS.map((end) => {
+    const made = button(`${end} here`, () => {
+      take(end, rounded(state.q()[joint.name]));
+      write(end);
+    });
+    made.dataset.edit = `${end}-here`;
+    return made;
+  });
+
   const row = (end) => rows.find((one) => one.end === end);
   const rows = ENDS.map((end) => limitRow(end, {
     joint: () => joint,
@@ -74,6 +95,7 @@ export function limitTools(kind, current) {
   return {
     kind,
     nodes: [...rows.map(({ node }) => node), hint, adopting],
+    grips: () => (joint ? ENDS.map(handle) : []),
     update(now) {
       joint = now;
       show();
@@ -106,7 +128,7 @@ function limitRow(end, limit) {
     // `otherwise`: where the slider is without a limit.
     update(far, otherwise) {
       const joint = limit.joint();
-      Object.assign(bar, { min: shown(joint, -far), max: shown(joint, far), step: joint.turn ? 1 : 0.5 });
+      Object.assign(bar, { min: shown(joint, -far), max: shown(joint, far), step: stepOf(joint) });
       const at = String(shown(joint, limit.value() ?? otherwise));
       if (bar.value !== at) bar.value = at;
       box.setAttribute("aria-label", `${end} limit [${unitOf(joint)}]`);

@@ -3,6 +3,7 @@
 import { byId, copyable, element } from "./dom.js";
 import { app } from "./main.js";
 import { millimetres } from "./numbers.js";
+import { add, minus, scaled, unit } from "./vectors.js";
 
 const { state } = app;
 let revision = -1;
@@ -90,14 +91,38 @@ state.listen((what) => {
   if (what === "scene" || what === "motion") compare();
 });
 
+// The axis of a clicked face, or of one that meets the clicked edge.
+export async function faceOf({ component, triangle, edge }) {
+  for (const one of [triangle, ...(edge?.triangles ?? [])]) {
+    const face = await ask("face", { component, triangle: one });
+    if (face.origin) return face;
+  }
+  if (!edge) return { why: "This face has no axis." };
+  return edge.isCurved ? { why: "This edge is curved, and no round face meets it." } : straight(component, edge.ends);
+}
+
+// The line of a straight edge, as an origin by numbers and an axis, in the frame of its part.
+function straight(component, [from, to]) {
+  const { quoted } = state.scene.components.find(({ path }) => path === component);
+  const along = unit(minus(to, from));
+  const main = [0, 1, 2].find((i) => Math.abs(along[i]) > 1 - 1e-6);
+  const direction = main === undefined ? along.map((value) => Number(value.toFixed(6))) : [0, 1, 2].map((i) => (i === main ? Math.sign(along[i]) : 0));
+  const point = scaled(add(from, to), 0.5);
+  const middle = point.map((value) => `${Number((1e3 * value).toFixed(3))} mm`);
+  const axis = main === undefined ? `[${direction.join(", ")}]` : `${direction[main] < 0 ? "-" : ""}${"xyz"[main]}`;
+  return { kind: "straight edge", origin: `{xyz: [${middle.join(", ")}], relative_to: ${quoted}}`, axis, line: { component, point, direction } };
+}
+
 // What the axis of a clicked face is called in a sidecar.
 state.listen(async (what) => {
   const { selection } = state;
   if (what !== "selection" || !selection?.triangle || !selection.component || selection.face) return;
   selection.face = {};
   try {
-    const face = await ask("face", { component: selection.component, triangle: selection.triangle });
-    if (state.selection === selection) state.select({ ...selection, face, line: face.line });
+    const face = await faceOf(selection);
+    if (state.selection !== selection) return;
+    Object.assign(selection, { face, line: face.line });
+    state.tell("selection");
   } catch (error) {
     status("bad", error.message);
   }
@@ -107,8 +132,8 @@ export function faceCard(selection) {
   const { face } = selection;
   if (!selection.triangle || !face) return [];
   if (!face.origin) return face.why ? [element("p.quiet", {}, face.why)] : [];
-  const words = `${face.kind} face${face.radius ? `, radius ${millimetres(face.radius)}` : ""}`;
-  return [element("p.quiet", {}, `${words}. Its axis:`), copyable(`origin: ${face.origin}`, { id: "origin" })];
+  const words = face.axis ? face.kind : `${face.kind} face${face.radius ? `, radius ${millimetres(face.radius)}` : ""}`;
+  return [element("p.quiet", {}, `${words}. Its axis:`), copyable(`origin: ${face.origin}`, { id: "origin" }), ...(face.axis ? [copyable(`axis: ${face.axis}`, { id: "axis" })] : [])];
 }
 
 app.extras.push(faceCard);

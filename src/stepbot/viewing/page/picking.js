@@ -1,6 +1,6 @@
 // The triangle under the pointer: a ray against boxes, then triangles.
 
-import { add, apply, cross, dot, inverse, minus, scaled, turn } from "./vectors.js";
+import { add, apply, cross, dot, inverse, minus, norm, scaled, turn } from "./vectors.js";
 
 // The nearest hit of a ray in the world; null for none.
 // items: { geometry: { vertices, faces, low, high }, X }.
@@ -63,4 +63,40 @@ function nearest(origin, direction, { vertices, faces }, limit) {
     }
   }
   return found;
+}
+
+const BENT = [Math.cos((0.5 * Math.PI) / 180), Math.cos((35 * Math.PI) / 180)]; // between the pieces of a curve
+
+// The sharp edge of a geometry that is nearest to a point and at most `reach` from it: its ends, the triangles that meet
+// there, and whether it is a piece of a curve; null for none.
+export function edgeAt({ vertices, faces, sharp }, point, reach) {
+  let found = null;
+  const at = (vertex) => [vertices[3 * vertex], vertices[3 * vertex + 1], vertices[3 * vertex + 2]];
+  for (let i = 0; i < sharp.length; i += 2) {
+    const ends = [at(sharp[i]), at(sharp[i + 1])];
+    const along = minus(ends[1], ends[0]);
+    const share = Math.min(1, Math.max(0, dot(minus(point, ends[0]), along) / (dot(along, along) || 1)));
+    const distance = norm(minus(add(ends[0], scaled(along, share)), point));
+    if (distance > reach) continue;
+    reach = distance;
+    found = { ends, corners: [sharp[i], sharp[i + 1]] };
+  }
+  if (!found) return null;
+  const triangles = [];
+  for (let i = 0; i < faces.length; i += 3) {
+    const three = [faces[i], faces[i + 1], faces[i + 2]];
+    if (found.corners.every((corner) => three.includes(corner))) triangles.push(three.map(at));
+  }
+  const isCurved = found.corners.some((corner, end) => {
+    const along = minus(found.ends[1 - end], found.ends[end]);
+    for (let i = 0; i < sharp.length; i++) {
+      const other = sharp[i % 2 ? i - 1 : i + 1];
+      if (sharp[i] !== corner || other === found.corners[1 - end]) continue;
+      const next = minus(found.ends[end], at(other));
+      const cosine = dot(along, next) / (norm(along) * norm(next));
+      if (cosine < BENT[0] && cosine > BENT[1] && norm(next) > norm(along) / 3) return true;
+    }
+    return false;
+  });
+  return { ends: found.ends, triangles, isCurved };
 }

@@ -63,7 +63,7 @@ function suggestions(key, schema) {
 let lists = 0;
 
 // A field for the value at keys. `draft` takes the place of the file for an element that is not in it yet.
-function valueField(keys, draft = null) {
+export function valueField(keys, draft = null) {
   const key = keys.at(-1);
   const schema = schemaAt(keys);
   const words = wordsOf(schema);
@@ -253,12 +253,15 @@ function newActuator(selection, wanted) {
 
 let narrow = false; // whether a rule is for one part alone, not for all of its product
 
+// The pattern for all parts of a product.
+export const patternOf = (product) => `**/${product.replace(/[/*#]/g, "\\$&")}`;
+
 const componentOf = ({ component }) => state.scene.components.find(({ path }) => path === component) ?? { path: component };
 
 function patterns(selection) {
   const { path, product } = componentOf(selection);
   const equal = product ? state.scene.components.filter((one) => one.product === product).length : 1;
-  const all = product && equal > 1 ? [[`**/${product.replace(/[/*#]/g, "\\$&")}`, `all ${equal} of ${product}`]] : [];
+  const all = product && equal > 1 ? [[patternOf(product), `all ${equal} of ${product}`]] : [];
   return [...all, [path, "this part alone"]];
 }
 

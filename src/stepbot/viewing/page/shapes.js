@@ -70,7 +70,8 @@ function revolved(profile) {
   return { vertices: new Float32Array(vertices), faces: new Uint16Array(faces) };
 }
 
-// What the graphics card draws: positions and normals of every corner, and sharp edges as pairs of points.
+// What the graphics card draws: positions and normals of every corner, and sharp edges as pairs of points; `sharp`: those edges
+// as pairs of vertices.
 export function drawable({ vertices, faces }) {
   const count = faces.length / 3;
   const { normals, weights } = faceNormals(vertices, faces);
@@ -93,7 +94,10 @@ export function drawable({ vertices, faces }) {
     smooth[3 * corner + 1] = y / length;
     smooth[3 * corner + 2] = z / length;
   }
-  return { positions, normals: smooth, edges: sharpEdges(vertices, faces, normals) };
+  const sharp = sharpEdges(vertices, faces, normals);
+  const edges = new Float32Array(3 * sharp.length);
+  sharp.forEach((vertex, i) => edges.set(vertices.subarray(3 * vertex, 3 * vertex + 3), 3 * i));
+  return { positions, normals: smooth, edges, sharp };
 }
 
 function cosine(normals, a, b) {
@@ -140,7 +144,5 @@ function sharpEdges(vertices, faces, normals) {
     if (other === undefined) first.set(key, face);
     else if (cosine(normals, face, other) < SMOOTH) ends.push(a, b);
   }
-  const edges = new Float32Array(3 * ends.length);
-  ends.forEach((vertex, i) => edges.set(vertices.subarray(3 * vertex, 3 * vertex + 3), 3 * i));
-  return edges;
+  return new Uint32Array(ends);
 }

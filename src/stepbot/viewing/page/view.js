@@ -3,17 +3,19 @@
 import { Camera, steer } from "./camera.js";
 import { element } from "./dom.js";
 import { ellipsoid, frame, ground, joint as jointGlyph, ring } from "./glyphs.js";
-import { boxOf, pick } from "./picking.js";
+import { Grips } from "./grips.js";
+import { boxOf, edgeAt, pick } from "./picking.js";
 import { Renderer } from "./renderer.js";
 import { drawable, meshOf, unpacked } from "./shapes.js";
 import { linkColor } from "./state.js";
-import { add, apply, minus, norm, position, scaled, times, turn } from "./vectors.js";
+import { add, apply, inverse, minus, norm, position, scaled, times, turn } from "./vectors.js";
 
 const AXIS = [0.95, 0.55, 0.1, 1];
 const PASSIVE = [0.55, 0.58, 0.64, 0.9];
 const DOUBT = [0.85, 0.2, 0.5, 1];
 const CONTACT = [0.9, 0.05, 0.05, 1];
 const FRAME_SHARE = 0.12;
+const EDGE_REACH = 7; // [px] from an edge up to which a click means it
 
 export class View {
   constructor(state, canvas, tags) {
@@ -24,7 +26,17 @@ export class View {
     this.renderer = new Renderer(canvas);
     this.items = [];
     this.uploaded = new Map();
-    steer(canvas, this.camera, { changed: () => this.request(), clicked: (event) => this.click(event) });
+    this.grips = new Grips(state, this);
+    this.box = null; // set where parts can be selected with a frame: { starts(event), drawn(from, to), taken(paths) }
+    steer(canvas, this.camera, {
+      changed: () => this.request(),
+      clicked: (event) => this.click(event),
+      framing: {
+        starts: (event) => Boolean(this.box?.starts(event)),
+        drawn: (from, to) => this.box.drawn(from, to),
+        taken: (from, to) => this.box.taken(this.within(from, to)),
+      },
+    });
     new ResizeObserver(() => this.request()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.request());
     state.listen((what) => {
@@ -56,7 +68,8 @@ export class View {
     let shared = this.uploaded.get(key) ?? former.get(key);
     if (!shared) {
       const geometry = packed ? unpacked(packed) : meshOf(shape);
-      shared = { geometry: { ...geometry, ...boxOf(geometry.vertices) }, mesh: this.renderer.upload(drawable(geometry)) };
+      const { sharp, ...drawn } = drawable(geometry);
+      shared = { geometry: { ...geometry, ...boxOf(geometry.vertices), sharp }, mesh: this.renderer.upload(drawn) };
     }
     this.uploaded.set(key, shared);
     return { ...shared, ...place, X_LG: shape.X, rgba: shape.color, component: shape.component ?? "" };
@@ -116,6 +129,7 @@ export class View {
     const floor = ground(center, this.radius, low[2], [ink, ink, ink, dark ? 0.1 : 0.13]);
     this.renderer.draw(camera, drawn, { below: floor, above: this.lines() }, dark ? [0, 0, 0, 0.45] : [0.05, 0.08, 0.14, 0.42]);
     this.placeTags();
+    this.grips.place();
   }
 
   color(item) {
@@ -195,12 +209,17 @@ export class View {
         const joint = state.tree.joints[column];
         const passive = joint.leader !== name || !state.loops.driven.has(state.tree.row.get(name));
         const tint = passive && !chosen && !one.doubt ? PASSIVE : color;
-        const scale = (chosen ? 1.5 : 1) * (one.coordinates.length > 1 ? 0.45 : 1) * size;
-        lines.push(...jointGlyph(state.pose(joint.child), { ...joint, ...state.preview[name] }, state.positions[column], scale, tint));
+        lines.push(...jointGlyph(state.pose(joint.child), { ...joint, ...state.preview[name] }, state.positions[column], this.glyphSize(joint), tint));
       }
       if (one.closes || one.doubt) lines.push(...ring(this.place(one), 0.28 * size, this.camera, color));
     }
     return lines;
+  }
+
+  // The size of the glyph of a joint of the tree.
+  glyphSize(joint) {
+    const one = this.state.scene.connections.find(({ coordinates }) => coordinates.includes(joint.name));
+    return (this.state.selection?.connection === one.name ? 1.5 : 1) * (one.coordinates.length > 1 ? 0.45 : 1) * FRAME_SHARE * this.radius;
   }
 
   // Where a joint or closure is.
@@ -249,8 +268,32 @@ export class View {
     const items = this.visible().map((item) => ({ ...item, X: times(this.state.pose(item.link), item.X_LG) }));
     const hit = pick(ray, items);
     if (!hit) return null;
-    const { link, component, kind } = hit.item;
-    return { link, component, kind, point: hit.point, triangle: hit.triangle };
+    const { link, component, kind, geometry, X } = hit.item;
+    const perPixel = (2 * norm(minus(hit.point, ray.origin)) * Math.tan(this.camera.field / 2)) / height;
+    const edge = edgeAt(geometry, apply(inverse(X), hit.point), EDGE_REACH * perPixel);
+    return { link, component, kind, point: hit.point, triangle: hit.triangle, edge };
+  }
+
+  // Paths of the parts that are wholly inside a frame of the window, whether or not others hide them.
+  within(from, to) {
+    const { left, top, width, height } = this.canvas.getBoundingClientRect();
+    const low = [0, 1].map((i) => Math.min(from[i], to[i]));
+    const high = [0, 1].map((i) => Math.max(from[i], to[i]));
+    const isInside = (item) => {
+      const X = times(this.state.pose(item.link), item.X_LG);
+      const { vertices } = item.geometry;
+      for (let i = 0; i < vertices.length; i += 3) {
+        const { x, y, depth } = this.camera.project(apply(X, [vertices[i], vertices[i + 1], vertices[i + 2]]));
+        const at = [left + x * width, top + y * height];
+        if (depth <= 0 || at.some((value, axis) => value < low[axis] || value > high[axis])) return false;
+      }
+      return true;
+    };
+    const found = new Map();
+    for (const item of this.visible().filter(({ kind, component }) => kind === "visual" && component)) {
+      found.set(item.component, (found.get(item.component) ?? true) && isInside(item));
+    }
+    return [...found].filter(([, isIn]) => isIn).map(([path]) => path);
   }
 
   click(event) {
