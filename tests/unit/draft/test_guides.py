@@ -1,11 +1,17 @@
 """Slides on two rods, and crosses of universal joints."""
 
+from collections.abc import Sequence
 from math import pi
 
 import pytest
 
+from stepbot.draft.contacts import captured
+from stepbot.draft.contacts.captured import Captured, _slide
+from stepbot.draft.contacts.planes import Facing
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
+from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import JointKind
-from tests.assembled import BARE, Node, group, inferred, joints, links, part, turned
+from tests.assembled import BARE, Node, assembled, group, inferred, joints, links, part, turned
 from tests.solids import box, cylinder
 
 ALONG_X, ALONG_Y = (0.0, pi / 2, 0.0), (pi / 2, 0.0, 0.0)
@@ -70,17 +76,48 @@ def test_cross_is_a_universal_joint() -> None:
     assert abs(arc.evidence.axis.d @ arc.evidence.axis2.d) < 1e-9
 
 
-def test_a_slot_of_bolted_plates_guides_a_slide() -> None:
-    """A floor, a plate with a slot and a lid with a narrower one hold a block that none of them holds alone."""
+def slot(length: float) -> list[Node]:
+    """A block of 70 mm in a slot of a length [mm]: a floor, a plate with the slot and a lid with a narrower one."""
     floor, plate, lid = box(200, 100, 5).at(0, 0, -2.5), box(200, 100, 10).at(0, 0, 5), box(200, 100, 5).at(0, 0, 12.5)
-    plate, lid = plate - box(180, 40, 10).at(0, 0, 5), lid - box(180, 24, 5).at(0, 0, 12.5)
+    plate, lid = plate - box(length, 40, 10).at(0, 0, 5), lid - box(length, 24, 5).at(0, 0, 12.5)
     for x in (-90, 90):
         floor, plate, lid = (
             solid - cylinder(2, 5 * count).at(x, 40, z)
             for solid, count, z in ((floor, 1, -5), (plate, 2, 0), (lid, 1, 10))
         )
     block = box(70, 39, 9).at(0, 0, 4.5) + box(70, 20, 20).at(0, 0, 19)
-    found = inferred(part("floor", floor), part("plate", plate), part("lid", lid), part("block", block))
+    return [part("floor", floor), part("plate", plate), part("lid", lid), part("block", block)]
+
+
+def test_a_slot_of_bolted_plates_guides_a_slide() -> None:
+    """A floor, a plate with a slot and a lid with a narrower one hold a block that none of them holds alone."""
+    found = inferred(*slot(180))
     assert joints(found) == [("prismatic", "block", "plate")]
     assert abs(found.arcs[0].evidence.axis.d) == pytest.approx((1, 0, 0))
     assert found.arcs[0].evidence.review
+
+
+@pytest.mark.parametrize(("length", "slides"), [(70.0, 0), (180.0, 1)])
+def test_equal_groups_of_bolted_parts_are_compared_once(
+    length: float, slides: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What is no slide among bolted parts is not tried in their copies; a slide is found in each."""
+    tried: list[bool] = []
+
+    def slide(facing: Sequence[Facing]) -> Captured | None:
+        found = _slide(facing)
+        tried.append(found is not None)
+        return found
+
+    monkeypatch.setattr(captured, "_slide", slide)
+    parts, counts = slot(length), []
+    for copies in (1, 4):
+        tried.clear()
+        nodes = [
+            Node(f"copy {n}", children=parts, X=Pose.from_xyz_rpy((0.5 * n, 0.1, 0.0), (0, 0, n * pi / 2)))
+            for n in range(copies)
+        ]
+        assert len(Survey(assembled(*nodes), ALL_SOURCES).captured) == copies * slides
+        counts.append(tried.count(False))
+    assert counts[0] > 1
+    assert counts[1] == counts[0]

@@ -69,17 +69,18 @@ def find_captured(
     for pair, arrangement in _overlapping(scene, larger, cut):
         planes = planes or Planes(scene)
         for one, host in _within(scene, pair, bolted):
-            if arrangement in known and not known[arrangement]:
-                break
-            if arrangement in known and len(host) == 1:
+            placed = arrangement if len(host) == 1 else scene.arrangement(one, host)
+            if placed in known:
+                if len(host) == 1 and not known[placed]:
+                    break
                 continue
             facing = [face for other in host for face in planes.facing(one, other, _WIDE)]
             slide = _slide(facing) if len(facing) > 1 else None
             if slide is not None and not _is_locked(relations, one, host, slide.axis):
                 found[pair] = slide
                 break
-            if slide is None and len(host) == 1:
-                known[arrangement] = bool(facing)
+            if slide is None:
+                known[placed] = bool(facing)
     return found
 
 

@@ -139,6 +139,10 @@ class Scene:
             keys = np.column_stack([self._bodies[one], self._bodies[two], steps])
             yield from ((pair, key.tobytes()) for pair, key in zip(some, keys, strict=True))
 
+    def arrangement(self, one: int, others: Sequence[int]) -> bytes:
+        """A key that is equal for equal definitions at equal poses relative to one of them."""
+        return b"".join(key for _, key in self.arranged([(one, other) for other in others]))
+
     def outline(self, part: int, plane: Face) -> list[Array]:
         """The outlines of a plane of a part in the assembly."""
         X = self.component(part).X_WC
