@@ -93,6 +93,104 @@ def test_images_of_joints_follow_the_image_of_their_leader(
     assert followed.joint == leader.replace("left", "right").replace("/", "_")
 
 
+TORSO = urdf("torso", link("torso"))
+ON_TORSO = "offset: {xyz: [0.1, 0.2, 0.3], rpy: [0.3, 0.2, 0.1]}"
+Q = {"finger_roll": 0.7}
+
+
+def positions(*modules: str) -> dict[str, float]:
+    """The same positions of the joints of several modules of HAND."""
+    return {f"{module}_{name}": q for module in modules for name, q in Q.items()}
+
+
+def reflected(pose: np.ndarray, plane: str, frame: str) -> np.ndarray:
+    """A frame (4, 4) reflected in the world through a plane, with its own axes reflected through another one."""
+    m, of_frame = (np.diag([*(-1.0 if axis == normal else 1.0 for axis in "xyz"), 1.0]) for normal in (plane, frame))
+    return np.asarray(m @ pose @ of_frame)
+
+
+@pytest.mark.parametrize("plane", ["x", "y", "z"])
+@pytest.mark.parametrize("hand_plane", ["x", "y", "z"])
+@pytest.mark.parametrize("at", ["spot", "left_arm/tail", "left_arm/finger"])
+def test_what_is_on_a_mirrored_module_is_on_its_image(at: str, plane: str, hand_plane: str, composed: Compose) -> None:
+    """By a frame of the composing file or a link of the module, and if another plane of its own frame is mirrored."""
+    modules = (
+        "torso: {file: torso.urdf, prefix: ''}",
+        f"left_arm: {{file: hand.urdf, at: torso, {ON_TORSO}}}",
+        f"left_hand: {{file: hand.urdf, at: {at}, offset: {{xyz: [0.3, 0.1, 0.2], rpy: [0.1, 0.5, 0.9]}}}}",
+        f"right_arm: {{mirror_of: left_arm, mirror: {plane}}}",
+        f"right_hand: {{mirror_of: left_hand, mirror: {hand_plane}}}",
+    )
+    spot = "{link: left_arm/tail, origin: {xyz: [0.1, 0, 0.2], rpy: [0.2, 0.4, 0.6], relative_to: left_arm/tail}}"
+    files = {"r.robot.yaml": composing(*modules, more=f"frames: {{spot: {spot}}}\n")}
+    robot = composed({**files, "hand.urdf": HAND, "torso.urdf": TORSO}, Diagnostics())
+    poses = link_poses(robot, positions("left_arm", "left_hand", "right_arm", "right_hand"))
+    for part, of_frame in (("arm", plane), ("hand", hand_plane)):
+        for name in ("palm", "finger", "thumb", "tail"):
+            expected = reflected(poses[f"left_{part}_{name}"].matrix, plane, of_frame)
+            assert np.allclose(poses[f"right_{part}_{name}"].matrix, expected, rtol=0.0, atol=1e-12), (part, name)
+
+
+@pytest.mark.parametrize(("first", "second"), [("", ""), ("*_roll", ""), ("", "*_roll"), ("*", "*_roll"), ("*", "*")])
+@pytest.mark.parametrize(("of", "plane"), [("y", "y"), ("x", "y"), ("z", "x")])
+def test_the_image_of_an_image(of: str, plane: str, first: str, second: str, composed: Compose) -> None:
+    """Its links are at the images of the mirrored module's; through the same plane, they are those of the file."""
+    flips = [f", flip: ['{flip}']" if flip else "" for flip in (first, second)]
+    modules = (
+        "torso: {file: torso.urdf, prefix: ''}",
+        f"left: {{file: hand.urdf, at: torso, mirror: {of}, {ON_TORSO}{flips[0]}}}",
+        f"right: {{mirror_of: left, mirror: {plane}{flips[1]}}}",
+    )
+    files = {"r.robot.yaml": composing(*modules), "hand.urdf": HAND, "torso.urdf": TORSO}
+    found = Diagnostics()
+    robot = composed(files, found)
+    assert "SB803" not in {one.code for one in found}
+    q = {"left_finger_roll": 0.7, "right_finger_roll": -0.7 if second else 0.7}
+    poses = link_poses(robot, q)
+    for name in ("palm", "finger", "thumb", "tail"):
+        expected = reflected(poses[f"left_{name}"].matrix, plane, plane)
+        assert np.allclose(poses[f"right_{name}"].matrix, expected, rtol=0.0, atol=1e-12), name
+    (module,) = [one for one in robot.modules if one.name == "right"]
+    assert module.mirror == ("" if of == plane else "".join(sorted(of + plane)))
+    alone = composed({"r.robot.yaml": composing("hand: {file: hand.urdf, prefix: right_}"), "hand.urdf": HAND}, found)
+    for link_alone in alone.links if of == plane else ():
+        assert robot.link_by_name[link_alone.name].mass_properties == link_alone.mass_properties
+
+
+LEGS = (
+    "torso: {file: torso.urdf, prefix: ''}",
+    f"front_left: {{file: hand.urdf, at: torso, {ON_TORSO}}}",
+    "front_left_foot: {file: torso.urdf, at: front_left/tail, offset: {xyz: [0, 0.1, 0.2]}}",
+    "front_right: {mirror_of: front_left}",
+    "rear_left: {mirror_of: front_left, mirror: x}",
+)
+
+
+def test_a_foot_is_on_the_image_through_its_plane(composed: Compose) -> None:
+    """Of several images of a leg, the foot's image is on the one through the same plane."""
+    feet = ("rear_left_foot: {mirror_of: front_left_foot, mirror: x}", "other_foot: {mirror_of: front_left_foot}")
+    files = {"r.robot.yaml": composing(*LEGS, *feet), "hand.urdf": HAND, "torso.urdf": TORSO}
+    robot = composed(files, Diagnostics())
+    above = {joint.child: joint.parent for joint in robot.joints}
+    assert above["rear_left_foot_torso"] == "rear_left_tail"
+    assert above["other_foot_torso"] == "front_right_tail"
+
+
+def test_a_foot_between_two_legs(errors: Callable[..., list[str]], composed: Compose) -> None:
+    """Two legs through one plane: the names decide, and if they do not, it is an error."""
+    second = ("far_right: {mirror_of: front_left, at: torso, offset: {xyz: [1, 0, 0]}}",)
+    named = composing(*LEGS, *second, "far_right_foot: {mirror_of: front_left_foot}")
+    files = {"hand.urdf": HAND, "torso.urdf": TORSO}
+    robot = composed({"r.robot.yaml": named, **files}, Diagnostics())
+    (mount,) = [joint for joint in robot.joints if joint.child == "far_right_foot_torso"]
+    assert mount.parent == "far_right_tail"
+    unnamed = composing(*LEGS, *second, "boot: {mirror_of: front_left_foot}")
+    (line,) = errors({"r.robot.yaml": unnamed, **files}, found := Diagnostics())
+    assert line.startswith("SB154 11:21 module 'boot': mirror_of: 'front_left_foot' is on 'front_left', which has")
+    (help,) = [one.help for one in found if one.severity == "error"]
+    assert help == ("give `at`: a port of 'front_right' or 'far_right'",)
+
+
 @pytest.mark.parametrize(
     ("joint", "of", "name", "image"),
     [

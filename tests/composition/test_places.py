@@ -68,6 +68,33 @@ def test_a_joint_turns_about_its_port(q: float, composed: Compose) -> None:
     assert com == pytest.approx((turn @ X_PlateBody).apply(np.array([[0.01, 0.02, 0.03]]))[0], abs=1e-9)
 
 
+def test_a_frame_relative_to_another_module(composed: Compose) -> None:
+    """A tool centre on the arm, measured from the hand that is fixed to it; beyond a joint it is an error."""
+    modules = ("arm: {file: arm.urdf, prefix: ''}", "tool: {file: tool.urdf, at: arm/tip, offset: {xyz: [1, 2, 3]}}")
+    more = "frames: {tcp: {link: arm/tip, origin: {xyz: [0, 0, 0.5], relative_to: tool/plate}}}\n"
+    files = {"arm.urdf": ARM, "tool.urdf": TOOL}
+    robot = composed({"r.robot.yaml": composing(*modules, more=more), **files}, Diagnostics())
+    (tcp,) = [frame for frame in robot.frames if frame.name == "tcp"]
+    assert tcp.link == "tip"
+    assert tcp.X_LF.p == pytest.approx((1.5, 2.0, 3.1), abs=1e-12)  # z of the plate is x of the tip
+
+
+@pytest.mark.parametrize(
+    ("more", "error"),
+    [
+        ("frames: {f: {link: arm/tip, origin: {relative_to: tool/jaw}}}", "'tool/jaw' moves relative to 'arm/tip'"),
+        ("  pin: {file: arm.urdf, at: f}\nframes: {f: {link: arm/tip, origin: {relative_to: tool/body}}}", "attached"),
+    ],
+)
+def test_a_frame_that_nothing_places(more: str, error: str, errors: Callable[..., list[str]]) -> None:
+    """A frame relative to what moves, and a port that is relative to a part that is not yet placed."""
+    modules = ("arm: {file: arm.urdf, prefix: ''}", "tool: {file: tool.urdf, at: arm/tip}")
+    files = {"r.robot.yaml": composing(*modules, more=more + "\n"), "arm.urdf": ARM, "tool.urdf": TOOL}
+    (line,) = errors(files, Diagnostics())
+    assert line.startswith("SB154")
+    assert error in line
+
+
 def test_the_world_of_a_module_is_dropped(composed: Compose) -> None:
     """A URDF whose root is a massless `world` brings neither a second world nor its joint."""
     standing = urdf("w", '<link name="world"/>', link("base"), joint("stand", "world", "base", "fixed", xyz="0 0 1"))

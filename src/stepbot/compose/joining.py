@@ -67,6 +67,7 @@ def composed(sidecar: Sidecar, own: Robot | None, robots: Mapping[str, Robot], f
     root = places.find()
     if root is None:
         return None
+    ports.attach(mount.joint for mount in places.mounts.values())
     robot = _Joining(sidecar, own, parts, ports, found).robot(root, places)
     report_shared_parts(sidecar, robot, parts, places.mounts, found)
     return tune_actuators(robot, sidecar, found)

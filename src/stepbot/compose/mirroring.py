@@ -90,9 +90,13 @@ def mirrored(robot: Robot, normal: str) -> Robot:
     )
 
 
-def conjugated(pose: Pose, m: Array) -> Pose:
-    """M X M for a reflection with diagonal ``m`` (3,): signs change, and nothing is rounded."""
-    return Pose.of(pose.R * np.outer(m, m) + 0.0, pose.p * m + 0.0)
+def conjugated(pose: Pose, m: Array, of_child: Array | None = None) -> Pose:
+    """M X M for a reflection with diagonal ``m`` (3,): signs change, and nothing is rounded.
+
+    Args:
+        of_child: Diagonal of the second reflection, if the frame that is placed is mirrored through another plane.
+    """
+    return Pose.of(pose.R * np.outer(m, m if of_child is None else of_child) + 0.0, pose.p * m + 0.0)
 
 
 def unsymmetric(before: Robot, after: Robot) -> tuple[str, ...]:

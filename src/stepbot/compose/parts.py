@@ -32,7 +32,7 @@ class Part:
     file: str
     """Name of the file that it comes from; empty for the own links of the composing file."""
     mirror: str = ""
-    """Normal of the plane that it is mirrored through; empty if it is not."""
+    """Normals of the planes that it is mirrored through: one, two for the image of an image, or none."""
 
     def written(self, path: str) -> str:
         """The name in the composed robot of an element by its path in the part: ``tcp``, ``hand/tcp``, ``hand``."""
@@ -76,6 +76,7 @@ class Parts:
     def __init__(self, sidecar: Sidecar, robots: Mapping[str, Robot], found: Diagnostics) -> None:
         self._sidecar, self._robots, self._found = sidecar, robots, found
         self._sections = sidecar.document.modules
+        self._originals: dict[str, Robot] = {}
 
     def all(self) -> dict[str, Part]:
         """The parts by module name, without those that have errors."""
@@ -83,20 +84,32 @@ class Parts:
         return {name: part for name, part in parts.items() if part is not None}
 
     def _part(self, name: str, section: ModuleSection) -> Part | None:
-        origin = section.mirror_of or name
-        robot = self._robots.get(origin)
+        of = section.mirror_of
+        robot = self._original(of or name)
         if robot is None:
             return None
-        of = self._sections[origin]
-        robot = self._without(origin, robot, of.without)
-        robot = self._home(origin, robot, of)
-        normal = (section.mirror or "y") if section.mirror_of else section.mirror or ""
-        if normal:
-            robot = self._mirrored(name, robot, normal, section)
-        if section.mirror_of:
+        if of:
+            robot = self._mirrored(name, robot, section.mirror or "y", section)
             robot = self._home(name, self._without(name, robot, section.without), section)
         prefix = f"{name}_" if section.prefix is None else section.prefix
-        return Part(_with_prefix(robot, prefix), prefix, robot.source, normal)
+        return Part(_with_prefix(robot, prefix), prefix, robot.source, self._planes(section))
+
+    def _original(self, name: str) -> Robot | None:
+        """The robot of a module that names a file, mirrored if it states a plane."""
+        if name not in self._originals and name in self._robots:
+            section = self._sections[name]
+            robot = self._home(name, self._without(name, self._robots[name], section.without), section)
+            if section.mirror:
+                robot = self._mirrored(name, robot, section.mirror, section)
+            self._originals[name] = robot
+        return self._originals.get(name)
+
+    def _planes(self, section: ModuleSection) -> str:
+        """The normals of the planes that a module is mirrored through; two reflections through one cancel."""
+        if not section.mirror_of:
+            return section.mirror or ""
+        planes = {section.mirror or "y"} ^ set(self._sections[section.mirror_of].mirror or "")
+        return "".join(sorted(planes))
 
     def _without(self, name: str, robot: Robot, names: tuple[str, ...]) -> Robot:
         known = {one.name for kind in elements(robot).values() for one in kind} - {robot.root.name}
@@ -162,6 +175,8 @@ class Parts:
             ):
                 self._unknown(name, ("flip", index), pattern, "matches no joint that moves", names)
         image = flipped(image, section.flip)
+        if len(self._planes(section)) != 1:  # the image of an image is the shape of the file
+            return image
         span = self._sidecar.key_span("modules", name)
         threads = [joint.name for joint in robot.joints if joint.pitch]
         if threads:

@@ -9,16 +9,17 @@ import numpy as np
 
 from stepbot.assemble.joints import joint_of
 from stepbot.diagnostics import Diagnostics
-from stepbot.geometry.spatial import IDENTITY, ZERO3, Array, Pose, tidy
+from stepbot.geometry.spatial import IDENTITY, ZERO3, Pose, tidy
 from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.kinematics import initial_configuration
 from stepbot.robot.mesh_names import free_name
-from stepbot.robot.model import Base, Joint, JointKind, Mimic, Robot
+from stepbot.robot.model import Base, Joint, JointKind, Robot
 from stepbot.sidecar.document import AutoOrigin, JointSection
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.modules import ModuleSection
 from stepbot.sidecar.own_part import TIE
 
+from .images import Images, joints_above
 from .mirroring import NORMALS, conjugated, flipped, mirrored
 from .parts import Part, image_name
 from .ports import Port, Ports, moved_by
@@ -55,6 +56,7 @@ class Places:
     ) -> None:
         self._sidecar, self._own, self._parts, self._ports, self._found = sidecar, own, parts, ports, found
         self._document = sidecar.document
+        self._images = Images(sidecar, parts, ports, found)
         joints = own.joints if own is not None else ()
         self._own_roots = [own.root.name] if own is not None else []
         self._own_roots += [joint.child for joint in joints if joint.name.startswith(TIE)]
@@ -83,17 +85,8 @@ class Places:
                 self._report_no_image(name, module)
         return self._root()
 
-    def is_root_part(self, module: str) -> bool:
-        """Whether a module has neither a port nor a joint: it can only be the root."""
-        section = self._document.modules[module]
-        return not (section.at or section.mirror_of or self._joints_above(module))
-
-    def _joints_above(self, module: str) -> list[str]:
-        joints = self._document.joints.items()
-        return [name for name, joint in joints if joint.child.partition("/")[0] == module]
-
     def _module(self, name: str, section: ModuleSection) -> None:
-        above, keys = self._joints_above(name), ("modules", name, "at")
+        above, keys = joints_above(self._document, name), ("modules", name, "at")
         if section.at is not None:
             if section.at == WORLD and not above:
                 self._stand(name, section, moved_by(section.offset))
@@ -131,18 +124,22 @@ class Places:
         if robot.base is Base.FIXED:
             self._weld(name, section, Port(WORLD), X_W)
             return
-        X_RB = self._of_part(name, section.by, ("modules", name, "by")) if section.by else IDENTITY
+        X_RB = self._own_port(name, section)
         if X_RB is not None:
             X_PC = tidy(X_W @ self._standing(robot.root.name) @ X_RB.inverse())
             self._attach(robot.root.name, Mount(_free(name, robot.root.name, X_PC)), name)
 
     def _weld(self, name: str, section: ModuleSection, port: Port, offset: Pose) -> None:
         root = self._parts[name].robot.root.name
-        by = section.by or (self._document.modules[section.mirror_of].by if section.mirror_of else None)
-        X_RB = self._of_part(name, by, ("modules", name, "by")) if by else IDENTITY
+        X_RB = self._own_port(name, section)
         if X_RB is not None:
             X_PC = tidy(port.X_LP @ offset @ X_RB.inverse())
             self._attach(root, Mount(Joint(f"{name}_mount", JointKind.FIXED, port.link, root, X_PC)), name)
+
+    def _own_port(self, name: str, section: ModuleSection) -> Pose | None:
+        """The pose in its root link of a module's port `by`, or of its original's; None after a diagnostic."""
+        by = section.by or (self._document.modules[section.mirror_of].by if section.mirror_of else None)
+        return self._of_part(name, by, ("modules", name, "by")) if by else IDENTITY
 
     def _of_part(self, name: str, local: str, keys: tuple[str, ...]) -> Pose | None:
         """The pose in a part's root link of one of its own ports; None after a diagnostic."""
@@ -194,66 +191,24 @@ class Places:
         if original.at == WORLD:
             self._stand(name, section, conjugated(moved_by(original.offset), m) @ moved_by(section.offset))
         elif original.at is not None:
-            port = self._image_port(name, original.at, ("modules", of, "at"), moved_by(original.offset), m)
+            port = self._images.port(name, original.at, ("modules", of, "at"), moved_by(original.offset), m)
             if port is not None:
                 self._weld(name, section, port, moved_by(section.offset))
-        for above in self._joints_above(of):
+        for above in joints_above(self._document, of):
             joint = self._document.joints[above]
             offset = self._offset(above, joint)
             port = None
             if offset is not None:
-                port = self._image_port(name, joint.parent, ("joints", above, "parent"), offset, m)
+                port = self._images.port(name, joint.parent, ("joints", above, "parent"), offset, m)
             local = joint.child.partition("/")[2]
             X_RC = self._of_part(name, local, ("joints", above, "child")) if local else IDENTITY
             if port is None or X_RC is None:
                 continue
             root = self._parts[name].robot.root.name
             made = self._joint_of(above, joint, port.link, root, IDENTITY)
-            made = replace(made, mimic=self._image_mimic(name, above))
+            made = replace(made, mimic=self._images.mimic(name, above))
             image = _mirrored_joint(replace(made, name=image_name(above, of, name)), section)
             self._attach(root, _mount(replace(image, X_PC=tidy(port.X_LP)), X_RC), name)
-
-    def _image_mimic(self, name: str, above: str) -> Mimic | None:
-        """The mimic of the image of a joint: of the leader's image, or of the leader itself if it has none.
-
-        Args:
-            name: The mirrored module.
-            above: The joint of the composing file whose image is above it.
-        """
-        mimic = self._document.joints[above].mimic
-        if mimic is None:
-            return None
-        reference, multiplier, modules = mimic.joint, mimic.multiplier.value, self._document.modules
-        own = self._document.joints.get(reference)
-        module, _, path = (reference if own is None else own.child).partition("/")
-        images = [one for one, section in modules.items() if section.mirror_of == module and one in self._parts]
-        if own is not None:  # the image of a joint exists where the mirrored module has no other place
-            images = [one for one in images if modules[one].at is None and not self._joints_above(one)]
-        if images:
-            image = name if name in images else images[0]
-            part = self._parts[image]
-            reference = f"{image}/{path}" if own is None else image_name(reference, module, image)
-            leader = part.written(path).removeprefix(part.prefix) if own is None else reference
-            if any(fnmatchcase(leader, pattern) for pattern in modules[image].flip):
-                multiplier = 0.0 - multiplier
-        joint = self._ports.joint(reference, ("joints", above, "mimic", "joint"))
-        return None if joint is None else Mimic(joint, multiplier, mimic.offset.value)
-
-    def _image_port(self, name: str, reference: str, keys: tuple[str, ...], offset: Pose, m: Array) -> Port | None:
-        """The mirror image of a port: on the mirror image of its module, or in its own link, which is in the middle."""
-        module, _, path = reference.partition("/")
-        images = [one for one, section in self._document.modules.items() if section.mirror_of == module]
-        if images:
-            port = self._ports.port(f"{images[0]}/{path}" if path else images[0], keys)
-            return None if port is None else Port(port.link, port.X_LP @ conjugated(offset, m))
-        if module in self._document.modules and not self.is_root_part(module):
-            of = self._document.modules[name].mirror_of
-            message = f"module '{name}': mirror_of: '{of}' is at {reference}, and nothing mirrors '{module}'"
-            help = [f"add a module with `mirror_of: {module}`, or give `at`"]
-            self._found.add("SB154", message, self._sidecar.span("modules", name, "mirror_of"), help=help)
-            return None
-        port = self._ports.port(reference, keys)
-        return None if port is None else Port(port.link, conjugated(port.X_LP @ offset, m))
 
     def _attach(self, root: str, mount: Mount, who: str) -> None:
         if root in self.mounts:

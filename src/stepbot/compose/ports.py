@@ -50,6 +50,7 @@ class Ports:
             self._frames |= {frame.name: Port(frame.link, frame.X_LF) for frame in robot.frames}
             self._joints |= robot.joint_by_name
         self._above = {joint.child: joint for joint in self._joints.values()}
+        self._are_attached = False
         self._resolving: set[str] = set()
         self._in_circle: set[str] = set()
 
@@ -70,6 +71,11 @@ class Ports:
         paths = [f"{name}/{path}" for name, part in self._parts.items() for path in _of_part(part)]
         self._unknown(keys, f"no link, frame or module '{reference}'", reference, (*own, *paths), "links and frames")
         return None
+
+    def attach(self, mounts: Iterable[Joint]) -> None:
+        """Take the joints above the parts: what is placed from now on can be relative to links of other parts."""
+        self._above |= {joint.child: joint for joint in mounts}
+        self._are_attached = True
 
     def joint(self, reference: str, keys: Keys) -> str | None:
         """The name in the composed robot of a joint; None after a diagnostic."""
@@ -119,7 +125,10 @@ class Ports:
             return None
         X_LB = self._between(link.link, base.link)
         if X_LB is None:
-            message = f"{subject((*keys, 'origin'))}: '{origin.relative_to}' moves relative to '{reference}'"
+            what = f"moves relative to '{reference}'"
+            if not self._are_attached and self.part(base.link) != self.part(link.link):
+                what = f"is in another part than '{reference}', and parts are attached to this frame"
+            message = f"{subject((*keys, 'origin'))}: '{origin.relative_to}' {what}"
             help = [f"`relative_to: {reference}`, or a link or frame that is fixed to it"]
             self._found.add("SB154", message, self._sidecar.span(*keys, "origin"), help=help)
             return None
@@ -132,6 +141,10 @@ class Ports:
             joint = self._above[link]
             link, pose = joint.parent, joint.X_PC @ pose
         return link, pose
+
+    def part(self, link: str) -> str:
+        """The module of a link; empty for own ones."""
+        return next((name for name, part in self._parts.items() if link in part.robot.link_by_name), "")
 
     def _between(self, a: str, b: str) -> Pose | None:
         """X_AB of two links that are fixed to each other; None if one moves relative to the other."""

@@ -237,12 +237,12 @@ def _compared(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot], fo
     """Compare each module with its robot alone; report SB803 if they differ."""
     checks: list[Check] = []
     sections = sidecar.document.modules
-    stated = ((module, sections.get(module.name)) for module in robot.modules)
-    modules = [  # a module of a module was compared where that was composed
-        Alone(module, alone[section.mirror_of or module.name], section.flip)
-        for module, section in stated
-        if section is not None
-    ]
+    modules = []
+    for module in robot.modules:  # a module of a module was compared where that was composed
+        if module.name in sections:
+            section = sections[module.name]
+            of = alone[section.mirror_of or module.name]
+            modules.append(Alone(module, of, _flips(of, section, sections)))
     for (module, *_), seen in zip(modules, module_deviations(robot, modules), strict=True):
         parts = f"poses {seen.pose:.3g} m, masses {seen.mass:.3g}, inertias {seen.inertia:.3g}"
         if seen.largest <= ALLOWED:
@@ -252,6 +252,17 @@ def _compared(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot], fo
             found.add("SB803", message, sidecar.key_span("modules", module.name))
         checks += module_checks(module, seen)
     return checks
+
+
+def _flips(alone: Robot, section: ModuleSection, sections: MappingType[str, ModuleSection]) -> frozenset[str]:
+    """Joints whose positive direction a module reverses: the image of a flipped joint is flipped, or back again."""
+    original = sections[section.mirror_of].flip if section.mirror_of else ()
+
+    def matching(patterns: tuple[str, ...]) -> set[str]:
+        names = (joint.name for joint in alone.joints)
+        return {name for name in names if any(fnmatchcase(name, one) for one in patterns)}
+
+    return frozenset(matching(section.flip) ^ matching(original))
 
 
 def _unreadable(path: Path | None, file: str) -> tuple[str, tuple[str, ...]]:

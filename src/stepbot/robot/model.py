@@ -322,7 +322,8 @@ class Module:
     at: str = ""
     """The link that it is fixed to; empty for the root, and below a joint of the composing robot."""
     mirror: str = ""
-    """Normal of the plane of its root link's frame that it is mirrored through: x, y or z; empty if it is not."""
+    """Normals of the planes of its root link's frame that it is mirrored through: x, y or z; two for the image of an
+    image; empty if it is not."""
 
 
 @dataclass(frozen=True)

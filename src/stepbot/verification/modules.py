@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
-from fnmatch import fnmatchcase
 from typing import NamedTuple
 
 import numpy as np
@@ -25,7 +24,7 @@ class Alone(NamedTuple):
     robot: Robot
     """Its robot alone."""
     flips: Collection[str] = ()
-    """Patterns of joints, by their names in ``robot``, whose positive direction is reversed."""
+    """Joints, by their names in ``robot``, whose positive direction is reversed."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +90,7 @@ def module_deviations(robot: Robot, modules: Sequence[Alone]) -> Iterator[Module
     for module, alone, flips in modules:
         inside = {joints[link] for link in module.links if link in joints}
         for whole, (q, _) in zip(configurations, poses_alone[id(alone)], strict=True):
-            of_module = {module.prefix + name: -v if _any(name, flips) else v for name, v in q.items()}
+            of_module = {module.prefix + name: -v if name in flips else v for name, v in q.items()}
             whole |= {name: v for name, v in of_module.items() if name in inside}
     poses = [link_poses(robot, q) for q in configurations]
     for one in modules:
@@ -102,7 +101,9 @@ def _deviation(
     robot: Robot, one: Alone, poses: Sequence[dict[str, Pose]], poses_alone: Sequence[dict[str, Pose]]
 ) -> ModuleDeviation:
     module, alone, _ = one
-    M: Array = np.diag(_NORMALS[module.mirror]) if module.mirror else np.eye(3)
+    M: Array = np.eye(3)
+    for normal in module.mirror:
+        M = M @ np.diag(_NORMALS[normal])
     there = {name: robot.link_by_name[name] for name in module.links}
     links = [link for link in alone.links if module.prefix + link.name in there]
     pose = 0.0
@@ -130,24 +131,25 @@ def _other_settings(robot: Robot, one: Alone) -> Iterator[str]:
     actuators = {each.name: each for each in robot.actuators if each.joint in joints}
     for joint in alone.joints:
         here = joints.get(module.prefix + joint.name)
-        if here is not None and _numbers(here, "", ()) != _numbers(joint, module.prefix, flips, bool(module.mirror)):
+        is_image = len(module.mirror) == 1
+        if here is not None and _numbers(here, "", ()) != _numbers(joint, module.prefix, flips, is_image):
             yield joint.name
     for actuator in alone.actuators:
         drive = actuators.get(module.prefix + actuator.name)
-        if drive is not None and _drive(drive) != _drive(actuator, _any(actuator.joint, flips)):
+        if drive is not None and _drive(drive) != _drive(actuator, actuator.joint in flips):
             yield actuator.name
 
 
 def _numbers(joint: Joint, prefix: str, flips: Collection[str], mirrored: bool = False) -> tuple[object, ...]:
     """What the composed robot is to have of a joint; the axis is compared by poses, the drawn position is `home`."""
-    turned = _any(joint.name, flips)
+    turned = joint.name in flips
     limit, dynamics, mimic = joint.limit, joint.dynamics, joint.mimic
     bounds = (-limit.upper, -limit.lower) if turned else (limit.lower, limit.upper)
     if turned:
         dynamics = replace(dynamics, spring_reference=0.0 - dynamics.spring_reference)
     follows: tuple[object, ...] = ()
     if mimic is not None:
-        sign = -1.0 if turned != _any(mimic.joint, flips) else 1.0
+        sign = -1.0 if turned != (mimic.joint in flips) else 1.0
         offset = -mimic.offset if turned else mimic.offset
         follows = (prefix + mimic.joint, sign * mimic.multiplier, offset)
     pitch = -joint.pitch if mirrored and joint.kind is JointKind.SCREW else joint.pitch
@@ -175,7 +177,3 @@ def _configurations(robot: Robot) -> list[dict[str, float]]:
 
 def _image(X: Pose, M: Array) -> Pose:
     return Pose.of(M @ X.R @ M, M @ X.p)
-
-
-def _any(name: str, patterns: Collection[str]) -> bool:
-    return any(fnmatchcase(name, pattern) for pattern in patterns)
