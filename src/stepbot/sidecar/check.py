@@ -47,7 +47,7 @@ _CHECKS = (
 
 
 def check_sidecar(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report contradictions: SB126, SB128, SB130 to SB141, SB450 to SB463 and SB521."""
+    """Report what contradicts itself, or refers to something that does not exist."""
     local, complete = BoundedDiagnostics(), True
     try:
         # References into modules are resolved when these are read.

@@ -32,10 +32,7 @@ _DYNAMICS = ("damping", "friction", "armature")
 
 
 def with_motors(sidecar: Sidecar, found: Diagnostics) -> Sidecar:
-    """The sidecar with the figures of its motors; a motor's are the last defaults of its joint.
-
-    Reports SB001, SB120, SB121 and SB147 to SB149.
-    """
+    """The sidecar with the figures of its motors; a motor's are the last defaults of its joint."""
     document = sidecar.document
     own = _own_motors(sidecar, found)
     motors: dict[str, Motor] = {}
@@ -86,10 +83,7 @@ def _own_motors(sidecar: Sidecar, found: Diagnostics) -> Mapping[str, MotorSecti
 
 
 def read_own_motors(path: Path, found: Diagnostics) -> dict[str, MotorSection]:
-    """The motors of a user's own file, each figure with a source; empty after errors.
-
-    Reports SB001, SB102 to SB125 at their places in the file.
-    """
+    """The motors of a user's own file, each figure with a source; empty after errors, which are reported."""
     text = read_text(path, found)
     if text is None or not is_text(text, file_name(path), found):
         return {}

@@ -33,7 +33,7 @@ _TOLERANCE = 1e-9
 
 
 def check_joints(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report, joint by joint, SB121, SB125, SB137, SB455 to SB457, SB462 and SB463."""
+    """Report, joint by joint, keys that its type lacks or forbids, and limits that contradict each other."""
     stops = cache(partial(drafted_stops, sidecar.text))  # only a placeholder needs the comments
     for name, joint in sidecar.document.joints.items():
         settings = joint_settings(sidecar.document, name)

@@ -25,7 +25,7 @@ _ON_LINKS = tuple(kind for kind in SensorKind if kind is not SensorKind.JOINT)
 
 
 def check_references(sidecar: Sidecar, found: Diagnostics) -> None:
-    """Report SB128, SB130 to SB134, SB136 and SB146."""
+    """Report names that refer to nothing."""
     document = sidecar.document
     _check_links(sidecar, found)
     _check_pairs(sidecar, found)
