@@ -271,7 +271,10 @@ class _Drafting:
         same = bool(np.dot(leader.direction or ZERO3, joint.direction or ZERO3) > 0.0)
         ratio = round(radii[0] / radii[1], 4) * (1.0 if same == bool(mesh.belt) else -1.0)
         how = f"by the belt '{mesh.belt}'" if mesh.belt else "by gears"
-        review = f"follows '{leader.child}' {how}; the ratio is that of the pitch circles, count the teeth"
+        ratio_is = "that of the pitch circles, count the teeth"
+        if mesh.are_counted:
+            ratio_is = f"{mesh.one.teeth} to {mesh.two.teeth} teeth, as drawn"
+        review = f"follows '{leader.child}' {how}; the ratio is {ratio_is}"
         notes = f"{joint.review}; {review}" if joint.review else review
         return replace(joint, mimic=Mimic(leader.name, ratio), review=notes)
 

@@ -1,6 +1,9 @@
-"""Gears by name: which mesh, what they turn on, and the ratio of their joints."""
+"""Gears by teeth or name: which mesh, what they turn on, and the ratio of their joints."""
 
+from collections.abc import Iterable
 from dataclasses import replace
+from math import cos, pi, sin
+from typing import Any
 
 import pytest
 
@@ -69,3 +72,91 @@ def test_a_gear_that_nothing_holds_is_kept_apart_and_jointed() -> None:
     draft = infer(assembled(part("big gear", plate), part("small gear", cylinder(11, 8), 30, 0, 0.2), lever), "loose")
     assert [(joint.parent, joint.child, joint.type) for joint in draft.joints] == [("big_gear", "small_gear", "fixed")]
     assert len(draft.links) == 2
+
+
+def toothed(teeth: int, module: float, height: float, drawn: Iterable[int] = (), turned: float = 0.0) -> Any:
+    """A rim of trapezoidal teeth along +z, all around or only some of them, turned by a part of the pitch."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon
+    from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
+    from OCP.gp import gp_Pnt, gp_Vec
+
+    root, tip, polygon = module * (teeth / 2 - 1.25), module * (teeth / 2 + 1), BRepBuilderAPI_MakePolygon()
+    shown = set(drawn) or set(range(teeth))
+    for k in range(teeth):
+        for at, radius in ((-0.36, root), (-0.12, tip), (0.12, tip), (0.36, root)):
+            angle = 2 * pi * (k + at + turned) / teeth
+            r = radius if k in shown else root
+            polygon.Add(gp_Pnt(r * cos(angle), r * sin(angle), 0))
+    polygon.Close()
+    return BRepPrimAPI_MakePrism(BRepBuilderAPI_MakeFace(polygon.Wire()).Face(), gp_Vec(0, 0, height)).Shape()
+
+
+def fused(*shapes: Any, less: Any = None) -> Any:
+    """Shapes as one, without the last."""
+    from OCP.BRepAlgoAPI import BRepAlgoAPI_Cut, BRepAlgoAPI_Fuse
+
+    one = shapes[0]
+    for other in shapes[1:]:
+        one = BRepAlgoAPI_Fuse(one, other).Shape()
+    return BRepAlgoAPI_Cut(one, less).Shape() if less is not None else one
+
+
+def cranked(rim: Any) -> Any:
+    """A gear with a bore and a crank, without which it only spins."""
+    return fused(rim, box(6, 40, 4).at(0, 15, 8).shape, less=cylinder(3.05, 20).shape)
+
+
+def on_pins(one: Any, two: Any, away: float) -> list[Node]:
+    """Two parts without telling names on pins of a plate."""
+    plate = box(2 * away + 40, 60, 10).at(away / 2, 0, -5) + cylinder(3, 9)
+    return [
+        part("a1", plate + cylinder(3, 9).at(away, 0, 0)),
+        part("a2", one, 0, 0, 0.3),
+        part("a3", two, away, 0, 0.3),
+    ]
+
+
+@pytest.mark.parametrize(("teeth", "module"), [((24, 12), 1.5), ((17, 17), 2.0), ((40, 16), 0.8)])
+def test_teeth_that_mesh_are_gears_whatever_their_names(teeth: tuple[int, int], module: float) -> None:
+    """The ratio is that of the numbers of teeth, exactly."""
+    gears = [cranked(toothed(n, module, 6, turned=0.5 * k)) for k, n in enumerate(teeth)]
+    draft = infer(assembled(*on_pins(*gears, away=module * sum(teeth) / 2)), "train")
+    assert [joint.type for joint in draft.joints] == ["revolute", "revolute"]
+    (led,) = [joint for joint in draft.joints if joint.mimic is not None]
+    assert led.mimic is not None
+    (leader,) = [joint for joint in draft.joints if joint.mimic is None]
+    first, second = teeth if leader.child == "a2" else teeth[::-1]
+    same = leader.direction == led.direction
+    assert led.mimic.multiplier == pytest.approx(-first / second * (1 if same else -1), abs=1e-4)
+    assert f"{first} to {second} teeth" in led.review
+
+
+def test_fingers_with_sectors_of_teeth_close_together() -> None:
+    """Each finger of a gripper is one part, with teeth on a part of its rim."""
+    bore, finger = cylinder(3.05, 20).shape, box(10, 70, 6).at(0, 38, 3).shape
+    one = fused(toothed(20, 2.0, 6, drawn=range(-5 % 20, 20), turned=0.0), finger, less=bore)
+    other = fused(toothed(20, 2.0, 6, drawn=range(-5 % 20, 20), turned=0.0), finger, less=bore)
+    two = part("a3", other, 40.0, 0, 0.3, (0, pi, 0))
+    nodes = [*on_pins(one, one, away=40.0)[:2], replace(two, name="a3")]
+    draft = infer(assembled(*nodes), "gripper")
+    assert sorted(joint.mimic is not None for joint in draft.joints) == [False, True]
+
+
+@pytest.mark.parametrize("away", [60.0, 38.0])
+def test_toothed_parts_that_do_not_mesh_follow_nothing(away: float) -> None:
+    """Too far apart, or of other modules at a distance at which round gears could mesh."""
+    draft = infer(assembled(*on_pins(cranked(toothed(24, 1.5, 6)), cranked(toothed(24, 1.2, 6)), away)), "knobs")
+    assert [joint.mimic for joint in draft.joints] == [None, None]
+
+
+def test_a_gear_on_a_driven_shaft_turns_with_it() -> None:
+    """It is fixed to the shaft, not hinged on it: the shaft turns in bearings."""
+    case = box(60, 60, 40).at(0, 0, -20) - cylinder(6.5, 40).at(0, 0, -40)
+    shaft = cylinder(2.5, 60).at(0, 0, -45)
+    gear = fused(toothed(24, 1.5, 6), cylinder(8, 4).at(0, 0, 6).shape, box(6, 50, 4).at(0, 30, 8).shape)
+    gear = fused(gear, less=cylinder(2.5, 20).shape)
+    bearings = [(cylinder(6.5, 5) - cylinder(2.5, 5)).at(0, 0, z) for z in (-40, -5)]
+    nodes = [part("case", case), part("shaft", shaft), part("b1 625ZZ", bearings[0]), part("b2 625ZZ", bearings[1])]
+    draft = infer(assembled(*nodes, part("lever", gear, 0, 0, 1)), "spindle")
+    assert len(draft.joints) == 1
+    assert draft.joints[0].type == "revolute"

@@ -13,8 +13,9 @@ from stepbot.draft.contacts.contacts import Contacts, Pair
 from stepbot.draft.contacts.near_fits import NearFit, find_near_fits
 from stepbot.draft.contacts.planes import find_patches
 from stepbot.draft.contacts.relations import Relation, Via, find_relations, neighbours, turned_lines
-from stepbot.draft.contacts.roles import read_parts, spoken_names
+from stepbot.draft.contacts.roles import lines_by_part, read_parts, spoken_names
 from stepbot.draft.contacts.shafts import find_fits
+from stepbot.draft.contacts.teeth import Rim, find_rims
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, is_belt, roles
@@ -135,6 +136,13 @@ class Survey:
         """Larger parts that others hold across a line, and not along it."""
         larger = [i for i in self.parts if i not in self.small]
         return find_captured(self.scene, self.relations, larger, self.cut)
+
+    @cached_property
+    def rims(self) -> dict[int, list[Rim]]:
+        """Toothed rims of larger parts, about axes of their round faces."""
+        lines = lines_by_part(self.contacts)
+        found = ((part, find_rims(self.scene, part, lines[part])) for part in self.parts if part not in self.small)
+        return {part: rims for part, rims in found if rims}
 
     @cached_property
     def tops(self) -> set[int]:

@@ -1,4 +1,4 @@
-"""Gears and pulleys by name: which ones mesh, on what those without a drawn shaft turn, and their ratio."""
+"""Gears by their teeth or names, and pulleys by name: which ones mesh, what they turn on, and their ratio."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -12,26 +12,30 @@ from stepbot.draft.parts.parts import box_gap
 from stepbot.robot.model import JointKind
 
 _REVIEW = "a gear that meshes with another one; no shaft is drawn"
-_SCORE, _APART = 0.7, 0.8
-"""Scores of a joint of a gear, and of the fact that two gears that mesh are not one."""
+_SCORE, _APART, _KEYED = 0.7, 0.8, 0.9
+"""Scores of a joint of a gear, of two gears that mesh being no link, and of a gear on a shaft that turns."""
 _BEYOND = 6e-3
 """Gap [m] along its axis from a gear to a round face, up to which an undrawn shaft may be in both."""
 _MESHED = 0.8
 """Ratio of the distance of two axes and the sum of the outer radii, from which teeth mesh up to where they touch."""
 _TEETH = 1.15
 """The same ratio up to which they do, where the round faces are those at the roots of the teeth."""
+_ADDENDUM = (0.2, 1.5)
+"""Distance from the pitch circle to the tips of teeth, in modules: 1 of a standard gear, less with chamfers."""
 _ROUND = 3e-4
 """Distance [m] up to which the axis of a gear is that of a joint."""
 
 
 @dataclass(frozen=True, eq=False)
 class Gear:
-    """A part named a gear or a pulley, and its outer circle."""
+    """A part with teeth, or named a gear or a pulley, and its outer circle."""
 
     part: int
     axis: Axis
     radius: float
     """[m]."""
+    teeth: int = 0
+    """Number of drawn teeth all around, of which a sector has fewer; 0 if they are not drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +51,17 @@ class Mesh:
         """Radii [m] of both pitch circles, which touch: teeth are as high on both gears."""
         if self.belt:
             return self.one.radius, self.two.radius
-        excess = 0.5 * (self.one.radius + self.two.radius - self.one.axis.distance(self.two.axis.point))
+        away = self.one.axis.distance(self.two.axis.point)
+        if self.are_counted:
+            share = away / (self.one.teeth + self.two.teeth)
+            return share * self.one.teeth, share * self.two.teeth
+        excess = 0.5 * (self.one.radius + self.two.radius - away)
         return self.one.radius - excess, self.two.radius - excess
+
+    @property
+    def are_counted(self) -> bool:
+        """Whether the teeth of both are drawn."""
+        return not self.belt and self.one.teeth > 0 and self.two.teeth > 0
 
 
 def meshes(survey: Survey) -> list[Mesh]:
@@ -63,7 +76,10 @@ def meshes(survey: Survey) -> list[Mesh]:
         spans = [survey.scene.span(gear.part, one.axis.d) for gear in (one, two)]
         if min(high for _, high in spans) <= max(low for low, _ in spans):
             continue
-        if _MESHED * reach < away < _TEETH * reach:
+        if one.teeth and two.teeth:
+            if away > 0.0 and _is_pitch(away / (one.teeth + two.teeth), one, two):
+                found.append(Mesh(one, two))
+        elif _MESHED * reach < away < _TEETH * reach:
             found.append(Mesh(one, two))
         elif away >= _TEETH * reach:
             boxes = [survey.parts[gear.part].box for gear in (one, two)]
@@ -74,9 +90,18 @@ def meshes(survey: Survey) -> list[Mesh]:
     return found
 
 
+def _is_pitch(share: float, one: Gear, two: Gear) -> bool:
+    """Whether the tips of two gears are as far beyond their pitch circles as those of teeth, for half a module [m]."""
+    return all(_ADDENDUM[0] < 0.5 * (gear.radius / share - gear.teeth) < _ADDENDUM[1] for gear in (one, two))
+
+
 def _gears(survey: Survey) -> Iterator[Gear]:
     for i, part in survey.parts.items():
-        if Role.GEAR not in part.roles or i in survey.small or is_belt(part.name):
+        if i in survey.small or is_belt(part.name):
+            continue
+        rims = survey.rims.get(i, ())
+        yield from (Gear(i, rim.axis, rim.tip, rim.teeth) for rim in rims)
+        if rims or Role.GEAR not in part.roles:
             continue
         best: Gear | None = None
         for line in survey.contacts.lines:
@@ -88,7 +113,12 @@ def _gears(survey: Survey) -> Iterator[Gear]:
 
 
 def gear_evidence(survey: Survey, found: Evidence) -> None:
-    """Add a joint for each gear that meshes and has no shaft: on the part with a round face on its line nearby."""
+    """Add what gears indicate.
+
+    Those that mesh move relative to each other. One without a shaft turns on the part with a round face on its line
+    nearby. One on a shaft that turns, driven or in a bearing, is fixed to it.
+    """
+    _fix_to_shafts(survey, found)
     held = {i for h in found.joints for i in (h.a, h.b) if h.drives}
     found_meshes = meshes(survey)
     for mesh in found_meshes:
@@ -101,6 +131,16 @@ def gear_evidence(survey: Survey, found: Evidence) -> None:
             a, b = sorted((gear.part, host))
             why = f"the gear '{survey.parts[gear.part].path}' turns about its own axis"
             found.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, gear.axis, why, review=_REVIEW))
+
+
+def _fix_to_shafts(survey: Survey, found: Evidence) -> None:
+    turning = [h for h in found.joints if h.drives or h.through >= 0]
+    for gear in _gears(survey):
+        for shaft, r in survey.around(gear.part):
+            if not r.shafts or max(r.shafts, key=lambda fit: fit.length).shaft != shaft:
+                continue
+            if any(shaft in (h.a, h.b) and gear.part not in (h.a, h.b) and h.axis.same(gear.axis) for h in turning):
+                found.weld(_KEYED, gear.part, shaft, "a gear on a shaft that turns")
 
 
 def _host(survey: Survey, gear: Gear) -> int | None:
