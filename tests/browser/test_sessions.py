@@ -22,7 +22,7 @@ from .test_edit_panel import ENTER, TAB, settled
 
 pytestmark = [pytest.mark.long]
 
-COUNTS = {"pimouse": (14, 8), "so101": (16, 19), "follower": (39, 34)}
+COUNTS = {"pimouse": (14, 6), "so101": (16, 18), "follower": (39, 33)}
 """For each robot the presses of the mouse, and the lines of its sidecar, without comments, that are not those of the
 draft; as in docs/view.md."""
 RIM, TYRE = "Whreel5_ネジ穴位置改良", "タイヤφ44用7.5mm幅_RT-T75-44-R"

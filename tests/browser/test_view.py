@@ -13,7 +13,9 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import FORMATS
 from stepbot.formats.rendering import render
+from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import link_poses
+from stepbot.robot.model import Box, Link, Robot, Visual
 from stepbot.serving.session import Session
 from stepbot.viewing.scene import scene_document
 from tests.robots import ROBOTS
@@ -289,3 +291,32 @@ def test_links_are_compared_while_they_move(page: Page, session: Serve, tmp_path
     page.slide("down", 290.0)
     page.wait("return stepbot.state.contacts.length === 0")
     assert "overlap" not in page.text("#proof")
+
+
+def test_only_what_can_be_seen_is_drawn(page: Page, tmp_path: Path) -> None:
+    """Small parts have no edges, parts outside of the view are not drawn, every part is picked."""
+    row = range(30)
+    spacing, box = 0.1, Box((0.06, 0.06, 0.06))
+    parts = [
+        Visual(f"part_{i}_{j}", box, Pose.of(position=(spacing * i, spacing * j, 0.0)), component=f"part:{i}_{j}")
+        for i in row
+        for j in row
+    ]
+    link = Link("base", visuals=tuple(parts), components=tuple(one.component for one in parts))
+    page.open_file(tmp_path, scene_document(Robot("field", (link,))))
+    page.run("stepbot.view.camera.look(-Math.PI / 2, 1.5533); stepbot.view.fit()")
+    counted = """const {view} = stepbot; const {gl} = view.renderer; const counts = {};
+      gl.drawArrays = (mode, ...rest) => { counts[mode] = (counts[mode] ?? 0) + 1; };
+      view.draw(); delete gl.drawArrays; return [counts[gl.TRIANGLES] ?? 0, counts[gl.LINES] ?? 0];"""
+    page.run("stepbot.view.camera.zoom(4)")  # each part is a few pixels large
+    assert page.run(counted) == [900, 0]
+    page.run("stepbot.view.camera.zoom(0.03)")
+    near, with_edges = page.run(counted)
+    assert 4 <= near == with_edges < 300
+    seen = """const {view} = stepbot; const {left, top, width, height} = view.canvas.getBoundingClientRect();
+      const {x, y} = view.camera.project(arguments[0]);
+      return view.hit(left + x * width, top + y * height)?.component;"""
+    page.run("stepbot.view.fit()")
+    for i, j in ((0, 0), (13, 7), (29, 29)):
+        assert page.run(seen, [spacing * i, spacing * j, 0.03]) == f"part:{i}_{j}"
+    assert page.run(seen, [spacing * 3.5, spacing * 3.5, 0.03]) is None

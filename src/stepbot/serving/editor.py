@@ -67,7 +67,7 @@ class Editor:
                 require_fit(view, question)
                 require_own(view.sidecar, self._robot(), question)
                 changes = in_file(actual, view, changes_of(view.sidecar, question), question)
-                changed = edited(text, changes)
+                changed = edited(text, changes, self._sidecar)
             except CannotEdit as error:
                 raise Refused(str(error)) from error
             mark = _BYTE_ORDER_MARK if before.startswith(_BYTE_ORDER_MARK) else b""

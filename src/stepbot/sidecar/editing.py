@@ -77,20 +77,24 @@ class CannotEdit(Exception):
     """The text is written in a way that allows no such change; the message says why."""
 
 
-def edited(text: str, changes: Sequence[Change]) -> str:
+_ANY = Path("sidecar")
+
+
+def edited(text: str, changes: Sequence[Change], path: Path = _ANY) -> str:
     """The text of a sidecar with changes, one after the other.
 
     Args:
         text: With line feeds at line ends; without syntax errors.
+        path: Of the sidecar; a text that was just read under it is not read again.
 
     Raises:
         CannotEdit: The result would be no sidecar, or not have exactly these changes.
     """
-    expected = _values(text)
+    expected = _values(text, path)
     for change in changes:
         text = _spliced(text, change)
         expected = expected if isinstance(change, Annotate) else _applied(expected, change)
-    if _values(text) != expected:
+    if _values(text, path) != expected:
         raise CannotEdit("the sidecar is written in a way that this change does not fit; edit it in an editor")
     return text
 
@@ -111,9 +115,9 @@ def value_of(text: str) -> Any:
     return plain_data(tree, shared=False)["value"]
 
 
-def _values(text: str) -> Any:
+def _values(text: str, path: Path) -> Any:
     found = Diagnostics()
-    sidecar = parse_sidecar(text, Path("sidecar"), found)
+    sidecar = parse_sidecar(text, path, found)
     if sidecar is None:
         first = next((one.message for one in found if one.severity == "error"), "it cannot be read")
         raise CannotEdit(f"the result would not be a sidecar: {first}")

@@ -6,6 +6,7 @@ removal are dropped.
 """
 
 from difflib import get_close_matches
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ from .fitting import with_motors
 from .located import Sidecar
 from .quantities import described
 from .schema_faults import report_schema_faults
-from .syntax_faults import compose_around_faults
+from .syntax_faults import Composed, compose_around_faults
 from .text import BoundedDiagnostics, TooManyFaultsError, file_name, is_text, read_text
 from .tree import Keys, Mapping, Scalar, Tree, key_span, plain_data, subject
 
@@ -56,7 +57,12 @@ def _parsed(text: str, path: Path, found: Diagnostics, variant: str, changes: Tr
     file = file_name(path)
     if not is_text(text, file, found):
         return None
-    composed = compose_around_faults(text, file, found)
+    try:
+        composed, faults_of_text = _composed(text, file)
+    except TooManyFaultsError:
+        compose_around_faults(text, file, found)  # ends in the same way, with the faults in `found`
+        raise
+    found.extend(faults_of_text)
     root = composed.tree
     if not isinstance(root, Mapping):
         if root is not None and composed.whole:
@@ -88,6 +94,14 @@ def _parsed(text: str, path: Path, found: Diagnostics, variant: str, changes: Tr
     if composed.whole:
         check_what_is_left(root, faults, path, text, found)
     return None
+
+
+@lru_cache(maxsize=4)
+def _composed(text: str, file: str) -> tuple[Composed, tuple[Diagnostic, ...]]:
+    """The tree of a text with its faults; kept, as a page that edits asks for the text before and after many times."""
+    found = BoundedDiagnostics()
+    composed = compose_around_faults(text, file, found)
+    return composed, tuple(found)
 
 
 def _changed(root: Mapping, variant: str, changes: Tree | None, found: Diagnostics) -> Mapping | None:

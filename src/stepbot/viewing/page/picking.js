@@ -1,16 +1,19 @@
 // The triangle under the pointer: a ray against boxes, then triangles.
 
-import { add, apply, cross, dot, inverse, minus, norm, scaled, turn } from "./vectors.js";
+import { add, apply, dot, inverse, minus, norm, scaled, turn } from "./vectors.js";
 
 // The nearest hit of a ray in the world; null for none.
 // items: { geometry: { vertices, faces, low, high }, X }.
 export function pick(ray, items) {
   let best = null;
-  for (const item of items) {
+  const met = items.flatMap((item) => {
     const X_GW = inverse(item.X);
-    const origin = apply(X_GW, ray.origin);
-    const direction = turn(X_GW, ray.direction);
-    if (!meetsBox(origin, direction, item.geometry)) continue;
+    const [origin, direction] = [apply(X_GW, ray.origin), turn(X_GW, ray.direction)];
+    const enter = meetsBox(origin, direction, item.geometry);
+    return enter === null ? [] : [{ item, origin, direction, enter }];
+  });
+  for (const { item, origin, direction, enter } of met.sort((a, b) => a.enter - b.enter)) {
+    if (best && enter > best.distance) break;
     const hit = nearest(origin, direction, item.geometry, best ? best.distance : Infinity);
     if (hit) best = { item, ...hit, point: add(ray.origin, scaled(ray.direction, hit.distance)) };
   }
@@ -27,6 +30,7 @@ export function boxOf(vertices) {
   return { low, high };
 }
 
+// How far along a ray a box begins; null if the ray misses it.
 function meetsBox(origin, direction, { low, high }) {
   let [enter, leave] = [0, Infinity];
   for (let i = 0; i < 3; i++) {
@@ -36,33 +40,35 @@ function meetsBox(origin, direction, { low, high }) {
     enter = Math.max(enter, Math.min(a, b));
     leave = Math.min(leave, Math.max(a, b));
   }
-  return enter <= leave * (1 + 1e-9) + 1e-12;
+  return enter <= leave * (1 + 1e-9) + 1e-12 ? enter : null;
 }
 
 // The nearest triangle that a ray meets (Möller and Trumbore).
 function nearest(origin, direction, { vertices, faces }, limit) {
-  let found = null;
-  const at = (vertex) => [vertices[3 * vertex], vertices[3 * vertex + 1], vertices[3 * vertex + 2]];
+  let found = -1;
+  // In numbers, not vectors: of millions of triangles no array each.
+  const [ox, oy, oz] = origin;
+  const [dx, dy, dz] = direction;
   for (let i = 0; i < faces.length; i += 3) {
-    const a = at(faces[i]);
-    const u = minus(at(faces[i + 1]), a);
-    const v = minus(at(faces[i + 2]), a);
-    const h = cross(direction, v);
-    const det = dot(u, h);
+    const [a, b, c] = [3 * faces[i], 3 * faces[i + 1], 3 * faces[i + 2]];
+    const [ax, ay, az] = [vertices[a], vertices[a + 1], vertices[a + 2]];
+    const [ux, uy, uz] = [vertices[b] - ax, vertices[b + 1] - ay, vertices[b + 2] - az];
+    const [vx, vy, vz] = [vertices[c] - ax, vertices[c + 1] - ay, vertices[c + 2] - az];
+    const [hx, hy, hz] = [dy * vz - dz * vy, dz * vx - dx * vz, dx * vy - dy * vx];
+    const det = ux * hx + uy * hy + uz * hz;
     if (det === 0) continue;
-    const s = minus(origin, a);
-    const x = dot(s, h) / det;
+    const [sx, sy, sz] = [ox - ax, oy - ay, oz - az];
+    const x = (sx * hx + sy * hy + sz * hz) / det;
     if (x < 0 || x > 1) continue;
-    const q = cross(s, u);
-    const y = dot(direction, q) / det;
+    const [qx, qy, qz] = [sy * uz - sz * uy, sz * ux - sx * uz, sx * uy - sy * ux];
+    const y = (dx * qx + dy * qy + dz * qz) / det;
     if (y < 0 || x + y > 1) continue;
-    const distance = dot(v, q) / det;
-    if (distance > 0 && distance < limit) {
-      limit = distance;
-      found = { distance, triangle: [a, at(faces[i + 1]), at(faces[i + 2])] };
-    }
+    const distance = (vx * qx + vy * qy + vz * qz) / det;
+    if (distance > 0 && distance < limit) [limit, found] = [distance, i];
   }
-  return found;
+  if (found < 0) return null;
+  const at = (vertex) => [vertices[3 * vertex], vertices[3 * vertex + 1], vertices[3 * vertex + 2]];
+  return { distance: limit, triangle: [at(faces[found]), at(faces[found + 1]), at(faces[found + 2])] };
 }
 
 const BENT = [Math.cos((0.5 * Math.PI) / 180), Math.cos((35 * Math.PI) / 180)]; // between the pieces of a curve

@@ -155,7 +155,7 @@ export class Renderer {
     gl.useProgram(program);
     gl.uniformMatrix4fv(uniforms.clip, false, clip);
     for (const item of items) {
-      if (!item.mesh.ends) continue;
+      if (!item.mesh.ends || item.isSmall) continue;
       this.place(uniforms, item);
       gl.uniform4fv(uniforms.color, item.edge ?? color);
       gl.bindVertexArray(item.mesh.edges);

@@ -94,7 +94,7 @@ export function drawable({ vertices, faces }) {
     smooth[3 * corner + 1] = y / length;
     smooth[3 * corner + 2] = z / length;
   }
-  const sharp = sharpEdges(vertices, faces, normals);
+  const sharp = sharpEdges(faces, normals, around);
   const edges = new Float32Array(3 * sharp.length);
   sharp.forEach((vertex, i) => edges.set(vertices.subarray(3 * vertex, 3 * vertex + 3), 3 * i));
   return { positions, normals: smooth, edges, sharp };
@@ -132,17 +132,18 @@ function neighbours(faces, count) {
   return { start, faces: list };
 }
 
-function sharpEdges(vertices, faces, normals) {
-  const count = vertices.length / 3;
-  const first = new Map();
+// Pairs of vertices of the edges whose two faces meet at an angle.
+function sharpEdges(faces, normals, around) {
   const ends = [];
   for (let corner = 0; corner < faces.length; corner++) {
     const face = Math.floor(corner / 3);
     const [a, b] = [faces[corner], faces[3 * face + ((corner + 1) % 3)]];
-    const key = Math.min(a, b) * count + Math.max(a, b);
-    const other = first.get(key);
-    if (other === undefined) first.set(key, face);
-    else if (cosine(normals, face, other) < SMOOTH) ends.push(a, b);
+    for (let k = around.start[a]; k < around.start[a + 1] && around.faces[k] < face; k++) {
+      const other = 3 * around.faces[k]; // the first face with both vertices
+      if (faces[other] !== b && faces[other + 1] !== b && faces[other + 2] !== b) continue;
+      if (cosine(normals, face, around.faces[k]) < SMOOTH) ends.push(a, b);
+      break;
+    }
   }
   return new Uint32Array(ends);
 }

@@ -121,9 +121,14 @@ export class State {
 
   // Whether a part is one of those selected, or below one of them.
   isPicked(component) {
-    const { selection } = this;
-    const paths = selection?.picked ?? (selection?.component ? [selection.component] : []);
-    return Boolean(component) && paths.some((path) => component === path || component.startsWith(`${path}/`));
+    const { selection, picked } = this;
+    if (!component || !selection?.component) return false;
+    if (picked?.selection !== selection) this.picked = { selection, paths: new Set(selection.picked ?? [selection.component]) };
+    const { paths } = this.picked;
+    for (let end = component.length; end > 0; end = component.lastIndexOf("/", end - 1)) {
+      if (paths.has(component.slice(0, end))) return true;
+    }
+    return false;
   }
 
   find(selection) {

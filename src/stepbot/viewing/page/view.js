@@ -15,6 +15,7 @@ const PASSIVE = [0.55, 0.58, 0.64, 0.9];
 const DOUBT = [0.85, 0.2, 0.5, 1];
 const CONTACT = [0.9, 0.05, 0.05, 1];
 const FRAME_SHARE = 0.12;
+const SMALL = 14; // [px] below which a part has no edges
 const EDGE_REACH = 7; // [px] from an edge up to which a click means it
 
 export class View {
@@ -40,6 +41,7 @@ export class View {
     new ResizeObserver(() => this.request()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.request());
     state.listen((what) => {
+      if (what === "scene" || what === "motion") this.bounds = null;
       if (what === "scene") this.load();
       this.request();
     });
@@ -63,7 +65,7 @@ export class View {
   item(shape, former, place) {
     const packed = shape.shape === "mesh" ? this.state.scene.meshes[shape.mesh] : null;
     const key = packed
-      ? [packed.low, packed.size, packed.vertices, packed.faces].join()
+      ? (packed.key ??= [packed.low, packed.size, packed.vertices, packed.faces].join())
       : [shape.shape, shape.size, shape.radius, shape.length].join();
     let shared = this.uploaded.get(key) ?? former.get(key);
     if (!shared) {
@@ -76,6 +78,10 @@ export class View {
   }
 
   extent() {
+    return (this.bounds ??= this.measured());
+  }
+
+  measured() {
     const low = [Infinity, Infinity, Infinity];
     const high = [-Infinity, -Infinity, -Infinity];
     for (const item of this.items) {
@@ -117,13 +123,18 @@ export class View {
     if (!state.scene) return;
     const dark = matchMedia("(prefers-color-scheme: dark)").matches;
     const ink = dark ? 1 : 0;
-    const drawn = this.visible().map((item) => ({
-      mesh: item.mesh,
-      X: times(state.pose(item.link), item.X_LG),
-      color: this.color(item),
-      glow: this.glow(item),
-      edge: item.kind === "collision" ? [0.9, 0.45, 0.1, 0.5] : undefined,
-    }));
+    const ends = state.selection?.connection ? this.ends() : null;
+    const drawn = this.visible().map((item) => ({ item, X: times(state.pose(item.link), item.X_LG) })).flatMap(({ item, X }) => {
+      const size = this.pixels(item, X);
+      return size === 0 ? [] : [{
+        mesh: item.mesh,
+        X,
+        color: this.color(item, ends),
+        glow: this.glow(item, ends),
+        edge: item.kind === "collision" ? [0.9, 0.45, 0.1, 0.5] : undefined,
+        isSmall: size < SMALL,
+      }];
+    });
     for (const one of drawn) if (!one.edge && one.color[3] < 0.5) one.edge = [ink, ink, ink, 0.12];
     const { center, low } = this.extent();
     const floor = ground(center, this.radius, low[2], [ink, ink, ink, dark ? 0.1 : 0.13]);
@@ -132,11 +143,23 @@ export class View {
     this.grips.place();
   }
 
-  color(item) {
+  // The size of an item on the canvas [px]; 0 for one that cannot be seen.
+  pixels(item, X) {
+    const { low, high } = item.geometry;
+    const radius = norm(minus(high, low)) / 2;
+    const { x, y, depth } = this.camera.project(apply(X, scaled(add(low, high), 0.5)));
+    if (depth <= radius) return depth > -radius ? Infinity : 0; // around the eye, or behind it
+    const { clientWidth, clientHeight } = this.canvas;
+    const size = (radius * clientHeight) / (depth - radius) / Math.tan(this.camera.field / 2);
+    const [right, down] = [size / clientWidth, size / clientHeight];
+    return x < -right || x > 1 + right || y < -down || y > 1 + down ? 0 : size;
+  }
+
+  color(item, ends) {
     if (item.kind === "collision") return this.state.overlaps(item.link) ? [0.9, 0.12, 0.12, 0.45] : [0.98, 0.6, 0.2, 0.28];
-    const { show, selection } = this.state;
+    const { show } = this.state;
     const base = show.byLink || !item.rgba ? linkColor(item.index) : item.rgba;
-    const covered = show.collisions || show.masses || (selection?.connection && !this.ends().includes(item.link));
+    const covered = show.collisions || show.masses || (ends && !ends.includes(item.link));
     return covered ? [...base.slice(0, 3), Math.min(base[3], 0.45)] : base;
   }
 
@@ -145,11 +168,11 @@ export class View {
     return [one.parent, one.child];
   }
 
-  glow(item) {
+  glow(item, ends) {
     const { selection } = this.state;
     if (!selection || item.kind === "collision") return null;
     if (this.state.isPicked(item.component)) return [0.25, 0.55, 1, 0.75];
-    if (selection.connection) return this.ends()[1] === item.link ? [0.25, 0.55, 1, 0.35] : null;
+    if (ends) return ends[1] === item.link ? [0.25, 0.55, 1, 0.35] : null;
     return [selection.link, selection.overlapped].includes(item.link) && !selection.picked ? [0.25, 0.55, 1, 0.3] : null;
   }
 
