@@ -35,6 +35,7 @@ from stepbot.formats.urdf.writer import render
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.datasheet import accelerations
+from stepbot.robot.kinematics import MOVING
 from stepbot.robot.metadata import Metadata
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit, Link, Mimic, Robot
 from stepbot.runtime.programs import sdf_programs
@@ -377,6 +378,28 @@ def test_placeholders_start_in_the_drawn_pose(package: Path, tmp_path: Path) -> 
     path = "ros2_control/joint[@name='{}']/state_interface/param[@name='initial_value']"
     assert float(made.findtext(path.format("elbow")) or "nan") == 0.25
     assert float(made.findtext(path.format("shoulder")) or "nan") == stated["shoulder"], "the drawn pose elsewhere"
+
+
+@pytest.mark.parametrize("make", [tree, gripper_with_mimic, floating_biped], ids=lambda make: make.__name__)
+def test_all_links_have_a_place_in_rviz(make: Any, tmp_path: Path) -> None:
+    """Where one joint is driven, the placeholder and Gazebo state all others but mimics; other hardware has its own."""
+    robot = make()
+    moving = [one for one in robot.joints if one.kind in MOVING and one.mimic is None]
+    leader = moving[0]
+    motor = Actuator("motor", leader.name, ActuatorKind.POSITION, kp=1.0)
+    lowered, _ = written(replace(robot, actuators=(motor,)), tmp_path)
+    expected = [one for one in lowered.joints if one.kind in MOVING and one.mimic is None and one.name != leader.name]
+    file = tmp_path / "urdf" / f"{robot.name}.urdf.xacro"
+    for arguments in ({}, {"hardware": GAZEBO_HARDWARE}, {"hardware": "makers/Driver"}):
+        joints = {one.get("name"): one for one in xacro(file, **arguments).iterfind("ros2_control/joint")}
+        assert joints.pop(leader.name).find("command_interface") is not None
+        assert list(joints) == ([] if "makers/Driver" in arguments.values() else [one.name for one in expected])
+        for one in expected if joints else ():
+            assert joints[one.name].find("command_interface") is None
+            start = joints[one.name].findtext("state_interface/param[@name='initial_value']")
+            assert float(start or "nan") == one.drawn_position
+            stated = [interface.get("name") for interface in joints[one.name].iterfind("state_interface")]
+            assert stated == ["position", "velocity", "effort"]
 
 
 def test_numbers_are_numbers_in_yaml_1_1() -> None:

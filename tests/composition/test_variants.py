@@ -128,7 +128,7 @@ FAULTS = {
     ("without: [hand], base", "without: hand, base"): (
         "SB160 17:45 variant 'bare_named': without: not a list of names"
     ),
-    ("hand: {variant: strong}", "hand: {variant: string}"): "SB160 8:11 sidecar: no variant 'string'",
+    ("hand: {variant: strong}", "hand: {variant: string}"): "SB160 15:38 module 'hand': no variant 'string'",
     ("set: {joints: {lift:", "set: {joints: {lft:"): "SB160 5:52 set: no joint 'lft' in 'arm.urdf'",
     ("set: {joints: {lift: {limits: ", "set: {links: {lift: {limits: "): (
         "SB160 5:58 set: of a link of a description, `set` can change `inertial`, `collision`"
@@ -156,7 +156,7 @@ def test_faults_have_their_place(change: tuple[str, str], expected: str, variant
             {**FILES, "whole.robot.yaml": WHOLE.replace(*change)},
         )
     (error,) = [one for one in found if one.severity == "error"]
-    assert error.span.file.endswith("hand.robot.yaml" if "string" in expected else "whole.robot.yaml")
+    assert error.span.file.endswith("whole.robot.yaml")
     assert f"{error.code} {error.span.line}:{error.span.column} {error.message}".startswith(expected)
 
 

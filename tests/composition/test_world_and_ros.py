@@ -176,7 +176,10 @@ def test_ros_gets_a_system_and_a_controller_for_each_module(
         "a_cell_left": "mock_components/GenericSystem",
         "a_cell_right": "my/Driver",
     }
-    joints = [joint.get("name") for joint in urdf.iterfind("ros2_control/joint")]
+    stated = [joint.get("name") for joint in urdf.iterfind("ros2_control/joint")]
+    assert len(set(stated)) == len(stated)
+    assert {"a_box_free_x", "a_box_free_turn_yaw"} < set(stated), "RViz shows the box where its joints are"
+    joints = [joint.get("name") for joint in urdf.iterfind("ros2_control/joint[command_interface]")]
     assert sorted(joints) == ["a_left_lift", "a_right_lift"]
     # KDL ignores the mass of a root link: that of a cell has none, and Gazebo fixes it to the world.
     mass = urdf.find("link[@name='a_cell']/inertial/mass")

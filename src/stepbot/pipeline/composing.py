@@ -203,14 +203,17 @@ class _Files:
                     one.message.startswith("robot ") or any(f"'{name}'" in one.message for name in new_names)
                 )
                 if not is_settled and (one.code != _OPEN_BASE or not is_placed):
-                    place, help = one.span, one.help
+                    place, help, message = one.span, one.help, one.message
                     if one.code == _OPEN_BASE:
                         help = (f"`base: fixed` or `base: floating` in {sidecar.path.name}",)
                     if folder and place.file.startswith(folder):  # the same text on every machine
                         place = place._replace(file=LIBRARY + place.file.removeprefix(folder).removeprefix("/"))
                     if one.code == _NO_DENSITY and is_step_name(path.name):  # there is no sidecar to write it into
                         place, help = span, (density,)
-                    found.add(one.code, one.message, place, help=help, notes=(*one.notes, note))
+                    missing = f"no variant '{section.variant}'"
+                    if message == f"sidecar: {missing}":
+                        place, message = sidecar.span("modules", name, "variant"), f"module '{name}': {missing}"
+                    found.add(one.code, message, place, help=help, notes=(*one.notes, note))
             found.add_ignored(local.ignored)
         return self._robots[key]
 

@@ -4,9 +4,10 @@ New files are created in a hidden folder next to their destinations and then mov
 files that refer to them last; an unchanged file is not touched. If a move fails, the previous ones are reverted. A
 killed process leaves every file complete, old or new, and the next run cleans up.
 
-A later run uses the list of an output folder (:mod:`.output_list`) to remove meshes that are no longer needed; files
-that are not listed, or were changed since, are never touched. The time stamp of the list marks the last run: newer than
-all input, even if no other file changed.
+A later run uses the list of an output folder (:mod:`.output_list`) to remove meshes that are no longer needed, and
+parts of a description that the robot no longer has, such as MoveIt's settings; files that are not listed, or were
+changed since, are never touched. The time stamp of the list marks the last run: newer than all input, even if no other
+file changed.
 """
 
 import contextlib
@@ -45,6 +46,8 @@ _ABANDONED_AFTER = 24 * 3600.0
 _LEFTOVER = re.compile(rf"\d+\.(new|old)|case|{re.escape(MANIFEST)}")
 """Names in a staging folder."""
 _EMPTY_STAGING = re.compile(rf"{re.escape(STAGING)}[a-z0-9_]{{8}}")
+_PARTS = {".srdf": ".urdf", ".drake.sdf": ".sdf", ".setup_assistant": "CMakeLists.txt"}
+"""Ends of files that only some robots have, and of the files that they belong to: they go when those come without."""
 _LONGEST_WAIT = 60.0
 """Maximum waiting time [s] for another run that writes into the same folder."""
 
@@ -149,7 +152,8 @@ def beside(files: Mapping[str, bytes], folder: Path) -> tuple[list[str], list[st
     same = (
         name
         for name in listed.files
-        if name not in files and name not in others and not name.endswith(".json") and exists(folder / name)
+        if not (name in files or name in others or name.endswith(".json") or _is_superseded(name, files))
+        and exists(folder / name)
     )
     return sorted(set(others.values())), sorted(same)
 
@@ -163,6 +167,12 @@ def _others(files: Mapping[str, bytes], listed: OutputList, folder: Path) -> dic
     ours = {robot_of(name) for name in top_files(files)} if robot is None else {robot}
     owners = {name: listed.robots.get(name) or robot_of(name) for name in names}
     return {name: owner for name, owner in owners.items() if owner not in ours and exists(folder / name)}
+
+
+def _is_superseded(name: str, files: Mapping[str, bytes]) -> bool:
+    """Whether a run writes the file that another one of an earlier run belongs to, and not that one."""
+    main = next((name.removesuffix(end) + main for end, main in _PARTS.items() if name.endswith(end)), "")
+    return main in files and name not in files
 
 
 def stamp(folder: Path) -> None:
@@ -196,7 +206,7 @@ class _Lists(NamedTuple):
 
 def _listed_after(files: Mapping[str, bytes], hashes: Mapping[str, str], folder: Path, sidecar: str) -> _Lists:
     before, own = OutputList.read(folder), manifest_of(hashes)
-    after = {**before.files, **own}
+    after = {name: needs for name, needs in before.files.items() if not _is_superseded(name, files)} | own
     sidecars = {name: source for name, source in before.sidecars.items() if name in after}
     robots = {name: robot for name, robot in before.robots.items() if name in after}
     robot = robot_in(files)
@@ -232,7 +242,7 @@ def _replace(files: Mapping[str, bytes], folder: Path, staging: Path, lists: _Li
     stale = stale_files(before.files, after.files)
     # While files are moved, the manifest lists old and new, so that a killed run leaves no unlisted file.
     both = {name: {**before.files.get(name, {}), **needs} for name, needs in own.items()}
-    during = after._replace(files={**after.files, **both}, replaced=_replaced(before, own))
+    during = after._replace(files={**before.files, **after.files, **both}, replaced=_replaced(before, own))
     below = {path: content for path, content in files.items() if "/" in path}
     top = {path: content for path, content in files.items() if "/" not in path}
     moves = {MANIFEST: during.content, **below, **top}

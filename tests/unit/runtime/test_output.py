@@ -62,6 +62,23 @@ def test_stale_meshes_go_and_files_of_others_stay(tmp_path: Path) -> None:
     }
 
 
+def test_parts_that_a_robot_no_longer_has(tmp_path: Path) -> None:
+    """The SRDF, the file for Drake and MoveIt's settings go with a run that writes what they belong to without them."""
+    package = {"CMakeLists.txt": b"c", "arm.urdf": b"u", "urdf/arm.xacro": b"x"}
+    planning = {".setup_assistant": b"s", "arm.srdf": b"r", "config/kinematics.yaml": b"k", "launch/demo.py": b"d"}
+    loops = {"arm.sdf": b"s", "arm.drake.sdf": b"d"}
+    write_atomically({**package, **planning}, tmp_path)
+    write_atomically(loops, tmp_path)
+    (tmp_path / "config/kinematics.yaml").write_bytes(b"edited by hand")
+    write_atomically({"arm.xml": b"m"}, tmp_path)
+    assert set(contents(tmp_path)) == {*package, *planning, *loops, "arm.xml"}, "a run for another format"
+    assert beside(package, tmp_path)[1] == ["arm.drake.sdf", "arm.sdf", "arm.xml"]
+    write_atomically(package, tmp_path)
+    assert set(contents(tmp_path)) == {*package, *loops, "arm.xml", "config/kinematics.yaml"}
+    write_atomically({"arm.sdf": b"s"}, tmp_path)
+    assert set(contents(tmp_path)) == {*package, "arm.sdf", "arm.xml", "config/kinematics.yaml"}
+
+
 def test_meshes_stay_while_another_file_needs_them(tmp_path: Path) -> None:
     """Meshes that files of earlier runs refer to are kept by a run for one format or another robot."""
     write_atomically(ARM, tmp_path)

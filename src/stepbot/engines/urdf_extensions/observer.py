@@ -312,7 +312,7 @@ def faults(top: Element) -> Iterator[str]:
             yield "<ros2_control> needs a <plugin> in its <hardware>"
         for joint in system.findall("joint"):
             states = {one.get("name", "") for one in joint.findall("state_interface")}
-            if joint.findall("command_interface") and states != _STATES:
+            if states != _STATES:
                 present = ", ".join(sorted(states)) or "none"
                 yield f"joint '{joint.get('name', '')}' in <ros2_control> has the state interfaces: {present}"
         for element in system.findall("transmission"):
@@ -329,7 +329,18 @@ def faults(top: Element) -> Iterator[str]:
     for sensor in (*top.findall("gazebo/sensor"), *top.findall("ros2_control/sensor")):
         if not sensor.get("name"):
             yield f"a sensor of type {sensor.get('type', 'unknown')} has no name"
+    yield from _unstated_joints(top)
     yield from _merged_joints(top)
+
+
+def _unstated_joints(top: Element) -> Iterator[str]:
+    """Joints whose positions nobody publishes, so that RViz lacks all below: those of mimics follow from others."""
+    stated = {joint.get("name", "") for joint in top.findall("ros2_control/joint")}
+    kinds = ("revolute", "continuous", "prismatic")
+    moving = [one for one in top.findall("joint") if one.get("type") in kinds and one.find("mimic") is None]
+    for joint in moving if stated else ():
+        if joint.get("name", "") not in stated:
+            yield f"joint '{joint.get('name', '')}' moves, and is in no <ros2_control>"
 
 
 def _merged_joints(top: Element) -> Iterator[str]:

@@ -8,9 +8,10 @@ mirrors every command. Inputs and limits are given at the joint. Gears are trans
 joint's first command interface, and so on.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from stepbot.robot.gains import actuator_limit, joint_range
+from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Link, Robot
 from stepbot.robot.sensors import Sensor, SensorKind
 from stepbot.robot.surfaces import PLAIN, Surface
@@ -60,25 +61,42 @@ def systems(robot: Robot) -> dict[str, str]:
 
 def ros2_control(top: Element, robot: Robot) -> None:
     """Add a system for each module with actuators, one for all others, and the sensors that ros2_control reads."""
-    inside = module_of_joint(robot)
-    for module, name in systems(robot).items():
+    inside, names = module_of_joint(robot), systems(robot)
+    for module, name in names.items():
         system = element(top, "ros2_control", name=name, type="system")
         element(element(system, "hardware"), "plugin", HARDWARE)
         actuators = [one for one in robot.actuators if inside.get(one.joint, "") == module]
         sensors = [one for one in robot.sensors if one.kind in _READINGS and not module]
-        _system(system, robot, actuators, sensors)
+        passive = [one for one in _passive(robot) if _among(inside.get(one.name, ""), names) == module]
+        _system(system, robot, actuators, passive, sensors)
 
 
-def _system(system: Element, robot: Robot, actuators: Sequence[Actuator], sensors: Sequence[Sensor]) -> None:
+def _passive(robot: Robot) -> list[Joint]:
+    """The joints that move without an actuator: RViz needs their positions to show what is below them.
+
+    Those of mimics follow from their leaders'.
+    """
+    driven = {actuator.joint for actuator in robot.actuators}
+    moving = (joint for joint in robot.joints if joint.kind in MOVING and joint.mimic is None)
+    return [joint for joint in moving if joint.name not in driven] if driven else []
+
+
+def _among(module: str, names: Collection[str]) -> str:
+    """The system of a module, or the first one if it has none."""
+    return module if module in names else next(iter(names))
+
+
+def _system(
+    system: Element, robot: Robot, actuators: Sequence[Actuator], passive: Sequence[Joint], sensors: Sequence[Sensor]
+) -> None:
     for name in dict.fromkeys(actuator.joint for actuator in actuators):
         joint = element(system, "joint", name=name)
         for actuator in actuators:
             if actuator.joint == name:
                 _command(joint, actuator, robot)
-        for state in _STATES:
-            interface = element(joint, "state_interface", name=state)
-            if state == "position":
-                element(interface, "param", robot.joint_by_name[name].drawn_position, name=INITIAL)
+        _state(joint, robot.joint_by_name[name])
+    for one in passive:
+        _state(element(system, "joint", name=one.name), one)
     for sensor in sensors:
         xml = element(system, "sensor", name=sensor.name)
         for reading in _READINGS[sensor.kind]:
@@ -92,6 +110,14 @@ def _system(system: Element, robot: Robot, actuators: Sequence[Actuator], sensor
         joint = element(xml, "joint", name=actuator.joint, role="joint1")
         if actuator.gear != 1.0:
             element(joint, "mechanical_reduction", actuator.gear)
+
+
+def _state(xml: Element, joint: Joint) -> None:
+    """Add what ros2_control states of a joint, with its drawn position as the start."""
+    for name in _STATES:
+        interface = element(xml, "state_interface", name=name)
+        if name == "position":
+            element(interface, "param", joint.drawn_position, name=INITIAL)
 
 
 def _command(joint: Element, actuator: Actuator, robot: Robot) -> None:

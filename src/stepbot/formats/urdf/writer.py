@@ -99,7 +99,7 @@ EXPRESSES = {
     Feature.STUCK_CLOSURE: reported("a tree has no loops; left out"),
     Feature.FOLLOWER: lowered("joints that follow a driven one through a loop are written with `<mimic>`"),
     Feature.LOOP_ZERO: exact("only the tree is written"),
-    Feature.INITIAL_POSE: deferred("only `<ros2_control>` has the drawn pose, as `initial_value` of driven joints"),
+    Feature.INITIAL_POSE: deferred("only `<ros2_control>` has the drawn pose, as `initial_value`"),
     Feature.FRAME: lowered("frames are massless links on fixed joints"),
     Feature.ACTUATOR: lowered("actuators are in `<ros2_control>` and `<transmission>`"),
     Feature.SECOND_ACTUATOR: exact("as any actuator"),

@@ -108,8 +108,16 @@ def _control(macro: Element, robot: Robot) -> None:
     for joint in macro.iterfind("ros2_control/joint"):
         for start in joint.iterfind(f"state_interface/param[@name='{INITIAL}']"):
             start.text = f"${{{_START}.get({names[str(joint.get('name'))]}, '{start.text}')}}"
-    for plugin, own in zip(macro.iterfind("ros2_control/hardware/plugin"), _hardware(robot), strict=True):
-        plugin.text = f"${{{own} or hardware}}" if own else "${hardware}"
+    for system, own in zip(macro.iterfind("ros2_control"), _hardware(robot), strict=True):
+        hardware = f"({own} or hardware)" if own else "hardware"
+        for plugin in system.iterfind("hardware/plugin"):
+            plugin.text = f"${{{hardware}}}"
+        for joint in [one for one in system.iterfind("joint") if one.find("command_interface") is None]:
+            # a driver of hardware rejects joints that it does not know
+            known = element(system, _tag("if"), value=f"${{{hardware} in {[HARDWARE, GAZEBO_HARDWARE]!r}}}")
+            system.remove(known)
+            system[list(system).index(joint)] = known
+            known.append(joint)
     gazebo = element(element(macro, _tag("if"), value="${controllers != ''}"), "gazebo")
     plugin = element(gazebo, "plugin", filename=GAZEBO_LIBRARY, name=GAZEBO_PLUGIN)
     element(plugin, "parameters", "${controllers}")
