@@ -65,8 +65,19 @@ def _board() -> Assembly:
     )
 
 
+def _rotor() -> Assembly:
+    """Magnets in slots of a rotor, as long as it is; each could slide out along it."""
+    rotor, places = cylinder(18, 10), [(13.0, 0.0), (0.0, 13.0), (-13.0, 0.0), (0.0, -13.0)]
+    nodes = []
+    for n, (x, y) in enumerate(places):
+        magnet = box(4, 10, 10) if x else box(10, 4, 10)
+        rotor = rotor - magnet.at(x, y, 5)
+        nodes.append(part(f"a{n}", magnet, x=x, y=y, z=5))
+    return assembled(part("b", rotor), *nodes)
+
+
 @SOURCES
-@pytest.mark.parametrize("draw", [_frame, _board])
+@pytest.mark.parametrize("draw", [_frame, _board, _rotor])
 def test_what_is_screwed_or_soldered_does_not_move(draw: Callable[[], Assembly], sources: Sources) -> None:
     """Bolts, spacers, pins and round parts that stand on legs are no mechanism."""
     draft = infer(draw(), "still", sources)

@@ -31,6 +31,8 @@ _LONG_BORE = 3.0
 """Length of a bore in radii, above which it guides, below which it clamps."""
 _APART = 1e-3
 """Distance [m] from which two rods are distinct."""
+_SAME_END = 1e-4
+"""Distance [m] up to which two parts end at one place."""
 _MEET = 1e-5
 """Distance [m] up to which two axes intersect."""
 _CROSS_SHARE = 0.02
@@ -57,11 +59,17 @@ def captured_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence, 
             continue
         if structure is not None and structure.are_together(*pair):
             continue
-        score = _LOOSE if captured.has_play else _TIGHT
+        score = _LOOSE if captured.has_play else _TIGHT if not _is_flush(survey, pair, captured.axis) else _OFFERED
         score = _PROFILE if structure is None else score + _ACROSS * structure.are_across(*pair)
         why = "captured on four sides" + (" with clearance" if captured.has_play else "")
         relation = survey.relation(*pair)
         found.joint(JointEvidence(score, *pair, JointKind.PRISMATIC, captured.axis, why, relation, review=REVIEW))
+
+
+def _is_flush(survey: Survey, pair: Pair, axis: Axis) -> bool:
+    """Whether two parts end at the same places along an axis, as magnets and windings in their slots."""
+    one, two = (survey.scene.span(i, axis.d) for i in pair)
+    return max(abs(one[0] - two[0]), abs(one[1] - two[1])) < _SAME_END
 
 
 def _share_screw(survey: Survey, pair: Pair) -> bool:

@@ -18,7 +18,9 @@ BODY = "body"
 
 _GENERIC = frozenset({"SOLID", "SHELL", "COMPOUND", "COMPSOLID", "ASSEMBLY", "FACE", "WIRE", "EDGE", "VERTEX"})
 _MACHINE_MADE = re.compile(
-    r"NAUO\d*|\d+|ID ?#\d+|\*DIT\d+|=>\[[\d:]*\]|#\d+|[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}", re.IGNORECASE
+    r"NAUO\d*|\d+|ID ?#\d+|\*DIT\d+|=>\[[\d:]*\]|#\d+|[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}"
+    r"|Open CASCADE STEP translator [\d. ]+",
+    re.IGNORECASE,
 )
 
 __all__ = [

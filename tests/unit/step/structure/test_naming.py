@@ -58,7 +58,9 @@ def test_paths_go_down_from_below_the_root() -> None:
     assert not any(name.by_ordinal_only for name in names)
 
 
-@pytest.mark.parametrize("name", ["NAUO9", "12", "ID #71", "*DIT36", "=>[0:1:1:2]", "", " ", "SOLID"])
+@pytest.mark.parametrize(
+    "name", ["NAUO9", "12", "ID #71", "*DIT36", "=>[0:1:1:2]", "", " ", "SOLID", "Open CASCADE STEP translator 7.8 3.1"]
+)
 def test_machine_made(name: str) -> None:
     """Generated names are ignored."""
     assert is_machine_made(name)
