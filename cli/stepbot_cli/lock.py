@@ -1,11 +1,13 @@
 """``stepbot lock``: write the lock files of sidecars."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.runtime.file import is_folder, resolved
 
 from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import counted, printable
@@ -38,7 +40,8 @@ def command(
 
     After a CAD change, `check --step` and `convert` compare the STEP file with it and report what was renamed, moved,
     added, removed or reshaped. The sidecars that a robot is composed of have a lock each. Folders are searched
-    recursively; the default is the current folder. A robot with errors is not locked.
+    recursively; the default is the current folder. A robot with errors is not locked. The home folder
+    and those above it are refused, since locks would be written beside robots of others.
     """
     from stepbot.jobs.discovery import find_sidecars
     from stepbot.pipeline.locking import make_locks
@@ -46,6 +49,7 @@ def command(
     from stepbot.runtime.file import write_file
 
     options = options._replace(step=step)
+    _reject_whole_disks(sidecars or (Path(),))
     found = Diagnostics()
     written: dict[Path, Snapshot] = {}
     paths = find_sidecars(sidecars or (Path(),), found)
@@ -71,6 +75,20 @@ def command(
         if not (written or found.has_errors):
             write_result("nothing to lock: composed of modules without sidecars of their own, or of the library")
     return found.exit_code
+
+
+def _reject_whole_disks(named: Iterable[Path]) -> None:
+    """Refuse folders with files of others below them.
+
+    Raises:
+        click.UsageError: One is the root of the file system, the home folder, or a folder above it.
+    """
+    home = resolved(Path.home())
+    whole = (home, *home.parents, Path(home.anchor))
+    for path in named:
+        if is_folder(path) and resolved(path) in whole:
+            name = printable(path.as_posix())
+            raise click.UsageError(f"'{name}' has more than your robots below it: name their folder, or the sidecars")
 
 
 def _counts(taken: "Snapshot") -> dict[str, int]:

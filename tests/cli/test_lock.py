@@ -390,3 +390,28 @@ def test_fix_follows_a_link(lever: Revision, stepbot: Stepbot) -> None:
     assert stepbot("check", "--fix", "lever.robot.yaml").code == 0
     assert Path("lever.robot.yaml").is_symlink()
     assert "XL430" in Path("real/sidecar.yaml").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("named", [("/",), ("..",), (".",), (), ("below/../..",)])
+def test_a_home_is_not_locked(
+    named: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot
+) -> None:
+    """A folder that has more than a project below it is refused before it is searched."""
+    home = tmp_path / "home"
+    (home / "below").mkdir(parents=True)
+    monkeypatch.chdir(home)
+    monkeypatch.setenv("HOME", str(home))
+    monkeypatch.setattr("stepbot.jobs.discovery.find_sidecars", lambda *_: pytest.fail("searched the folder"))
+    run = stepbot("lock", *named)
+    assert run.code == 2
+    assert "name their folder, or the sidecars" in run.err
+
+
+@pytest.mark.usefixtures("lever")
+def test_a_project_in_a_home_is_locked(monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot) -> None:
+    """The folder of robots, wherever it is."""
+    written = Path("lever.lock.json")
+    monkeypatch.setenv("HOME", str(written.resolve().parents[1]))
+    written.unlink()
+    assert stepbot("lock").code == 0
+    assert written.exists()

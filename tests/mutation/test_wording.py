@@ -12,7 +12,8 @@ _URDF = """<robot name="arm">
     <collision><geometry><box size="0.2 0.2 0.1"/></geometry></collision></link>
   <link name="tip"><inertial><mass value="1"/>
     <inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="0.01"/></inertial>
-    <collision><geometry><cylinder radius="0.05" length="0.1"/></geometry></collision></link>
+    <collision><origin xyz="0 0 0.1" rpy="0.3 0.2 -3"/>
+      <geometry><cylinder radius="0.05" length="0.1"/></geometry></collision></link>
   <joint name="turn" type="revolute"><parent link="base"/><child link="tip"/><origin xyz="0 0 0.1"/><axis xyz="0 0 1"/>
     <limit lower="-1" upper="1" effort="5" velocity="2"/></joint>
   <gazebo reference="tip"><mu1>0.62</mu1></gazebo>
@@ -29,6 +30,8 @@ _MJCF = """<mujoco model="arm">
   <option timestep="0.002" integrator="implicitfast"/>
   <worldbody><body name="base"><inertial pos="0 0 0" mass="2" diaginertia="0.02 0.02 0.02"/>
     <geom name="shell" type="box" size="0.1 0.1 0.05"/><geom name="plate" type="box" size="0.1 0.1 0.01"/>
+    <geom name="rod" type="capsule" fromto="0 0 0 0.1 0.2 0.3" size="0.01"/>
+    <geom name="bar" type="box" fromto="0 0 0 0.1 0.2 0.3" size="0.01 0.02 0.03"/>
     <body name="tip" pos="0 0 0.1" quat="0.5 0.5 0 0"><inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/>
       <joint name="turn" axis="0 0 1" range="-1 1"/></body></body></worldbody>
   <compiler autolimits="true"/>
@@ -42,11 +45,25 @@ ANOTHER_ROBOT = {
     "a model that does not move": ("sdf", '<model name="arm">', '<model name="arm"><static>true</static>'),
     "another integrator": ("mjcf", '"implicitfast"', '"RK4"'),
     "the default integrator": ("mjcf", ' integrator="implicitfast"', ""),
+    "a box whose ends are swapped": (
+        "mjcf",
+        'type="box" fromto="0 0 0 0.1 0.2 0.3"',
+        'type="box" fromto="0.1 0.2 0.3 0 0 0"',
+    ),
+    "a cylinder turned about its axis": ("urdf", 'rpy="0.3 0.2 -3"', 'rpy="0.3 0.2 -2.9"'),
     "a shape that touches others": ("mjcf", 'name="plate"', 'contype="2" name="plate"'),
 }
 THE_SAME_ROBOT = {
     "a longer axis": ("urdf", 'axis xyz="0 0 1"', 'axis xyz="0 0 2.5"'),
     "a longer quaternion": ("mjcf", 'quat="0.5 0.5 0 0"', 'quat="1 1 0 0"'),
+    "a turn more": ("urdf", 'rpy="0.3 0.2 -3"', 'rpy="0.3 0.2 3.2831853071795862"'),
+    "the other angles": ("urdf", 'rpy="0.3 0.2 -3"', 'rpy="3.441592653589793 2.941592653589793 0.14159265358979312"'),
+    "the opposite quaternion": ("mjcf", 'quat="0.5 0.5 0 0"', 'quat="-0.5 -0.5 0 0"'),
+    "a capsule from its other end": (
+        "mjcf",
+        'type="capsule" fromto="0 0 0 0.1 0.2 0.3"',
+        'type="capsule" fromto="0.1 0.2 0.3 0 0 0"',
+    ),
     "a default": ("mjcf", ' timestep="0.002"', ""),
     "a number for false": ("sdf", '<model name="arm">', '<model name="arm"><static>0</static>'),
     "a model that moves": ("sdf", '<model name="arm">', '<model name="arm"><static>false</static>'),

@@ -65,7 +65,7 @@ def _meshes(top: Element) -> Iterator[tuple[Element, str]]:
 
 
 def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[str, ChainNames]) -> None:
-    """Write a copy with absolute paths of meshes, single joints in place of others, and both bounds of limits.
+    """Write a copy with absolute paths of meshes, and single joints in place of others.
 
     Engines do not search folders of packages. A mesh that is not found keeps its name.
 
@@ -78,11 +78,6 @@ def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[
     top = xml_root(Path(file))
     locate(top, Path(file), packages)
     _with_chains(top, chains)
-    # State 0 for one missing bound of a URDF's joint: MuJoCo would ignore the other one, PyBullet takes -1 for it.
-    for limit in top.iterfind("joint/limit"):
-        if len({"lower", "upper"} & set(limit.keys())) == 1:
-            limit.set("lower", limit.get("lower", "0"))
-            limit.set("upper", limit.get("upper", "0"))
     Path(copy).write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
 
 

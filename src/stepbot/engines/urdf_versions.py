@@ -1,4 +1,6 @@
-"""URDF 1.1 and 1.2 as URDF 1.0, for engines that take a quaternion for no rotation: all but those of urdfdom 5.1.
+"""URDF as every engine takes it: versions 1.1 and 1.2 as 1.0, and what the format defines stated.
+
+Engines take a quaternion for no rotation, all but those of urdfdom 5.1, and differ in what a missing bound or mass is.
 
 https://docs.ros.org/en/rolling/p/urdfdom/ defines what the versions add. MuJoCo, PyBullet, Drake and yourdfpy read the
 capsules of 1.1 whatever version a file states, and ignore the limits of 1.2.
@@ -30,6 +32,8 @@ EXTRA_LIMITS = ("acceleration", "deceleration", "jerk")
 """Attributes of ``<limit>`` in URDF 1.2, and fields of :class:`.Limit`."""
 _RPY = f"rpy in place of {QUATERNION}, which this engine ignores"
 _CYLINDERS = "cylinders in place of capsules, which this engine rejects"
+_MASSES = "mass 0 of links without <inertial>, to which this engine gives a mass"
+_BOUNDS = "0 in place of the one bound that a limit lacks, as URDF defines"
 
 
 class Newer(NamedTuple):
@@ -89,37 +93,80 @@ def with_rpy(robot: Element) -> bool:
     return bool(origins)
 
 
+def _with_both_bounds(robot: Element) -> bool:
+    """State 0 for one missing bound of a joint; returns whether there was one.
+
+    MuJoCo would ignore the other one, PyBullet takes -1 for it.
+    """
+    limits = [one for one in robot.iterfind("joint/limit") if len({"lower", "upper"} & set(one.keys())) == 1]
+    for limit in limits:
+        limit.set("lower", limit.get("lower", "0"))
+        limit.set("upper", limit.get("upper", "0"))
+    return bool(limits)
+
+
+def without_inertial(robot: Element) -> list[Element]:
+    """The links without ``<inertial>``, which have no mass as URDF defines."""
+    return [link for link in robot.findall("link") if link.find("inertial") is None]
+
+
+def _with_inertials(robot: Element) -> bool:
+    """State the mass 0 of links without ``<inertial>``; returns whether there was one."""
+    from lxml import etree
+
+    links = without_inertial(robot)
+    for link in links:
+        inertial = etree.SubElement(link, "inertial")
+        etree.SubElement(inertial, "mass", value="0")
+        etree.SubElement(inertial, "inertia", dict.fromkeys(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), "0"))
+    return bool(links)
+
+
 @contextmanager
 def readable(
-    request: Request, *, capsules: bool = True, rejected: Mapping[str, str] = {}
+    request: Request, *, capsules: bool = True, inertials: bool = True, rejected: Mapping[str, str] = {}
 ) -> Iterator[tuple[Request, tuple[str, ...]]]:
     """A request for a file that the engine reads, and a note if that is a copy; meshes have absolute paths in it.
 
-    URDF 1.1 and 1.2 become URDF 1.0.
+    URDF 1.1 and 1.2 become URDF 1.0, and one bound that a limit lacks is 0.
 
     Args:
         request: A request for a file of any format.
         capsules: Whether the engine reads capsules; for one that does not and reports no sizes they become cylinders.
+        inertials: Whether a link without ``<inertial>`` has no mass in the engine; for one that invents it 0 is stated.
         rejected: By format, an element without which the engine reads the file, and which it does not report.
     """
     from lxml import etree
 
     file, tag = Path(request.file), rejected.get(request.format, "")
-    top = xml_root(file) if (request.format == "urdf" or tag) and is_file(file) else None
-    round_ended = [] if capsules or top is None else top.findall("link//geometry/capsule")
-    left_out = list(top.iter(tag)) if top is not None and tag else []
-    turned = top is not None and with_rpy(top)
-    if top is None or not (turned or round_ended or left_out):
+    is_urdf = request.format == "urdf"
+    top = xml_root(file) if (is_urdf or tag) and is_file(file) else None
+    done = [] if top is None else list(_changed(top, tag, is_urdf=is_urdf, capsules=capsules, inertials=inertials))
+    if top is None or not done:
         yield request, ()
         return
-    for capsule in round_ended:
-        capsule.tag = "cylinder"
-    for one in left_out:
-        one.getparent().remove(one)
     locate(top, file, ())
     with TemporaryDirectory(dir=run_folder()) as folder:
         copy = Path(folder) / file.name
         copy.write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
-        done = ([_RPY] if turned else []) + ([_CYLINDERS] if round_ended else [])
-        done += [f"no <{tag}>, which this engine rejects"] if left_out else []
         yield replace(request, file=str(copy)), (f"read from a copy with {' and '.join(done)}",)
+
+
+def _changed(top: Element, rejected: str, *, is_urdf: bool, capsules: bool, inertials: bool) -> Iterator[str]:
+    """Change what :func:`readable` says, and name each change."""
+    if is_urdf and with_rpy(top):
+        yield _RPY
+    round_ended = [] if capsules else top.findall("link//geometry/capsule")
+    for capsule in round_ended:
+        capsule.tag = "cylinder"
+    if round_ended:
+        yield _CYLINDERS
+    left_out = list(top.iter(rejected)) if rejected else []
+    for one in left_out:
+        one.getparent().remove(one)
+    if left_out:
+        yield f"no <{rejected}>, which this engine rejects"
+    if is_urdf and _with_both_bounds(top):
+        yield _BOUNDS
+    if is_urdf and not inertials and _with_inertials(top):
+        yield _MASSES

@@ -5,13 +5,11 @@ Comparisons become checks of the report and diagnostics.
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from math import hypot, isclose, isfinite
 from typing import Any
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import engine_of, own_parsers
 from stepbot.engines.description.statements import Statement
-from stepbot.engines.engine import Tolerance
 from stepbot.engines.observation import Quantity, Request
 from stepbot.engines.workers import Fate, Outcome
 from stepbot.report.robot import Check, Report, Status
@@ -20,9 +18,9 @@ from stepbot.robot.joint_table import JointRow
 from .compare import Compared, compare
 from .correspondence import Correspondence, normalized_joints
 from .counterparts import Renaming
-from .deviation import Deviations
 from .merged_observation import Gathered, gather
 from .normalized import normalized
+from .text import compare_text
 
 _OTHER_ROBOT = "SB803"
 _CODES = {Quantity.CLOSURES: "SB808", Quantity.SIMULATION: "SB811"}
@@ -151,102 +149,6 @@ def report_of(
         own_parsers=own_parsers(),
         **more,
     )
-
-
-_EQUAL = Tolerance(absolute=1e-13, relative=1e-9)
-_SETTINGS = ("@angle", "@eulerseq", "@autolimits", "@inertiafromgeom", "@balanceinertia", "@settotalmass")
-"""Settings of an MJCF by which other numbers change their meaning."""
-_SAID_OTHERWISE = (
-    "xyz rpy pos quat axisangle xyaxes zaxis euler fromto pose axis qpos size scale radius length "
-    "fullinertia diaginertia ixx ixy ixz iyy iyz izz"
-)
-"""Numbers that may differ between files of one robot: engines report the poses, shapes and inertias that they make,
-to a tolerance. One such number that differs alone makes no equal robot, and is compared as it stands."""
-_DIRECTIONS = ("axis", "axis@xyz", "axis/xyz", "axis2/xyz", "zaxis", "quat", "quat_xyzw")
-"""Numbers whose common factor has no meaning."""
-_ROUNDING = 1e-15
-_NAMES = (
-    "name model link joint parent child body1 body2 site site1 site2 joint1 joint2 reference class childclass type "
-    "filename file mesh meshdir assetdir uri material topic gz_frame_id frame collision joint_name canonical_link "
-    "hardwareInterface version relative_to expressed_in attached_to"
-)
-"""Words by which one robot may be described in several ways, and whose effect engines report."""
-_DEFAULTS = {"mujoco/option@timestep": "0.002", "mujoco/option@integrator": "Euler", "/static": "false"}
-"""What files mean that leave out what is read, but what no engine reports, by the end of the place."""
-_SAME_WORDS = {"1": "true", "0": "false"}
-
-
-def compare_text(
-    ours: Sequence[Statement], theirs: Sequence[Statement], *, equal: bool, whole: bool
-) -> Compared | None:
-    """What differs between the texts of two files; None if nothing does.
-
-    Args:
-        ours: Statements of the first file.
-        theirs: Those of the other file.
-        equal: Whether engines see the same robot in both; otherwise only what they cannot see is compared.
-        whole: Whether what is not read differs, too, where it is words, or where one file has it alone.
-    """
-    deviations = Deviations(_EQUAL)
-    a, b = (_by_place(side, (*ours, *theirs)) for side in (ours, theirs))
-    settings = [place for place in {*a, *b} if place.endswith(_SETTINGS)]
-    equal = equal and all(place in a and place in b and a[place].value == b[place].value for place in settings)
-    differ = [one for place, one in a.items() if place in b and b[place].value != one.value]
-    alone = whole and len(differ) == 1 and set(a) == set(b)
-    for one in differ:
-        if one.read and (not equal or _is_said_otherwise(one, b[one.place], alone=alone)):
-            continue
-        words = _last(one.place) not in _NAMES.split() if one.read else whole
-        _compare(deviations, one, b[one.place], words=words)
-    for place in (*a, *b) if whole else ():
-        one = a.get(place) or b[place]
-        if not one.read and not (place in a and place in b):
-            deviations.equal(False, f"{place} is {'missing' if place in a else 'not in the robot'}")
-    return Compared(Quantity.TEXT, deviations) if deviations.failures else None
-
-
-def _is_said_otherwise(a: Statement, b: Statement, *, alone: bool) -> bool:
-    """Whether engines that see one robot show that two numbers say the same; of all but one that differs alone."""
-    if not alone:
-        return _last(a.place) in _SAID_OTHERWISE.split()
-    ours, theirs = (_numbers(one.value) or [] for one in (a, b))
-    lengths = hypot(*ours), hypot(*theirs)
-    if not (a.place.endswith(_DIRECTIONS) and len(ours) == len(theirs) and all(lengths)):
-        return False
-    pairs = [(x / lengths[0], y / lengths[1]) for x, y in zip(ours, theirs, strict=True)]
-    return all(isclose(x, y, rel_tol=_ROUNDING, abs_tol=_ROUNDING) for x, y in pairs)
-
-
-def _last(place: str) -> str:
-    """The attribute, or the tag."""
-    return place.rpartition("@")[2].rpartition("/")[2].partition(" ")[0]
-
-
-def _by_place(given: Iterable[Statement], both: Iterable[Statement]) -> Mapping[str, Statement]:
-    """The statements of a file by place, with defaults of those that one of ``both`` files makes."""
-    places = {one.place for one in both}
-    meant = ((place, text) for place in places for end, text in _DEFAULTS.items() if place.endswith(end))
-    return {place: Statement(place, text, read=True) for place, text in meant} | {one.place: one for one in given}
-
-
-def _compare(deviations: Deviations, a: Statement, b: Statement, *, words: bool) -> None:
-    ours, theirs = (_numbers(one.value) for one in (a, b))
-    if ours is None or theirs is None or len(ours) != len(theirs):
-        both = ours is not None and theirs is not None
-        if (words and _SAME_WORDS.get(a.value, a.value) != _SAME_WORDS.get(b.value, b.value)) or both:
-            deviations.equal(False, f"{a.place}: '{b.value[:80]}'", expected=f"'{a.value[:80]}'")
-        return
-    for number, (expected, found) in enumerate(zip(ours, theirs, strict=True), start=1):
-        which = f"{a.place}, number {number}" if len(ours) > 1 else a.place
-        deviations.near(found, expected, which, "SI", abs(expected) if isfinite(expected) else 0.0)
-
-
-def _numbers(text: str) -> list[float] | None:
-    """The numbers of a text; None if it has anything else."""
-    try:
-        return [float(word) for word in text.split()]
-    except ValueError:
-        return None
 
 
 UNCHANGED = Renaming()

@@ -4,11 +4,14 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.diagnostics import Diagnostics
 from stepbot.engines import engine_of
 from stepbot.engines.description.statements import statements
 from stepbot.engines.observation import EngineCannotRead, EngineRefused, Request
 from stepbot.geometry.spatial import IDENTITY
+from stepbot.report.robot import Status
 from stepbot.robot.model import JointKind, LoopClosure
+from stepbot.verification import verify_files
 
 _BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 
@@ -69,3 +72,42 @@ def test_closure_between_links_that_do_not_move(tmp_path: Path) -> None:
     (closure,) = engine_of("mujoco").observer.observe(request).closures
     assert closure.residual == pytest.approx(0.0, abs=1e-12)
     assert closure.angle_error == 0.0
+
+
+_ARM = f"""<robot name="r"><link name="base">{_BODY}</link><link name="arm">{_BODY}</link>
+<link name="pad"><collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link><link name="tool"/>
+<joint name="slide" type="prismatic"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
+<limit {{bounds}} effort="5" velocity="2"/></joint>
+<joint name="weld" type="fixed"><parent link="arm"/><child link="pad"/><origin xyz="0 0 0.1"/></joint>
+<joint name="tcp" type="fixed"><parent link="pad"/><child link="tool"/></joint></robot>"""
+_BOUNDS = {
+    "lower only": ('lower="-0.2"', (-0.2, 0.0)),
+    "upper only": ('upper="0.2"', (0.0, 0.2)),
+    "equal": ('lower="0.1" upper="0.1"', (0.1, 0.1)),
+    "both 0": ('lower="0" upper="0"', (0.0, 0.0)),
+}
+
+
+@pytest.mark.pybullet
+@pytest.mark.mujoco
+@pytest.mark.parametrize("case", _BOUNDS)
+def test_what_urdf_defines_is_the_same_in_every_engine(case: str, tmp_path: Path) -> None:
+    """A bound that is missing beside another is 0, equal bounds are bounds, and a link without inertial has no mass."""
+    text, expected = _BOUNDS[case]
+    path = tmp_path / "r.urdf"
+    path.write_text(_ARM.format(bounds=text), encoding="utf-8")
+    found = Diagnostics()
+    report = verify_files([path], found)
+    reported = {name for name in ("mujoco", "pybullet", "yourdfpy") if engine_of(name).available() is None}
+    assert not [str(one) for one in found if one.severity == "error"]
+    assert reported <= {check.engine for check in report.checks if check.status is Status.PASSED}
+    seen = {name: engine_of(name).observer.observe(Request(str(path), "urdf", simulate=0.0)) for name in reported}
+    slides = {name: joint for name, one in seen.items() for joint in one.joints if joint.name == "slide"}
+    limits = {name: joint.limit for name, joint in slides.items() if joint.limit and "lower" in joint.limit_fields}
+    assert {(limit.lower, limit.upper) for limit in limits.values()} == {expected}
+    assert limits.keys() == reported - ({"mujoco"} if expected[0] == expected[1] else set())
+    if "pybullet" in reported:
+        warned = [str(one) for one in found if "PyBullet takes 1 kg" in str(one)]
+        assert len(warned) == 1
+        assert "compared with 0: pad, tool" in warned[0]
+        assert {link.name: link.mass for link in seen["pybullet"].links} == {"base": 1, "arm": 1, "pad": 0, "tool": 0}

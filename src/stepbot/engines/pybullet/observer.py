@@ -38,7 +38,7 @@ from ..observation import (
     Request,
 )
 from ..sdformat_reader.tree import round_shapes, tree_copy
-from ..urdf_versions import readable
+from ..urdf_versions import readable, without_inertial
 from ..xml import xml_root
 from . import ENGINE
 from .body import Body, body_of, pose
@@ -98,17 +98,26 @@ def observe(request: Request) -> Observation:
     import pybullet as engine
 
     observers = {"urdf": _observe_urdf, "sdf": _observe_sdf, "mjcf": _observe_smoke}
+    unstated = _unstated_masses(request)
     try:
-        with readable(request) as (request, replaced), printed() as lines:
+        with readable(request, inertials=False) as (request, replaced), printed() as lines:
             observation = observers[request.format](engine, request)
     except EngineRefused as error:
         if any(_TOO_DEEP in line for line in lines):
             raise EngineCannotRead("PyBullet's parser does not read elements that are nested so deeply") from error
         raise EngineRefused("; ".join([str(error), *_complaints(lines, request)])) from error
-    messages = _complaints(lines, request)
+    messages = [*_complaints(lines, request), *unstated]
     if request.format == "sdf" and messages.count(_IN_VAIN) == 2 * round_shapes(Path(request.file)):
         messages = [message for message in messages if message != _IN_VAIN]
     return replace(observation, warnings=tuple(dict.fromkeys(messages)), notes=(*replaced, *observation.notes))
+
+
+def _unstated_masses(request: Request) -> tuple[str, ...]:
+    """A warning of links without ``<inertial>``; empty if there are none."""
+    path = Path(request.file)
+    links = without_inertial(xml_root(path)) if request.format == "urdf" and is_file(path) else ()
+    names = ", ".join(link.get("name", "") for link in links)
+    return (f"PyBullet takes 1 kg for a link without <inertial>; compared with 0: {names}",) if links else ()
 
 
 @contextmanager

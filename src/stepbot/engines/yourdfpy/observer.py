@@ -151,10 +151,10 @@ def _limit(joint: Any) -> Limit:
     given = joint.limit
     if given is None:
         return Limit()
-    bounded = joint.type != "continuous" and not (given.lower is None and given.upper is None)
-    return Limit(  # the format defines 0 for one missing bound; without both, engines take the joint as unlimited
-        lower=_number(given.lower, 0.0) if bounded else -inf,
-        upper=_number(given.upper, 0.0) if bounded else inf,
+    bounded = joint.type != "continuous"
+    return Limit(  # without both bounds, engines take the joint as unlimited; the file that is read has both or none
+        lower=_number(given.lower, -inf) if bounded else -inf,
+        upper=_number(given.upper, inf) if bounded else inf,
         velocity=_number(given.velocity, inf),
         effort=_number(given.effort, inf),
     )
