@@ -41,18 +41,17 @@ def test_robot_passes_its_drive_tests(robot: str, converted: Converted, capsys: 
 def test_gripper_holds_objects_of_all_sizes_and_shapes(
     robot: str, mass: float, converted: Converted, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """In both engines none sinks in by 1 mm or slips by 2 mm, but a sphere, which creeps between flat pads, by 3 mm."""
+    """In both engines none sinks in by 1 mm or slips by 2 mm."""
     limits = tmp_path / "limits.json"
     objects = [["cube", 0.02], ["cube", 0.05], ["cube", 0.08], ["cylinder", 0.05], ["sphere", 0.05]]
-    for chosen, slip in ((objects[:-1], 2.0), (objects[-1:], 3.0)):
-        demands = {"cube": mass, "objects": chosen, "limits": {"grip": {"slip": [slip, "as the docstring says"]}}}
-        limits.write_text(json.dumps({"drive": {"tests": ["grip"], **demands}}), encoding="utf-8")
-        options = ["--test", "grip", "--limits", str(limits), "--json"]
-        code = main(["drive", str(converted(robot).folder), *options])
-        document = json.loads(capsys.readouterr().out)
-        assert [one["status"] for one in document["tests"]] == ["passed", "passed"], document
-        assert not [name for name in document["inapplicable"] if name.startswith("grip")], document
-        assert code == 0
+    demands = {"tests": ["grip"], "cube": mass, "objects": objects}
+    limits.write_text(json.dumps({"drive": demands}), encoding="utf-8")
+    options = ["--test", "grip", "--limits", str(limits), "--json"]
+    code = main(["drive", str(converted(robot).folder), *options])
+    document = json.loads(capsys.readouterr().out)
+    assert [one["status"] for one in document["tests"]] == ["passed", "passed"], document
+    assert not [name for name in document["inapplicable"] if name.startswith("grip")], document
+    assert code == 0
 
 
 @pytest.mark.long

@@ -114,7 +114,29 @@ def test_objects_are_held_in_place_of_the_cube(engine: str, tmp_path: Path) -> N
     found = [find_grasp(str(files["mujoco"]), stage.mechanism, grasp.fingers, 0.2, one) for one in objects]
     assert all(isinstance(one, Grasp) for one in found), found
     stage.survey = replace(stage.survey, grasps=tuple(one for one in found if isinstance(one, Grasp)))
-    assert [grip.slip < 3.0 for grip in run("grip", stage).grips] == [True] * 3
+    assert [grip.slip < 2.0 for grip in run("grip", stage).grips] == [True] * 3
+
+
+@pytest.mark.parametrize("shape", ["sphere", "cylinder", "cube"])
+def test_heavy_objects_do_not_creep_between_light_fingers(shape: str, tmp_path: Path) -> None:
+    """MuJoCo's friction is a damper: 1 kg between fingers of 20 g creeps by less than 1 mm in 5 s.
+
+    The speed of the creep is the force of a contact x (1 / (3 m_finger) + 1 / m) x (1 - d) / d x t / 2 / ``impratio``,
+    with the impedance d and the time constant t.
+    """
+    robot = gripper(100.0)
+    hand, *fingers = robot.links
+    light = tuple(replace(one, mass_properties=replace(one.mass_properties, mass=0.02)) for one in fingers)
+    robot = replace(robot, links=(hand, *light))
+    stage = stage_of(robot, "mujoco", tmp_path)
+    (grasp,) = stage.survey.grasps
+    file = str(files_of(robot, tmp_path)["mujoco"])
+    held = find_grasp(file, stage.mechanism, grasp.fingers, 1.0, Cube(0.03, 1.0, shape))
+    assert isinstance(held, Grasp), held
+    stage.survey = replace(stage.survey, grasps=(held,))
+    (grip,) = run("grip", stage).grips
+    assert grip.loss is None
+    assert grip.slip < 1.0, grip.slip
 
 
 def test_sag_under_gravity(tmp_path: Path) -> None:

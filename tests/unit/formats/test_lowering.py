@@ -387,7 +387,7 @@ def test_usd_has_one_actuator_for_each_joint(found: ReadDiagnostics) -> None:
 
 
 def test_friction_of_an_mjcf() -> None:
-    """Friction cones are elliptic with ten times stiffer friction, without which a gripped cube slips slowly."""
+    """Friction cones are elliptic with a hundred times stiffer friction, without which a gripped cube slips slowly."""
     files = render(two_link_arm(), "mjcf", Diagnostics())
     text = next(content for name, content in files.items() if name.endswith(".xml") and "scene" not in name).decode()
-    assert 'cone="elliptic" impratio="10"' in text
+    assert 'cone="elliptic" impratio="100"' in text

@@ -77,7 +77,7 @@ MJCF = Vocabulary(
         "mujoco/option@gravity": ("0 0 -9.81", "0 0 -9.8", "0 0 -9.80665"),
         # As stepbot writes them.
         "mujoco/option@cone": ("elliptic",),
-        "mujoco/option@impratio": ("10",),
+        "mujoco/option@impratio": ("100", "10"),
         "mujoco/default/geom@solimp": ("0.95 0.99 0.001",),
         "mujoco/default/equality@solimp": ("0.99 0.999 0.001",),
         "mujoco/default/equality@solref": ("0.002 0.5", "0.004 0.5"),

@@ -7,8 +7,8 @@ from stepbot.robot.surfaces import Surface, damping_ratio
 
 from ..xml import Element, Value, element
 
-FRICTION: dict[str, Value] = {"cone": "elliptic", "impratio": 10.0}
-"""Friction ten times as stiff as the normal force: with MuJoCo's default of 1, a gripped cube slides out."""
+FRICTION: dict[str, Value] = {"cone": "elliptic", "impratio": 100.0}
+"""Friction is a damper, a hundred times as stiff as MuJoCo's default, with which a gripped cube slides out."""
 _CONTACT_TIME = 0.004
 """Time constant [s] of contacts, at least two steps: with the default of 20 ms, fingers sink into what they grip."""
 _CONTACT = (0.95, 0.99, 0.001)

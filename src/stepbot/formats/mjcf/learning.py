@@ -8,6 +8,7 @@ from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.tuning import Integrator
 
 from ..python_text import class_name, height, home, literal, table, words
+from .contacts import FRICTION
 
 _CONTROL_STEP = 0.02
 """Time [s] between actions, as in most tasks of MuJoCo Playground."""
@@ -22,6 +23,7 @@ def mjlab(robot: Robot, file: str) -> str:
     driven = tuple(re.escape(one.joint) for one in robot.actuators)
     actuators = f"(XmlActuatorCfg(target_names_expr={literal(driven)}),)" if driven else "()"
     has_ball = any(joint.kind is JointKind.BALL for joint in robot.joints)
+    friction = ", ".join(f"{key}={literal(value)}" for key, value in FRICTION.items())
     positions = "None" if has_ball else "{re.escape(name): q for name, q in HOME.items()}"  # None: the file's keyframe
     return f'''"""{words(robot)} in mjlab: the entity `ROBOT`, and `MUJOCO`, the options that attaching drops."""
 
@@ -44,7 +46,7 @@ ROBOT = EntityCfg(
     ),
     articulation=EntityArticulationInfoCfg(actuators={actuators}),
 )
-MUJOCO = MujocoCfg(timestep={settings.timestep!r}, integrator="{integrator}", cone="elliptic", impratio=10.0)
+MUJOCO = MujocoCfg(timestep={settings.timestep!r}, integrator="{integrator}", {friction})
 
 if __name__ == "__main__":
     from mjlab.scene import Scene, SceneCfg
