@@ -37,7 +37,16 @@ from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.datasheet import accelerations
 from stepbot.robot.kinematics import MOVING
 from stepbot.robot.metadata import Metadata
-from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit, Link, Mimic, Robot
+from stepbot.robot.model import (
+    Actuator,
+    ActuatorKind,
+    Joint,
+    JointKind,
+    Limit,
+    Link,
+    Mimic,
+    Robot,
+)
 from stepbot.runtime.programs import sdf_programs
 from stepbot.runtime.robot_library import library_robot
 from stepbot_cli import main

@@ -54,7 +54,7 @@ def is_planned(robot: Robot, chain: Chain) -> bool:
 
 
 def passive_joints(robot: Robot) -> list[str]:
-    """Joints that move on their own, without an actuator, on a robot that has some: none publishes their positions."""
+    """Joints that move on their own, without an actuator, on a robot that has some: hardware may not measure them."""
     driven = {one.joint for one in robot.actuators}
     moving = (joint for joint in robot.joints if joint.kind is not JointKind.FIXED and joint.mimic is None)
     return [joint.name for joint in moving if driven and joint.name not in driven]

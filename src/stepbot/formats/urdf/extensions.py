@@ -11,7 +11,6 @@ joint's first command interface, and so on.
 from collections.abc import Collection, Sequence
 
 from stepbot.robot.gains import actuator_limit, joint_range
-from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Link, Robot
 from stepbot.robot.sensors import Sensor, SensorKind
 from stepbot.robot.surfaces import PLAIN, Surface
@@ -19,7 +18,7 @@ from stepbot.robot.surfaces import PLAIN, Surface
 from ..lowering.joints import UNLIMITED
 from ..sdformat.sensors import sensors_on_joint, sensors_on_link
 from ..xml import Element, element
-from .chains import module_of_joint
+from .chains import module_of_joint, passive_joints
 
 HARDWARE = "mock_components/GenericSystem"
 """Placeholder for the hardware plugin, to be replaced in the user's configuration."""
@@ -67,18 +66,8 @@ def ros2_control(top: Element, robot: Robot) -> None:
         element(element(system, "hardware"), "plugin", HARDWARE)
         actuators = [one for one in robot.actuators if inside.get(one.joint, "") == module]
         sensors = [one for one in robot.sensors if one.kind in _READINGS and not module]
-        passive = [one for one in _passive(robot) if _among(inside.get(one.name, ""), names) == module]
+        passive = [one for one in passive_joints(robot) if _among(inside.get(one, ""), names) == module]
         _system(system, robot, actuators, passive, sensors)
-
-
-def _passive(robot: Robot) -> list[Joint]:
-    """The joints that move without an actuator: RViz needs their positions to show what is below them.
-
-    Those of mimics follow from their leaders'.
-    """
-    driven = {actuator.joint for actuator in robot.actuators}
-    moving = (joint for joint in robot.joints if joint.kind in MOVING and joint.mimic is None)
-    return [joint for joint in moving if joint.name not in driven] if driven else []
 
 
 def _among(module: str, names: Collection[str]) -> str:
@@ -87,7 +76,7 @@ def _among(module: str, names: Collection[str]) -> str:
 
 
 def _system(
-    system: Element, robot: Robot, actuators: Sequence[Actuator], passive: Sequence[Joint], sensors: Sequence[Sensor]
+    system: Element, robot: Robot, actuators: Sequence[Actuator], passive: Sequence[str], sensors: Sequence[Sensor]
 ) -> None:
     for name in dict.fromkeys(actuator.joint for actuator in actuators):
         joint = element(system, "joint", name=name)
@@ -96,7 +85,7 @@ def _system(
                 _command(joint, actuator, robot)
         _state(joint, robot.joint_by_name[name])
     for one in passive:
-        _state(element(system, "joint", name=one.name), one)
+        _state(element(system, "joint", name=one), robot.joint_by_name[one])
     for sensor in sensors:
         xml = element(system, "sensor", name=sensor.name)
         for reading in _READINGS[sensor.kind]:

@@ -11,6 +11,7 @@ from stepbot.robot.model import ActuatorKind, Limit, Robot
 from ...lowering.joints import UNLIMITED
 from ..chains import Chain, module_of_joint
 from ..extensions import COMMANDS
+from ..wheels import DifferentialDrive, differential_drive
 
 UPDATE_RATE = 100
 """[Hz]"""
@@ -22,14 +23,20 @@ CONTROLLERS = {
 }
 """For each kind of actuator, the controller of its joints."""
 _BROADCASTER = "joint_state_broadcaster"
+_WHEELS = "diff_drive_controller"
 
 
 def driven(robot: Robot, kind: ActuatorKind) -> dict[str, list[str]]:
-    """The joints with an actuator of a kind, by their controller: one for each module and one for all others."""
+    """The joints with an actuator of a kind, by their controller: one for each module and one for all others.
+
+    Wheels of a differential drive have a controller of their own.
+    """
     inside, (name, _) = module_of_joint(robot), CONTROLLERS[kind]
     joints: dict[str, list[str]] = {}
+    base = differential_drive(robot)
+    wheels = () if base is None else (*base.left, *base.right)
     for actuator in robot.actuators:
-        if actuator.kind is kind:
+        if actuator.kind is kind and not (kind is ActuatorKind.VELOCITY and actuator.joint in wheels):
             module = inside.get(actuator.joint, "")
             of_one = joints.setdefault(f"{module}_{name}" if module else name, [])
             if actuator.joint not in of_one:
@@ -39,11 +46,33 @@ def driven(robot: Robot, kind: ActuatorKind) -> dict[str, list[str]]:
 
 def controller_names(robot: Robot) -> list[str]:
     """The controllers of a robot with actuators, the broadcaster first."""
-    return [_BROADCASTER, *(name for kind in CONTROLLERS for name in driven(robot, kind))]
+    base = differential_drive(robot)
+    names = [name for kind in CONTROLLERS for name in driven(robot, kind)]
+    return [_BROADCASTER, *names, *([] if base is None else [_name_of(base)])]
+
+
+def _name_of(base: DifferentialDrive) -> str:
+    return f"{base.module}_{_WHEELS}" if base.module else _WHEELS
+
+
+def _of_base(base: DifferentialDrive) -> dict[str, Any]:
+    """The settings of ``diff_drive_controller``, with the speeds that the wheels reach."""
+    settings: dict[str, Any] = {
+        "left_wheel_names": list(base.left),
+        "right_wheel_names": list(base.right),
+        "wheel_separation": base.separation,
+        "wheel_radius": base.radius,
+        "base_frame_id": base.frame,
+    }
+    if isfinite(base.speed) and base.speed < UNLIMITED:
+        ahead = base.speed * base.radius
+        for way, axis, speed in (("linear", "x", ahead), ("angular", "z", 2.0 * ahead / base.separation)):
+            settings[way] = {axis: {"has_velocity_limits": True, "max_velocity": speed, "min_velocity": -speed}}
+    return settings
 
 
 def controllers(robot: Robot) -> str:
-    """``ros2_controllers.yaml``: a broadcaster of joint states, a controller for each kind of actuator of a module."""
+    """``ros2_controllers.yaml``: a broadcaster, and controllers of the base and of each module's kinds of actuators."""
     types: dict[str, Any] = {_BROADCASTER: {"type": f"{_BROADCASTER}/JointStateBroadcaster"}}
     settings: dict[str, Mapping[str, Any]] = {}
     for kind, (_, type_) in CONTROLLERS.items():
@@ -56,6 +85,10 @@ def controllers(robot: Robot) -> str:
             }
             more = interfaces if kind is ActuatorKind.POSITION else {"interface_name": COMMANDS[kind]}
             settings[name] = {"ros__parameters": {"joints": joints, **more}}
+    base = differential_drive(robot)
+    if base is not None:
+        types[_name_of(base)] = {"type": f"{_WHEELS}/DiffDriveController"}
+        settings[_name_of(base)] = {"ros__parameters": _of_base(base)}
     manager = {"controller_manager": {"ros__parameters": {"update_rate": UPDATE_RATE, **types}}}
     return yaml_text({**manager, **settings})
 
