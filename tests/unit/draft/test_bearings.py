@@ -2,16 +2,20 @@
 
 from stepbot.robot.model import JointKind
 from tests.assembled import Node, group, inferred, joints, links, part
-from tests.solids import box, cylinder
+from tests.solids import Solid, box, cylinder
 
 RING = cylinder(11, 7) - cylinder(4, 7)
 SEAT = box(200, 40, 7).at(80, 0, 3.5) - cylinder(11, 7)
 
 
-def nodes(axle_radius: float) -> list[Node]:
+BALLS = RING - cylinder(2.4, 4).at(7.5, 0, 2) - cylinder(2.4, 4).at(2.3, 7.1, 2) - cylinder(2.4, 4).at(-6.1, 4.4, 2)
+"""The ring as bought in, with balls in a cage on one side: its centre of mass is off the axis."""
+
+
+def nodes(axle_radius: float, ring: Solid = RING) -> list[Node]:
     """An arm with a bearing in its seat, and a base with an axle through the bearing."""
     axle = cylinder(axle_radius, 60).at(0, 0, -30) + box(80, 80, 10).at(0, 0, -35)
-    return [group("base", part("axle", axle)), group("swing", part("arm", SEAT), part("ball bearing", RING))]
+    return [group("base", part("axle", axle)), group("swing", part("arm", SEAT), part("ball bearing", ring))]
 
 
 def test_axle_turns_in_the_seat() -> None:
@@ -21,6 +25,14 @@ def test_axle_turns_in_the_seat() -> None:
     assert links(found) == [{"base/axle"}, {"swing/arm", "swing/ball bearing"}]
     assert found.arcs[0].evidence.by_role
     assert found.arcs[0].evidence.axis.distance(found.survey.parts[5].com) < 1e-9
+    assert found.arcs[0].evidence.through == 5
+
+
+def test_a_bearing_with_drawn_balls_is_one() -> None:
+    """What is named a bearing need not be symmetric: balls and cages are not."""
+    found = inferred(*nodes(4, BALLS))
+    assert not found.survey.parts[5].is_balanced(found.arcs[0].evidence.axis)
+    assert joints(found) == [("revolute", "base/axle", "swing/arm")]
     assert found.arcs[0].evidence.through == 5
 
 

@@ -29,6 +29,16 @@ def test_ends_on_one_axis_turn_across_a_gap() -> None:
     assert arc.evidence.review
 
 
+def test_rods_of_a_frame_turn_on_nothing() -> None:
+    """Two rods whose ends meet the holes of two blocks hold these together: nothing turns about a long bar's axis."""
+    hole = cylinder(8.5, 30)
+    block = box(120, 40, 30).at(0, 0, 15) - hole.at(-40, 0, 0) - hole.at(40, 0, 0)
+    rods = [part(f"rod {n}", cylinder(8, 200), x=x) for n, x in enumerate((-40, 40))]
+    found = inferred(part("foot", block, z=-30), part("head", block, z=200), *rods)
+    assert found.arcs == []
+    assert len(found.links) == 1
+
+
 def test_ends_far_apart_show_no_joint() -> None:
     """At a gap of 40 mm, wider than the drum is, nothing shows that it turns: the joint is a placeholder."""
     found = inferred(*across_a_gap(80.0))

@@ -14,6 +14,8 @@ _RINGS = 0.93
 """Score of two rings that are each bolted to another part: above that of a bearing in its seat."""
 _DISC, _REVIEW = 0.79, "no bolts of the disc are drawn in line with holes of what it carries"
 """Score and review of a disc in the end of a bolted part, with another part on its face alone."""
+_CAGED = 4.0
+"""How far a bearing with drawn balls may be from symmetric."""
 _BOLTS, _SAME_AXIS, _EXACT = 3, 5e-5, 1e-6
 """Fewest holes in a circle; distance [m] up to which its axis is that of the rings; difference of radii [m] of a press
 fit.
@@ -102,7 +104,7 @@ def _seats(survey: Survey, bearing: int) -> tuple[list[_Seat], list[_Seat]]:
     inner: list[_Seat] = []
     outer: list[_Seat] = []
     for r in survey.near.get(bearing, ()):
-        if r.turns is None or not r.shafts or not survey.parts[bearing].is_balanced(r.turns):
+        if r.turns is None or not r.shafts or not survey.parts[bearing].is_balanced(r.turns, _CAGED):
             continue
         fit = max(r.shafts, key=lambda f: f.length)
         (outer if fit.shaft == bearing else inner).append(_Seat(r.other(bearing), r, fit.length))

@@ -22,7 +22,7 @@ from stepbot.draft.mechanism.decide import Decision
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.scene import PlacedFace, Scene
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, perpendicular_frame
 from stepbot.robot.model import JointKind
 from stepbot.step.faces import Face, FaceKind
 from stepbot.step.features.coaxial import Rays, coaxial, signed
@@ -123,6 +123,9 @@ _ALIKE = 0.25
 _NEAR_BOX = 3e-3
 _PER_PAIR = 4
 """Maximum number of lines offered for one pair of clusters."""
+_BUTT, _BAR = 1e-4, 6.0
+"""Gap [m] of faces that meet end to end; length of a bar, in widths across its axis."""
+_AT_END = "its end meets another part on its axis, as a bar of a frame does"
 _TINY = 1e-4
 """Share of the assembly's volume below which a cluster is ignored, if there are many."""
 
@@ -186,6 +189,8 @@ class _Seam:
     a: int
     b: int
     axis: Axis
+    meets: bool
+    """Whether they meet end to end."""
 
 
 def tie_by_seams(made: Decision) -> None:
@@ -205,7 +210,12 @@ def tie_by_seams(made: Decision) -> None:
         _tie(made, tied, h, ONLY_CONNECTION)
     if _is_one(tied, big):
         return
-    for h in _Seams(made, big).joints():
+    seams = _Seams(made, big)
+    for bar, other in seams.butts():
+        if made.clusters.join(bar, other):
+            tied.join(made.clusters.find(bar), made.clusters.find(other))
+            made.guess([bar], _AT_END)
+    for h in seams.joints():
         made.evidence.joint(h)
         _tie(made, tied, h, "")
 
@@ -234,14 +244,31 @@ class _Seams:
         self._survey, self._big = made.survey, big
         self._cluster_of = {i: root for root, members in big.items() for i in members if i not in made.survey.small}
         self._adjacent: dict[tuple[int, int], bool] = {}
+        self._between: dict[tuple[int, int], list[_Seam]] = defaultdict(list)
+        for pair, seam in self._seams():
+            self._between[pair].append(seam)
+
+    def butts(self) -> Iterator[tuple[int, int]]:
+        """Long bars, such as tubes of a frame, and the parts of other clusters that their ends meet."""
+        for seams in self._between.values():
+            for seam in seams:
+                for bar, other in ((seam.a, seam.b), (seam.b, seam.a)):
+                    if seam.meets and self._is_bar(bar, seam.axis):
+                        yield bar, other
+
+    def _is_bar(self, part: int, axis: Axis) -> bool:
+        if not self._survey.parts[part].is_balanced(axis):
+            return False
+        low, high = self._survey.scene.span(part, axis.d)
+        wide = [
+            high - low for low, high in (self._survey.scene.span(part, u) for u in perpendicular_frame(axis.d).T[:2])
+        ]
+        return high - low > _BAR * max(wide)
 
     def joints(self) -> list[JointEvidence]:
         """A joint for each of the best lines between two clusters, the likeliest first."""
-        between: dict[tuple[int, int], list[_Seam]] = defaultdict(list)
-        for pair, seam in self._seams():
-            between[pair].append(seam)
         found = []
-        for (one, two), seams in between.items():
+        for (one, two), seams in self._between.items():
             seams.sort(key=lambda s: (-round(s.radius, 6), s.gap, s.a, s.b))
             size = min(self._survey.size_of(self._big[one]), self._survey.size_of(self._big[two]))
             is_clear = len(seams) == 1 or seams[1].radius < 0.7 * seams[0].radius
@@ -290,7 +317,8 @@ class _Seams:
             return None
         gap, radius, i, j = best
         at = line.point + line.d * (0.5 * (max(some.low[i], others.low[j]) + min(some.high[i], others.high[j])))
-        seam = _Seam(radius, gap, some.faces[i].part, others.faces[j].part, Axis(at, line.direction))
+        meets = abs(max(some.low[i], others.low[j]) - min(some.high[i], others.high[j])) < _BUTT
+        seam = _Seam(radius, gap, some.faces[i].part, others.faces[j].part, Axis(at, line.direction), meets)
         if gap > _SEAM and (gap > 2.0 * radius or not self._touch(one, two)):
             return None
         return seam
