@@ -3,6 +3,7 @@
 import re
 import sys
 from dataclasses import replace
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +46,38 @@ def test_pybullet_poses_are_doubles(arm: Folder) -> None:
     for ours, theirs in zip(expected.poses, seen.poses, strict=True):
         for link in ours:
             assert max(ours[link].distance_to(theirs[link])) < 1e-12
+
+
+@pytest.mark.pybullet
+@pytest.mark.parametrize("robot", ["two_link_arm", "four_bar", "floating_biped"])
+@pytest.mark.parametrize(("engine", "written_in"), [("mujoco", "mjcf"), ("mujoco", "urdf"), ("pybullet", "urdf")])
+def test_what_was_observed_first_makes_no_difference(
+    engine: str, written_in: str, robot: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One state, or one server, is allocated for a request; what it did last is not in what it reports next."""
+    module, allocates = import_module(engine), {"mujoco": "MjData", "pybullet": "connect"}[engine]
+    allocate, allocated = getattr(module, allocates), []
+
+    def counted(*given: Any) -> Any:
+        allocated.append(given)
+        return allocate(*given)
+
+    monkeypatch.setattr(module, allocates, counted)
+    folder = write(ROBOTS[robot](), tmp_path)
+    asked = folder.request(written_in)
+    count = len(asked.configurations)
+    backwards = replace(asked, configurations=asked.configurations[::-1], rates=asked.rates[::-1])
+    seen, other = look(engine, asked), look(engine, backwards)
+    assert len(allocated) == 2
+    assert failures(folder.expected(written_in), seen) == set()
+    assert seen.dynamics is not None
+    assert other.dynamics is not None
+    for poses, again in zip(seen.poses[:count], other.poses[count - 1 :: -1], strict=True):
+        assert all(poses[link].matrix.tolist() == again[link].matrix.tolist() for link in poses)
+    for one, again in zip(seen.dynamics[:count], other.dynamics[count - 1 :: -1], strict=True):
+        np.testing.assert_array_equal(one.mass_matrix, again.mass_matrix)
+        np.testing.assert_array_equal(one.gravity, again.gravity)
+        np.testing.assert_array_equal(one.inverse, again.inverse)
 
 
 @pytest.mark.pybullet

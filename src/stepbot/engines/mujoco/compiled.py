@@ -36,9 +36,15 @@ class Compiled(NamedModel):
         seen = vertices[model.mesh_face[first : first + count].ravel()]
         return bool((vertices.min(axis=0) < seen.min(axis=0)).any() or (vertices.max(axis=0) > seen.max(axis=0)).any())
 
+    @cached_property
+    def _data(self) -> Any:
+        """The one state: to allocate another takes longer than all that is asked about it."""
+        return self.engine.MjData(self.model)
+
     def data(self, q: Mapping[str, float]) -> Any:
-        """State at a configuration, at rest, with the kinematics computed."""
-        data = self.engine.MjData(self.model)
+        """State at a configuration, at rest, with the kinematics computed; valid until the next call."""
+        data = self._data
+        self.engine.mj_resetData(self.model, data)
         self.coordinates.place(data.qpos, q)
         self.engine.mj_kinematics(self.model, data)
         self.engine.mj_comPos(self.model, data)

@@ -100,7 +100,7 @@ def observe(request: Request) -> Observation:
     observers = {"urdf": _observe_urdf, "sdf": _observe_sdf, "mjcf": _observe_smoke}
     unstated = _unstated_masses(request)
     try:
-        with readable(request, inertials=False) as (request, replaced), printed() as lines:
+        with readable(request, inertials=False) as (request, replaced), printed() as lines, _connected(engine):
             observation = observers[request.format](engine, request)
     except EngineRefused as error:
         if any(_TOO_DEEP in line for line in lines):
@@ -121,9 +121,20 @@ def _unstated_masses(request: Request) -> tuple[str, ...]:
 
 
 @contextmanager
+def _connected(engine: Any) -> Iterator[None]:
+    """A server, for all files of a request: another one takes 20 MB of memory and longer than the next world."""
+    client = engine.connect(engine.DIRECT)
+    try:
+        yield
+    finally:
+        engine.disconnect(client)
+
+
+@contextmanager
 def _loaded(engine: Any, path: Path, written_in: str, *, fixed: bool = False, shapes: bool = True) -> Iterator[Body]:
     """The only body of a file, in a separate world without cached content of previous files."""
-    client = engine.connect(engine.DIRECT)
+    if engine.getNumBodies():
+        engine.resetSimulation()
     engine.setPhysicsEngineParameter(enableFileCaching=1)  # each mesh is read once for all the shapes that use it
     engine.setGravity(*GRAVITY)
     try:
@@ -143,17 +154,13 @@ def _loaded(engine: Any, path: Path, written_in: str, *, fixed: bool = False, sh
         raise EngineRefused(str(error)) from error
     finally:
         engine.setPhysicsEngineParameter(enableFileCaching=0)  # that also clears the cache of read files
-        engine.disconnect(client)
 
 
 def _observe_smoke(engine: Any, request: Request) -> Observation:
-    client = engine.connect(engine.DIRECT)
     try:
         engine.loadMJCF(request.file)
     except engine.error as error:
         raise EngineRefused(str(error)) from error
-    finally:
-        engine.disconnect(client)
     reasons = dict.fromkeys(Quantity, _MJCF_REASON)
     del reasons[Quantity.LOAD]
     return Observation(ENGINE.name, **provider("pybullet"), format=request.format, not_run=reasons)
