@@ -134,6 +134,12 @@ class Loops:
         self.closed_share = self.closed_distance * self.per_length
         """Norm of the residual of closed loops, in its unit."""
 
+    @property
+    def involved(self) -> list[str]:
+        """The independent joints that move the two sides of a closure relative to each other; no other opens a loop."""
+        moving = np.any([self.tree.between(a, b) for a, _, b, _ in self._ends], axis=0)
+        return [name for name, column in zip(self.tree.independent, self.tree.B.T, strict=True) if column[moving].any()]
+
     def constraints(self, u: Array) -> tuple[Array, Array]:
         """Residual (..., m) of all closures and its Jacobian (..., m, k) over the independent joints u (..., k).
 

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from math import pi
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array, Pose, cross, cross_matrix, matrix_product, rotation_about
 
@@ -107,6 +108,7 @@ class Tree:
         self._advance = np.array([advance(joint) for joint in moving], dtype=np.float64)
         self._axis = np.array([joint.axis for joint in moving], dtype=np.float64).reshape(-1, 3)
         self._K = np.array([cross_matrix(joint.axis) for joint in moving]).reshape(-1, 3, 3)
+        self._KK = matrix_product(self._K, self._K)
         self._child = np.array([self.link_index[joint.child] for joint in moving], dtype=int)
         self._parent = [0] * len(self.links)
         self._column = [-1] * len(self.links)
@@ -128,6 +130,10 @@ class Tree:
             leader, multiplier, offset = mimic_relation(robot, name)
             self.B[row, column[leader]], self.c[row] = multiplier, offset
 
+    def between(self, a: int, b: int) -> NDArray[np.bool_]:
+        """Whether each joint (n,) moves one of two links, given by index, relative to the other."""
+        return np.asarray(self._above[a] != self._above[b])
+
     def follow(self, u: Array) -> Array:
         """Vector q (..., n) [rad] or [m] of all moving joints from u (..., k) of the independent ones."""
         return np.asarray(u @ self.B.T + self.c)
@@ -145,9 +151,7 @@ class Tree:
         motion = np.tile(np.eye(4), (*q.shape, 1, 1))
         angle = (self._turn * q)[..., None, None]
         # Rodrigues; 1 - cos as 2 sin^2 of half the angle keeps its digits at small angles.
-        motion[..., :3, :3] += np.sin(angle) * self._K + 2.0 * np.sin(0.5 * angle) ** 2 * matrix_product(
-            self._K, self._K
-        )
+        motion[..., :3, :3] += np.sin(angle) * self._K + 2.0 * np.sin(0.5 * angle) ** 2 * self._KK
         motion[..., :3, 3] = self._axis * (self._advance * q)[..., None]
         X = np.empty((*q.shape[:-1], len(self.links), 4, 4))
         X[..., 0, :, :] = np.eye(4)

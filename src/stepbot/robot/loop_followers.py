@@ -59,7 +59,7 @@ def loop_followers(robot: Robot) -> tuple[Follower, ...]:
 
 def _found(robot: Robot) -> list[Follower]:
     loops, driven = Loops(robot), driven_joints(robot)
-    names = loops.tree.independent
+    names, leading = loops.tree.independent, [name for name in loops.involved if name in driven]
     free = following(loops.tree, driven)
     start = loops.closed(loops.tree.vector(initial_configuration(robot)), free)
     actuated = {actuator.joint for actuator in robot.actuators}
@@ -67,11 +67,12 @@ def _found(robot: Robot) -> list[Follower]:
     found: list[Follower] = []
     for near in (True, False):  # most mechanisms are not linear, which shows near the drawn pose already
         if passive:
-            paths = {name: _path(robot, loops, start, free, name, near=near) for name in driven}
+            paths = {name: _path(robot, loops, start, free, name, near=near) for name in leading}
             found = [line for i in passive if (line := _line(robot, names, paths, i)) is not None]
             passive = [names.index(line.joint) for line in found]
     if found and len(driven) > 1:
-        found = [follower for follower in found if _holds_everywhere(robot, follower)]
+        ways = loop_ways(robot)
+        found = [follower for follower in found if _holds_everywhere(robot, follower, ways)]
     order = [joint.name for joint in robot.joints]
     return sorted(found, key=lambda follower: order.index(follower.joint))
 
@@ -105,13 +106,11 @@ def _limit(robot: Robot, name: str) -> float:
     return TRAVEL if robot.joint_by_name[name].kind is JointKind.PRISMATIC else ANGLE
 
 
-def _holds_everywhere(robot: Robot, follower: Follower) -> bool:
+def _holds_everywhere(robot: Robot, follower: Follower, ways: Sequence[Sequence[Configuration]]) -> bool:
     """Whether a line also holds while the other driven joints move."""
     mimic, limit = follower.mimic, _limit(robot, follower.joint)
     return all(
-        abs(mimic.multiplier * q[mimic.joint] + mimic.offset - q[follower.joint]) <= limit
-        for way in loop_ways(robot)
-        for q in way
+        abs(mimic.multiplier * q[mimic.joint] + mimic.offset - q[follower.joint]) <= limit for way in ways for q in way
     )
 
 

@@ -1,6 +1,7 @@
 """Joints of loops as mimics of driven joints, against closed forms of parallelograms."""
 
 import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,6 +11,9 @@ from lxml import etree
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats.rendering import render
+from stepbot.geometry.spatial import Array
+from stepbot.robot import closures
+from stepbot.robot.closures import Loops
 from stepbot.robot.loop_followers import ANGLE, loop_followers
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit, Robot
 from tests.closed_mechanisms import closure
@@ -106,13 +110,47 @@ def test_actuated_joints_and_trees_have_no_followers() -> None:
     assert loop_followers(ROBOTS["two_link_arm"]()) == ()
 
 
-def test_followers_of_a_mechanism_with_two_drives() -> None:
-    """A tool that turns on the coupler is driven as well: the lines of the others hold while it moves."""
-    robot = parallelogram()
+def with_spindle(robot: Robot) -> Robot:
+    """The parallelogram with a tool that turns on the coupler."""
     tool = Workshop().link("tool", [((0.1, 0.01, 0.01), at())])
     turn = Joint("spin", JointKind.REVOLUTE, "bar", "tool", at(x=0.1), limit=LIMIT)
-    whole = replace(robot, links=(*robot.links, tool), joints=(*robot.joints, turn))
+    return replace(robot, links=(*robot.links, tool), joints=(*robot.joints, turn))
+
+
+def test_followers_of_a_mechanism_with_two_drives() -> None:
+    """A tool that turns on the coupler is driven as well: the lines of the others hold while it moves."""
+    whole = with_spindle(parallelogram())
     assert {one.joint: one.mimic.multiplier for one in loop_followers(whole)} == {"knuckle": -1.0, "swing": 1.0}
+
+
+def on_turntable(robot: Robot) -> Robot:
+    """The parallelogram on a turntable, the root, whose joint moves both sides of the loop."""
+    table = Workshop().link("table", [((0.1, 0.1, 0.01), at(z=-0.1))])
+    turn = Joint("table_turn", JointKind.REVOLUTE, "table", "ground", at(), limit=LIMIT)
+    return replace(robot, links=(table, *robot.links), joints=(turn, *robot.joints))
+
+
+@pytest.mark.parametrize("whole", [with_spindle, on_turntable])
+def test_joints_outside_of_the_loops_are_not_moved(
+    whole: Callable[[Robot], Robot], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Only the crank is moved, near the drawn pose and over its range; the paths of all are computed once."""
+    walked: list[list[str]] = []
+    whole_range = []
+
+    def walk(loops: Loops, start: Array, free: Sequence[int], target: Mapping[str, float]) -> list[Array]:
+        walked.append(list(target))
+        return closures.walk(loops, start, free, target)
+
+    def loop_ways(robot: Robot) -> tuple[tuple[dict[str, float], ...], ...]:
+        whole_range.append(robot.name)
+        return closures.loop_ways(robot)
+
+    monkeypatch.setattr("stepbot.robot.loop_followers.walk", walk)
+    monkeypatch.setattr("stepbot.robot.loop_followers.loop_ways", loop_ways)
+    assert [one.joint for one in loop_followers(whole(parallelogram()))] == ["knuckle", "swing"]
+    assert walked == [["turn"]] * 4
+    assert whole_range == ["parallelogram"]
 
 
 @pytest.mark.parametrize("longer", [0.0, 2e-4])
