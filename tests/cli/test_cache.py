@@ -181,11 +181,12 @@ def test_unchanged_check_loads_nothing_heavy(tmp_path: Path, four_bar: Path, cac
 
 
 def test_edited_sidecar_loads_no_kernel(tmp_path: Path, four_bar: Path, cache: Path) -> None:
-    """After an edit of the sidecar the main process imports neither kernel nor trimesh."""
+    """After an edit of the sidecar the main process imports neither kernel nor trimesh, nor what verifies files."""
     edit(four_bar, "version: 1", "version: 1 # a word")
     code, modules = loaded_by(["convert", four_bar.name, *FAST], tmp_path)
     assert code == 0
     assert not modules & {"OCP", "trimesh", "scipy", "mujoco", "pybullet"}
+    assert not [name for name in modules if name.startswith(("stepbot.verification", "stepbot.engines.workers"))]
 
 
 def test_info_and_clear(cache: Path, stepbot: Stepbot) -> None:

@@ -4,9 +4,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 from stepbot.diagnostics import Diagnostics, source_lines
-from stepbot.engines.workers import ObservationCache
 from stepbot.formats import default_formats, format_named
 from stepbot.formats.format import Format
 from stepbot.formats.learning import FOLDERS, MENAGERIE, SIMREADY, program_files, simready_folder
@@ -30,10 +30,12 @@ from stepbot.runtime.cache import content_digest
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
-from stepbot.verification import Provers, Written, verify
 
 from .conversion import REPORT, REPORT_PAGE, Options
 from .prestart import started_server
+
+if TYPE_CHECKING:
+    from stepbot.verification import Provers
 
 _NEVER_UNUSED = ("SB31", "SB465")
 """Codes of CAD changes, which come with a change and go with the next lock file, and one of `check --step` alone."""
@@ -104,7 +106,7 @@ def _listed(by_format: Mapping[str, Mapping[str, bytes]]) -> tuple[WrittenFile, 
     return tuple(listed)
 
 
-def started_provers(formats: Sequence[Format], options: Options, server: ForkServer | None) -> Provers | None:
+def started_provers(formats: Sequence[Format], options: Options, server: ForkServer | None) -> "Provers | None":
     """The engines that will verify the files, which import while the kernel works; None if none is to.
 
     Args:
@@ -112,11 +114,13 @@ def started_provers(formats: Sequence[Format], options: Options, server: ForkSer
     """
     if not options.verify:
         return None
+    from stepbot.verification import Provers
+
     names = [written.name for written in formats]
     return Provers(names, memory_limit=options.memory_limit, server=server or started_server(options))
 
 
-def proven(written: Rendered, provers: Provers | None, options: Options, found: Diagnostics) -> Report:
+def proven(written: Rendered, provers: "Provers | None", options: Options, found: Diagnostics) -> Report:
     """The report on the files; without engines, on the robot alone."""
     robot = written.robot
     if provers is not None:
@@ -127,8 +131,11 @@ def proven(written: Rendered, provers: Provers | None, options: Options, found: 
     return replace(report, files=written.listed, names=_sources(written))
 
 
-def _verified(written: Rendered, provers: Provers, options: Options, found: Diagnostics) -> Report:
+def _verified(written: Rendered, provers: "Provers", options: Options, found: Diagnostics) -> Report:
     """Verify the files in a temporary folder, before anything in the output folder is changed."""
+    from stepbot.engines.workers import ObservationCache
+    from stepbot.verification import Written, verify
+
     with TemporaryDirectory(dir=run_folder()) as folder:
         place = Path(folder) / (options.package or options.gazebo)  # where `package://` and `model://` find the meshes
         write_atomically(joined(written.by_format), place)
