@@ -72,6 +72,55 @@ def assert_same(separate: Read, together: Read) -> None:
         assert body.face_colors.tolist() == expected.face_colors.tolist()
 
 
+@pytest.mark.parametrize("unit", ["MM", "INCH"])
+def test_files_that_the_kernel_writes(unit: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Open CASCADE puts documents under version control between a part and its file, and repeats the file's name."""
+    drawing = parts.draw(tmp_path / "machine.step", machine())
+    together = read_here(drawing.path, found)
+    separate = read_here(_written_by_the_kernel(drawing.path, tmp_path / "apart", unit), found)
+    assert separate is not None
+    assert together is not None
+    assert {d.code for d in found} <= {"SB211", "SB220"}  # it repeats earlier parts, and writes densities without unit
+    assert set(separate.external_files) == {f"part_{name}.stp" for name in ("plate", "bolt", "carriage", "knob")}
+    for path, component in by_path(together).items():
+        same = by_path(separate)[path]
+        assert same.product == component.product
+        assert np.allclose(same.X_WC.matrix, component.X_WC.matrix, atol=1e-9)
+        if component.body >= 0:
+            volumes = [
+                one.exact and one.exact.volume for one in (separate.bodies[same.body], together.bodies[component.body])
+            ]
+            assert volumes[0] == pytest.approx(volumes[1], rel=1e-9)
+
+
+def _written_by_the_kernel(step: Path, folder: Path, unit: str) -> Path:
+    """The assembly of a file, written with one file for each part."""
+    from OCP.Interface import Interface_Static
+    from OCP.STEPCAFControl import STEPCAFControl_Reader, STEPCAFControl_Writer
+    from OCP.STEPControl import STEPControl_AsIs
+    from OCP.TCollection import TCollection_ExtendedString
+    from OCP.TDocStd import TDocStd_Document
+    from OCP.XCAFApp import XCAFApp_Application
+
+    storage = TCollection_ExtendedString("BinXCAF")
+    document = TDocStd_Document(storage)
+    XCAFApp_Application.GetApplication_s().NewDocument(storage, document)
+    reader, writer = STEPCAFControl_Reader(), STEPCAFControl_Writer()
+    reader.ReadFile(str(step))
+    reader.Transfer(document)
+    folder.mkdir()
+    before = Path.cwd()
+    os.chdir(folder)  # the kernel writes the parts into the current folder
+    Interface_Static.SetCVal_s("write.step.unit", unit)
+    try:
+        assert writer.Transfer(document, STEPControl_AsIs, "part_")
+        writer.Write("machine.step")
+    finally:
+        Interface_Static.SetCVal_s("write.step.unit", "MM")
+        os.chdir(before)
+    return folder / "machine.step"
+
+
 @pytest.mark.parametrize(
     "units",
     [{}, {"machine": "m", "slide": "cm", "bolt": "inch", "knob": "m", "plate": "foot"}],

@@ -7,7 +7,7 @@ the CAx-IF recommended practices for external references. The text is read witho
 
 import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from stepbot.robot.step_names import is_step_name
@@ -29,6 +29,9 @@ _REFERRING = (
     "PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS",
 )
 """Entities that connect a document with the described product."""
+_DOCUMENT = "DOCUMENT"
+_EQUIVALENT = ("DOCUMENT_PRODUCT_EQUIVALENCE", "DOCUMENT_PRODUCT_ASSOCIATION")
+"""Entities that connect a document under version control with the product that stands for it."""
 _LIKELY = ("utf-8", "cp1251", "cp1252", "cp1250", "gb18030", "cp932", "big5", "cp949", "cp1253", "cp1254", "koi8-r")
 """Encodings in which the name of a file is looked for; a file that exists decides between them."""
 
@@ -101,24 +104,45 @@ def external_references(data: Text, encoding: str, *, with_products: bool = True
 
 
 def _definitions(entities: Entities) -> dict[int, tuple[int, ...]]:
-    """For each document the product definitions that it describes."""
+    """For each document the product definitions that it describes.
+
+    A document under version control is a product of its own, to which its file belongs: what that document describes
+    takes the place of this product.
+    """
     of_formation: dict[int, list[int]] = defaultdict(list)
     product_definitions = _product_definitions(entities)
     for definition in product_definitions:
         for referred in entities.references(definition):
             of_formation[referred].append(definition)
+    described = _described(entities, product_definitions, of_formation)
+    controlled: dict[int, int] = {}
+    for number in (n for keyword in _EQUIVALENT for n in entities.of(keyword)):
+        ends = entities.references(number)
+        for document in (end for end in ends if entities.keyword(end, _DOCUMENT)):
+            controlled.update((definition, document) for end in ends for definition in of_formation[end])
+    for items in described.values():
+        for definition in [one for one in items if described.get(controlled.get(one, 0))]:
+            del items[definition]
+            items.update(described[controlled[definition]])
+    return {document: tuple(items) for document, items in described.items() if items}
+
+
+def _described(
+    entities: Entities, product_definitions: Container[int], of_formation: Mapping[int, Iterable[int]]
+) -> dict[int, dict[int, None]]:
+    """For each document, with or without a file, the product definitions that it is connected with."""
     found: dict[int, dict[int, None]] = defaultdict(dict)
     for keyword in _REFERRING:
         for number in entities.of(keyword):
             own = [number] if number in product_definitions else []
             items = entities.references(number)
-            for document in (r for r in items if entities.keyword(r, DOCUMENT_FILE.decode())):
+            for document in (r for r in items if set(entities.keywords(r)) & {_DOCUMENT, DOCUMENT_FILE.decode()}):
                 for item in own or items:
                     if item in product_definitions:
                         found[document][item] = None
                     elif any(word.startswith("PRODUCT_DEFINITION_FORMATION") for word in entities.keywords(item)):
-                        found[document].update(dict.fromkeys(of_formation[item]))
-    return {document: tuple(items) for document, items in found.items() if items}
+                        found[document].update(dict.fromkeys(of_formation.get(item, ())))
+    return found
 
 
 def _product_definitions(entities: Entities) -> dict[int, None]:
@@ -134,7 +158,9 @@ def _file_names(entities: Entities) -> dict[int, bytes]:
         name, folder = _first_text(*entities.records(number)), b""
         for source in (r for r in referred if entities.keyword(r, "EXTERNAL_SOURCE")):
             folder = _first_text(*entities.records(source)).strip().rstrip(b"/\\")
-        if name and folder not in (b"", b"."):
+        if re.split(rb"[/\\\\]", folder)[-1] == name:  # the kernel's own writer repeats the file's name there
+            name = folder
+        elif name and folder not in (b"", b"."):
             name = folder + b"/" + name
         for document in referred:
             found.setdefault(document, name)

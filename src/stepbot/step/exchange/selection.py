@@ -5,7 +5,7 @@ from typing import Any
 
 from OCP.IFSelect import IFSelect_SelectModelEntities, IFSelect_SelectType
 from OCP.StepAP214 import StepAP214_AppliedExternalIdentificationAssignment
-from OCP.StepBasic import StepBasic_DocumentFile
+from OCP.StepBasic import StepBasic_DocumentFile, StepBasic_ExternalSource, StepBasic_SourceItem
 from OCP.StepRepr import StepRepr_ProductDefinitionShape, StepRepr_PropertyDefinitionRepresentation
 from OCP.TCollection import TCollection_HAsciiString
 
@@ -66,7 +66,12 @@ def shaped(entity: Any) -> Any:
 
 
 def forget_external_files(session: Any) -> None:
-    """Take the names of external files out of the model, so that the kernel opens none."""
+    """Take the names of external files out of the model, so that the kernel opens none.
+
+    It takes the location for the name where a document has no name.
+    """
+    for source in entities(session, StepBasic_ExternalSource):
+        source.SetSourceId(StepBasic_SourceItem())
     for assignment in entities(session, StepAP214_AppliedExternalIdentificationAssignment):
         assignment.SetAssignedId(TCollection_HAsciiString(""))
     for document in entities(session, StepBasic_DocumentFile):

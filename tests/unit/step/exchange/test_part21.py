@@ -156,6 +156,30 @@ def test_references_to_step_files(tmp_path: Path, found: ReadDiagnostics) -> Non
     ]
 
 
+@pytest.mark.parametrize(
+    ("source", "expected"),
+    [("tail.stp", "tail.stp"), ("parts/tail.stp", "parts/tail.stp"), ("tail.stp/parts", "tail.stp/parts/tail.stp")],
+)
+def test_a_source_that_repeats_the_name(source: str, expected: str, tmp_path: Path, found: ReadDiagnostics) -> None:
+    """The location of a file may end with its name; a document under version control is between part and file."""
+    text = f"""#1=PRODUCT('id','tail','',(#2));
+#3=PRODUCT_DEFINITION_FORMATION('','',#1);
+#4=PRODUCT_DEFINITION('','',#3,#5);
+#11=PRODUCT('doc','tail.stp-Doc','',(#2));
+#12=PRODUCT_DEFINITION_FORMATION('','',#11);
+#13=PRODUCT_DEFINITION_WITH_ASSOCIATED_DOCUMENTS('','',#12,#5,(#16));
+#14=DOCUMENT('','',$,#8);
+#15=DOCUMENT_PRODUCT_EQUIVALENCE('equivalence',$,#14,#12);
+#16=DOCUMENT_FILE('tail.stp','',$,#8,'',$);
+#17=APPLIED_EXTERNAL_IDENTIFICATION_ASSIGNMENT('tail.stp',#18,#19,(#16));
+#19=EXTERNAL_SOURCE(IDENTIFIER('{source}'));
+#20=APPLIED_DOCUMENT_REFERENCE(#14,'',(#4));
+"""
+    part21 = check_step(write(tmp_path, HEADER + DATA.replace("#1=ADVANCED_FACE('',(),#2,.T.);\n", text)), "x", found)
+    assert part21 is not None
+    assert [(r.definition, r.product, r.name) for r in part21.references] == [(4, "tail", expected)]
+
+
 def test_references_to_other_documents_are_ignored(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A reference to a manual is not a reference to a part."""
     text = DATA.replace("DATA;\n", "DATA;\n#9=DOCUMENT_FILE('manual.pdf','','',#8,'',$);\n")
