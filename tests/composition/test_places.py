@@ -95,6 +95,24 @@ def test_a_frame_that_nothing_places(more: str, error: str, errors: Callable[...
     assert error in line
 
 
+@pytest.mark.parametrize("scale", [1.0, 1.1])
+def test_expected_values_of_modules(scale: float, composed: Compose) -> None:
+    """`expect` names links and frames of modules by their paths, as all of the sidecar does."""
+    inner = composing("arm: {file: arm.urdf, prefix: a-}", "tool: {file: tool.urdf, at: arm/tip}")
+    # the plate is 0.1 m above the tip, and its slide points down: by 2 m, past the tip, or by -1 m
+    expect = f"""expect:
+  links:
+    cell/arm/base: {{mass: {{value: {2.0 * scale} kg, within: 1 g}}}}
+    cell: {{mass: {{value: 2 kg, within: 1 g}}}}
+  reach: {{value: {1.9 * scale}, within: 1 um, to: cell/tool/jaw, start: cell/arm/tip}}
+"""
+    files = {"r.robot.yaml": composing("cell: {file: inner.robot.yaml}", more=expect), "inner.robot.yaml": inner}
+    found = Diagnostics()
+    composed({**files, "arm.urdf": ARM, "tool.urdf": TOOL}, found)
+    faults = [one.message for one in found if one.code == "SB525"]
+    assert len(faults) == (2 if scale > 1.0 else 0), faults
+
+
 def test_the_world_of_a_module_is_dropped(composed: Compose) -> None:
     """A URDF whose root is a massless `world` brings neither a second world nor its joint."""
     standing = urdf("w", '<link name="world"/>', link("base"), joint("stand", "world", "base", "fixed", xyz="0 0 1"))

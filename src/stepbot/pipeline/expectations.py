@@ -7,6 +7,7 @@ from math import inf
 import numpy as np
 
 from stepbot.assemble import Built
+from stepbot.compose.parts import named
 from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.draft.stops.stops import Question, Shapes, Stop, find_stops
 from stepbot.draft.text.values import position
@@ -53,7 +54,7 @@ class _Comparison:
         self._mass(("expect", "mass"), "the robot", wanted.mass, total)
         self._com(("expect", "com"), "the robot", wanted.com, com)
         for name, link in wanted.links.items():
-            one = self._robot.link_by_name.get(name)
+            one = self._robot.link_by_name.get(named(self._robot, name))
             keys = ("expect", "links", name)
             if one is None:
                 self._unknown(keys, f"no link '{name}'", name, self._robot.link_by_name)
@@ -94,11 +95,12 @@ class _Comparison:
     def _reach(self, wanted: ExpectedReach) -> None:
         keys, start = ("expect", "reach"), wanted.start or self._robot.root.name
         known = {*self._robot.link_by_name, *(frame.name for frame in self._robot.frames)}
-        for key, name in (("to", wanted.to), ("start", start)):
-            if name not in known:
+        ends = {"to": wanted.to, "start": start}
+        for key, name in ends.items():
+            if named(self._robot, name) not in known:
                 self._unknown((*keys, key), f"no link or frame '{name}'", name, known)
                 return
-        far = reach(self._robot, wanted.to, start)
+        far = reach(self._robot, *(named(self._robot, name) for name in ends.values()))
         self._compare(keys, f"reach of '{wanted.to}' from '{start}'", far, wanted.value, wanted.within, "m")
 
     def _compare(

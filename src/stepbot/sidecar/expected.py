@@ -7,7 +7,7 @@ from pydantic import Field, PlainValidator, WithJsonSchema
 
 from . import units
 from .quantities import LengthVector, Mass, ToleranceValue, described, fault
-from .section import ComponentPath, Name, Reference, Section
+from .section import ComponentPath, Reference, Section
 from .units import Dimension, UnitError, read_quantity
 
 _MOST = 1e9
@@ -104,7 +104,7 @@ class ExpectSection(Section):
     """Centre of mass of the whole robot."""
     reach: ExpectedReach | None = None
     """How far a frame gets."""
-    links: dict[Name, ExpectedLink] = Field(default_factory=dict)
+    links: dict[Reference, ExpectedLink] = Field(default_factory=dict)
     """By link: its mass and its centre of mass."""
     parts: dict[ComponentPath, ExpectedPart] = Field(default_factory=dict)
     """By path or glob of components: their mass."""
