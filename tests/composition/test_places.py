@@ -1,6 +1,7 @@
 """Where modules are attached, by hand-made poses, and what their files are called."""
 
 import json
+import re
 from collections.abc import Callable, Mapping
 from math import pi
 from pathlib import Path
@@ -111,6 +112,28 @@ def test_expected_values_of_modules(scale: float, composed: Compose) -> None:
     composed({**files, "arm.urdf": ARM, "tool.urdf": TOOL}, found)
     faults = [one.message for one in found if one.code == "SB525"]
     assert len(faults) == (2 if scale > 1.0 else 0), faults
+
+
+@pytest.mark.parametrize("kind", ["joint", "frame", "link", "of the file"])
+def test_the_joint_of_a_module_takes_no_name(kind: str, tmp_path: Path, write: Write) -> None:
+    """A module may have a port or joint that is called `mount`, and the file a joint: all keep their names."""
+    names = {"joint": ("plate", "mount"), "link": ("mount", "fixed")}.get(kind, ("plate", "fixed"))
+    plate = joint(names[1], "body", names[0], "fixed", xyz="0 0 0.1")
+    limits = "limits: {lower: -1, upper: 1, effort: 9, velocity: 1}"
+    swing = f"joints: {{tool_mount: {{type: revolute, parent: arm/base, child: hand, {limits}}}}}\n"
+    more = {
+        "frame": "frames: {tool_mount: {link: tool/plate, origin: {relative_to: tool/plate}}}\n",
+        "of the file": swing,
+    }
+    modules = ["arm: {file: arm.urdf, prefix: ''}", "tool: {file: tool.urdf, at: arm/tip}"]
+    modules += ["hand: {file: arm.urdf}"] if kind == "of the file" else []
+    tool = urdf("tool", link("body"), link(names[0]), plate)
+    write({"r.robot.yaml": composing(*modules, more=more.get(kind, "")), "arm.urdf": ARM, "tool.urdf": tool})
+    run = stepbot("convert", "r.robot.yaml", "-o", "out", "-f", "urdf,mjcf", "--no-verify", "--no-cache", cwd=tmp_path)
+    assert run.code == 0, run.err
+    assert "SB761" not in run.err
+    text = (tmp_path / "out" / "whole.urdf").read_text(encoding="utf-8")
+    assert {'name="tool_mount"', 'name="tool_mount_joint"'} <= set(re.findall(r'name="tool_mount\w*"', text))
 
 
 def test_the_world_of_a_module_is_dropped(composed: Compose) -> None:

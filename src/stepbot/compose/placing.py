@@ -18,11 +18,13 @@ from stepbot.sidecar.document import AutoOrigin, JointSection
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.modules import ModuleSection
 from stepbot.sidecar.own_part import TIE
+from stepbot.sidecar.tree import ELEMENTS
 
 from .images import Images, joints_above
 from .mirroring import NORMALS, conjugated, flipped, mirrored
 from .parts import Part, image_name
 from .ports import Port, Ports, moved_by
+from .pruning import elements
 
 _NEAR, _NEARLY_ALONG = 1e-4, radians(0.1)
 """Distance [m] and angle [rad] within which a place is the mirror image of another."""
@@ -61,6 +63,9 @@ class Places:
         self._own_roots = [own.root.name] if own is not None else []
         self._own_roots += [joint.child for joint in joints if joint.name.startswith(TIE)]
         self._of_root = {part.robot.root.name: name for name, part in parts.items()}
+        robots = [part.robot for part in parts.values()] + ([own] if own is not None else [])
+        self._taken = {one.name for robot in robots for kind in elements(robot).values() for one in kind}
+        self._taken |= {name for section in ELEMENTS for name in getattr(sidecar.document, section)}
         self.mounts: dict[str, Mount] = {}
         """The joint above each root link that has one, by the link, in the order of the sidecar."""
         self.world = ""
@@ -127,14 +132,16 @@ class Places:
         X_RB = self._own_port(name, section)
         if X_RB is not None:
             X_PC = tidy(X_W @ self._standing(robot.root.name) @ X_RB.inverse())
-            self._attach(robot.root.name, Mount(_free(name, robot.root.name, X_PC)), name)
+            self._attach(robot.root.name, Mount(self._freely(name, robot.root.name, X_PC)), name)
 
     def _weld(self, name: str, section: ModuleSection, port: Port, offset: Pose) -> None:
         root = self._parts[name].robot.root.name
         X_RB = self._own_port(name, section)
         if X_RB is not None:
             X_PC = tidy(port.X_LP @ offset @ X_RB.inverse())
-            self._attach(root, Mount(Joint(f"{name}_mount", JointKind.FIXED, port.link, root, X_PC)), name)
+            self._attach(
+                root, Mount(Joint(self._free_name(f"{name}_mount"), JointKind.FIXED, port.link, root, X_PC)), name
+            )
 
     def _own_port(self, name: str, section: ModuleSection) -> Pose | None:
         """The pose in its root link of a module's port `by`, or of its original's; None after a diagnostic."""
@@ -235,6 +242,14 @@ class Places:
             self._found.add("SB154", message, place or self._sidecar.key_span("links", root), help=help)
         return None
 
+    def _freely(self, name: str, root: str, X_PC: Pose) -> Joint:
+        """The joint of a part that nothing holds in the world."""
+        return Joint(self._free_name(f"{name}_free"), JointKind.FLOATING, WORLD, root, X_PC)
+
+    def _free_name(self, name: str) -> str:
+        """A name for a joint that no file has: formats have one namespace for all of these."""
+        return free_name(name, "_joint", self._taken)
+
     def _in_world(self, roots: list[str]) -> str | None:
         """The root of parts that stand in the world."""
         taken = {link for part in self._parts.values() for link in part.robot.link_by_name}
@@ -244,7 +259,7 @@ class Places:
             root = self.world = free_name(self._document.robot, "_cell", taken)
             for one in roots:
                 name = self._of_root.get(one, one)
-                self.mounts[one] = Mount(_free(name, one, self._standing(one)))
+                self.mounts[one] = Mount(self._freely(name, one, self._standing(one)))
         for child, mount in self.mounts.items():
             if mount.joint.parent == WORLD:
                 self.mounts[child] = replace(mount, joint=replace(mount.joint, parent=root))
@@ -304,11 +319,6 @@ class Places:
 
     def _label(self, root: str) -> str:
         return f"module '{self._of_root[root]}'" if root in self._of_root else f"link '{root}'"
-
-
-def _free(name: str, root: str, X_PC: Pose) -> Joint:
-    """The joint of a part that nothing holds in the world."""
-    return Joint(f"{name}_free", JointKind.FLOATING, WORLD, root, X_PC)
 
 
 def _mirrored_joint(joint: Joint, section: ModuleSection) -> Joint:
