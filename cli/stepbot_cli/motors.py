@@ -58,7 +58,7 @@ def command(name: str | None, own: Path | None, as_json: bool) -> int:
 
     found = Diagnostics()
     mine = read_own_motors(own, found) if own is not None else {}
-    if found.has_errors:
+    if mine is None or found.has_errors:
         from .terminal import Display, show_diagnostics
 
         if as_json:

@@ -133,10 +133,14 @@ class _Driven:
 def tuned(robot: Robot, too_weak: Callable[[Actuator, float, float], None]) -> Robot:
     """The robot with the gains of all actuators that have a :class:`Tuning`; they stay 0 where nothing moves.
 
+    An actuator with the kp of its motor's firmware gets the kv of the torque-speed line, :func:`line_damping`.
+
     Args:
         too_weak: Called for each of these actuators whose effort limit does not hold its joint in the drawn pose, with
             the limit and the weight [N m] or [N]; its gains ignore the limit.
     """
+    on_line = tuple(_with_line(one, robot) for one in robot.actuators)
+    robot = robot if on_line == robot.actuators else replace(robot, actuators=on_line)
     if all(actuator.tuning is None for actuator in robot.actuators):
         return robot
     driven = _driven(robot)
@@ -149,6 +153,15 @@ def tuned(robot: Robot, too_weak: Callable[[Actuator, float, float], None]) -> R
         return _tuned(robot, actuator, moving, too_weak)
 
     return replace(robot, actuators=tuple(map(gains, robot.actuators)))
+
+
+def _with_line(actuator: Actuator, robot: Robot) -> Actuator:
+    """The actuator; with the kp of a firmware and no kv, its motor would drive the joint beyond the no-load speed."""
+    firmware = actuator.motor.figure("kp") if actuator.motor is not None and actuator.tuning is None else None
+    if firmware is None or (actuator.kp, actuator.kv) != (firmware.value, 0.0):
+        return actuator
+    line = line_damping(actuator, robot.joint_by_name[actuator.joint])
+    return replace(actuator, kv=_rounded(line / actuator.gear**2))
 
 
 def _driven(robot: Robot) -> _Driven:

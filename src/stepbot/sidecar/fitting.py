@@ -67,8 +67,8 @@ def _only(joint: str) -> str:
     return f"[{joint[0]}]{glob.escape(joint[1:])}" if joint[0] not in "[]!" else glob.escape(joint)
 
 
-def _own_motors(sidecar: Sidecar, found: Diagnostics) -> Mapping[str, MotorSection]:
-    """The user's own motors, each figure with a source; empty after errors."""
+def _own_motors(sidecar: Sidecar, found: Diagnostics) -> Mapping[str, MotorSection] | None:
+    """The user's own motors, each figure with a source; None if their file cannot be read, which is reported."""
     given = sidecar.document.motors
     if not isinstance(given, str):
         _check_sources(sidecar.root, given, found)
@@ -78,27 +78,27 @@ def _own_motors(sidecar: Sidecar, found: Diagnostics) -> Mapping[str, MotorSecti
         beside = [one.name for one in path.parent.iterdir()] if is_folder(path.parent) else []
         help = (*did_you_mean(path.name, sorted(beside)), "`motors` is relative to the sidecar")
         found.add("SB001", f"motors: file '{given}' not found", sidecar.span("motors"), help=help)
-        return {}
+        return None
     return read_own_motors(path, found)
 
 
-def read_own_motors(path: Path, found: Diagnostics) -> dict[str, MotorSection]:
-    """The motors of a user's own file, each figure with a source; empty after errors, which are reported."""
+def read_own_motors(path: Path, found: Diagnostics) -> dict[str, MotorSection] | None:
+    """The motors of a user's own file, each figure with a source; None if it cannot be read, which is reported."""
     text = read_text(path, found)
     if text is None or not is_text(text, file_name(path), found):
-        return {}
+        return None
     composed = compose_around_faults(text, file_name(path), found)
     root = composed.tree
     if not isinstance(root, TreeMapping) or tuple(root.entries) != ("motors",):
         if root is not None and composed.whole:
             message = "motors: a file of motors has the single key `motors`"
             found.add("SB120", message, root.span, help=["write `motors: {NAME: {kind: servo, ...}}`"])
-        return {}
+        return None
     try:
         own = OwnMotors.model_validate(plain_data(root)).motors
     except ValidationError as failure:
         report_schema_faults(failure, root, composed.whole, found)
-        return {}
+        return None
     _check_sources(root, own, found)
     return own
 
@@ -115,16 +115,19 @@ def _check_sources(root: Tree, own: Mapping[str, MotorSection], found: Diagnosti
 
 
 def _found(
-    sidecar: Sidecar, name: str, actuator: ActuatorSection, own: Mapping[str, MotorSection], found: Diagnostics
+    sidecar: Sidecar, name: str, actuator: ActuatorSection, own: Mapping[str, MotorSection] | None, found: Diagnostics
 ) -> Found | None:
+    """The motor of an actuator; None if there is none, which is reported, unless the user's own are not known."""
     assert actuator.motor is not None
     place = sidecar.span("actuators", name, "motor")
     try:
-        return find_motor(actuator.motor, own)
+        return find_motor(actuator.motor, own or {})
     except AmbiguousMotor as several:
         message = f"actuator '{name}': {several}; which one is it?"
         found.add("SB147", message, place, help=[f"members: {', '.join(several.members)}"])
     except UnknownMotor as unknown:
+        if own is None:
+            return None
         near = f"did you mean {' or '.join(unknown.nearest)}?" if unknown.nearest else "`stepbot motors` lists all"
         help = [near, "describe another one under `motors`, with the source of each figure"]
         found.add("SB147", f"actuator '{name}': {unknown}", place, help=help)

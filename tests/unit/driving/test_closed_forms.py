@@ -12,7 +12,9 @@ from stepbot.driving.results import Result
 from stepbot.driving.stage import Stage
 from stepbot.engines.simulation import GRAVITY, Cube
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.model import Actuator, ActuatorKind, Box, Collision, Joint, JointKind, Limit, Link
+from stepbot.robot.gains import tuned
+from stepbot.robot.model import Actuator, ActuatorKind, Box, Collision, Joint, JointKind, Limit, Link, Robot
+from stepbot.robot.tuning import Tuning
 from tests.unit.driving.workbench import (
     ENGINES,
     HORIZONTAL,
@@ -93,6 +95,19 @@ def test_a_step_is_braked_along_the_torque_speed_line(engine: str, tmp_path: Pat
     result = run("step", stage_of(robot, engine, tmp_path))
     assert value(result, "overshoot with other gains") < 5.0
     assert value(result, "speed of limit with other gains") <= 100.5
+
+
+@pytest.mark.parametrize("engine", ENGINES)
+def test_a_slow_screw_reaches_the_end_of_its_step(engine: str, tmp_path: Path) -> None:
+    """50 mm at 20 mm/s take 2.5 s, and a sine of 25 mm at 0.5 Hz would be four times as fast as the screw."""
+    base, arm = one_joint(VERTICAL).links
+    limit = Limit(-0.1, 0.1, velocity=0.02, effort=100.0)
+    joint = Joint("slide", JointKind.PRISMATIC, "base", "arm", axis=(1.0, 0.0, 0.0), limit=limit)
+    screw = Actuator("screw", "slide", ActuatorKind.POSITION, tuning=Tuning(at_least=True))
+    robot = tuned(Robot("screw", (base, arm), (joint,), actuators=(screw,)), lambda *_: None)
+    stage = stage_of(robot, engine, tmp_path)
+    assert value(run("step", stage), "travel error") < 0.1
+    assert value(run("track", stage), "lag") < 5.0
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -16,6 +16,7 @@ from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointDynamics, JointKind, Limit, Robot
 from stepbot.robot.tuning import BANDWIDTH as TUNED
 from stepbot.robot.tuning import Tuning
+from stepbot.sidecar.motors import catalogue_motor, catalogue_names, find_motor, fitted
 from tests.robots import ROBOTS, four_bar, gripper_with_mimic
 from tests.simulators.conftest import skip_without
 from tests.workshop import Workshop, at, box_mass
@@ -338,3 +339,29 @@ def test_a_wheel_keeps_its_speed_against_its_load(effort: float, time: float | N
     expected = effort / (0.02 * 12.0) if time is None else left.tuning.inertia / time
     assert left.kv == pytest.approx(expected, rel=1e-3)
     assert left.kv >= 2.0 * pi * TUNED * left.tuning.inertia * 0.999
+
+
+@pytest.mark.mujoco
+@pytest.mark.parametrize("gear", [1.0, -3.0])
+@pytest.mark.parametrize("name", [one for one in catalogue_names() if catalogue_motor(one).position_gain])
+def test_a_servo_with_the_gain_of_its_firmware_keeps_its_no_load_speed(name: str, gear: float) -> None:
+    """In MuJoCo a far target drives no joint beyond 105 % of it, also where less damping is published."""
+    import mujoco
+
+    motor = fitted(find_motor(name), JointKind.REVOLUTE, None, gear)
+    has = {figure.quantity: figure.value for figure in motor.figures}
+    limit = Limit(-1e4, 1e4, velocity=has["velocity"], effort=has["effort"])
+    dynamics = JointDynamics(*(has.get(one, 0.0) for one in ("damping", "friction")), armature=has["armature"])
+    shop = Workshop()
+    links = shop.link("base", [((0.1, 0.1, 0.1), at(z=-0.2))]), shop.link("rod", [((0.1, 0.01, 0.01), at(x=0.05))])
+    joint = Joint("turn", JointKind.REVOLUTE, "base", "rod", at(), (0.0, 0.0, 1.0), limit=limit, dynamics=dynamics)
+    servo = Actuator("servo", "turn", ActuatorKind.POSITION, kp=has["kp"], gear=gear, motor=motor)
+    robot = Robot("servo", links, (joint,), actuators=(servo,), meshes=shop.sorted_meshes())
+    model = compiled(tuned(robot, fails), gravity=False)
+    data = mujoco.MjData(model)
+    data.ctrl[0] = gear * 1e3
+    fastest = 0.0
+    for _ in range(round(2.0 / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+        fastest = max(fastest, float(data.qvel[0]))
+    assert 0.5 * limit.velocity < fastest <= 1.05 * limit.velocity

@@ -276,10 +276,11 @@ def test_a_users_own_file(tmp_path: Path) -> None:
     ],
 )
 def test_faults_of_a_users_own_file(tmp_path: Path, text: str, code: str, line: int) -> None:
-    """Faults of a users own file."""
+    """Faults of a user's own file; the motors in it are not unknown as well."""
     (tmp_path / "my_motors.yaml").write_text(text, encoding="utf-8")
     sidecar, found = load(tmp_path, "{motor: mine}", end="motors: my_motors.yaml\n")
     assert sidecar is None
+    assert "SB147" not in {one.code for one in found}
     first = next(one for one in found if one.code == code)
     assert (Path(first.span.file).name, first.span.line) == ("my_motors.yaml", line)
 

@@ -4,7 +4,7 @@
 in which its joint is faster than its velocity limit.
 """
 
-from math import cos, hypot, isfinite, pi, sin
+from math import copysign, cos, hypot, isfinite, pi, sin
 
 import numpy as np
 
@@ -19,7 +19,9 @@ from ..survey import SEED, Move
 _HELD = 1.5
 """Time [s] for which each pose is held."""
 _RESPONSE = 1.5
-"""Time [s] from a step of the target."""
+"""Time [s] from a step of the target, ..."""
+_REST = 1.0
+"""... and the least time [s] after its way at the velocity limit: a screw takes seconds for its step."""
 _LAST = 0.25
 """Time [s] at the end in which the robot is to be at rest, and that the response to a step is compared with."""
 _SETTLE = 0.5
@@ -29,7 +31,9 @@ _SPEED_SHARE = 0.5
 _SPEED = 1.0
 """Step [rad/s], [m/s] of a velocity motor without a limit."""
 _FREQUENCY = 0.5
-"""Frequency [Hz] of the sine; its amplitude is half the step of :func:`step`."""
+"""Frequency [Hz] of the sine; its amplitude is half the step of :func:`step`, ..."""
+_SINE_SHARE = 0.9
+"""... or less where the target would be faster than this share of the velocity limit."""
 _SHORTEST = 0.25
 """Shortest time [s] of one way of a sweep."""
 _DWELL = 0.5
@@ -113,15 +117,16 @@ class _Steps:
             self._gaps.measure(simulation)
         (end,) = move.ends
         start = simulation.positions()[motor.joint]
+        size = end - self._stage.mechanism.home[motor.joint]
+        seconds = max(_RESPONSE, abs(size) / motor.limit.velocity + _REST)
         simulation.command({**targets, motor.name: end})
         times, q = [], []
-        for time in run(simulation, _RESPONSE):
+        for time in run(simulation, seconds):
             self._gaps.measure(simulation)
             self.speeds.measure(simulation, motor)
             times.append(time)
             q.append(simulation.positions()[motor.joint])
-        size = end - self._stage.mechanism.home[motor.joint]
-        last = [value for time, value in zip(times, q, strict=True) if time > _RESPONSE - _LAST]
+        last = [value for time, value in zip(times, q, strict=True) if time > seconds - _LAST]
         final = exact_sum(last) / len(last)
         beyond = max((value - final) / size for value in q)
         return 100.0 * max(0.0, beyond), abs(final - end), thinned(times, [(value - start) / size for value in q])
@@ -164,7 +169,8 @@ def _follow(simulation: Simulation, stage: Stage, motor: Motor, move: Move, gaps
     simulation.reset(stage.mechanism.home)
     targets, (end,) = stage.home, move.ends
     home = stage.mechanism.home[motor.joint]
-    amplitude, w = 0.5 * (end - home), 2.0 * pi * _FREQUENCY
+    w = 2.0 * pi * _FREQUENCY
+    amplitude = copysign(min(0.5 * abs(end - home), _SINE_SHARE * motor.limit.velocity / w), end - home)
     simulation.command(targets)
     for _ in run(simulation, _SETTLE):
         gaps.measure(simulation)
