@@ -29,6 +29,8 @@ class Role(StrEnum):
     JAW = "jaw"
     GEAR = "gear"
     SLIDE = "slide"
+    BEAM = "beam"
+    """An extruded profile with slots, that frames are screwed together of."""
     PIN = "pin"
     BASE = "base"
 
