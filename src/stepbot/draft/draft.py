@@ -292,6 +292,8 @@ class Draft:
     """The frame of the root; None for that of the assembly."""
     base: Base = Base.FIXED
     frames: tuple[Frame, ...] = ()
+    markers: tuple[str, ...] = ()
+    """Paths of what is drawn, but no part of the robot: frames of joints."""
     contacts: tuple[DraftContact, ...] = ()
     """Wheels, casters, feet and fingers, in the order of the links."""
     answers: Mapping[str, str] = field(default_factory=dict)

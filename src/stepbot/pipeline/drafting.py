@@ -9,6 +9,7 @@ from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.draft.draft import Draft
 from stepbot.draft.draft_robot import Inference
 from stepbot.draft.from_description.drafted import draft_of_description
+from stepbot.draft.named_joints import draft_of_names
 from stepbot.draft.questions import Dialogue
 from stepbot.draft.stated_joints import draft_of_mechanism
 from stepbot.draft.stops.stops import with_stops
@@ -94,6 +95,9 @@ def draft_step(
         draft = draft if ask is None else ask(draft, None)
         return Drafting(found, _with_densities(draft, assembly))
     stated = draft_of_mechanism(mechanism, assembly, step_stem(step.name)) if mechanism is not None else None
+    unused = ""
+    if stated is None:
+        stated, unused = draft_of_names(assembly, step_stem(step.name))
     if stated is not None:
         draft = stated if ask is None else ask(stated, None)
     else:
@@ -103,8 +107,8 @@ def draft_step(
         progress("stops")
         draft = with_stops(draft, assembly)
     if mechanism is not None and stated is None:
-        note = "the STEP file has kinematic pairs between unknown components; they were ignored"
-        draft = replace(draft, notes=(*draft.notes, note))
+        unused = "the STEP file has kinematic pairs between unknown components; they were ignored"
+    draft = replace(draft, notes=(*draft.notes, *([unused] if unused else [])))
     notes = tuple(
         f"'{name}' has kinematic pairs, which were ignored: they are read from the root file only"
         for name in assembly.external_files

@@ -70,7 +70,8 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
         lines += [f"  # {scalar(name)}: {flow([('parts', listed([one.moving]))])}" for one, name in fused]
         lines += _more(len(draft.fused) - len(fused))
     of_parts = [(part, *one) for (_, part), found in proposed.items() if part for one in found]
-    own = [f"  {quoted(part)}: {{contact: {material}}}  {why}" for part, material, why in of_parts]
+    own = [f"  {quoted(path)}: {{ignore: true}}  # frames of joints" for path in draft.markers]
+    own += [f"  {quoted(part)}: {{contact: {material}}}  {why}" for part, material, why in of_parts]
     lines += ["", "parts:", *own] if own else []
     if draft.joints or fused:
         lines += ["", "joints:" if draft.joints else "# joints:"]
