@@ -16,6 +16,8 @@ from stepbot.step.faces import FaceKind
 
 _FEWEST, _FEWEST_CORNERS = 5, 20
 """Teeth of a sector; corners of an outline that may have as many."""
+_STRAIGHT = 1e-6
+"""Bend of an outline as a share of its largest, below which it is none."""
 _LARGEST_PITCH = 2.0 * pi / 8.0
 """Angle [rad] of a tooth of the smallest pinion."""
 _LEAST_HEIGHT, _FLAT = 0.01, 5e-4
@@ -55,12 +57,23 @@ def find_rims(scene: Scene, part: int, lines: Sequence[CoaxialLine]) -> list[Rim
         rims: list[Rim] = []
         for row in np.flatnonzero(across).tolist():
             if row not in outlines:
-                rings = scene.outline(part, planes.faces[row])
-                outlines[row] = [ring for ring in rings if len(ring) >= _FEWEST_CORNERS]
+                rings = [ring for ring in planes.faces[row].rings if _is_wavy(ring)]
+                outlines[row] = [scene.component(part).X_WC.apply(ring) for ring in rings]
             rims += [rim for ring in outlines[row] for rim in _rims(ring, axis)]
         if rims:
             found.append(max(rims, key=lambda rim: (rim.teeth, rim.tip)))
     return found
+
+
+def _is_wavy(outline: Array) -> bool:
+    """Whether a closed plane outline turns to and fro as often as teeth do."""
+    if len(outline) < _FEWEST_CORNERS:
+        return False
+    edges = np.diff(outline, axis=0)
+    turns = cross(edges, np.roll(edges, -1, axis=0))
+    bends = turns @ turns[int(np.argmax((turns**2).sum(axis=1)))]
+    signs = np.sign(bends[np.abs(bends) > _STRAIGHT * np.abs(bends).max()])
+    return int((signs != np.roll(signs, 1)).sum()) >= 2 * (_FEWEST - 1)
 
 
 def _rims(outline: Array, axis: Axis) -> Iterator[Rim]:
