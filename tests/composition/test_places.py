@@ -296,6 +296,10 @@ def test_a_module_that_is_mounted_elsewhere_is_one_difference(tmp_path: Path, wr
     files = {f"{angle}.robot.yaml": whole.replace("ANGLE", angle).replace("UPPER", "0.7") for angle in ("0", "30")}
     changed = whole.replace("ANGLE", "30").replace("UPPER", "0.6")
     one_less = whole.replace("ANGLE", "0").partition("          tool:")[0]
+    base = whole.replace("at: arm/tip", "at: arm/base").replace("ANGLE", "30").replace("UPPER", "0.7")
+    swapped = whole.replace("ANGLE", "0").replace("UPPER", "0.7").replace("at: hand/tip", "at: arm/tip")
+    swapped = swapped.replace("hand: {file: arm.urdf, at: arm/tip", "hand: {file: arm.urdf, at: tool/tip")
+    files |= {"base.robot.yaml": base, "swapped.robot.yaml": swapped}
     write({"arm.urdf": ARM, **files, "limit.robot.yaml": changed, "less.robot.yaml": one_less})
     options = Options(tmp_path / "out", cache=Cache(tmp_path / "cache"))
 
@@ -308,6 +312,12 @@ def test_a_module_that_is_mounted_elsewhere_is_one_difference(tmp_path: Path, wr
     turned = ("modules", "module 'hand' on link 'tip'", "turned by 30 deg")
     assert rows("0", "0") == []
     assert rows("0", "30") == [turned]
+    other = ("modules", "module 'hand'", "on link 'base', formerly on 'tip'")
+    assert rows("30", "base") == [other]
+    assert rows("base", "0") == [(*other[:2], "on link 'tip', formerly on 'base'")]
+    swapped = rows("0", "swapped")  # the tool carries the hand
+    assert ("modules", "module 'tool'", "on link 'tip', formerly on 'hand_tip'") in swapped
+    assert ("modules", "module 'hand'", "on link 'tool_tip', formerly on 'tip'") in swapped
     limits = rows("0", "limit")
     assert limits[0] == turned
     assert {kind for kind, _, _ in limits[1:]} <= {"limits", "actuators"}

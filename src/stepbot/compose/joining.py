@@ -87,7 +87,7 @@ class _Joining:
         own = 0 if self._own is None else sum(1 for joint in joints if joint.name in self._own.joint_by_name)
         joints[own:own] = [mount.joint for mount in mounts.values()]
         links = {link.name: link for robot in self._robots for link in robot.links}
-        ordered = _in_tree_order(root, joints)
+        ordered = in_tree_order(root, joints)
         if places.world:
             links[root] = Link(root)
         owner = next((part.robot for part in self._parts.values() if part.robot.root.name == root), self._own)
@@ -242,7 +242,7 @@ def _present(items: Iterable[_Item | None]) -> list[_Item]:
     return [item for item in items if item is not None]
 
 
-def _in_tree_order(root: str, joints: Iterable[Joint]) -> tuple[Joint, ...]:
+def in_tree_order(root: str, joints: Iterable[Joint]) -> tuple[Joint, ...]:
     """The joints with each parent before its children, otherwise in the given order."""
     placed, ordered, waiting = {root}, [], list(joints)
     while waiting:

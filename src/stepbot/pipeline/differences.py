@@ -1,18 +1,20 @@
 """What differs between two STEP files, two sidecars, or two robots."""
 
+from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
 from stepbot.assemble import build_robot
+from stepbot.compose.joining import in_tree_order
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.engines.observation import Observation, Request
 from stepbot.engines.reference import observe_robot
 from stepbot.revisions.differences import Difference, not_compared, robot_differences, step_differences
 from stepbot.revisions.shapes import Motion, moved_words
 from stepbot.revisions.snapshot import Snapshot, snapshot
-from stepbot.robot.model import Robot
+from stepbot.robot.model import Joint, Robot
 from stepbot.runtime.file import exists, is_file, is_folder
 from stepbot.step.assembly import ReadOptions
 from stepbot.verification.admission import SCENES
@@ -70,15 +72,30 @@ def _modules(old: Robot, new: Robot) -> tuple[list[Difference], Robot]:
     joints = {joint.child: joint for joint in new.joints}
     for name, module in named[1].items():
         before, after = mounts.get(module.links[0]), joints.get(module.links[0])
-        if name not in named[0] or before is None or after is None or before.parent != after.parent:
+        if name not in named[0] or before is None or after is None:
             continue
         motion = Motion(*before.X_PC.distance_to(after.X_PC))
-        if not motion.is_none:
+        if before.parent != after.parent:
+            if before.parent not in new.link_by_name or before.parent in _below(joints.values(), after.child):
+                continue
+            words = f"on link '{after.parent}', formerly on '{before.parent}'"
+            rows.append(Difference("modules", f"module '{name}'", words))
+        elif not motion.is_none:
             where = f"module '{name}' on link '{after.parent}'"
             words = moved_words(motion)
             rows.append(Difference("modules", where, words, amount=motion.distance, unit="m", angle=motion.angle))
-        joints[after.child] = replace(after, X_PC=before.X_PC)
-    return rows, replace(new, joints=tuple(joints[joint.child] for joint in new.joints))
+        joints[after.child] = replace(after, parent=before.parent, X_PC=before.X_PC)
+    ordered = in_tree_order(new.root.name, (joints[joint.child] for joint in new.joints))
+    links = (new.root, *(new.link_by_name[joint.child] for joint in ordered))
+    return rows, replace(new, links=links, joints=ordered)
+
+
+def _below(joints: Iterable[Joint], link: str) -> set[str]:
+    """A link, and all links below it."""
+    found, waiting = {link}, list(joints)
+    while more := {joint.child for joint in waiting if joint.parent in found} - found:
+        found |= more
+    return found
 
 
 def differing_robots(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
