@@ -15,6 +15,7 @@ from stepbot.runtime.file import exists
 from .command import PATH, Command, display_options
 from .convert import default_output
 from .diagnostic_text import printable, summary
+from .limits import interruptible
 from .progress import progress_bar
 from .reading import package_path_option, reading_options, say_trouble, variant_option
 from .terminal import Display, show_diagnostics, write_document, write_result
@@ -82,6 +83,7 @@ def command(
         found.add("SB019", f"port {port}: {error.strerror}", Span("stepbot"))
         return _say(found, "", display)
     with ExitStack() as running:
+        running.enter_context(interruptible())  # to remove temporary files, however the command is ended
         if edit:
             running.enter_context(warm_processes())
         running.callback(session.close)

@@ -13,6 +13,7 @@ from stepbot.runtime.file import is_file
 
 from .command import PATH, Command, display_options
 from .diagnostic_text import printable
+from .limits import interruptible
 from .progress import progress_bar
 from .reading import say_trouble, working_options
 from .terminal import Display, show_diagnostics, write_document, write_json, write_result
@@ -75,6 +76,7 @@ def command(
 
     try:
         with ExitStack() as running:
+            running.enter_context(interruptible())  # to remove temporary files, however the command is ended
             running.enter_context(warm_processes())
             for session in sessions:
                 running.callback(session.close)

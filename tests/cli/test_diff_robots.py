@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.engines import engine_of
 from tests.simulators.conftest import skip_without
 
 from .conftest import Stepbot
@@ -176,3 +177,35 @@ def test_words_that_no_engine_reports_are_compared(command: str, tmp_path: Path,
     assert same.code == 0
     assert other.code == 1
     assert "option@integrator" in other.out + other.err
+
+
+_SDF = """<sdf version="1.9"><model name="m"><link name="a"><inertial><mass>1</mass><inertia><ixx>1</ixx>
+<iyy>1</iyy><izz>1</izz></inertia></inertial></link>{}</model></sdf>"""
+_FRAME = '<frame name="{}" attached_to="a"><pose>0 0 {} 0 0 0</pose></frame>'
+
+
+def test_a_shape_without_size_is_a_difference(
+    tmp_path: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where engines that reject such a file are not there, the reader reports that there is a shape, and no size."""
+    monkeypatch.setattr("stepbot.engines.workers.engines_for", lambda _: (engine_of("reader"),))
+    paths = [tmp_path / name for name in ("old.sdf", "new.sdf")]
+    for path, box in zip(paths, ("<box><size>1 2 3</size></box>", ""), strict=True):
+        visual = f'<visual name="v"><geometry>{box}</geometry></visual></link>'
+        path.write_text(_SDF.format("").replace("</link>", visual), encoding="utf-8")
+    code, rows = _diff(stepbot, *map(str, paths))
+    assert code == 1
+    assert [row["name"] for row in rows] == ["size of the visual of link 'a' is missing"]
+
+
+@pytest.mark.parametrize("other", ["", _FRAME.format("wrist", 1), _FRAME.format("tool", 1) + _FRAME.format("wrist", 1)])
+def test_a_frame_of_one_file_is_a_difference(other: str, tmp_path: Path, stepbot: Stepbot) -> None:
+    """One that is missing, renamed, or new: programs look for frames by their names."""
+    paths = [tmp_path / name for name in ("old.sdf", "new.sdf")]
+    for path, frames in zip(paths, (_FRAME.format("tool", 1), other), strict=True):
+        path.write_text(_SDF.format(frames), encoding="utf-8")
+    code, rows = _diff(stepbot, *map(str, paths))
+    assert code == 1
+    names = {"tool", "wrist"} if "wrist" in other else {"tool"}
+    assert {str(row["name"]).split("'")[1] for row in rows} == names - ({"tool"} if "tool" in other else set())
+    assert {row["kind"] for row in rows} == {"frames"}

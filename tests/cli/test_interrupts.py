@@ -8,11 +8,13 @@ import sys
 import threading
 import time
 from importlib.machinery import ExtensionFileLoader
+from pathlib import Path
 from types import ModuleType
 
 import pytest
 
 from stepbot_cli.limits import interruptible
+from tests.command_line import COMMAND, LONGEST, environment
 
 
 def press_ctrl_c() -> None:
@@ -118,6 +120,25 @@ def test_native_module_is_initialized_before_the_block_ends() -> None:
     assert found.value.code == 128 + signal.SIGTERM
     assert reached == ["initialized"]
     assert signal.getsignal(signal.SIGALRM) is before
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the system ends processes without a signal")
+def test_a_page_that_is_ended_leaves_no_files(tmp_path: Path) -> None:
+    """`view` serves its page until a service manager ends it."""
+    (tmp_path / "block.urdf").write_text(
+        '<robot name="block"><link name="base"><visual><geometry><box size="1 1 1"/></geometry></visual></link></robot>'
+    )
+    temporary = tmp_path / "temporary"
+    temporary.mkdir()
+    command = [*COMMAND, "view", "--no-open", "block.urdf"]
+    place = environment({"TMPDIR": str(temporary), "PYTHONUNBUFFERED": "1"})
+    with subprocess.Popen(command, cwd=tmp_path, env=place, stdout=subprocess.PIPE, text=True) as running:
+        assert running.stdout is not None
+        printed = running.stdout.readline()
+        assert "127.0.0.1" in printed
+        running.terminate()
+        assert running.wait(LONGEST) == 128 + signal.SIGTERM
+    assert not list(temporary.iterdir())
 
 
 _WHILE_IMPORTING = """

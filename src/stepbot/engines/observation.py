@@ -272,6 +272,8 @@ class Observation:
     """The initial pose [rad], [m] in the file."""
     excluded_pairs: tuple[tuple[str, str], ...] | None = None
     """Pairs of links with collision geometry whose contacts are excluded; sorted."""
+    settings: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    """Numbers that two files of the format are compared in, and no other quantity has, by the words for their place."""
     missing_meshes: tuple[str, ...] = ()
     simulation_finite: bool | None = None
     """Whether one second of passive simulation from the initial pose stayed finite."""

@@ -16,7 +16,7 @@ from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import Engine
 from stepbot.engines.description.statements import Statement
 from stepbot.engines.file_references import first_element, openable
-from stepbot.engines.observation import Observation, Request
+from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.engines.prestart import started_engine_server
 from stepbot.engines.workers import Engines, Outcome, check_required, check_started
 from stepbot.formats import FORMATS
@@ -32,6 +32,7 @@ from .admission import admitted, is_robot_file, located
 from .compare import Compared
 from .correspondence import Correspondence
 from .counterparts import Renaming, counterparts
+from .deviation import TOLERANCES, Deviations
 from .expectation import CONFIGURATIONS, SECONDS, SEED
 from .joint_rows import joint_rows
 from .judging import (
@@ -44,9 +45,10 @@ from .judging import (
     report_of,
     report_unread,
 )
-from .merged_observation import gather
+from .merged_observation import Gathered, gather
 from .naming import Naming, moved
 from .probe import Probe, in_a_process
+from .shapes import link_pairs
 
 _SIGNATURE = 16
 """Number of bytes that signatures of formats are within."""
@@ -117,7 +119,22 @@ def compare_two(
                     report_unread(key, some, found)
         return None
     ours, theirs = map(gather, seen)
-    return compared_with_first(ours, theirs, asked)
+    results = compared_with_first(ours, theirs, asked)
+    return (*results, *_of_one_alone(ours, theirs)) if ours.format == theirs.format else results
+
+
+def _of_one_alone(ours: Gathered, theirs: Gathered) -> tuple[Compared, ...]:
+    """What one of two files of a format has alone: named frames, sizes of shapes."""
+    frames, sizes = (Deviations(TOLERANCES[one]) for one in (Quantity.FRAMES, Quantity.MESHES))
+    names = [list(one.observation.frames or ()) for one in (ours, theirs)]
+    for name in dict.fromkeys((*names[0], *names[1])):
+        wrong = f"frame '{name}' is {'missing' if name in names[0] else 'not in the robot'}"
+        frames.equal(name in names[0] and name in names[1], wrong)
+    for a, b in link_pairs(ours.observation, theirs.observation):
+        for side in ("visual", "collision"):
+            has = [getattr(link, f"{side}_bounds") is not None for link in (a, b)]
+            sizes.equal(has[0] == has[1], f"size of the {side} of link '{a.name}' is {'missing' if has[0] else 'new'}")
+    return Compared(Quantity.FRAMES, frames), Compared(Quantity.MESHES, sizes)
 
 
 def observed(

@@ -20,7 +20,7 @@ from .correspondence import Correspondence, normalized_joints
 from .counterparts import Renaming
 from .merged_observation import Gathered, gather
 from .normalized import normalized
-from .text import compare_text
+from .text import compare_settings, compare_text
 
 _OTHER_ROBOT = "SB803"
 _CODES = {Quantity.CLOSURES: "SB808", Quantity.SIMULATION: "SB811"}
@@ -270,9 +270,11 @@ def _compared_across(
         _add_other_names(results, asked.paired.get(theirs.key, UNCHANGED))
     if ours.format == theirs.format:
         equal = not any(one.deviations.failures for one in results if not one.not_run)
-        said = (asked.said.get(key, ()) for key in (ours.key, theirs.key))
+        said = [asked.said.get(key, ()) for key in (ours.key, theirs.key)]
         text = compare_text(*said, equal=equal, whole=whole)
         results = results if text is None else (*results, text)
+        if whole and equal and text is None and all(said):
+            results = (*results, Compared(Quantity.TEXT, compare_settings(*(one.settings for one in pair))))
     return results
 
 

@@ -1,5 +1,6 @@
 """Compares the texts of two files of one format: what no engine reports is not taken as equal."""
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from math import isfinite
 
@@ -28,6 +29,14 @@ _NAMES = (
 """Words by which one robot may be described in several ways, and whose effect engines report."""
 _DEFAULTS = {"mujoco/option@timestep": "0.002", "mujoco/option@integrator": "Euler", "/static": "false"}
 """What files mean that leave out what is read, but what no engine reports, by the end of the place."""
+_UNREPORTED = re.compile(
+    r"^robot/(transmission|ros2_control|gazebo)\b|^sdf(/world[^/]*)?/model[^/]*/pose$|/surface/.*/|/plugin\b"
+)
+"""Places of what is read and reported by no engine, unless it is an actuator or a sensor."""
+_LEFT_OUT = {"mu": 1.0, "mu1": 1.0, "restitution_coefficient": 0.0, "pose": 0.0}
+"""Numbers that are meant where these elements are left out."""
+_NUMBER = re.compile(r" \d+(?=[/@]|$)")
+"""The number of one of several elements with the same tag and name."""
 _SAME_WORDS = {"1": "true", "0": "false"}
 
 
@@ -58,7 +67,29 @@ def compare_text(
         one = a.get(place) or b[place]
         if not one.read and not (place in a and place in b):
             deviations.equal(False, f"{place} is {'missing' if place in a else 'not in the robot'}")
+    plain = [{_NUMBER.sub("", one.place) for one in side} for side in (ours, theirs)]
+    for one in (*ours, *theirs) if whole and equal else ():
+        missing = [_NUMBER.sub("", one.place) not in side for side in plain]
+        if one.read and any(missing) and _UNREPORTED.search(one.place) and not _is_default(one):
+            deviations.equal(False, f"{one.place} is {'missing' if missing[1] else 'not in the robot'}")
     return Compared(Quantity.TEXT, deviations) if deviations.failures else None
+
+
+def compare_settings(ours: Mapping[str, Sequence[float]], theirs: Mapping[str, Sequence[float]]) -> Deviations:
+    """The numbers at the places that two files have, however they are stated: defaults and classes are resolved."""
+    deviations = Deviations(_EQUAL)
+    for place in (one for one in ours if one in theirs and len(ours[one]) == len(theirs[one])):
+        _compare(
+            deviations, *(Statement(place, " ".join(map(repr, side[place])), read=True) for side in (ours, theirs))
+        )
+    return deviations
+
+
+def _is_default(one: Statement) -> bool:
+    """Whether a number is what a file means that leaves it out."""
+    default = _LEFT_OUT.get(last_of(one.place))
+    values = numbers(one.value)
+    return default is not None and values is not None and set(values) == {default}
 
 
 def _by_place(given: Iterable[Statement], both: Iterable[Statement]) -> Mapping[str, Statement]:
@@ -68,7 +99,7 @@ def _by_place(given: Iterable[Statement], both: Iterable[Statement]) -> Mapping[
     return {place: Statement(place, text, read=True) for place, text in meant} | {one.place: one for one in given}
 
 
-def _compare(deviations: Deviations, a: Statement, b: Statement, *, words: bool) -> None:
+def _compare(deviations: Deviations, a: Statement, b: Statement, *, words: bool = True) -> None:
     ours, theirs = (numbers(one.value) for one in (a, b))
     if ours is None or theirs is None or len(ours) != len(theirs):
         both = ours is not None and theirs is not None

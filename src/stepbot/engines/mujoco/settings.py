@@ -1,0 +1,59 @@
+"""What a compiled MJCF sets beside what the model of a robot has: contact, tendons, noise, lights, the solver.
+
+Numbers that depend on how a file describes a pose are left out: those that remain are equal in all words for one robot.
+"""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+from .compiled import Compiled
+
+_KINDS = {
+    "geom": "condim friction gap margin priority solimp solmix solref",
+    "joint": "margin solimp solref",
+    "equality": "active0 objtype solimp solref type",
+    "tendon": "damping frictionloss lengthspring limited margin range stiffness solimp_fri solimp_lim solref_fri "
+    "solref_lim rgba width",
+    "actuator": "actlimited actrange biasprm biastype cranklength ctrllimited ctrlrange dynprm dyntype forcelimited "
+    "forcerange gainprm gaintype gear trntype",
+    "sensor": "cutoff datatype dim noise objtype reftype type",
+    "light": "active ambient attenuation castshadow cutoff diffuse exponent specular",
+    "cam": "fovy ipd orthographic projection resolution sensorsize",
+    "mat": "emission reflectance shininess specular rgba",
+}
+"""For each kind of element the numbers that are compared, as fields of MuJoCo's model."""
+_PREFIXES = {"joint": "jnt", "equality": "eq"}
+_OBJECTS = {"cam": "CAMERA", "mat": "MATERIAL"}
+_OPTIONS = (
+    "cone density disableflags enableflags impratio integrator iterations jacobian ls_iterations ls_tolerance magnetic "
+    "o_friction o_margin o_solimp o_solref solver timestep tolerance viscosity wind"
+)
+
+
+def settings(compiled: Compiled) -> Mapping[str, tuple[float, ...]]:
+    """Numbers by element and field, as in ``geom 'pad' friction``; elements without names are numbered."""
+    return {where: values for where, values in _all(compiled) if np.isfinite(values).all()}
+
+
+def _all(compiled: Compiled) -> Iterator[tuple[str, tuple[float, ...]]]:
+    engine, model = compiled.engine, compiled.model
+    for name in _OPTIONS.split():
+        yield f"option {name}", _numbers(getattr(model.opt, name, ()))
+    for kind, fields in _KINDS.items():
+        prefix, object_ = _PREFIXES.get(kind, kind), getattr(engine.mjtObj, f"mjOBJ_{_OBJECTS.get(kind, kind.upper())}")
+        for field in fields.split():
+            rows = getattr(model, f"{prefix}_{field}", ())
+            for index, row in enumerate(rows):
+                name = engine.mj_id2name(model, object_, index) or ""
+                yield f"{kind} {repr(name) if name else index + 1} {field}", _numbers(row)
+    for index, row in enumerate(model.wrap_prm):
+        yield f"tendon part {index + 1} coefficient", _numbers(row)
+    for index in np.flatnonzero(model.eq_type == int(engine.mjtEq.mjEQ_JOINT)).tolist():
+        name = engine.mj_id2name(model, engine.mjtObj.mjOBJ_EQUALITY, index) or ""
+        yield f"equality {repr(name) if name else index + 1} polycoef", _numbers(model.eq_data[index][:5])
+        yield f"equality {repr(name) if name else index + 1} joints", (float(model.eq_obj2id[index] >= 0),)
+
+
+def _numbers(value: object) -> tuple[float, ...]:
+    return tuple(float(one) for one in np.ravel(np.asarray(value, dtype=float)))
