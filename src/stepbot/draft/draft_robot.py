@@ -24,17 +24,17 @@ from stepbot.draft.draft import (
     OriginSnippet,
 )
 from stepbot.draft.evidence.evidence import JointEvidence
-from stepbot.draft.evidence.gears import Mesh, mesh_between, meshes
 from stepbot.draft.evidence.motor_models import models
 from stepbot.draft.evidence.wheels import is_wheel, wheels
+from stepbot.draft.gearing import geared
 from stepbot.draft.inference import Inferred, infer_from
 from stepbot.draft.link_claims import LinkClaims
 from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
 from stepbot.draft.text.draft_names import readable_name
-from stepbot.geometry.spatial import ZERO3, Array, Vector3, perpendicular_frame, rpy_from_rotation, vector3
-from stepbot.robot.model import Base, JointKind, Mimic
+from stepbot.geometry.spatial import Array, Vector3, perpendicular_frame, rpy_from_rotation, vector3
+from stepbot.robot.model import Base, JointKind
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.axes import AxisFaces, AxisLine, axis_faces, is_parallel, lines, mates, selectors
 
@@ -176,7 +176,7 @@ class _Drafting:
             robot=robot,
             root=self._names[found.root],
             links=tuple(self._link(n) for n in order),
-            joints=self._geared(tree, [self._joint(arc) for arc in tree]),
+            joints=geared(self._found, tree, [self._joint(arc) for arc in tree]),
             closures=tuple(self._closure(arc) for arc in loops),
             offered=tuple(self._fused(h) for h in self._offered()),
             notes=(*self._stillness(), *found.survey.cut),
@@ -248,35 +248,6 @@ class _Drafting:
         motion = Alternative(joint.type, *joint.parts, joint.confidence, joint.point, joint.direction)
         others = (motion, *joint.alternatives)
         return replace(joint, type=JointKind.FIXED, alternatives=others, review=weightless, doubt="", motor="")
-
-    def _geared(self, tree: Sequence[TreeJoint], joints: Sequence[DraftJoint]) -> tuple[DraftJoint, ...]:
-        """Joints, those whose gear or pulley another one turns with a ``mimic``, by the ratio of the pitch circles."""
-        made, found = list(joints), meshes(self._found.survey)
-        turning = [n for n, joint in enumerate(made) if joint.type in _TURNING and joint.confidence.is_chosen]
-        # What a motor turns leads.
-        turning.sort(key=lambda n: (not tree[n].evidence.drives, n))
-        for k, leader in enumerate(turning):
-            for n in turning[k + 1 :] if made[leader].mimic is None else ():
-                one, two = tree[leader], tree[n]
-                if one.parent != two.parent or two.evidence.drives or made[n].mimic is not None:
-                    continue
-                members = self._found.links[one.child], self._found.links[two.child]
-                mesh = mesh_between(found, *members, (one.evidence.axis, two.evidence.axis))
-                if mesh is not None:
-                    made[n] = self._following(made[leader], made[n], mesh)
-        return tuple(made)
-
-    def _following(self, leader: DraftJoint, joint: DraftJoint, mesh: Mesh) -> DraftJoint:
-        radii = mesh.pitch_radii()
-        same = bool(np.dot(leader.direction or ZERO3, joint.direction or ZERO3) > 0.0)
-        ratio = round(radii[0] / radii[1], 4) * (1.0 if same == bool(mesh.belt) else -1.0)
-        how = f"by the belt '{mesh.belt}'" if mesh.belt else "by gears"
-        ratio_is = "that of the pitch circles, count the teeth"
-        if mesh.are_counted:
-            ratio_is = f"{mesh.one.teeth} to {mesh.two.teeth} teeth, as drawn"
-        review = f"follows '{leader.child}' {how}; the ratio is {ratio_is}"
-        notes = f"{joint.review}; {review}" if joint.review else review
-        return replace(joint, mimic=Mimic(leader.name, ratio), review=notes)
 
     def _has_mass(self, n: int) -> bool:
         """Whether a link has a body that a robot can be built with: engines have no moving links without mass."""

@@ -1,10 +1,11 @@
-"""Gears by teeth or name: which mesh, what they turn on, and the ratio of their joints."""
+"""Gears and racks by teeth, gears by name: which mesh, what they move on, and the ratio of their joints."""
 
 from collections.abc import Iterable
 from dataclasses import replace
 from math import cos, pi, sin
 from typing import Any
 
+import numpy as np
 import pytest
 
 from stepbot.draft.draft_robot import infer
@@ -74,21 +75,40 @@ def test_a_gear_that_nothing_holds_is_kept_apart_and_jointed() -> None:
     assert len(draft.links) == 2
 
 
-def toothed(teeth: int, module: float, height: float, drawn: Iterable[int] = (), turned: float = 0.0) -> Any:
-    """A rim of trapezoidal teeth along +z, all around or only some of them, turned by a part of the pitch."""
+def prism(corners: Iterable[tuple[float, float]], height: float) -> Any:
+    """A polygon in x and y, extruded along +z."""
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon
     from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
     from OCP.gp import gp_Pnt, gp_Vec
 
-    root, tip, polygon = module * (teeth / 2 - 1.25), module * (teeth / 2 + 1), BRepBuilderAPI_MakePolygon()
-    shown = set(drawn) or set(range(teeth))
-    for k in range(teeth):
-        for at, radius in ((-0.36, root), (-0.12, tip), (0.12, tip), (0.36, root)):
-            angle = 2 * pi * (k + at + turned) / teeth
-            r = radius if k in shown else root
-            polygon.Add(gp_Pnt(r * cos(angle), r * sin(angle), 0))
+    polygon = BRepBuilderAPI_MakePolygon()
+    for x, y in corners:
+        polygon.Add(gp_Pnt(x, y, 0))
     polygon.Close()
     return BRepPrimAPI_MakePrism(BRepBuilderAPI_MakeFace(polygon.Wire()).Face(), gp_Vec(0, 0, height)).Shape()
+
+
+TOOTH = ((-0.36, -1.25), (-0.12, 1.0), (0.12, 1.0), (0.36, -1.25))
+"""Corners of a tooth: place in pitches, height above the pitch line in modules."""
+
+
+def toothed(teeth: int, module: float, height: float, drawn: Iterable[int] = (), turned: float = 0.0) -> Any:
+    """A rim of trapezoidal teeth along +z, all around or only some of them, turned by a part of the pitch."""
+    shown, corners = set(drawn) or set(range(teeth)), []
+    for k in range(teeth):
+        for at, above in TOOTH:
+            angle, r = 2 * pi * (k + at + turned) / teeth, module * (teeth / 2 + (above if k in shown else -1.25))
+            corners.append((r * cos(angle), r * sin(angle)))
+    return prism(corners, height)
+
+
+def rack(teeth: int, module: float, height: float) -> Any:
+    """A rack along x with its pitch line on y = 0, its tips towards -y, and a finger at its end."""
+    pitch = pi * module
+    corners = [(pitch * (k + at), -module * above) for k in range(teeth) for at, above in TOOTH]
+    end = pitch * teeth
+    corners += [(end + 20, 1.25 * module), (end + 20, 50), (end + 12, 50), (end + 12, 1.25 * module + 6)]
+    return prism([*corners, (-0.36 * pitch, 1.25 * module + 6)], height)
 
 
 def fused(*shapes: Any, less: Any = None) -> Any:
@@ -160,3 +180,37 @@ def test_a_gear_on_a_driven_shaft_turns_with_it() -> None:
     draft = infer(assembled(*nodes, part("lever", gear, 0, 0, 1)), "spindle")
     assert len(draft.joints) == 1
     assert draft.joints[0].type == "revolute"
+
+
+@pytest.mark.parametrize("teeth", [16, 24])
+def test_racks_slide_along_their_teeth_and_follow_the_pinion(teeth: int) -> None:
+    """The jaws of a parallel gripper move apart by the radius of the pitch circle per radian."""
+    module, radius = 1.5, 1.5 * teeth / 2
+    back = radius + 1.25 * module + 6
+    plate = box(220, 140, 10).at(0, 0, -5) + cylinder(3, 9)
+    for side in (1, -1):
+        plate = plate + box(220, 5, 8).at(0, side * (back + 2.5), 4)
+    jaw = rack(9, module, 6)
+    nodes = [part("a1", plate), part("a2", cranked(toothed(teeth, module, 6)), z=0.3)]
+    nodes += [part("a3", jaw, 4, radius, 0), part("a4", jaw, -4, -radius, 0, (0, 0, pi))]
+    draft = infer(assembled(*nodes), "gripper")
+    types = {joint.child: joint.type for joint in draft.joints}
+    assert types == {"a2": "revolute", "a3": "prismatic", "a4": "prismatic"}
+    (leader,) = [joint for joint in draft.joints if joint.mimic is None]
+    axis = np.array(leader.direction)
+    for joint, y in (next((j, y) for j in draft.joints if j.child == c) for c, y in (("a3", radius), ("a4", -radius))):
+        assert joint.mimic is not None
+        assert f"{teeth} teeth" in joint.review
+        speed = np.cross(axis, [0, y / 1e3, 0]) @ np.array(joint.direction)
+        assert joint.mimic.multiplier == pytest.approx(speed, abs=1e-6)
+
+
+def test_a_rack_far_from_the_pinion_follows_nothing() -> None:
+    """Teeth that do not reach each other move nothing."""
+    plate = box(220, 140, 10).at(0, 0, -5) + cylinder(3, 9) + box(220, 5, 8).at(0, 34.875, 4)
+    nodes = [
+        part("a1", plate),
+        part("a2", cranked(toothed(16, 1.5, 6)), z=0.3),
+        part("a3", rack(9, 1.5, 6), 4, 24.5, 0),
+    ]
+    assert all(joint.mimic is None for joint in infer(assembled(*nodes), "gripper").joints)

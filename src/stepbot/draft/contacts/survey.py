@@ -15,7 +15,7 @@ from stepbot.draft.contacts.planes import find_patches
 from stepbot.draft.contacts.relations import Relation, Via, find_relations, neighbours, turned_lines
 from stepbot.draft.contacts.roles import lines_by_part, read_parts, spoken_names
 from stepbot.draft.contacts.shafts import find_fits
-from stepbot.draft.contacts.teeth import Rim, find_rims
+from stepbot.draft.contacts.teeth import Rack, Rim, find_rack, find_rims
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, is_belt, roles
@@ -143,6 +143,12 @@ class Survey:
         lines = lines_by_part(self.contacts)
         found = ((part, find_rims(self.scene, part, lines[part])) for part in self.parts if part not in self.small)
         return {part: rims for part, rims in found if rims}
+
+    @cached_property
+    def racks(self) -> dict[int, Rack]:
+        """Racks of larger parts, if there are rims."""
+        found = ((part, find_rack(self.scene, part)) for part in self.parts if self.rims and part not in self.small)
+        return {part: rack for part, rack in found if rack is not None}
 
     @cached_property
     def tops(self) -> set[int]:

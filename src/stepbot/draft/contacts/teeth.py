@@ -1,4 +1,4 @@
-"""Toothed rims by shape: outlines of plane faces that rise and fall evenly about an axis, all around or in a sector."""
+"""Teeth by shape: outlines of plane faces that rise and fall evenly, about an axis or in a sector, or along a rack."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 
 from stepbot.draft.contacts.contacts import CoaxialLine
 from stepbot.draft.contacts.shafts import HALF_ROUND
-from stepbot.draft.parts.axis import PARALLEL, Axis
+from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.spatial import Array, cross
 from stepbot.step.faces import FaceKind
@@ -18,6 +18,8 @@ _FEWEST, _FEWEST_CORNERS = 5, 20
 """Teeth of a sector; corners of an outline that may have as many."""
 _STRAIGHT = 1e-6
 """Bend of an outline as a share of its largest, below which it is none."""
+_LONG_EDGE, _MOST_EDGES = 0.25, 4
+"""Share of the longest edge from which a rack may be along another, and the number of such directions."""
 _LARGEST_PITCH = 2.0 * pi / 8.0
 """Angle [rad] of a tooth of the smallest pinion."""
 _LEAST_HEIGHT, _FLAT = 0.01, 5e-4
@@ -39,30 +41,57 @@ class Rim:
     """Number of teeth all around; a sector has fewer."""
 
 
+@dataclass(frozen=True, eq=False)
+class Rack:
+    """Teeth on a line."""
+
+    point: Array
+    """Shape (3,) [m]: in the middle of the tips."""
+    along: Array
+    """Unit direction (3,) of the line."""
+    out: Array
+    """Unit direction (3,) across it, from the rack to its tips."""
+    pitch: float
+    """[m]."""
+    length: float
+    """From the first to the last tip [m]."""
+
+
 class _Tip(NamedTuple):
-    angle: float
-    """[rad], along the outline without jumps."""
-    radius: float
+    place: float
+    """Angle [rad] or position [m] along the outline, without jumps."""
+    level: float
+    """Radius, or height above the lowest point [m]."""
     height: float
     """Above the gap before it [m]."""
 
 
 def find_rims(scene: Scene, part: int, lines: Sequence[CoaxialLine]) -> list[Rim]:
     """The toothed rims of a part about the axes of its round faces, at most one about each: the one with most teeth."""
-    planes = scene.columns(part, FaceKind.PLANE)
-    outlines: dict[int, list[Array]] = {}
+    axes = [line.axis for line in lines if any(face.span > HALF_ROUND for face in line.faces[part])]
+    outlines = list(_outlines(scene, part)) if axes else []
     found = []
-    for axis in (line.axis for line in lines if any(face.span > HALF_ROUND for face in line.faces[part])):
-        across = np.linalg.norm(cross(planes.directions, axis.d), axis=-1) < PARALLEL
-        rims: list[Rim] = []
-        for row in np.flatnonzero(across).tolist():
-            if row not in outlines:
-                rings = [ring for ring in planes.faces[row].rings if _is_wavy(ring)]
-                outlines[row] = [scene.component(part).X_WC.apply(ring) for ring in rings]
-            rims += [rim for ring in outlines[row] for rim in _rims(ring, axis)]
+    for axis in axes:
+        across = (outline for normal, outline in outlines if are_parallel(normal, axis.d))
+        rims = [rim for outline in across for rim in _rims(outline, axis)]
         if rims:
             found.append(max(rims, key=lambda rim: (rim.teeth, rim.tip)))
     return found
+
+
+def find_rack(scene: Scene, part: int) -> Rack | None:
+    """The rack of a part, with most teeth; None without one."""
+    racks = [rack for normal, outline in _outlines(scene, part) for rack in _racks(outline, normal)]
+    return max(racks, key=lambda rack: round(rack.length / rack.pitch), default=None)
+
+
+def _outlines(scene: Scene, part: int) -> Iterator[tuple[Array, Array]]:
+    """Normals and outlines of plane faces that teeth may be along."""
+    planes = scene.columns(part, FaceKind.PLANE)
+    for face, normal in zip(planes.faces, planes.directions, strict=True):
+        for ring in face.rings:
+            if _is_wavy(ring):
+                yield normal, scene.component(part).X_WC.apply(ring)
 
 
 def _is_wavy(outline: Array) -> bool:
@@ -89,11 +118,37 @@ def _rims(outline: Array, axis: Axis) -> Iterator[Rim]:
     run = max(_runs(_tips(np.roll(radii, -lowest).tolist(), angles.tolist())), key=len, default=[])
     if len(run) < _FEWEST:
         return
-    pitch = abs(run[-1].angle - run[0].angle) / (len(run) - 1)
-    rim = Rim(axis, max(tip.radius for tip in run), round(2.0 * pi / pitch))
+    pitch = abs(run[-1].place - run[0].place) / (len(run) - 1)
+    rim = Rim(axis, max(tip.level for tip in run), round(2.0 * pi / pitch))
     module = 2.0 * rim.tip / (rim.teeth + 2.0)  # tips are one module above the pitch circle
     if pitch < _LARGEST_PITCH and _HEIGHT[0] < run[len(run) // 2].height / module < _HEIGHT[1]:
         yield rim
+
+
+def _racks(outline: Array, normal: Array) -> Iterator[Rack]:
+    """The racks along the longest straight edges of an outline."""
+    edges = np.diff(outline, axis=0)
+    lengths = np.linalg.norm(edges, axis=1)
+    directions: list[Array] = []
+    for row in np.flatnonzero(lengths > _LONG_EDGE * lengths.max()).tolist():
+        along = edges[row] / lengths[row]
+        if not any(are_parallel(along, known) for known in directions):
+            directions.append(along)
+    for along in directions[:_MOST_EDGES]:
+        for out in (cross(normal, along), cross(along, normal)):
+            levels = outline[:-1] @ out
+            lowest = int(np.argmin(levels))
+            levels, places = np.roll(levels - levels.min(), -lowest), np.roll(outline[:-1] @ along, -lowest)
+            run = max(_runs(_tips(levels.tolist(), places.tolist())), key=len, default=[])
+            if len(run) < _FEWEST:
+                continue
+            length = abs(run[-1].place - run[0].place)
+            pitch = length / (len(run) - 1)
+            if _HEIGHT[0] < run[len(run) // 2].height / (pitch / pi) < _HEIGHT[1]:
+                middle = 0.5 * (run[0].place + run[-1].place)
+                base = outline[0] - (outline[0] @ along) * along - (outline[0] @ out) * out
+                top = run[0].level + float((outline[:-1] @ out).min())
+                yield Rack(base + middle * along + top * out, along, out, pitch, length)
 
 
 def _across(axis: Axis) -> tuple[Array, Array]:
@@ -103,24 +158,24 @@ def _across(axis: Axis) -> tuple[Array, Array]:
     return x, cross(axis.d, x)
 
 
-def _tips(radii: list[float], angles: list[float]) -> list[_Tip]:
+def _tips(levels: list[float], places: list[float]) -> list[_Tip]:
     """The tips along an outline that starts at its lowest point, each in the middle of its land."""
-    least, flat = _LEAST_HEIGHT * max(radii), _FLAT * max(radii)
+    least, flat = _LEAST_HEIGHT * max(levels), _FLAT * max(levels)
     found: list[_Tip] = []
-    low, first, last, rises = radii[0], 0, 0, True
-    for k, radius in enumerate([*radii, radii[0]]):
-        high = radii[first]
+    low, first, last, rises = levels[0], 0, 0, True
+    for k, level in enumerate([*levels, levels[0]]):
+        high = levels[first]
         if not rises:
-            low = min(low, radius)
-            if radius > low + least:
+            low = min(low, level)
+            if level > low + least:
                 first, last, rises = k, k, True
-        elif radius > high + flat:
+        elif level > high + flat:
             first = last = k
-        elif radius > high - flat:
+        elif level > high - flat:
             last = k
-        elif radius < high - least:
-            found.append(_Tip(0.5 * (angles[first] + angles[last]), high, high - low))
-            low, rises = radius, False
+        elif level < high - least:
+            found.append(_Tip(0.5 * (places[first] + places[last]), high, high - low))
+            low, rises = level, False
     return found
 
 
@@ -129,9 +184,9 @@ def _runs(tips: list[_Tip]) -> Iterator[list[_Tip]]:
     run: list[_Tip] = []
     for tip in tips:
         if len(run) > 1:
-            pitch = run[1].angle - run[0].angle
-            even = abs(tip.angle - run[-1].angle - pitch) < _EQUAL_PITCH * abs(pitch)
-            if not even or abs(tip.radius - run[0].radius) > _EQUAL_TIPS * run[1].height:
+            pitch = run[1].place - run[0].place
+            even = abs(tip.place - run[-1].place - pitch) < _EQUAL_PITCH * abs(pitch)
+            if not even or abs(tip.level - run[0].level) > _EQUAL_TIPS * run[1].height:
                 yield run
                 run = run[-1:]
         run.append(tip)

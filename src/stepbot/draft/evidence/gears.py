@@ -1,17 +1,21 @@
-"""Gears by their teeth or names, and pulleys by name: which ones mesh, what they turn on, and their ratio."""
+"""Gears and racks by their teeth, gears and pulleys by name: which ones mesh, what they move on, and their ratio."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
+from math import pi
 
 from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.contacts.teeth import Rack
 from stepbot.draft.evidence.evidence import Apart, Evidence, JointEvidence
-from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.axis import PARALLEL, Axis
 from stepbot.draft.parts.names import Role, is_belt
 from stepbot.draft.parts.parts import box_gap
+from stepbot.geometry.spatial import Array, cross
 from stepbot.robot.model import JointKind
 
 _REVIEW = "a gear that meshes with another one; no shaft is drawn"
+_OF_RACK = "a rack that meshes with a gear: it slides along its teeth"
 _SCORE, _APART, _KEYED = 0.7, 0.8, 0.9
 """Scores of a joint of a gear, of two gears that mesh being no link, and of a gear on a shaft that turns."""
 _BEYOND = 6e-3
@@ -22,7 +26,9 @@ _TEETH = 1.15
 """The same ratio up to which they do, where the round faces are those at the roots of the teeth."""
 _ADDENDUM = (0.2, 1.5)
 """Distance from the pitch circle to the tips of teeth, in modules: 1 of a standard gear, less with chamfers."""
-_ROUND = 3e-4
+_ALONG = 1e-2
+"""Cosine up to which a face lets a rack slide."""
+SAME_GEAR = 3e-4
 """Distance [m] up to which the axis of a gear is that of a joint."""
 
 
@@ -62,6 +68,40 @@ class Mesh:
     def are_counted(self) -> bool:
         """Whether the teeth of both are drawn."""
         return not self.belt and self.one.teeth > 0 and self.two.teeth > 0
+
+
+@dataclass(frozen=True, eq=False)
+class RackMesh:
+    """A gear that meshes with a rack."""
+
+    gear: Gear
+    part: int
+    rack: Rack
+    radius: float
+    """Of the gear's pitch circle [m]."""
+
+    def advance(self, axis: Array, direction: Array) -> float:
+        """What the rack moves along a direction while the gear turns about an axis, both unit vectors [m/rad]."""
+        return float(cross(axis, -self.radius * self.rack.out) @ direction)
+
+
+def rack_meshes(survey: Survey) -> Iterator[RackMesh]:
+    """All gears that mesh with racks: of one module, and as far apart as pitch circle and pitch line."""
+    for gear in _gears(survey) if survey.racks else ():
+        for part, rack in survey.racks.items():
+            module, away = rack.pitch / pi, gear.axis.point - rack.point
+            radius = 0.5 * module * gear.teeth
+            tips = (gear.radius - radius) / module, (radius - float(away @ rack.out)) / module
+            spans = [survey.scene.span(i, gear.axis.d) for i in (gear.part, part)]
+            if (
+                gear.teeth
+                and part != gear.part
+                and all(abs(float(gear.axis.d @ line)) < PARALLEL for line in (rack.along, rack.out))
+                and min(high for _, high in spans) > max(low for low, _ in spans)
+                and abs(float(away @ rack.along)) < 0.5 * rack.length + radius
+                and all(_ADDENDUM[0] < tip < _ADDENDUM[1] for tip in tips)
+            ):
+                yield RackMesh(gear, part, rack, radius)
 
 
 def meshes(survey: Survey) -> list[Mesh]:
@@ -119,6 +159,15 @@ def gear_evidence(survey: Survey, found: Evidence) -> None:
     nearby. One on a shaft that turns, driven or in a bearing, is fixed to it.
     """
     _fix_to_shafts(survey, found)
+    for pair in rack_meshes(survey):
+        a, b = sorted((pair.gear.part, pair.part))
+        found.apart.append(Apart(_APART, a, b))
+        guide = _guide(survey, pair)
+        if guide is not None:
+            a, b = sorted((guide, pair.part))
+            axis = Axis(pair.rack.point, pair.rack.along)
+            why = f"the rack '{survey.parts[pair.part].path}' meshes with '{survey.parts[pair.gear.part].path}'"
+            found.joint(JointEvidence(_APART, a, b, JointKind.PRISMATIC, axis, why, review=_OF_RACK))
     held = {i for h in found.joints for i in (h.a, h.b) if h.drives}
     found_meshes = meshes(survey)
     for mesh in found_meshes:
@@ -131,6 +180,16 @@ def gear_evidence(survey: Survey, found: Evidence) -> None:
             a, b = sorted((gear.part, host))
             why = f"the gear '{survey.parts[gear.part].path}' turns about its own axis"
             found.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, gear.axis, why, review=_REVIEW))
+
+
+def _guide(survey: Survey, mesh: RackMesh) -> int | None:
+    """The part that a rack lies on, and that nothing but faces along its teeth holds; the one with most area."""
+    along, ranked = mesh.rack.along, []
+    for other, r in survey.around(mesh.part):
+        is_free = all(abs(float(patch.normal @ along)) < _ALONG for patch in r.patches) and not r.sockets
+        if other != mesh.gear.part and r.patches and is_free and all(fit.axis.is_along(along) for fit in r.fits):
+            ranked.append((-round(r.area, 9), other))
+    return min(ranked)[-1] if ranked else None
 
 
 def _fix_to_shafts(survey: Survey, found: Evidence) -> None:
@@ -169,7 +228,7 @@ def mesh_between(found: Sequence[Mesh], one: Sequence[int], two: Sequence[int], 
     """The mesh of gears of two bodies, each on the axis that its body turns about; the first body's gear is first."""
     for mesh in found:
         for first, second in ((mesh.one, mesh.two), (mesh.two, mesh.one)):
-            on_axes = axes[0].same(first.axis, _ROUND) and axes[1].same(second.axis, _ROUND)
+            on_axes = axes[0].same(first.axis, SAME_GEAR) and axes[1].same(second.axis, SAME_GEAR)
             if on_axes and first.part in one and second.part in two:
                 return Mesh(first, second, mesh.belt)
     return None
@@ -181,5 +240,5 @@ def mark_geared(survey: Survey, joints: Sequence[tuple[JointEvidence, Sequence[i
     for h, *sides in joints:
         turns = h.type == JointKind.REVOLUTE
         h.is_geared = turns and any(
-            gear.part in side and gear.axis.same(h.axis, _ROUND) for gear in gears for side in sides
+            gear.part in side and gear.axis.same(h.axis, SAME_GEAR) for gear in gears for side in sides
         )

@@ -1,0 +1,73 @@
+"""Joints that follow others, by gears, belts and racks: what a motor turns leads."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from stepbot.draft.draft import DraftJoint
+from stepbot.draft.evidence.gears import SAME_GEAR, Mesh, RackMesh, mesh_between, meshes, rack_meshes
+from stepbot.draft.inference import Inferred
+from stepbot.draft.mechanism.loops import TreeJoint
+from stepbot.geometry.spatial import ZERO3
+from stepbot.robot.model import JointKind, Mimic
+
+_TURNING = (JointKind.REVOLUTE, JointKind.CONTINUOUS)
+
+
+def geared(found: Inferred, tree: Sequence[TreeJoint], joints: Sequence[DraftJoint]) -> tuple[DraftJoint, ...]:
+    """Joints, those that another one moves by a gear, a pulley or a rack with a ``mimic``.
+
+    Args:
+        found: The links.
+        tree: The joints between them as they were inferred.
+        joints: The same as drafted, without mimics.
+    """
+    made, of_gears = list(joints), meshes(found.survey)
+    turning = [n for n, joint in enumerate(made) if joint.type in _TURNING and joint.confidence.is_chosen]
+    turning.sort(key=lambda n: (not tree[n].evidence.drives, n))
+    for k, leader in enumerate(turning):
+        for n in turning[k + 1 :] if made[leader].mimic is None else ():
+            one, two = tree[leader], tree[n]
+            if one.parent != two.parent or two.evidence.drives or made[n].mimic is not None:
+                continue
+            members = found.links[one.child], found.links[two.child]
+            mesh = mesh_between(of_gears, *members, (one.evidence.axis, two.evidence.axis))
+            if mesh is not None:
+                made[n] = _turned(made[leader], made[n], mesh)
+    for rack in rack_meshes(found.survey):
+        _pull(found, tree, made, turning, rack)
+    return tuple(made)
+
+
+def _turned(leader: DraftJoint, joint: DraftJoint, mesh: Mesh) -> DraftJoint:
+    radii = mesh.pitch_radii()
+    same = bool(np.dot(leader.direction or ZERO3, joint.direction or ZERO3) > 0.0)
+    ratio = round(radii[0] / radii[1], 4) * (1.0 if same == bool(mesh.belt) else -1.0)
+    how = f"by the belt '{mesh.belt}'" if mesh.belt else "by gears"
+    ratio_is = "that of the pitch circles, count the teeth"
+    if mesh.are_counted:
+        ratio_is = f"{mesh.one.teeth} to {mesh.two.teeth} teeth, as drawn"
+    return _following(leader, joint, ratio, f"{how}; the ratio is {ratio_is}")
+
+
+def _pull(
+    found: Inferred, tree: Sequence[TreeJoint], made: list[DraftJoint], turning: Sequence[int], mesh: RackMesh
+) -> None:
+    """Let the joint along a rack follow that of its gear, if both are on one link."""
+    gear = mesh.gear
+    for k in turning:
+        if gear.part not in found.links[tree[k].child] or not tree[k].evidence.axis.same(gear.axis, SAME_GEAR):
+            continue
+        for n, joint in enumerate(made):
+            slides = joint.type is JointKind.PRISMATIC and mesh.part in found.links[tree[n].child]
+            if slides and tree[n].parent == tree[k].parent and joint.mimic is None and made[k].mimic is None:
+                axis, direction = (np.array(one.direction or ZERO3, float) for one in (made[k], joint))
+                advance = round(mesh.advance(axis, direction), 9)
+                made[n] = _following(made[k], joint, advance, f"by a rack; the gear has {gear.teeth} teeth, as drawn")
+
+
+def _following(leader: DraftJoint, joint: DraftJoint, multiplier: float, how: str) -> DraftJoint:
+    review = f"follows '{leader.child}' {how}"
+    notes = f"{joint.review}; {review}" if joint.review else review
+    return replace(joint, mimic=Mimic(leader.name, multiplier), review=notes)
