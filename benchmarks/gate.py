@@ -26,6 +26,8 @@ CONFIDENCE = 0.95
 """One-sided confidence of each bound of the median."""
 ROUNDS = (7, 14, 21)
 """Numbers of rounds after which the bounds are compared with the limit; after the last one the median decides."""
+_CONTENT = ("src", "cli", "docs", "robot_library", "schemas")
+"""What a wheel has, too: each diagnostic is read from the documentation."""
 
 
 class Verdict(Enum):
@@ -87,7 +89,7 @@ def source_of(revision: str, folder: Path) -> Source:
     """stepbot at a revision, compiled like an installed one."""
     root = folder / "source"
     root.mkdir(parents=True)
-    archive = subprocess.run(["git", "archive", revision, "src", "cli"], cwd=ROOT, check=True, capture_output=True)
+    archive = subprocess.run(["git", "archive", revision, *_CONTENT], cwd=ROOT, check=True, capture_output=True)
     subprocess.run(["tar", "-x"], cwd=root, input=archive.stdout, check=True)
     compileall.compile_dir(root, quiet=1)
     return Source(revision, root)

@@ -2,6 +2,7 @@
 
 import os
 import random
+import subprocess
 import sys
 from pathlib import Path
 from statistics import median
@@ -9,7 +10,7 @@ from statistics import median
 import pytest
 
 from benchmarks import gate
-from benchmarks.contenders import Case
+from benchmarks.contenders import ROOT, STEPBOT, Case
 from benchmarks.gate import LIMIT, ROUNDS, Job, Source, Verdict, alarm_rates, bounds, decided, verdict
 
 
@@ -58,6 +59,19 @@ def test_rates_of_alarms() -> None:
     assert rates[1.0] < 0.01
     assert 0.2 < rates[1.05] < 0.8
     assert rates[1.1] > 0.95
+
+
+@pytest.mark.skipif(not (ROOT / ".git").exists(), reason="there is no earlier revision without git")
+def test_earlier_source_reports_diagnostics(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """An earlier revision has what its own diagnostics need: robots with findings are compared, too."""
+    monkeypatch.setattr(gate.compileall, "compile_dir", lambda *_, **__: True)  # of 90,000 lines
+    source = gate.source_of("HEAD", tmp_path)
+    environment = source.environment(Case("case", tmp_path, tmp_path, tmp_path))
+    (tmp_path / "robot.yaml").write_text("version: 1", encoding="utf-8")
+    command = [*STEPBOT, "check", "robot.yaml"]
+    run = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert run.returncode == 1, run.stderr
+    assert "error[SB121]" in run.stdout, run.stderr
 
 
 @pytest.mark.skipif(not hasattr(os, "wait4"), reason="times of process trees are taken where there is wait4")
