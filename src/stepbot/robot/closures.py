@@ -65,7 +65,7 @@ def closure_gap(closure: LoopClosure, X_WA: Pose, X_WB: Pose) -> tuple[float, fl
     distance = float(np.linalg.norm(X_FG.p))
     if closure.kind.is_hinge:
         turned = X_FG.turn(axis)
-        return distance, atan2(float(np.linalg.norm(np.cross(axis, turned))), float(axis @ turned))
+        return distance, atan2(float(np.linalg.norm(cross(axis, turned))), float(axis @ turned))
     if closure.kind is JointKind.PRISMATIC:
         distance = float(np.linalg.norm(X_FG.p - axis * (axis @ X_FG.p)))
     angle = 0.0 if closure.kind is JointKind.BALL else Pose().distance_to(X_FG)[1]
