@@ -15,7 +15,7 @@ _OF_MACHINES = ("legs", "limb_parts", "machine", "machine_parts")
 """Modules that only some robots use."""
 _LOOK = "1"
 """How all robots are rendered: raised when a change of the renderer is to redraw every picture."""
-_DRIVES = "2"
+_DRIVES = "3"
 """How all robots are driven: raised when a change of the tests or of the written files is to drive every robot."""
 _DIGITS = 16
 _METADATA = re.compile(rb"\nmetadata: .*\n\Z")

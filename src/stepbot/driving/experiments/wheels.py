@@ -152,8 +152,9 @@ def turn(stage: Stage) -> Result:
                 times.append(times[-1] + simulation.timestep)
                 tilts.append(tilt(X_WR))
         moved = _middle(stage, simulation) - middle
+    on_rollers = stage.wheels is not None and bool(stage.wheels.rollers)
     measures = (
-        Measure("turn error", 100.0 * abs(angles[-1] / (2.0 * pi) - 1.0)),
+        Measure("turn error on rollers" if on_rollers else "turn error", 100.0 * abs(angles[-1] / (2.0 * pi) - 1.0)),
         Measure("displacement", MM * float(np.linalg.norm(moved[:2]))),
         Measure("tilt", max(tilts)),
         *gaps.measures(),
