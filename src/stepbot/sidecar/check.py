@@ -1,17 +1,22 @@
 """Checks a sidecar for contradictions between its parts, without the STEP."""
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, did_you_mean
 
 from .connections import check_connections
 from .device_rules import check_actuators, check_sensors
 from .ignored import check_ignored
 from .joint_rules import check_closures, check_joints, check_mimics, check_turned_frames
 from .located import Sidecar
-from .module_rules import check_modules
+from .modules import ModuleSection
 from .own_part import own_part
 from .references import check_names, check_references
 from .text import BoundedDiagnostics, TooManyFaultsError, file_name
 from .unit_rules import check_densities, check_joint_units, check_magnitudes, check_weights_as_forces
+
+_OF_OWN_STEP = ("parts", "mass", "step_density", "step_encoding")
+_WITH_OWN_LINKS = ("root", "materials", "defaults")
+"""Keys that are about the STEP and the links of this file alone."""
+_OF_FILE = ("variant", "set", "rename")
 
 
 def _check_orientation(sidecar: Sidecar, found: Diagnostics) -> None:
@@ -28,10 +33,86 @@ def _check_orientation(sidecar: Sidecar, found: Diagnostics) -> None:
         found.add("SB128", message, sidecar.span(*keys), help=[f"write {directions}"])
 
 
+def _check_modules(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report SB121, SB137, SB150 and SB152 of a composing sidecar; the files of modules are not read."""
+    document = sidecar.document
+    if not document.modules:
+        return
+    _check_own_step(sidecar, found)
+    moved = {joint.child.partition("/")[0] for joint in document.joints.values()}
+    for name, module in document.modules.items():
+        _check_source(sidecar, name, module, found)
+        _check_effects(sidecar, name, module, name in moved or module.mirror_of in moved, found)
+
+
+def _check_own_step(sidecar: Sidecar, found: Diagnostics) -> None:
+    """Report own links whose parts are in no file, and settings of a STEP that is not there."""
+    document = sidecar.document
+    if document.step:
+        if not document.links:
+            help = ["links: {base: {rest: true}}", "or remove `step`; of a STEP that is a module, write `file`"]
+            found.add(
+                "SB121", "sidecar: missing key 'links': no link has parts of `step`", sidecar.span("step"), help=help
+            )
+        return
+    for name, link in document.links.items():
+        if link.parts or link.rest:
+            key = "parts" if link.parts else "rest"
+            message = f"link '{name}': '{key}' without 'step': missing key 'step'"
+            help = ["step: ARM.step", "of a link without parts, give `inertial` alone"]
+            found.add("SB121", message, sidecar.key_span("links", name, key), help=help)
+    for key in (*_OF_OWN_STEP, *(() if document.links else _WITH_OWN_LINKS)):
+        if key in document.model_fields_set:
+            message = f"sidecar: '{key}' without 'step': it does not apply to modules"
+            help = [f"remove `{key}`; `set` changes it in the file of a module"]
+            found.add("SB137", message, sidecar.key_span(key), help=help)
+
+
+def _check_source(sidecar: Sidecar, name: str, module: ModuleSection, found: Diagnostics) -> None:
+    """Report SB150, neither or both of `file` and `mirror_of`, and SB152, no module to mirror."""
+    modules, of = sidecar.document.modules, module.mirror_of
+    span = sidecar.span("modules", name, "mirror_of")
+    if of is None:
+        if module.file is None:
+            message = f"module '{name}': neither `file` nor `mirror_of` is set"
+            found.add("SB150", message, sidecar.key_span("modules", name))
+    elif module.file is not None:
+        help = ["remove `file`: it is the file of the other module", "`mirror: y` mirrors a file"]
+        found.add("SB150", f"module '{name}': both `file` and `mirror_of` are set", span, help=help)
+    elif of == name:
+        message = f"module '{name}': mirror_of: it is the module itself"
+        found.add("SB152", message, span, help=["name the module that it is the mirror image of"])
+    elif of not in modules:
+        found.add("SB152", f"module '{name}': mirror_of: no module '{of}'", span, help=did_you_mean(of, modules))
+    elif modules[of].mirror_of is not None:
+        help = [f"mirror_of: {modules[of].mirror_of}"]
+        found.add("SB152", f"module '{name}': mirror_of: '{of}' is itself a mirror image", span, help=help)
+
+
+def _check_effects(sidecar: Sidecar, name: str, module: ModuleSection, has_joint: bool, found: Diagnostics) -> None:
+    """Report SB137: keys that need another one."""
+
+    def report(key: str, needs: str, help: str) -> None:
+        message = f"module '{name}': '{key}' without '{needs}'"
+        found.add("SB137", message, sidecar.key_span("modules", name, key), help=[help])
+
+    if module.at is None and (module.mirror_of is None or has_joint):
+        for key in ("by", "offset"):
+            if getattr(module, key) is not None:
+                help = "of a joint, name the port as its `child`, or give `origin: {offset: ...}`"
+                report(key, "at", help if has_joint else "name the link or frame that it is fixed to, or `at: world`")
+    if module.flip and not (module.mirror or module.mirror_of):
+        report("flip", "mirror", "`flip` reverses joints of a mirrored module; in its own file, reverse `axis`")
+    if module.mirror_of is not None and module.file is None:
+        for key in _OF_FILE:
+            if getattr(module, key):
+                report(key, "file", f"set it in module '{module.mirror_of}', which is mirrored with it")
+
+
 _OF_OWN_LINKS = (check_references, check_connections)
 _CHECKS = (
     check_names,
-    check_modules,
+    _check_modules,
     _check_orientation,
     check_joints,
     check_joint_units,
