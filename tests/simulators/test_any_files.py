@@ -97,8 +97,8 @@ def test_a_difference_between_files_is_found(arm: Folder, found: ReadDiagnostics
 
 
 @pytest.mark.usefixtures("brief")
-def test_engines_that_disagree_about_one_file(arm: Folder, found: ReadDiagnostics) -> None:
-    """A link without ``<inertial>`` has no mass in most engines and 1 kg in PyBullet, which is reported."""
+def test_a_mass_that_one_engine_invents(arm: Folder, found: ReadDiagnostics) -> None:
+    """A link without ``<inertial>`` has no mass, and 1 kg in PyBullet: a warning, and the rest is compared."""
     for engine in ("mujoco", "pybullet"):
         skip_without(engine)
     zero = '<mass value="0"/>'
@@ -109,9 +109,9 @@ def test_engines_that_disagree_about_one_file(arm: Folder, found: ReadDiagnostic
     path = arm.written["urdf"].path.with_name("no_inertial.urdf")
     path.write_text(text[:start] + text[start + len(inertial) :], encoding="utf-8")
     report = verify_files([path], found, workers=Workers(120.0))
-    assert ("pybullet", "mass") in _failed(report)
-    assert ("yourdfpy", "mass") not in _failed(report)
-    assert {"SB803", "SB813"} <= set(found.codes())
+    assert _failed(report) == {("pybullet", "warnings")}
+    assert found.codes() == ["SB813"]
+    assert "1 kg for a link without <inertial>; compared with 0: tool0" in str(next(iter(found)))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no signals")

@@ -122,7 +122,8 @@ def _compare_links(deviations: Deviations, reference: Observation, observed: Obs
 def _kind(joint: ObservedJoint) -> str:
     """Type of a joint; a revolute one without limits is continuous, because most engines do not distinguish them."""
     unlimited = joint.limit is not None and joint.limit.lower == -inf and joint.limit.upper == inf
-    return "continuous" if joint.kind == "revolute" and unlimited else joint.kind
+    reported = {"lower", "upper"} <= set(joint.limit_fields)
+    return "continuous" if joint.kind == "revolute" and unlimited and reported else joint.kind
 
 
 def _compare_joints(deviations: Deviations, reference: Observation, observed: Observation) -> None:

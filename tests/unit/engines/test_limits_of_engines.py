@@ -90,12 +90,13 @@ _BOUNDS = {
 
 @pytest.mark.pybullet
 @pytest.mark.mujoco
+@pytest.mark.parametrize("kind", ["prismatic", "revolute"])
 @pytest.mark.parametrize("case", _BOUNDS)
-def test_what_urdf_defines_is_the_same_in_every_engine(case: str, tmp_path: Path) -> None:
+def test_what_urdf_defines_is_the_same_in_every_engine(case: str, kind: str, tmp_path: Path) -> None:
     """A bound that is missing beside another is 0, equal bounds are bounds, and a link without inertial has no mass."""
     text, expected = _BOUNDS[case]
     path = tmp_path / "r.urdf"
-    path.write_text(_ARM.format(bounds=text), encoding="utf-8")
+    path.write_text(_ARM.format(bounds=text).replace("prismatic", kind), encoding="utf-8")
     found = Diagnostics()
     report = verify_files([path], found)
     reported = {name for name in ("mujoco", "pybullet", "yourdfpy") if engine_of(name).available() is None}
@@ -111,3 +112,18 @@ def test_what_urdf_defines_is_the_same_in_every_engine(case: str, tmp_path: Path
         assert len(warned) == 1
         assert "compared with 0: pad, tool" in warned[0]
         assert {link.name: link.mass for link in seen["pybullet"].links} == {"base": 1, "arm": 1, "pad": 0, "tool": 0}
+
+
+@pytest.mark.parametrize("rgba", ["1.2 0.4 0.6 1", "255 128 0 1", "0.5 0.5 0.5 1"])
+def test_colours_that_yourdfpy_cannot_have(rgba: str, tmp_path: Path) -> None:
+    """It converts them to bytes: other engines read such a file, and are compared."""
+    material = f'<material name="m"><color rgba="{rgba}"/></material>'
+    visual = f'<visual><geometry><sphere radius="1"/></geometry>{material}</visual>'
+    path = tmp_path / "r.urdf"
+    path.write_text(f'<robot name="r"><link name="base">{visual}</link></robot>', encoding="utf-8")
+    request = Request(str(path), "urdf", configurations=({},), simulate=0.0)
+    if rgba.startswith("0"):
+        assert engine_of("yourdfpy").observer.observe(request).links[0].visuals[0].rgba == (0.5, 0.5, 0.5, 1.0)
+        return
+    with pytest.raises(EngineCannotRead, match="no colours outside of 0 to 1"):
+        engine_of("yourdfpy").observer.observe(request)

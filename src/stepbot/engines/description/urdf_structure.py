@@ -130,7 +130,8 @@ def _check_color(color: Element) -> None:
     """Check that channels are shares: of colours written in bytes, each reader shows another one."""
     rgba = _numbers(color, "rgba", 4)
     if not all(0.0 <= channel <= 1.0 for channel in rgba):
-        hint = "; divide by 255" if max(rgba) > 1.0 and max(rgba) <= 255.0 and min(rgba) >= 0.0 else ""
+        in_bytes = all(channel.is_integer() and 0.0 <= channel <= 255.0 for channel in rgba)
+        hint = "; divide by 255" if in_bytes else ""
         raise _refused(color, f"'rgba' of <color> is '{color.get('rgba')}', not numbers from 0 to 1{hint}")
 
 

@@ -17,7 +17,16 @@ from stepbot.robot.model import JointDynamics, Limit, Mimic
 from stepbot.runtime.import_path import import_lightly
 
 from ..distribution import provider
-from ..observation import EngineRefused, Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity, Request
+from ..observation import (
+    EngineCannotRead,
+    EngineRefused,
+    Observation,
+    ObservedJoint,
+    ObservedLink,
+    ObservedShape,
+    Quantity,
+    Request,
+)
 from ..urdf_versions import readable
 from . import ENGINE
 
@@ -33,6 +42,8 @@ _NOT_RUN: Mapping[Quantity, str] = {
     Quantity.ACTUATORS: _EXTENSION,
     Quantity.SENSORS: _EXTENSION,
 }
+_EIGHT_BITS = "out of bounds for uint8"
+"""The end of numpy's message on a colour that yourdfpy converts for its scene."""
 _MOVING = ("revolute", "continuous", "prismatic")
 
 
@@ -46,6 +57,7 @@ def observe(request: Request) -> Observation:
 
     Raises:
         EngineRefused: yourdfpy cannot build a tree from it.
+        EngineCannotRead: It has colours outside of 0 to 1.
     """
     import yourdfpy as engine
 
@@ -56,6 +68,10 @@ def observe(request: Request) -> Observation:
             joints = tuple(_joint(joint) for joint in urdf.robot.joints)
             chained = _mimic_chains(joints)
             poses = () if chained else tuple(_poses(urdf, q) for q in [*request.configurations, *request.closed])
+        except OverflowError as error:
+            if _EIGHT_BITS not in str(error):
+                raise EngineRefused(f"OverflowError: {error}") from error
+            raise EngineCannotRead("yourdfpy has no colours outside of 0 to 1") from error
         except (ArithmeticError, ValueError, LookupError, TypeError, AttributeError, engine.urdf.URDFError) as error:
             raise EngineRefused(f"{type(error).__name__}: {error}") from error
     not_run = dict(_NOT_RUN)
