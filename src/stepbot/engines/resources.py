@@ -41,6 +41,10 @@ def candidates(uri: str, description: Path, packages: Iterable[Path] = ()) -> It
             yield from (folder / rest, folder / inside)
 
 
+_STL_HEAD = 1024
+"""Bytes within which an STL in ASCII has its first facet."""
+
+
 class MeshSubstitutes:
     """Makes the substitutes of one description."""
 
@@ -56,7 +60,7 @@ class MeshSubstitutes:
 
     def of(self, path: Path) -> bytes | None:
         """An OBJ of the triangles in a file that the engine does not read; None for others, and for broken files."""
-        if path.suffix.lower() in self._readable:
+        if path.suffix.lower() in self._readable and not _is_text_stl(path):
             return None
         if path not in self._replaced:
             mesh = read_mesh(path)
@@ -71,6 +75,14 @@ class MeshSubstitutes:
         return tuple(
             f"read from a copy with OBJ in place of {kind} meshes, which {self._engine} does not read" for kind in kinds
         )
+
+
+def _is_text_stl(path: Path) -> bool:
+    """Whether a file is an STL in ASCII, which engines that read binary ones reject."""
+    if path.suffix.lower() != ".stl":
+        return False
+    start = read_regular(path)[:_STL_HEAD]
+    return start.lstrip().startswith(b"solid") and b"facet" in start
 
 
 def box_around(shapes: Sequence[ObservedShape]) -> Bounds | None:

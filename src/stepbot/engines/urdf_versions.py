@@ -9,6 +9,7 @@ capsules of 1.1 whatever version a file states, and ignore the limits of 1.2.
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
@@ -33,6 +34,7 @@ EXTRA_LIMITS = ("acceleration", "deceleration", "jerk")
 _RPY = f"rpy in place of {QUATERNION}, which this engine ignores"
 _CYLINDERS = "cylinders in place of capsules, which this engine rejects"
 _MASSES = "mass 0 of links without <inertial>, to which this engine gives a mass"
+_NAMES = "names for materials without one, whose colours this engine would exchange"
 _BOUNDS = "0 in place of the one bound that a limit lacks, as URDF defines"
 
 
@@ -105,6 +107,23 @@ def _with_both_bounds(robot: Element) -> bool:
     return bool(limits)
 
 
+def _with_named_materials(robot: Element) -> bool:
+    """Name materials without a name, each with its own colour; returns whether there were several colours.
+
+    The exporter of SolidWorks writes an empty name for all, and engines look for colours by name.
+    """
+    own = [
+        one for one in robot.findall("link/visual/material") if not one.get("name") and one.find("color") is not None
+    ]
+    if len({one.find("color").get("rgba") for one in own}) < 2:
+        return False
+    taken = {one.get("name") for one in robot.iter("material")}
+    free = (name for number in count(1) if (name := f"material_{number}") not in taken)
+    for one, name in zip(own, free, strict=False):
+        one.set("name", name)
+    return True
+
+
 def without_inertial(robot: Element) -> list[Element]:
     """The links without ``<inertial>``, which have no mass as URDF defines."""
     return [link for link in robot.findall("link") if link.find("inertial") is None]
@@ -168,5 +187,7 @@ def _changed(top: Element, rejected: str, *, is_urdf: bool, capsules: bool, iner
         yield f"no <{rejected}>, which this engine rejects"
     if is_urdf and _with_both_bounds(top):
         yield _BOUNDS
+    if is_urdf and _with_named_materials(top):
+        yield _NAMES
     if is_urdf and not inertials and _with_inertials(top):
         yield _MASSES

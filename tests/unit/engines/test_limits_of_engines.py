@@ -114,6 +114,15 @@ def test_what_urdf_defines_is_the_same_in_every_engine(case: str, kind: str, tmp
         assert {link.name: link.mass for link in seen["pybullet"].links} == {"base": 1, "arm": 1, "pad": 0, "tool": 0}
 
 
+@pytest.mark.mujoco
+def test_equal_bounds_of_a_joint_that_has_none(tmp_path: Path) -> None:
+    """The exporter of SolidWorks writes bounds of 0 for a continuous joint, too, which remains one."""
+    path = tmp_path / "r.urdf"
+    path.write_text(_ARM.format(bounds='lower="0" upper="0"').replace("prismatic", "continuous"), encoding="utf-8")
+    seen = engine_of("mujoco").observer.observe(Request(str(path), "urdf", simulate=0.0))
+    assert next(joint.kind for joint in seen.joints if joint.name == "slide") == "continuous"
+
+
 @pytest.mark.parametrize("rgba", ["1.2 0.4 0.6 1", "255 128 0 1", "0.5 0.5 0.5 1"])
 def test_colours_that_yourdfpy_cannot_have(rgba: str, tmp_path: Path) -> None:
     """It converts them to bytes: other engines read such a file, and are compared."""
@@ -127,3 +136,44 @@ def test_colours_that_yourdfpy_cannot_have(rgba: str, tmp_path: Path) -> None:
         return
     with pytest.raises(EngineCannotRead, match="no colours outside of 0 to 1"):
         engine_of("yourdfpy").observer.observe(request)
+
+
+@pytest.mark.pybullet
+def test_colours_of_materials_without_a_name(tmp_path: Path) -> None:
+    """As SolidWorks exports them: each visual has its own colour, and none that of another one."""
+    colours = ("0.79 0.82 0.93 1", "1 0 0 1", "0 0.5 0 1")
+    visual = (
+        '<visual><geometry><sphere radius="1"/></geometry><material name=""><color rgba="{1}"/></material></visual>'
+    )
+    link = f'<link name="l{{0}}">{_BODY}{visual}</link>'
+    joint = '<joint name="j{0}" type="continuous"><parent link="l0"/><child link="l{0}"/></joint>'
+    text = "".join(link.format(number, rgba) for number, rgba in enumerate(colours))
+    path = tmp_path / "r.urdf"
+    path.write_text(f'<robot name="r">{text}{joint.format(1)}{joint.format(2)}</robot>', encoding="utf-8")
+    request = Request(str(path), "urdf", configurations=({},), simulate=0.0)
+    expected = {f"l{number}": tuple(map(float, rgba.split())) for number, rgba in enumerate(colours)}
+    for name in ("pybullet", "yourdfpy"):  # MuJoCo's observer reports none for URDF
+        if engine_of(name).available() is None:
+            seen = {link.name: link.visuals[0].rgba for link in engine_of(name).observer.observe(request).links}
+            assert {key: pytest.approx(rgba, abs=1e-6) for key, rgba in expected.items()} == seen, name
+
+
+def test_meshes_in_ascii_that_mujoco_does_not_read(tmp_path: Path) -> None:
+    """It reads STL in binary alone: a URDF with another is compiled from a copy, as one with Collada is."""
+    corners = ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1))
+    facets = [[corners[n] for n in face] for face in ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))]
+    lines = "".join(
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join("vertex {} {} {}\n".format(*one) for one in facet)
+        + "endloop\nendfacet\n"
+        for facet in facets
+    )
+    (tmp_path / "m.stl").write_text(f"solid m\n{lines}endsolid m\n", encoding="ascii")
+    shape = '<collision><geometry><mesh filename="m.stl"/></geometry></collision>'
+    path = tmp_path / "r.urdf"
+    path.write_text(f'<robot name="r"><link name="base">{_BODY}{shape}</link></robot>', encoding="utf-8")
+    seen = engine_of("mujoco").observer.observe(Request(str(path), "urdf", configurations=({},), simulate=0.0))
+    bounds = seen.links[0].collision_bounds
+    assert bounds is not None
+    assert [*bounds[0], *bounds[1]] == pytest.approx([0, 0, 0, 1, 1, 1], abs=1e-6)
+    assert any(".stl" in note for note in seen.notes)

@@ -5,7 +5,7 @@ visuals (``discardvisual``), folders in mesh paths (``strippath``). Its equality
 solved on their own rows. https://mujoco.readthedocs.io/en/stable/XMLreference.html
 """
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
@@ -84,17 +84,29 @@ def observe(request: Request) -> Observation:
         if request.simulate:
             finite, reversals = simulate(compiled, request)
             observation, notes = replace(observation, simulation_finite=finite), (*notes, *reversals)
-    observation = replace(observation, joints=tuple(_ignoring(warnings, joint) for joint in observation.joints))
+        if request.format == "urdf":
+            observation = replace(observation, joints=_without_ignored_bounds(observation.joints, warnings, request))
     notes = (*replaced, *notes, *_strays(compiled))
     return replace(observation, warnings=tuple(dict.fromkeys(warnings)), notes=notes)
 
 
-def _ignoring(warnings: Collection[str], joint: ObservedJoint) -> ObservedJoint:
-    """A joint without a report of the bounds that MuJoCo says it ignores, because both are equal."""
-    if f"joint '{joint.name}' has equal lower and upper limits, limit ignored" not in warnings:
-        return joint
-    fields = tuple(name for name in joint.limit_fields if name not in ("lower", "upper"))
-    return replace(joint, kind="revolute" if joint.kind == "continuous" else joint.kind, limit_fields=fields)
+def _without_ignored_bounds(
+    joints: Iterable[ObservedJoint], warnings: Collection[str], request: Request
+) -> tuple[ObservedJoint, ...]:
+    """The joints of a URDF without a report of the bounds that MuJoCo says it ignores, because both are equal."""
+    bounded = xml_root(Path(request.file)).xpath("joint[@type != 'continuous']/@name")
+    ignored = [f"joint '{name}' has equal lower and upper limits, limit ignored" for name in bounded]
+    names = {name for name, text in zip(bounded, ignored, strict=True) if text in warnings}
+    return tuple(
+        replace(
+            joint,
+            kind="revolute" if joint.kind == "continuous" else joint.kind,
+            limit_fields=tuple(name for name in joint.limit_fields if name not in ("lower", "upper")),
+        )
+        if joint.name in names
+        else joint
+        for joint in joints
+    )
 
 
 def _strays(compiled: Compiled) -> tuple[str, ...]:
