@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from stepbot.draft.contacts import teeth
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft_robot import infer
+from stepbot.geometry.spatial import Array, Pose
 from tests.assembled import Node, assembled, part
 from tests.made.scored import drawn
 from tests.solids import box, cylinder
@@ -214,3 +217,25 @@ def test_a_rack_far_from_the_pinion_follows_nothing() -> None:
         part("a3", rack(9, 1.5, 6), 4, 24.5, 0),
     ]
     assert all(joint.mimic is None for joint in infer(assembled(*nodes), "gripper").joints)
+
+
+def test_equal_gears_are_searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Which outlines may have teeth is looked up once for each definition; the teeth are found in each part."""
+    searched: list[int] = []
+    is_wavy = teeth._is_wavy
+
+    def counted(outline: Array) -> bool:
+        searched.append(len(outline))
+        return is_wavy(outline)
+
+    monkeypatch.setattr(teeth, "_is_wavy", counted)
+    gears, counts = on_pins(cranked(toothed(20, 1.0, 6)), cranked(toothed(30, 1.0, 6)), 25.0), []
+    for copies in (1, 3):
+        searched.clear()
+        nodes = [Node(f"copy {n}", children=gears, X=Pose.of(position=(0.2 * n, 0.0, 0.0))) for n in range(copies)]
+        found = Survey(assembled(*nodes), ALL_SOURCES)
+        assert sorted(rim.teeth for rims in found.rims.values() for rim in rims) == [20] * copies + [30] * copies
+        assert not found.racks
+        counts.append(len(searched))
+    assert counts[0] > 0
+    assert counts[1] == counts[0]

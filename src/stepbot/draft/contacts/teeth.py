@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import pi
 from typing import NamedTuple
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -12,6 +13,7 @@ from stepbot.draft.contacts.shafts import HALF_ROUND
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.spatial import Array, cross
+from stepbot.step.assembly import Body
 from stepbot.step.faces import FaceKind
 
 _FEWEST, _FEWEST_CORNERS = 5, 20
@@ -85,13 +87,20 @@ def find_rack(scene: Scene, part: int) -> Rack | None:
     return max(racks, key=lambda rack: round(rack.length / rack.pitch), default=None)
 
 
+_WAVY: WeakKeyDictionary[Body, tuple[tuple[int, Array], ...]] = WeakKeyDictionary()
+"""For each definition in use, the wavy outlines of its plane faces, with the number of the face among them."""
+
+
 def _outlines(scene: Scene, part: int) -> Iterator[tuple[Array, Array]]:
     """Normals and outlines of plane faces that teeth may be along."""
-    planes = scene.columns(part, FaceKind.PLANE)
-    for face, normal in zip(planes.faces, planes.directions, strict=True):
-        for ring in face.rings:
-            if _is_wavy(ring):
-                yield normal, scene.component(part).X_WC.apply(ring)
+    body = scene.body(part)
+    if body not in _WAVY:
+        planes = [face for face in body.faces if face.kind == FaceKind.PLANE]
+        rings = ((n, ring) for n, face in enumerate(planes) for ring in face.rings)
+        _WAVY[body] = tuple((n, ring) for n, ring in rings if _is_wavy(ring))
+    if wavy := _WAVY[body]:
+        normals, X = scene.columns(part, FaceKind.PLANE).directions, scene.component(part).X_WC
+        yield from ((normals[n], X.apply(ring)) for n, ring in wavy)
 
 
 def _is_wavy(outline: Array) -> bool:
