@@ -40,6 +40,7 @@ SINGLE = 2e-5
 MJX = """
 import json, sys, warnings
 warnings.simplefilter("ignore")
+import jax
 import mujoco
 from mujoco import mjx
 
@@ -49,6 +50,7 @@ def seen(file, q):
     for name, position in q.items():
         data.qpos[model.joint(name).qposadr[0]] = position
     theirs = mjx.put_model(model)
+    jax.eval_shape(mjx.step, theirs, mjx.make_data(theirs))
     moved = mjx.kinematics(theirs, mjx.put_data(model, data))
     return {
         model.body(i).name: [float(theirs.body_mass[i]), moved.xpos[i].tolist(), moved.xquat[i].tolist()]
@@ -215,7 +217,7 @@ def compare(module: str, format_: str, program: str, written: Mapping[str, Writt
 
 
 def test_mjx(for_mjx: Mapping[str, Written]) -> None:
-    """MJX accepts every robot of the library: `put_model`, and masses and poses of the MJCF."""
+    """MJX accepts every robot of the library: `put_model`, a traced `step`, and masses and poses of the MJCF."""
     compare("mujoco.mjx", "mjcf", MJX + EACH, for_mjx)
 
 

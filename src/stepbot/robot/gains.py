@@ -94,6 +94,8 @@ _RESIDUE = 9
 """Decimals [N m] or [N] of weights: smaller ones are rounding of axes that point up."""
 _DIGITS = 4
 """Significant digits of gains, which do not depend on the last bits of the linear algebra below."""
+_CARRIED = 0.95
+"""Largest share of the effort limit that a weight takes after a step: what is left still brakes."""
 _STEPS = 2000
 """Number of time steps of a simulated step response."""
 _HALVINGS = 12
@@ -128,6 +130,8 @@ class _Driven:
     """Largest magnitude of each gravity force over all postures (n,)."""
     damping: Array
     """Diagonal of the passive damping (n,)."""
+    stepped: Array
+    """Largest magnitude of each gravity force in the drawn pose and after a step of its joint either way (n,)."""
 
 
 def tuned(robot: Robot, too_weak: Callable[[Actuator, float, float], None]) -> Robot:
@@ -192,7 +196,17 @@ def _driven(robot: Robot) -> _Driven:
         for row in sampled(robot, _POSTURES)[1:]:
             moved, heavy = seen(dict(zip(tree.joints, row.tolist(), strict=True)))
             largest, heaviest = np.maximum(largest, moved), np.maximum(heaviest, np.abs(heavy))
-    return _Driven(names, inertia, weight, largest, heaviest, np.diag(S.T @ np.diag(damping) @ S))
+    stepped, tuned_joints = np.abs(weight), {one.joint for one in robot.actuators if one.tuning is not None}
+    for index, name in enumerate(names):
+        if robot.closures or name not in tuned_joints:
+            continue
+        for way in (_step(joints[name]), -_step(joints[name])):
+            limit = joints[name].limit
+            moved_by = min(max(home[name] + way, limit.lower), limit.upper) - home[name]
+            with_mimics = zip(tree.joints, tree.B[:, drives[index]].tolist(), strict=True)
+            q = {joint: home[joint] + share * moved_by for joint, share in with_mimics}
+            stepped[index] = max(stepped[index], abs(float(seen(q)[1][index])))
+    return _Driven(names, inertia, weight, largest, heaviest, np.diag(S.T @ np.diag(damping) @ S), stepped)
 
 
 def _tuned(
@@ -224,7 +238,8 @@ def _tuned(
             too_weak(actuator, effort, weight)
         elif isfinite(effort) and inertia > 0.0:
             drawn = float(driven.inertia[index])
-            braking = _braking(_Step(drawn, effort, weight, kp, uncut, _step(joint)), damping)
+            against = min(round(float(driven.stepped[index]), _RESIDUE), _CARRIED * effort)
+            braking = _braking(_Step(drawn, effort, max(weight, against), kp, uncut, _step(joint)), damping)
             braked, damping = braking > damping, braking
     else:
         kp = 0.0

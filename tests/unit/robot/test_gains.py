@@ -290,6 +290,22 @@ def test_the_arm_follows_holds_and_stops(armature: float, effort: float, speed: 
 
 
 @pytest.mark.mujoco
+@pytest.mark.parametrize("way", [0.5, -0.5])
+def test_an_upright_arm_stops_where_its_weight_pulls_on(way: float) -> None:
+    """The drawn pose has no torque of gravity; after a step of 0.5 rad it takes half of the effort that brakes."""
+    shop = Workshop()
+    links = shop.link("base", [((0.1, 0.1, 0.1), at(z=-0.2))]), shop.link("rod", [(ROD[::-1], at(z=HALF))])
+    weight = box_mass(ROD).mass * 9.81 * HALF
+    limit, dynamics = Limit(-2, 2, 2.5, 1.05 * weight), JointDynamics(damping=0.01, armature=ARMATURE)
+    joint = Joint("lean", JointKind.REVOLUTE, "base", "rod", at(), (0.0, 1.0, 0.0), limit=limit, dynamics=dynamics)
+    motor = Actuator("motor", "lean", ActuatorKind.POSITION, tuning=Tuning(at_least=True))
+    robot = Robot("upright_arm", links, (joint,), actuators=(motor,), meshes=shop.sorted_meshes())
+    positions = stepped(compiled(tuned(robot, fails), gravity=True), way, 2.0)
+    assert positions[-1] == pytest.approx(way, abs=0.01)
+    assert np.max(positions / way) - positions[-1] / way < 0.05
+
+
+@pytest.mark.mujoco
 def test_no_target_drives_a_joint_beyond_its_velocity_limit() -> None:
     """The effort is used up at the limit, however far the target is; without gravity the joint does not reach it."""
     import mujoco

@@ -30,6 +30,7 @@ from stepbot.robot.model import (
     Visual,
 )
 from stepbot.robot.multi_dof import steps_by_child
+from stepbot.robot.sensors import SensorKind
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.tuning import Integrator
 
@@ -202,9 +203,15 @@ def _defaults(top: Element, robot: Robot) -> None:
 
 
 def _assets(top: Element, robot: Robot) -> None:
-    """Meshes; for one without volume, MuJoCo can compute the (unused) inertia only as that of a ``shell``."""
+    """Meshes; for one without volume, MuJoCo can compute the (unused) inertia only as that of a ``shell``.
+
+    The rays of MJX, which reads older files, fail in a model without materials.
+    """
     meshes = _Meshes(robot)
-    asset = element(top, "asset") if meshes.files.all else top
+    has_rays = robot.versions.mjcf < NEW and any(sensor.kind is SensorKind.LIDAR for sensor in robot.sensors)
+    asset = element(top, "asset") if meshes.files.all or has_rays else top
+    if has_rays:
+        element(asset, "material", name="plain")
     for file in meshes.files.all:
         name, mesh = meshes.name_of(file), file.asset.mesh
         optional: dict[str, Value] = {"name": name} if PurePosixPath(file.path).stem != name else {}
