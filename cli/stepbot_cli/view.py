@@ -82,21 +82,23 @@ def command(
     except OSError as error:
         found.add("SB019", f"port {port}: {error.strerror}", Span("stepbot"))
         return _say(found, "", display)
-    with ExitStack() as running:
-        running.enter_context(interruptible())  # to remove temporary files, however the command is ended
-        if edit:
-            running.enter_context(warm_processes())
-        running.callback(session.close)
-        with progress_bar(("read",)) as progress:
-            progress("read")
-            shown = session.load()
-        found.extend(shown.diagnostics)
-        say_trouble(options.cache, found)
-        if shown.scene is None:
-            return _say(found, "", display)
-        session.server.start()
-        _say(found, session.server.url, display, drafted)
-        try:
+    is_served = False
+    try:
+        with ExitStack() as running:
+            running.enter_context(interruptible())  # to remove temporary files, however the command is ended
+            if edit:
+                running.enter_context(warm_processes())
+            running.callback(session.close)
+            with progress_bar(("read",)) as progress:
+                progress("read")
+                shown = session.load()
+            found.extend(shown.diagnostics)
+            say_trouble(options.cache, found)
+            if shown.scene is None:
+                return _say(found, "", display)
+            session.server.start()
+            _say(found, session.server.url, display, drafted)
+            is_served = True
             if not no_open:
                 webbrowser.open(session.server.url)
             session.guess()
@@ -109,8 +111,9 @@ def command(
             if not edit:
                 ended.wait()
             follow(session, lambda shown: None if shown.diagnostics.has_errors else session.on_edit(), ended)
-        except KeyboardInterrupt:
-            return 0
+    except KeyboardInterrupt:
+        if not is_served:
+            raise
     return 0
 
 
