@@ -1,5 +1,6 @@
-"""The page in headless Chromium."""
+"""The page in headless Chromium, or with PAGE_BROWSER=firefox in Firefox, whose WebGL needs a display, such as Xvfb."""
 
+import os
 import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -16,6 +17,9 @@ from .page import Page
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 DRIVER = shutil.which("chromedriver")
+FIREFOX = next(filter(None, map(shutil.which, ("firefox-esr", "firefox"))), None)
+GECKODRIVER = shutil.which("geckodriver")
+IN_FIREFOX = os.environ.get("PAGE_BROWSER") == "firefox"
 _FLAGS = (
     "--headless",
     "--no-sandbox",
@@ -41,12 +45,19 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.fixture(scope="session")
 def driver() -> Iterator[Any]:
-    """Chromium, for all tests."""
+    """The browser, for all tests."""
     try:
         from selenium import webdriver
         from selenium.webdriver.chrome.service import Service
     except ImportError:
         pytest.skip(PAGE_ABSENT)
+    if IN_FIREFOX:
+        if FIREFOX is None or GECKODRIVER is None or "DISPLAY" not in os.environ:
+            pytest.skip("no page is tested in Firefox: it needs Firefox, geckodriver and a display")
+        browser = _firefox(webdriver)
+        yield browser
+        browser.quit()
+        return
     if CHROMIUM is None or DRIVER is None:
         pytest.skip(PAGE_ABSENT)
     options = webdriver.ChromeOptions()
@@ -60,12 +71,24 @@ def driver() -> Iterator[Any]:
     browser.quit()
 
 
+def _firefox(webdriver: Any) -> Any:
+    options = webdriver.FirefoxOptions()
+    options.binary_location = FIREFOX
+    options.set_preference("webgl.force-enabled", True)
+    browser = webdriver.Firefox(options=options, service=webdriver.FirefoxService(GECKODRIVER))
+    browser.set_script_timeout(60)
+    return browser
+
+
 @pytest.fixture
 def page(driver: Any) -> Iterator[Page]:
     """An empty tab of 1280 by 800 pixels; a test fails if the page reports an error to the console."""
     page = Page(driver)
     page.resize(1280, 800)
     driver.get("about:blank")
+    if not page.is_chromium:  # it has no log of its console
+        yield page
+        return
     driver.get_log("browser")
     yield page
     errors = [entry["message"] for entry in driver.get_log("browser") if entry["level"] == "SEVERE"]

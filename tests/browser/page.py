@@ -7,6 +7,8 @@ from typing import Any
 
 from stepbot.viewing.page import page_html
 
+CONTROL = "\ue009"
+"""The key in WebDriver."""
 PATIENCE = 20.0
 """Seconds that a page may take to show something; no test measures speed with it."""
 
@@ -16,6 +18,7 @@ class Page:
 
     def __init__(self, driver: Any) -> None:
         self.driver = driver
+        self.is_chromium = driver.name == "chrome"
         self.expected_errors: list[str] = []
         """Parts of messages on the console that the test causes."""
 
@@ -52,8 +55,12 @@ class Page:
 
     def resize(self, width: int, height: int) -> None:
         """Size of the visible page [CSS pixels]; it is drawn with a quarter of them, without a graphics card."""
-        metrics = {"width": width, "height": height, "deviceScaleFactor": 0.5, "mobile": False}
-        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+        if self.is_chromium:
+            metrics = {"width": width, "height": height, "deviceScaleFactor": 0.5, "mobile": False}
+            self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+            return
+        borders = self.run("return [outerWidth - innerWidth, outerHeight - innerHeight]")
+        self.driver.set_window_size(width + borders[0], height + borders[1])
 
     def element(self, selector: str) -> Any:
         """The first element of a CSS selector."""
@@ -103,14 +110,24 @@ class Page:
 
     def click(self, at: tuple[float, float], *, with_control: bool = False) -> None:
         """Press and release the mouse at a place of the window."""
-        mouse = {"x": at[0], "y": at[1], "button": "left", "clickCount": 1, "modifiers": 2 if with_control else 0}
-        for kind in ("mousePressed", "mouseReleased"):
-            self.driver.execute_cdp_cmd("Input.dispatchMouseEvent", {"type": kind, **mouse})
+        self.drag(at, at, with_control=with_control)
 
     def drag(self, start: tuple[float, float], end: tuple[float, float], *, with_control: bool = False) -> None:
         """Press the mouse at a place of the window, move it in steps, and release it."""
-        mouse = {"button": "left", "buttons": 1, "clickCount": 1, "modifiers": 2 if with_control else 0}
-        steps = [[a + (b - a) * i / 8 for a, b in zip(start, end, strict=True)] for i in range(9)]
-        events = [("mousePressed", steps[0]), *(("mouseMoved", at) for at in steps[1:]), ("mouseReleased", steps[-1])]
-        for kind, (x, y) in events:
-            self.driver.execute_cdp_cmd("Input.dispatchMouseEvent", {"type": kind, "x": x, "y": y, **mouse})
+        from selenium.webdriver.common.actions.action_builder import ActionBuilder
+
+        actions = ActionBuilder(self.driver, duration=10)
+        if with_control:
+            actions.key_action.key_down(CONTROL)
+        steps = [[round(a + (b - a) * i / 8) for a, b in zip(start, end, strict=True)] for i in range(9)]
+        actions.pointer_action.move_to_location(*steps[0]).pointer_down()
+        for at in steps[1:] if start != end else ():
+            actions.pointer_action.move_to_location(*at)
+        actions.pointer_action.pointer_up()
+        # One device after the other: the key is held until the mouse is released.
+        for _ in range(len(actions.pointer_action.source.actions) - len(actions.key_action.source.actions)):
+            actions.key_action.pause()
+        if with_control:
+            actions.key_action.key_up(CONTROL)
+            actions.pointer_action.pause()
+        actions.perform()

@@ -8,11 +8,9 @@ import pytest
 
 from stepbot.serving.session import Session
 
-from .page import Page
+from .page import CONTROL, Page
 from .test_edit import BARE, component, press, text_of
 
-CONTROL = "\ue009"
-"""The key in WebDriver."""
 PARTS_OF_THE_ROOT = (
     BARE
     + """  crank: {parts: [crank]}

@@ -94,6 +94,8 @@ def test_keys(page: Page, opened: Session) -> None:
 
 def test_everything_to_operate_has_a_name(page: Page, opened: Session) -> None:
     """Chromium's accessibility tree has a name for every button, field, slider and tab, in every panel."""
+    if not page.is_chromium:
+        pytest.skip("the accessibility tree is read by a protocol of Chromium")
     page.driver.execute_cdp_cmd("Accessibility.enable", {})
     for tab in page.run(
         "return [...document.querySelectorAll('[role=tab]')].map(tab => tab.getAttribute('aria-controls'))"

@@ -90,7 +90,7 @@ state.listen((what) => {
   if (what === "written") Object.assign(app.counts.get("todo"), { textContent: String(state.written.decisions.length || ""), className: "count warn" });
 });
 app.open("todo");
-byId("toolbar").after(element("p", { id: "hint" }, "This page edits the sidecar. Click a part to move it or to put a joint on it, or a joint in the list to change it. Ctrl-drag selects parts with a box."));
+byId("toolbar").after(element("p", { id: "hint" }, "This page edits the sidecar. Click a part to move it or to put a joint on it; Ctrl-drag a box to select several."));
 state.listen((what) => {
   if (what === "selection" && state.selection) byId("hint").hidden = true;
   if (!state.selection?.link) form = null;

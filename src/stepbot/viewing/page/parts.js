@@ -30,7 +30,7 @@ function everyFound(state, sought) {
   const found = state.scene.links.flatMap(({ name, components }) => components.filter((path) => path.toLowerCase().includes(sought)).map((path) => ({ link: name, component: path })));
   if (!sought || found.length < 2 || !document.body.classList.contains("editing")) return [];
   const select = () => state.select({ ...found[0], picked: found.map(({ component }) => component) });
-  return [element("button", { type: "button", id: "select-all", onclick: select }, `select all ${found.length}`)];
+  return [element("button.small", { type: "button", id: "select-all", onclick: select }, `select all ${found.length}`)];
 }
 
 function linkEntry(state, link, list) {
