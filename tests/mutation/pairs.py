@@ -68,7 +68,7 @@ def differences(first: Path, other: Path, written_in: str) -> str:
     formats = {first: written_in, other: written_in}
     asked = ask(formats, {path: path for path in formats}, Probe(observe), count=1, seconds=0.0)
     said = {path.as_posix(): statements(path, written_in) for path in formats}
-    asked = replace(asked, said=said)
+    asked = replace(asked, texts=said)
     ours, theirs = (_seen(path, written_in, asked.requests[path.as_posix()]) for path in formats)
     if ours is None or theirs is None:
         return "refused"

@@ -203,7 +203,7 @@ class Described:
     robot: Robot
     findings: tuple[Finding, ...]
     is_base_known: bool
-    """Whether the file says if its base is fixed: a URDF only by a root link ``world``."""
+    """Whether the file states if its base is fixed: a URDF only by a root link ``world``."""
     names: Names
     """New names of links, joints and frames that cannot keep theirs."""
 

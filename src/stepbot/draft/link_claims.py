@@ -94,7 +94,7 @@ class LinkClaims:
         """Name of a link, and the CAD's name that it is from, empty without one.
 
         That of the largest part that is no bought-in one, or of the subassembly that is all of the link. The root is
-        the part named a base, and ``base`` where the name of its largest part says nothing.
+        the part named a base, and ``base`` where the name of its largest part states nothing.
         """
         inside = {part.index for part in parts}
         own = [part for part in parts if not _BOUGHT & set(part.roles)]

@@ -47,7 +47,7 @@ class _Pair:
     paths: tuple[str, str]
     drafted: str
     doubt: float
-    """Probability that the draft is wrong, as far as its score says."""
+    """Probability that the draft is wrong, as far as its score states."""
     facts: dict[str, KnownJoint]
     review: str = ""
     """Why the draft doubts it."""

@@ -58,7 +58,7 @@ def judge(
         file: The file that it drove, for diagnostics.
         results: Results, or names of tests in which the simulation diverged.
         found: Receives SB830.
-        facts: What the robot's report says about remedies.
+        facts: What the robot's report states about remedies.
     """
     span = Span(file)
     for result in results:

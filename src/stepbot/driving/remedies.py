@@ -33,7 +33,7 @@ _STRONG = 0.9
 
 @dataclass(frozen=True)
 class Facts:
-    """What the report of a robot says about remedies."""
+    """What the report of a robot states about remedies."""
 
     computed: frozenset[str] = frozenset()
     """Joints whose motors have `gains: auto`."""
@@ -75,7 +75,7 @@ def grip_remedies(grip: Grip, facts: Facts, *, gains: bool) -> Iterator[str]:
 
     Args:
         grip: What became of the cube.
-        facts: What the report says.
+        facts: What the report states.
         gains: Whether the motor has the gains of the file, as in MuJoCo; URDF has none.
     """
     if grip.loss is Loss.FREE:

@@ -20,7 +20,7 @@ class Examined(NamedTuple):
     missing: tuple[MissingMesh, ...] = ()
     """Meshes that it names and that do not exist."""
     stated: tuple[Statement, ...] = ()
-    """What it says, if that is asked for."""
+    """What it states, if that is asked for."""
 
 
 def examine(file: str, written_in: str, opened: str, copy: str, packages: Iterable[Path], stated: bool) -> Examined:
@@ -30,7 +30,7 @@ def examine(file: str, written_in: str, opened: str, copy: str, packages: Iterab
         file: Path of the description, for messages.
         opened: Its path in UTF-8.
         copy: Path of the copy with absolute paths of meshes; empty to look for no meshes.
-        stated: Whether to return what the file says.
+        stated: Whether to return what the file states.
     """
     refused = refusals(file, written_in)
     if refused or not copy:

@@ -172,7 +172,7 @@ def readable(
 
 
 def _changed(top: Element, rejected: str, *, is_urdf: bool, capsules: bool, inertials: bool) -> Iterator[str]:
-    """Change what :func:`readable` says, and name each change."""
+    """Change what :func:`readable` states, and name each change."""
     if is_urdf and with_rpy(top):
         yield _RPY
     round_ended = [] if capsules else top.findall("link//geometry/capsule")

@@ -123,7 +123,7 @@ def _expanded(path: Path, options: Options, found: Diagnostics) -> Description |
 
 
 def _remedies(error: str) -> list[str]:
-    """What to do about an error of a macro; nothing beyond what it says for most."""
+    """What to do about an error of a macro; nothing beyond what it states for most."""
     if error.startswith("package "):
         return ["name the folder of the package, or of packages: `--package-path DIR`"]
     if error.startswith("Undefined substitution argument"):

@@ -29,7 +29,7 @@ def kept_files(files: Mapping[str, bytes], folder: Path, written: Mapping[str, C
         folder: Output folder.
         written: For each file of its list the SHA-256 of all that it may hold; empty if there is no list.
     """
-    # Without its list, a folder is stepbot's if it has a marked file; what never has a mark cannot be told apart there.
+    # Without its list, a folder is stepbot's if it has a marked file; files without marks cannot be distinguished.
     is_lost = not written and any(_is_marked(folder / path) for path in files if "/" not in path)
     kept = {}
     for path, content in files.items():

@@ -176,7 +176,7 @@ def _renamed(actual: Sidecar, view: Edited, change: Rename) -> Iterator[Change]:
 
 
 def _is_new(values: Tree) -> bool:
-    """Whether values are those of an element that the description does not have: it says where it is."""
+    """Whether values are those of an element that the description does not have: it states where it is."""
     known = {"link", "joint"}
     return isinstance(values, Mapping) and not known.isdisjoint(values.entries)
 

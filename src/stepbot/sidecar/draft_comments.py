@@ -79,7 +79,7 @@ class DraftedActuator:
 
 
 def drafted_actuators(text: str) -> tuple[DraftedActuator, ...]:
-    """The actuators in comments; what the draft says once of equal motors is said of each."""
+    """The actuators in comments; what the draft states once of equal motors holds for each."""
     found: list[DraftedActuator] = []
     reviews: dict[str, str] = {}
     for entry in filter(None, map(_ACTUATOR.fullmatch, text.split("\n"))):

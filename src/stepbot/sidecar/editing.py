@@ -74,7 +74,7 @@ Change = Put | Append | Remove | Rename | Annotate
 
 
 class CannotEdit(Exception):
-    """The text is written in a way that allows no such change; the message says why."""
+    """The text is written in a way that allows no such change; the message states why."""
 
 
 _ANY = Path("sidecar")

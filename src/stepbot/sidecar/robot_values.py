@@ -1,4 +1,4 @@
-"""A robot as the values of a sidecar: what a description says, in the words in which a sidecar changes it."""
+"""A robot as the values of a sidecar: what a description states, in the words in which a sidecar changes it."""
 
 from collections.abc import Mapping
 from math import inf, isfinite

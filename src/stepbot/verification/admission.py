@@ -126,7 +126,7 @@ def located(
         workers: Read the files, each in one.
     """
     copies: dict[Path, Path | None] = {path: folder / str(n) / path.name for n, path in enumerate(formats)}
-    places, said = {}, {}
+    places, texts = {}, {}
     shared = len(set(formats.values())) < len(formats)
     for path, one in _examined(formats, copies, tuple(packages), found, workers, stated=shared):
         copy = copies[path]
@@ -134,8 +134,8 @@ def located(
             _report_missing(path, one.missing, found)
         else:
             places[path] = copy if copy is not None and exists(copy) else path
-            said[path] = one.stated
-    return places, said
+            texts[path] = one.stated
+    return places, texts
 
 
 def _examined(

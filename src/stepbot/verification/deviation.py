@@ -72,7 +72,7 @@ class Deviation:
     values: tuple[float, float] | None = None
     """The expected number and the observed one, in ``unit``; None for other comparisons."""
     expected: str = ""
-    """What was expected in place of what ``where`` ends with; empty if it says all."""
+    """What was expected in place of what ``where`` ends with; empty if it states all."""
 
     @property
     def ratio(self) -> float:

@@ -166,10 +166,10 @@ def observed(
             workers = workers._replace(start=running.enter_context(server).fork)
         if packages is None:
             formats = admitted(formats, found, workers)
-            places, said = {path: path for path in formats}, dict[Path, tuple[Statement, ...]]()
+            places, texts = {path: path for path in formats}, dict[Path, tuple[Statement, ...]]()
         else:
             copies = Path(running.enter_context(TemporaryDirectory(dir=run_folder())))
-            places, said = located(formats, packages, copies, found, workers)
+            places, texts = located(formats, packages, copies, found, workers)
             formats = {path: formats[path] for path in places}
         keys = {_key(path): name for path, name in formats.items()}
         engines = running.enter_context(Engines(keys, workers.memory_limit, workers.start))
@@ -184,7 +184,7 @@ def observed(
         probe = Probe(observe_renamed)
         paired = _paired(formats, places, probe, names) if renamed is None else {}
         asked = ask(formats, places, probe, count=count, seconds=seconds)
-        asked = replace(asked, paired=paired, said={_key(path): one for path, one in said.items()})
+        asked = replace(asked, paired=paired, texts={_key(path): one for path, one in texts.items()})
         engines.submit({key: names.get(one.file, UNCHANGED).asked(one) for key, one in asked.requests.items()})
         outcomes = engines.results(workers.timeout)
         return asked, [_renamed(one, names.get(asked.requests[one.key].file)) for one in outcomes]

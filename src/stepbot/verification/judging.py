@@ -24,7 +24,7 @@ from .text import compare_settings, compare_text
 
 _OTHER_ROBOT = "SB803"
 _CODES = {Quantity.CLOSURES: "SB808", Quantity.SIMULATION: "SB811"}
-"""Codes of failed checks of which more can be said than that the file describes another robot; warnings have one for
+"""Codes of failed checks of which more is known than that the file describes another robot; warnings have one for
 stepbot's files and one for others."""
 
 MOST_NOTES = 8
@@ -185,7 +185,7 @@ class Asked:
     """The joints of the first file that an engine can load."""
     paired: Mapping[str, Renaming] = field(default_factory=dict)
     """Names of the first file for what has other names in a further file, by the path of that file."""
-    said: Mapping[str, tuple[Statement, ...]] = field(default_factory=dict)
+    texts: Mapping[str, tuple[Statement, ...]] = field(default_factory=dict)
     """What files that share a format say, by path."""
 
 
@@ -270,10 +270,10 @@ def _compared_across(
         _add_other_names(results, asked.paired.get(theirs.key, UNCHANGED))
     if ours.format == theirs.format:
         equal = not any(one.deviations.failures for one in results if not one.not_run)
-        said = [asked.said.get(key, ()) for key in (ours.key, theirs.key)]
-        text = compare_text(*said, equal=equal, whole=whole)
+        texts = [asked.texts.get(key, ()) for key in (ours.key, theirs.key)]
+        text = compare_text(*texts, equal=equal, whole=whole)
         results = results if text is None else (*results, text)
-        if whole and equal and text is None and all(said):
+        if whole and equal and text is None and all(texts):
             results = (*results, Compared(Quantity.TEXT, compare_settings(*(one.settings for one in pair))))
     return results
 

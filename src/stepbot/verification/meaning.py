@@ -1,4 +1,4 @@
-"""Whether two numbers of a description say the same in other words: directions, rotations, ends of a segment.
+"""Whether two numbers of a description mean the same in other words: directions, rotations, ends of a segment.
 
 No tolerance of an engine takes part: what is not the same but for rounding of the last digits differs.
 """
@@ -20,7 +20,7 @@ from stepbot.geometry.spatial import (
     unit,
 )
 
-Said = Mapping[str, Statement]
+Statements = Mapping[str, Statement]
 
 _TURNED = 1e-14
 """Rounding of a rotation matrix, of angles of a few turns."""
@@ -29,20 +29,20 @@ _FIXED_AXES = "XYZ"
 """Roll, pitch and yaw, as a sequence of MJCF: capitals turn about fixed axes."""
 
 
-def means_the_same(place: str, ours: str, theirs: str, said: Said) -> bool:
+def means_the_same(place: str, ours: str, theirs: str, statements: Statements) -> bool:
     """Whether two texts at one place have the same meaning.
 
     Args:
         place: The place of both.
         ours: The text of one file.
         theirs: That of the other file.
-        said: What the file says elsewhere: units and sequences of angles.
+        statements: What the file states elsewhere: units and sequences of angles.
     """
     a, b = (numbers(text) or [] for text in (ours, theirs))
     meaning = _direction if place.endswith(_DIRECTIONS) else _MEANINGS.get(last_of(place))
     if meaning is None or len(a) != len(b) or not np.isfinite([*a, *b]).all():
         return False
-    one, other = (meaning(place, values, said) for values in (a, b))
+    one, other = (meaning(place, values, statements) for values in (a, b))
     return one is not None and other is not None and bool(np.abs(one - other).max(initial=0.0) <= _TURNED)
 
 
@@ -59,52 +59,52 @@ def numbers(text: str) -> list[float] | None:
         return None
 
 
-def _direction(_place: str, values: Sequence[float], _said: Said) -> Array | None:
+def _direction(_place: str, values: Sequence[float], _statements: Statements) -> Array | None:
     return unit(values) if len(values) == 3 and any(values) else None
 
 
-def _fixed_axes(_place: str, values: Sequence[float], _said: Said) -> Array | None:
+def _fixed_axes(_place: str, values: Sequence[float], _statements: Statements) -> Array | None:
     return _turned(values, _FIXED_AXES) if len(values) == 3 else None
 
 
-def _wxyz(_place: str, values: Sequence[float], _said: Said) -> Array | None:
+def _wxyz(_place: str, values: Sequence[float], _statements: Statements) -> Array | None:
     return rotation_from_quaternion(unit(values).tolist()) if len(values) == 4 and any(values) else None
 
 
-def _xyzw(place: str, values: Sequence[float], said: Said) -> Array | None:
-    return _wxyz(place, (*values[3:], *values[:3]), said)
+def _xyzw(place: str, values: Sequence[float], statements: Statements) -> Array | None:
+    return _wxyz(place, (*values[3:], *values[:3]), statements)
 
 
-def _pose(place: str, values: Sequence[float], said: Said) -> Array | None:
+def _pose(place: str, values: Sequence[float], statements: Statements) -> Array | None:
     """Position and rotation of SDFormat's ``<pose>``."""
     if len(values) == 7:
-        R = _xyzw(place, values[3:], said)
+        R = _xyzw(place, values[3:], statements)
     else:
-        stated = said.get(f"{place}@degrees")
+        stated = statements.get(f"{place}@degrees")
         degrees = stated is not None and stated.value in ("true", "1")
-        R = _fixed_axes(place, [radians(one) if degrees else one for one in values[3:]], said)
+        R = _fixed_axes(place, [radians(one) if degrees else one for one in values[3:]], statements)
     return None if R is None else np.concatenate([values[:3], R.ravel()])
 
 
-def _euler(_place: str, values: Sequence[float], said: Said) -> Array | None:
-    sequence = _setting(said, "@eulerseq", "xyz")
+def _euler(_place: str, values: Sequence[float], statements: Statements) -> Array | None:
+    sequence = _setting(statements, "@eulerseq", "xyz")
     known = len(values) == len(sequence) == 3 and set(sequence.lower()) <= set("xyz")
-    return _turned([_angle(one, said) for one in values], sequence) if known else None
+    return _turned([_angle(one, statements) for one in values], sequence) if known else None
 
 
-def _axisangle(_place: str, values: Sequence[float], said: Said) -> Array | None:
+def _axisangle(_place: str, values: Sequence[float], statements: Statements) -> Array | None:
     known = len(values) == 4 and any(values[:3])
-    return rotation_about(unit(values[:3]), _angle(values[3], said)) if known else None
+    return rotation_about(unit(values[:3]), _angle(values[3], statements)) if known else None
 
 
-def _xyaxes(_place: str, values: Sequence[float], _said: Said) -> Array | None:
+def _xyaxes(_place: str, values: Sequence[float], _statements: Statements) -> Array | None:
     if len(values) != 6 or not length(cross(np.array(values[:3]), np.array(values[3:]))):
         return None
     x, y = unit(values[:3]), np.array(values[3:])
     return np.concatenate([x, unit(y - dot(x, y) * x)])
 
 
-def _segment(_place: str, values: Sequence[float], _said: Said) -> Array | None:
+def _segment(_place: str, values: Sequence[float], _statements: Statements) -> Array | None:
     """Both ends of a geom that is the same from either end; engines compare what is not."""
     return np.array(sorted((list(values[:3]), list(values[3:])))) if len(values) == 6 else None
 
@@ -118,20 +118,22 @@ def _turned(angles: Sequence[float], sequence: str) -> Array:
     return R
 
 
-def _angle(value: float, said: Said) -> float:
+def _angle(value: float, statements: Statements) -> float:
     """An angle of an MJCF [rad]."""
-    return value if _setting(said, "@angle", "degree") == "radian" else radians(value)
+    return value if _setting(statements, "@angle", "degree") == "radian" else radians(value)
 
 
-def _setting(said: Said, attribute: str, default: str) -> str:
+def _setting(statements: Statements, attribute: str, default: str) -> str:
     """A setting of an MJCF's compiler, of which the last one counts."""
     stated = [
-        one.value for place, one in said.items() if place.startswith("mujoco/compiler") and place.endswith(attribute)
+        one.value
+        for place, one in statements.items()
+        if place.startswith("mujoco/compiler") and place.endswith(attribute)
     ]
     return stated[-1] if stated else default
 
 
-_MEANINGS: Mapping[str, Callable[[str, Sequence[float], Said], Array | None]] = {
+_MEANINGS: Mapping[str, Callable[[str, Sequence[float], Statements], Array | None]] = {
     "rpy": _fixed_axes,
     "quat": _wxyz,
     "quat_xyzw": _xyzw,

@@ -15,7 +15,7 @@ from .meaning import last_of, means_the_same, numbers
 _EQUAL = Tolerance(absolute=1e-13, relative=1e-9)
 _SETTINGS = ("@angle", "@eulerseq", "@autolimits", "@inertiafromgeom", "@balanceinertia", "@settotalmass")
 """Settings of an MJCF by which other numbers change their meaning."""
-_SAID_OTHERWISE = (
+_IN_OTHER_WORDS = (
     "xyz rpy pos quat axisangle xyaxes zaxis euler fromto pose axis qpos size scale radius length "
     "fullinertia diaginertia ixx ixy ixz iyy iyz izz"
 )
@@ -58,8 +58,8 @@ def compare_text(
     differ = [one for place, one in a.items() if place in b and b[place].value != one.value]
     alone = whole and len(differ) == 1 and set(a) == set(b)
     for one in differ:
-        other, said_otherwise = b[one.place], last_of(one.place) in _SAID_OTHERWISE.split() and not alone
-        if (one.read and (not equal or said_otherwise)) or means_the_same(one.place, one.value, other.value, a):
+        other, in_other_words = b[one.place], last_of(one.place) in _IN_OTHER_WORDS.split() and not alone
+        if (one.read and (not equal or in_other_words)) or means_the_same(one.place, one.value, other.value, a):
             continue
         words = last_of(one.place) not in _NAMES.split() if one.read else whole
         _compare(deviations, one, other, words=words)

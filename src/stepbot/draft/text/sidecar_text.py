@@ -186,7 +186,7 @@ def _actuators(draft: Draft, names: DraftNames) -> list[str]:
         "# (`stepbot motors NAME`); without it, add `effort` and `velocity` to `limits`.",
         "# actuators:",
     ]
-    told: set[Models] = set()
+    stated: set[Models] = set()
     for name, joint in driven:
         key, found = scalar(f"{name.removesuffix('_joint')}_motor"), joint.models
         if found is None:
@@ -194,8 +194,8 @@ def _actuators(draft: Draft, names: DraftNames) -> list[str]:
             continue
         model = scalar(found.family or found.names[0])
         several = f"; one of {', '.join(found.names)}" if len(found.names) > 1 else ""
-        review = f"{one_line(found.why)}{several}" if found not in told else "as above"
-        told.add(found)
+        review = f"{one_line(found.why)}{several}" if found not in stated else "as above"
+        stated.add(found)
         keys = [("joint", scalar(name)), ("motor", model), ("part", quoted(joint.motor))]
         lines.append(f"#   {key}: {flow(keys)}  # REVIEW: {review}")
     return lines
@@ -249,11 +249,11 @@ def _link(link: DraftLink, names: DraftNames, *, is_root: bool) -> list[str]:
 def _contacts(draft: Draft) -> dict[tuple[str, str], list[tuple[str, str]]]:
     """By link and part, a material, and a comment: its friction and the reason beside the first of several."""
     found: dict[tuple[str, str], list[tuple[str, str]]] = {}
-    told: set[str] = set()
+    stated: set[str] = set()
     for one in draft.contacts:
         review = f"REVIEW: {one.why}; friction {number(MATERIALS[one.material].sliding)}"
-        found[one.link, one.part] = [(one.material, f"# {review if one.why not in told else 'as above'}")]
-        told.add(one.why)
+        found[one.link, one.part] = [(one.material, f"# {review if one.why not in stated else 'as above'}")]
+        stated.add(one.why)
     return found
 
 

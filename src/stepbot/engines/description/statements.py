@@ -1,4 +1,4 @@
-"""Everything that a description says, place by place: for what no engine reports, the text itself is compared."""
+"""Everything that a description states, place by place: for what no engine reports, the text itself is compared."""
 
 from collections import Counter
 from collections.abc import Iterator

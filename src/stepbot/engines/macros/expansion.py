@@ -201,7 +201,7 @@ def _bar() -> None:
 
 
 def _said(error: BaseException) -> str:
-    """What an exception of xacro says, without its kind and its advice for the terminal."""
+    """What an exception of xacro states, without its kind and its advice for the terminal."""
     inner = getattr(error, "exc", None)
     suffix = " ".join(str(getattr(error, "suffix", None) or "").split())
     if isinstance(error, SyntaxError):

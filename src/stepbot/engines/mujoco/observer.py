@@ -93,7 +93,7 @@ def observe(request: Request) -> Observation:
 def _without_ignored_bounds(
     joints: Iterable[ObservedJoint], warnings: Collection[str], request: Request
 ) -> tuple[ObservedJoint, ...]:
-    """The joints of a URDF without a report of the bounds that MuJoCo says it ignores, because both are equal."""
+    """The joints of a URDF without a report of the bounds that MuJoCo ignores, because both are equal."""
     bounded = xml_root(Path(request.file)).xpath("joint[@type != 'continuous']/@name")
     ignored = [f"joint '{name}' has equal lower and upper limits, limit ignored" for name in bounded]
     names = {name for name, text in zip(bounded, ignored, strict=True) if text in warnings}

@@ -40,7 +40,7 @@ shoulder throw its wrist."""
 _GRIPPING_ITERATIONS = 1000
 """The same for loops that press on a cube: with 200 the pins of the 2F-85 open by 1.3 mm."""
 _CLAMPED = 100.0
-"""Speed [rad/s], [m/s] beyond which PyBullet clamps a joint, whatever the file says."""
+"""Speed [rad/s], [m/s] beyond which PyBullet clamps a joint, whatever the file states."""
 _UNLIMITED = 1e4
 """Force [N], [N m] of motors without an effort limit."""
 _GEAR_FORCE = 1e4

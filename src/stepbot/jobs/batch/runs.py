@@ -1,6 +1,6 @@
 """Plans and runs a batch; a failed robot does not affect the others.
 
-A file per finished robot says what it was made of. A robot is finished if its input is the same, by content, and every
+A file per finished robot states what it was made of. A robot is finished if its input is the same, by content, and each
 written file still exists unchanged. An interrupted batch resumes with the others.
 """
 
@@ -272,7 +272,7 @@ def _finished(task: Task, work: Work, state: State, began: float) -> Outcome:
     found = Diagnostics()
     found.extend(work.diagnostics)
     if not write(Conversion(found, files=work.files), task.output, task.sidecar).files and not found.has_errors:
-        raise AssertionError(f"{task.name}: no files, and no error that says why")
+        raise AssertionError(f"{task.name}: no files, and no error that states why")
     if not found.has_errors:
         state.finish(task, work)
     status = Status.FAILED if found.has_errors else Status.CONVERTED
