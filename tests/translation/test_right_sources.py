@@ -43,6 +43,34 @@ def told(conversion: Conversion, code: str) -> list[str]:
     return [one.message for one in conversion.diagnostics if one.code == code]
 
 
+_FRAME = (
+    '<link name="tip"><inertial><mass value="1e-9"/>'
+    '<inertia ixx="0" iyy="0" izz="0" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+    '<joint name="mount" type="{}"><parent link="arm"/><child link="tip"/><origin xyz="0.2 0 0"/>'
+    '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint>'
+)
+"""As onshape-to-robot writes a frame: a link with hardly any mass, and no inertia."""
+
+
+def test_frames_with_a_mass_are_point_masses(tmp_path: Path) -> None:
+    """A link with a mass and no inertia on a link with both is physical, in every format."""
+    source = urdf(f'<link name="base">{_INERTIAL}</link>', _FRAME.format("fixed"))
+    proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf", "usd", "webots")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    assert model.body("tip").mass == pytest.approx([1e-9])
+    assert not model.body("tip").inertia.any()
+
+
+def test_a_point_mass_does_not_turn_alone(tmp_path: Path) -> None:
+    """A moving link needs an inertia."""
+    path = tmp_path / "robot.urdf"
+    path.write_text(urdf(f'<link name="base">{_INERTIAL}</link>', _FRAME.format("revolute")), encoding="utf-8")
+    conversion = convert(path, Options(tmp_path / "out", base="fixed"))
+    assert [one.message for one in conversion.diagnostics if one.severity == "error"] == [
+        "link 'tip': its inertia is not positive definite: principal moments 0, 0, 0 kg m^2"
+    ]
+
+
 def test_link_with_collision_and_without_inertial(tmp_path: Path) -> None:
     """It has no mass, as URDF defines, although MuJoCo computes one when it loads the source; and this is reported."""
     base, tool = (

@@ -141,7 +141,7 @@ def inertial_doubts(properties: MassProperties, points: Array) -> Iterator[Doubt
         points: Points (n, 3) [m] in the same frame whose convex hull contains the mass; may be empty.
     """
     trace, smallest = float(np.trace(np.array(properties.inertia))), smallest_trace(properties.mass)
-    if trace < smallest:
+    if 0.0 < trace < smallest:  # a point mass has none
         yield Doubt(
             "SB518:small-inertia",
             f"ixx + iyy + izz = {trace:.3g} kg m^2; a ball of osmium ({OSMIUM:g} kg/m^3) of its {properties.mass:.4g} "

@@ -230,9 +230,10 @@ def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> No
         between = members[0].name in heavy_below and not any(link.shapes for link in members)
         if moves and not between and not any(link.mass_properties.mass > 0.0 for link in members):
             _report_massless(members, report, described=massless_between)
+    points = _point_masses(robot)
     for link in robot.links:
         fault = inertia_fault(link.mass_properties)
-        if fault:
+        if fault and link.name not in points:
             solids = "solids without one are open or self-intersecting: repair them in CAD"
             report(
                 "SB509",
@@ -240,6 +241,20 @@ def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> No
                 help=(f"correct its `inertial`; {_ASSUME if massless_between else solids}",),
                 about=f"link '{link.name}': inertial",
             )
+
+
+def _point_masses(robot: Robot) -> set[str]:
+    """Links with a mass and no inertia that are fixed to links with both: frames of programs that need a mass."""
+    points = set()
+    for members in _rigid_groups(robot):
+        bare = {
+            link.name
+            for link in members
+            if link.mass_properties.mass > 0.0 and not np.any(link.mass_properties.inertia)
+        }
+        if bare and any(link.mass_properties.mass > 0.0 and link.name not in bare for link in members):
+            points |= bare
+    return points
 
 
 def _links_above_mass(robot: Robot) -> frozenset[str]:

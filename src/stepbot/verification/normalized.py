@@ -31,25 +31,26 @@ _ROUNDING = 1e-6
 
 
 def without_stand_ins(observation: Observation) -> Observation:
-    """The observation with infinite limits, and massless links, in place of such numbers."""
+    """The observation with infinite limits, massless links and point masses, in place of such numbers."""
     return replace(
         observation,
-        links=tuple(_massless(link) if _has_stand_in(link) else link for link in observation.links),
+        links=tuple(_without_stand_in(link) for link in observation.links),
         joints=tuple(_freed(joint) for joint in observation.joints),
     )
 
 
-def _has_stand_in(link: ObservedLink) -> bool:
-    """Whether mass and inertia are those of a stand-in: links of other programs may have the same mass alone."""
-    return link.mass is not None and any(
-        abs(link.mass - mass) < _ROUNDING * mass
-        and (link.inertia is None or np.allclose(link.inertia, moment * np.eye(3), rtol=0.0, atol=_ROUNDING * moment))
-        for mass, moment in _STAND_INS
-    )
-
-
-def _massless(link: ObservedLink) -> ObservedLink:
-    return replace(link, mass=0.0, com=ZERO3, inertia=ZERO33)
+def _without_stand_in(link: ObservedLink) -> ObservedLink:
+    """A massless link, or a point mass: links of other programs may have the same mass alone."""
+    for mass, moment in _STAND_INS if link.mass is not None else ():
+        is_mass = abs((link.mass or 0.0) - mass) < _ROUNDING * mass
+        is_moment = link.inertia is not None and np.allclose(
+            link.inertia, moment * np.eye(3), rtol=0.0, atol=_ROUNDING * moment
+        )
+        if is_mass and (is_moment or link.inertia is None):
+            return replace(link, mass=0.0, com=ZERO3, inertia=ZERO33)
+        if is_moment:
+            return replace(link, inertia=ZERO33)
+    return link
 
 
 def _freed(joint: ObservedJoint) -> ObservedJoint:

@@ -271,8 +271,8 @@ class _GeomNames:
 
 
 def _inertial(body: Element, mass: MassProperties) -> None:
-    if mass.mass == 0.0:
-        element(body, "inertial", pos=mass.com, mass=0, diaginertia=(0.0, 0.0, 0.0))
+    if not np.any(mass.inertia):  # MuJoCo takes neither none nor a point mass as `fullinertia`
+        element(body, "inertial", pos=mass.com, mass=mass.mass or 0, diaginertia=(0.0, 0.0, 0.0))
         return
     (ixx, ixy, ixz), (_, iyy, iyz), (_, _, izz) = mass.inertia
     A, B, C = np.linalg.eigvalsh(np.array(mass.inertia)).tolist()
