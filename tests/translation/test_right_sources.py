@@ -61,10 +61,11 @@ def test_frames_with_a_mass_are_point_masses(tmp_path: Path) -> None:
     assert not model.body("tip").inertia.any()
 
 
-def test_a_point_mass_does_not_turn_alone(tmp_path: Path) -> None:
-    """A moving link needs an inertia."""
-    path = tmp_path / "robot.urdf"
-    path.write_text(urdf(f'<link name="base">{_INERTIAL}</link>', _FRAME.format("revolute")), encoding="utf-8")
+@pytest.mark.parametrize(("kind", "mass"), [("revolute", "1e-9"), ("fixed", "5"), ("fixed", "1e-5")])
+def test_other_links_need_an_inertia(tmp_path: Path, kind: str, mass: str) -> None:
+    """One that moves alone, or whose mass counts, has an inertia that was forgotten."""
+    path, frame = tmp_path / "robot.urdf", _FRAME.format(kind).replace("1e-9", mass)
+    path.write_text(urdf(f'<link name="base">{_INERTIAL}</link>', frame), encoding="utf-8")
     conversion = convert(path, Options(tmp_path / "out", base="fixed"))
     assert [one.message for one in conversion.diagnostics if one.severity == "error"] == [
         "link 'tip': its inertia is not positive definite: principal moments 0, 0, 0 kg m^2"

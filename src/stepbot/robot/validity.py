@@ -44,6 +44,8 @@ _CHECK = ("check its numbers and their units in the source; masses follow from d
 _ASSUME = "`--assume-inertia DENSITY` computes them from its geometry"
 _UNIT_SLACK = 1e-9
 _TRIANGLE_SLACK = 1e-6
+_NEGLIGIBLE = 1e-6
+"""Share of the mass of what a link is fixed to, below which its missing inertia changes nothing."""
 
 _Named = Actuator | Collision | Frame | Joint | Link | LoopClosure | MeshAsset | Sensor | Visual
 Report = Callable[..., None]
@@ -244,7 +246,7 @@ def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> No
 
 
 def _point_masses(robot: Robot) -> set[str]:
-    """Links with a mass and no inertia that are fixed to links with both: frames of programs that need a mass."""
+    """Links with a negligible mass and no inertia on links with both: frames of programs that need a mass."""
     points = set()
     for members in _rigid_groups(robot):
         bare = {
@@ -252,8 +254,10 @@ def _point_masses(robot: Robot) -> set[str]:
             for link in members
             if link.mass_properties.mass > 0.0 and not np.any(link.mass_properties.inertia)
         }
-        if bare and any(link.mass_properties.mass > 0.0 and link.name not in bare for link in members):
-            points |= bare
+        rest = sum(link.mass_properties.mass for link in members if link.name not in bare)
+        points |= {
+            link.name for link in members if link.name in bare and link.mass_properties.mass < _NEGLIGIBLE * rest
+        }
     return points
 
 

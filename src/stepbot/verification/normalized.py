@@ -48,7 +48,7 @@ def _without_stand_in(link: ObservedLink) -> ObservedLink:
         )
         if is_mass and (is_moment or link.inertia is None):
             return replace(link, mass=0.0, com=ZERO3, inertia=ZERO33)
-        if is_moment:
+        if is_moment and (link.mass or 0.0) < mass:  # lighter than any link that has this inertia itself
             return replace(link, inertia=ZERO33)
     return link
 

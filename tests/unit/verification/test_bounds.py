@@ -54,3 +54,10 @@ def test_unreachable_limits_are_none() -> None:
     assert free.limit == kept
     assert free.steps[0].limit == Limit(-inf, inf, inf, inf)
     assert other.limit is None
+
+
+def test_a_link_with_the_moment_of_a_stand_in_keeps_it() -> None:
+    """The moment alone shows no stand-in: 10 g with 1e-9 kg m^2 are not 10 g without inertia."""
+    one = seen(0.01, 1e-9)
+    (link,) = without_stand_ins(one).links
+    assert np.array_equal(np.array(link.inertia), 1e-9 * np.eye(3))
