@@ -61,11 +61,15 @@ def test_frames_with_a_mass_are_point_masses(tmp_path: Path) -> None:
     assert not model.body("tip").inertia.any()
 
 
-@pytest.mark.parametrize(("kind", "mass"), [("revolute", "1e-9"), ("fixed", "5"), ("fixed", "1e-5")])
-def test_other_links_need_an_inertia(tmp_path: Path, kind: str, mass: str) -> None:
-    """One that moves alone, or whose mass counts, has an inertia that was forgotten."""
+@pytest.mark.parametrize(
+    ("kind", "mass", "arm"),
+    [("revolute", "1e-9", "1"), ("fixed", "5", "1"), ("fixed", "1e-5", "1"), ("fixed", "2e-6", "100")],
+)
+def test_other_links_need_an_inertia(tmp_path: Path, kind: str, mass: str, arm: str) -> None:
+    """One that moves alone, or whose mass counts, has an inertia that was forgotten; a heavy arm excuses no more."""
     path, frame = tmp_path / "robot.urdf", _FRAME.format(kind).replace("1e-9", mass)
-    path.write_text(urdf(f'<link name="base">{_INERTIAL}</link>', frame), encoding="utf-8")
+    source = urdf(f'<link name="base">{_INERTIAL}</link>', frame).replace('value="1"', f'value="{arm}"')
+    path.write_text(source, encoding="utf-8")
     conversion = convert(path, Options(tmp_path / "out", base="fixed"))
     assert [one.message for one in conversion.diagnostics if one.severity == "error"] == [
         "link 'tip': its inertia is not positive definite: principal moments 0, 0, 0 kg m^2"

@@ -11,6 +11,7 @@ from math import isinf
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.poses import Poses
 from stepbot.geometry.spatial import Pose
@@ -45,7 +46,7 @@ _ASSUME = "`--assume-inertia DENSITY` computes them from its geometry"
 _UNIT_SLACK = 1e-9
 _TRIANGLE_SLACK = 1e-6
 _NEGLIGIBLE = 1e-6
-"""Share of the mass of what a link is fixed to, below which its missing inertia changes nothing."""
+"""Share of the mass of what a link is fixed to, at most of 1 kg, below which its missing inertia changes nothing."""
 
 _Named = Actuator | Collision | Frame | Joint | Link | LoopClosure | MeshAsset | Sensor | Visual
 Report = Callable[..., None]
@@ -254,10 +255,9 @@ def _point_masses(robot: Robot) -> set[str]:
             for link in members
             if link.mass_properties.mass > 0.0 and not np.any(link.mass_properties.inertia)
         }
-        rest = sum(link.mass_properties.mass for link in members if link.name not in bare)
-        points |= {
-            link.name for link in members if link.name in bare and link.mass_properties.mass < _NEGLIGIBLE * rest
-        }
+        rest = exact_sum(link.mass_properties.mass for link in members if link.name not in bare)
+        most = _NEGLIGIBLE * min(rest, 1.0)
+        points |= {name for name in bare if robot.link_by_name[name].mass_properties.mass < most}
     return points
 
 
