@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from stepbot.draft.contacts.teeth import Mesh, RackMesh
 from stepbot.draft.draft import DraftJoint
-from stepbot.draft.evidence.gears import SAME_GEAR, Mesh, RackMesh, mesh_between, meshes, rack_meshes
+from stepbot.draft.evidence.gears import SAME_GEAR, mesh_between
 from stepbot.draft.inference import Inferred
 from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.geometry.spatial import ZERO3
@@ -23,7 +24,7 @@ def geared(found: Inferred, tree: Sequence[TreeJoint], joints: Sequence[DraftJoi
         tree: The joints between them as they were inferred.
         joints: The same as drafted, without mimics.
     """
-    made, of_gears = list(joints), meshes(found.survey)
+    made = list(joints)
     turning = [n for n, joint in enumerate(made) if joint.type in _TURNING and joint.confidence.is_chosen]
     turning.sort(key=lambda n: (not tree[n].evidence.drives, n))
     for k, leader in enumerate(turning):
@@ -32,18 +33,17 @@ def geared(found: Inferred, tree: Sequence[TreeJoint], joints: Sequence[DraftJoi
             if one.parent != two.parent or two.evidence.drives or made[n].mimic is not None:
                 continue
             members = found.links[one.child], found.links[two.child]
-            mesh = mesh_between(of_gears, *members, (one.evidence.axis, two.evidence.axis))
+            mesh = mesh_between(found.survey.meshes, *members, (one.evidence.axis, two.evidence.axis))
             if mesh is not None:
                 made[n] = _turned(made[leader], made[n], mesh)
-    for rack in rack_meshes(found.survey):
+    for rack in found.survey.rack_meshes:
         _pull(found, tree, made, turning, rack)
     return tuple(made)
 
 
 def _turned(leader: DraftJoint, joint: DraftJoint, mesh: Mesh) -> DraftJoint:
-    radii = mesh.pitch_radii()
     same = bool(np.dot(leader.direction or ZERO3, joint.direction or ZERO3) > 0.0)
-    ratio = round(radii[0] / radii[1], 4) * (1.0 if same == bool(mesh.belt) else -1.0)
+    ratio = mesh.ratio * (1.0 if same == bool(mesh.belt) else -1.0)
     how = f"by the belt '{mesh.belt}'" if mesh.belt else "by gears"
     ratio_is = "that of the pitch circles, count the teeth"
     if mesh.are_counted:

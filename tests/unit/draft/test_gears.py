@@ -219,6 +219,39 @@ def test_a_rack_far_from_the_pinion_follows_nothing() -> None:
     assert all(joint.mimic is None for joint in infer(assembled(*nodes), "gripper").joints)
 
 
+def test_pulleys_with_drawn_teeth_share_a_belt() -> None:
+    """The teeth of both are counted, although they do not mesh with each other."""
+    plate = box(240, 60, 10).at(60, 0, -5) + cylinder(3, 9) + cylinder(3, 9).at(120, 0, 0)
+    wheels = [
+        part(f"pulley {name}", cranked(toothed(n, 0.8, 6)), x, 0, 0.3) for name, n, x in (("a", 40, 0), ("b", 16, 120))
+    ]
+    belt = part("timing belt", box(160, 34, 5) - box(150, 30, 5), 60, 0, 3.3)
+    draft = infer(assembled(part("base", plate), *wheels, belt), "belt")
+    (led,) = [joint for joint in draft.joints if joint.mimic is not None]
+    assert led.mimic is not None
+    assert abs(led.mimic.multiplier) == (2.5 if led.child == "pulley_b" else 0.4)
+    assert "by the belt 'timing belt'" in led.review
+    assert "teeth, as drawn" in led.review
+
+
+def test_a_gear_drawn_round_with_a_splined_bore_has_its_outer_circle() -> None:
+    """The teeth of a spline are not those that mesh."""
+    bore = toothed(12, 1.0, 12)
+    spline = fused(cylinder(4, 30).at(0, 0, -15).shape, toothed(12, 1.0, 8))
+    one = fused(cylinder(30, 8).shape, box(6, 60, 4).at(0, 30, 10).shape, less=bore)
+    two = fused(cylinder(15, 8).shape, box(6, 40, 4).at(0, 15, 10).shape, less=cylinder(3.05, 20).shape)
+    plate = fused(
+        box(160, 80, 10).at(20, 0, -10).shape,
+        cylinder(3, 9).at(45, 0, -5).shape,
+        less=cylinder(4, 40).at(0, 0, -20).shape,
+    )
+    nodes = [part("base", plate), part("shaft", spline), part("gear a", one), part("gear b", two, 45, 0, 0)]
+    found = Survey(assembled(*nodes), ALL_SOURCES)
+    (mesh,) = found.meshes
+    assert mesh.ratio == 2.0
+    assert not mesh.are_counted
+
+
 def test_equal_gears_are_searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Which outlines may have teeth is looked up once for each definition; the teeth are found in each part."""
     searched: list[int] = []
@@ -235,7 +268,7 @@ def test_equal_gears_are_searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
         nodes = [Node(f"copy {n}", children=gears, X=Pose.of(position=(0.2 * n, 0.0, 0.0))) for n in range(copies)]
         found = Survey(assembled(*nodes), ALL_SOURCES)
         assert sorted(rim.teeth for rims in found.rims.values() for rim in rims) == [20] * copies + [30] * copies
-        assert not found.racks
+        assert not found.rack_meshes
         counts.append(len(searched))
     assert counts[0] > 0
     assert counts[1] == counts[0]

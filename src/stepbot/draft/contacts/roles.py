@@ -13,7 +13,7 @@ import numpy as np
 
 from stepbot.draft.contacts.contacts import CoaxialLine, Contacts, LineFace
 from stepbot.draft.contacts.shafts import HALF_ROUND
-from stepbot.draft.contacts.teeth import find_rims
+from stepbot.draft.contacts.teeth import teeth_of
 from stepbot.draft.parts.names import Role, is_spoken, roles
 from stepbot.draft.parts.parts import Part
 from stepbot.draft.parts.scene import Scene
@@ -24,26 +24,22 @@ from stepbot.step.faces import Face, FaceKind
 
 def read_parts(scene: Scene, found: Contacts, *, use_names: bool) -> dict[int, Part]:
     """All parts by the index of their component."""
-    parts, lines_of = {}, lines_by_part(found)
+    lines_of: dict[int, list[int]] = defaultdict(list)
+    for number, line in enumerate(found.lines):
+        for index in line.faces:
+            lines_of[index].append(number)
+    parts = {}
     for index in scene.parts:
-        part, lines = _part(scene, index, use_names=use_names), lines_of[index]
+        part = _part(scene, index, use_names=use_names)
+        lines = [found.lines[n] for n in lines_of[index]]
         if part.role is None and is_bearing(part, lines):
             part = replace(part, role=Role.BEARING)
-        elif (
-            part.role is None and is_screw(part, lines, scene.body(index).faces) and not find_rims(scene, index, lines)
-        ):
-            part = replace(part, role=Role.FASTENER)  # no pinion, whose flanks are at the angles of a nut's sides
+        elif part.role is None and is_screw(part, lines, scene.body(index).faces):
+            # The flanks of a pinion are at the angles of a nut's sides.
+            role = None if scene.of_definition(index, teeth_of).rims else Role.FASTENER
+            part = replace(part, role=role)
         parts[index] = part
     return parts
-
-
-def lines_by_part(found: Contacts) -> dict[int, list[CoaxialLine]]:
-    """The lines with faces of each part."""
-    lines_of: dict[int, list[CoaxialLine]] = defaultdict(list)
-    for line in found.lines:
-        for index in line.faces:
-            lines_of[index].append(line)
-    return lines_of
 
 
 def _part(scene: Scene, index: int, *, use_names: bool) -> Part:

@@ -13,9 +13,19 @@ from stepbot.draft.contacts.contacts import Contacts, Pair
 from stepbot.draft.contacts.near_fits import NearFit, find_near_fits
 from stepbot.draft.contacts.planes import find_patches
 from stepbot.draft.contacts.relations import Relation, Via, find_relations, neighbours, turned_lines
-from stepbot.draft.contacts.roles import lines_by_part, read_parts, spoken_names
+from stepbot.draft.contacts.roles import read_parts, spoken_names
 from stepbot.draft.contacts.shafts import find_fits
-from stepbot.draft.contacts.teeth import Rack, Rim, find_rack, find_rims
+from stepbot.draft.contacts.teeth import (
+    Gear,
+    Mesh,
+    Rack,
+    RackMesh,
+    Rim,
+    find_gears,
+    find_meshes,
+    find_rack_meshes,
+    teeth_of,
+)
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, is_belt, roles
@@ -140,15 +150,34 @@ class Survey:
     @cached_property
     def rims(self) -> dict[int, list[Rim]]:
         """Toothed rims of larger parts, about axes of their round faces."""
-        lines = lines_by_part(self.contacts)
-        found = ((part, find_rims(self.scene, part, lines[part])) for part in self.parts if part not in self.small)
-        return {part: rims for part, rims in found if rims}
+        larger = (self.scene.component(part) for part in self.parts if part not in self.small)
+        return {
+            one.index: [rim.placed(one.X_WC) for rim in rims]
+            for one in larger
+            if (rims := self.scene.of_definition(one.index, teeth_of).rims)
+        }
 
     @cached_property
-    def racks(self) -> dict[int, Rack]:
-        """Racks of larger parts, if there are rims."""
-        found = ((part, find_rack(self.scene, part)) for part in self.parts if self.rims and part not in self.small)
-        return {part: rack for part, rack in found if rack is not None}
+    def gears(self) -> list[Gear]:
+        """Larger parts with teeth, or named gears or pulleys."""
+        larger = {i: part for i, part in self.parts.items() if i not in self.small}
+        return list(find_gears(larger, self.rims, self.contacts.lines))
+
+    @cached_property
+    def meshes(self) -> list[Mesh]:
+        """All pairs of gears that mesh, and of pulleys with one belt."""
+        belts = [self.parts[i] for i in sorted(self._belts)]
+        return list(find_meshes(self.scene, self.parts, self.gears, belts))
+
+    @cached_property
+    def rack_meshes(self) -> list[RackMesh]:
+        """All gears that mesh with racks of larger parts."""
+        racks: dict[int, Rack] = {}
+        for part in self.parts if self.rims else ():
+            rack = self.scene.of_definition(part, teeth_of).rack
+            if rack is not None and part not in self.small:
+                racks[part] = rack.placed(self.scene.component(part).X_WC)
+        return list(find_rack_meshes(self.scene, self.gears, racks))
 
     @cached_property
     def tops(self) -> set[int]:

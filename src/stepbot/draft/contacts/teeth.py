@@ -1,20 +1,26 @@
-"""Teeth by shape: outlines of plane faces that rise and fall evenly, about an axis or in a sector, or along a rack."""
+"""Gears and racks by their teeth, gears and pulleys by name: which ones mesh, and their ratio.
 
-from collections.abc import Iterator, Sequence
+Teeth are outlines of plane faces that rise and fall evenly, about an axis or in a sector, or along a line.
+"""
+
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 from math import pi
 from typing import NamedTuple
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from stepbot.draft.contacts.contacts import CoaxialLine
 from stepbot.draft.contacts.shafts import HALF_ROUND
-from stepbot.draft.parts.axis import Axis, are_parallel
+from stepbot.draft.parts.axis import PARALLEL, Axis, are_parallel
+from stepbot.draft.parts.names import Role
+from stepbot.draft.parts.parts import Part, box_gap
 from stepbot.draft.parts.scene import Scene
-from stepbot.geometry.spatial import Array, cross
+from stepbot.geometry.spatial import Array, Pose, cross, perpendicular_frame
 from stepbot.step.assembly import Body
-from stepbot.step.faces import FaceKind
+from stepbot.step.faces import Face, FaceKind
 
 _FEWEST, _FEWEST_CORNERS = 5, 20
 """Teeth of a sector; corners of an outline that may have as many."""
@@ -30,6 +36,16 @@ _EQUAL_TIPS, _EQUAL_PITCH = 0.1, 0.06
 """Share of the height up to which tips are equally high, and of the pitch up to which they are equally spaced."""
 _HEIGHT = (1.0, 3.2)
 """Height of a tooth in modules: 2.25 of a gear's, less of a timing pulley's."""
+_MESHED = 0.8
+"""Ratio of the distance of two axes and the sum of the outer radii, from which teeth mesh up to where they touch."""
+_TEETH = 1.15
+"""The same ratio up to which they do, where the round faces are those at the roots of the teeth."""
+_ADDENDUM = (0.2, 1.5)
+"""Distance from the pitch circle to the tips of teeth, in modules: 1 of a standard gear, less with chamfers."""
+_OUTER = 0.9
+"""Share of a part's outer radius from which a rim is its outer one, and no spline in its bore."""
+_DECIMALS = 6
+"""Decimals [m] to which the halves of a round face have one radius."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +57,10 @@ class Rim:
     """Radius of the tips [m]."""
     teeth: int
     """Number of teeth all around; a sector has fewer."""
+
+    def placed(self, X: Pose) -> "Rim":
+        """This rim, given in the frame of a definition, in the assembly."""
+        return Rim(Axis(X.apply(self.axis.point), X.turn(self.axis.d)), self.tip, self.teeth)
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +78,19 @@ class Rack:
     length: float
     """From the first to the last tip [m]."""
 
+    def placed(self, X: Pose) -> "Rack":
+        """This rack, given in the frame of a definition, in the assembly."""
+        return Rack(X.apply(self.point), X.turn(self.along), X.turn(self.out), self.pitch, self.length)
+
+
+class Teeth(NamedTuple):
+    """The teeth of a definition, in its frame."""
+
+    rims: tuple[Rim, ...] = ()
+    """At most one about each axis: the one with most teeth."""
+    rack: Rack | None = None
+    """The rack with most teeth."""
+
 
 class _Tip(NamedTuple):
     place: float
@@ -68,39 +101,34 @@ class _Tip(NamedTuple):
     """Above the gap before it [m]."""
 
 
-def find_rims(scene: Scene, part: int, lines: Sequence[CoaxialLine]) -> list[Rim]:
-    """The toothed rims of a part about the axes of its round faces, at most one about each: the one with most teeth."""
-    axes = [line.axis for line in lines if any(face.span > HALF_ROUND for face in line.faces[part])]
-    outlines = list(_outlines(scene, part)) if axes else []
-    found = []
-    for axis in axes:
-        across = (outline for normal, outline in outlines if are_parallel(normal, axis.d))
-        rims = [rim for outline in across for rim in _rims(outline, axis)]
-        if rims:
-            found.append(max(rims, key=lambda rim: (rim.teeth, rim.tip)))
-    return found
+def teeth_of(body: Body) -> Teeth:
+    """The toothed rims of a body about axes of its round faces, and its rack."""
+    planes = (face for face in body.faces if face.kind == FaceKind.PLANE)
+    outlines = [(np.array(face.direction), ring) for face in planes for ring in face.rings if _is_wavy(ring)]
+    if not outlines:
+        return Teeth()
+    rims = []
+    for axis in _axes(body.faces):
+        across = (ring for normal, ring in outlines if are_parallel(normal, axis.d))
+        found = [rim for ring in across if (rim := _rim(ring, axis)) is not None]
+        if found:
+            rims.append(max(found, key=lambda rim: (rim.teeth, rim.tip)))
+    racks = (rack for normal, ring in outlines for rack in _racks(ring, normal))
+    return Teeth(tuple(rims), max(racks, key=lambda rack: round(rack.length / rack.pitch), default=None))
 
 
-def find_rack(scene: Scene, part: int) -> Rack | None:
-    """The rack of a part, with most teeth; None without one."""
-    racks = [rack for normal, outline in _outlines(scene, part) for rack in _racks(outline, normal)]
-    return max(racks, key=lambda rack: round(rack.length / rack.pitch), default=None)
-
-
-_WAVY: WeakKeyDictionary[Body, tuple[tuple[int, Array], ...]] = WeakKeyDictionary()
-"""For each definition in use, the wavy outlines of its plane faces, with the number of the face among them."""
-
-
-def _outlines(scene: Scene, part: int) -> Iterator[tuple[Array, Array]]:
-    """Normals and outlines of plane faces that teeth may be along."""
-    body = scene.body(part)
-    if body not in _WAVY:
-        planes = [face for face in body.faces if face.kind == FaceKind.PLANE]
-        rings = ((n, ring) for n, face in enumerate(planes) for ring in face.rings)
-        _WAVY[body] = tuple((n, ring) for n, ring in rings if _is_wavy(ring))
-    if wavy := _WAVY[body]:
-        normals, X = scene.columns(part, FaceKind.PLANE).directions, scene.component(part).X_WC
-        yield from ((normals[n], X.apply(ring)) for n, ring in wavy)
+def _axes(faces: Sequence[Face]) -> list[Axis]:
+    """The axes of faces of revolution that cover more than half of a turn together, such as both halves of a bore."""
+    lines: list[tuple[Axis, dict[tuple[float, bool], float]]] = []
+    for face in faces:
+        if face.kind in (FaceKind.CYLINDER, FaceKind.CONE):
+            axis = Axis(np.array(face.point), np.array(face.direction))
+            spans = next((of for line, of in lines if line.same(axis)), None)
+            if spans is None:
+                spans = defaultdict[tuple[float, bool], float](float)
+                lines.append((axis, spans))
+            spans[round(face.radius, _DECIMALS), face.bore] += face.span
+    return [axis for axis, spans in lines if max(spans.values()) > HALF_ROUND]
 
 
 def _is_wavy(outline: Array) -> bool:
@@ -114,24 +142,23 @@ def _is_wavy(outline: Array) -> bool:
     return int((signs != np.roll(signs, 1)).sum()) >= 2 * (_FEWEST - 1)
 
 
-def _rims(outline: Array, axis: Axis) -> Iterator[Rim]:
-    """The rim that the longest run of equal tips along a closed outline makes, if their height is that of teeth."""
-    x, y = _across(axis)
+def _rim(outline: Array, axis: Axis) -> Rim | None:
+    """The rim of the longest run of equal tips along a closed outline; None if they are not as high as teeth."""
+    x, y, _ = perpendicular_frame(axis.d).T
     offsets = outline[:-1] - axis.point
     radii = np.hypot(offsets @ x, offsets @ y)
     peaks = (radii >= np.roll(radii, 1)) & (radii > np.roll(radii, -1))
     if int(peaks.sum()) < _FEWEST:
-        return
+        return None
     lowest = int(np.argmin(radii))
     angles = np.unwrap(np.roll(np.arctan2(offsets @ y, offsets @ x), -lowest))
-    run = max(_runs(_tips(np.roll(radii, -lowest).tolist(), angles.tolist())), key=len, default=[])
+    run = _longest_run(np.roll(radii, -lowest), angles)
     if len(run) < _FEWEST:
-        return
-    pitch = abs(run[-1].place - run[0].place) / (len(run) - 1)
+        return None
+    pitch = _pitch(run)
     rim = Rim(axis, max(tip.level for tip in run), round(2.0 * pi / pitch))
     module = 2.0 * rim.tip / (rim.teeth + 2.0)  # tips are one module above the pitch circle
-    if pitch < _LARGEST_PITCH and _HEIGHT[0] < run[len(run) // 2].height / module < _HEIGHT[1]:
-        yield rim
+    return rim if pitch < _LARGEST_PITCH and _are_teeth(run, module) else None
 
 
 def _racks(outline: Array, normal: Array) -> Iterator[Rack]:
@@ -145,32 +172,42 @@ def _racks(outline: Array, normal: Array) -> Iterator[Rack]:
             directions.append(along)
     for along in directions[:_MOST_EDGES]:
         for out in (cross(normal, along), cross(along, normal)):
-            levels = outline[:-1] @ out
-            lowest = int(np.argmin(levels))
-            levels, places = np.roll(levels - levels.min(), -lowest), np.roll(outline[:-1] @ along, -lowest)
-            run = max(_runs(_tips(levels.tolist(), places.tolist())), key=len, default=[])
-            if len(run) < _FEWEST:
-                continue
-            length = abs(run[-1].place - run[0].place)
-            pitch = length / (len(run) - 1)
-            if _HEIGHT[0] < run[len(run) // 2].height / (pitch / pi) < _HEIGHT[1]:
-                middle = 0.5 * (run[0].place + run[-1].place)
-                base = outline[0] - (outline[0] @ along) * along - (outline[0] @ out) * out
-                top = run[0].level + float((outline[:-1] @ out).min())
-                yield Rack(base + middle * along + top * out, along, out, pitch, length)
+            places, heights = outline[:-1] @ along, outline[:-1] @ out
+            lowest = int(np.argmin(heights))
+            run = _longest_run(np.roll(heights - heights[lowest], -lowest), np.roll(places, -lowest))
+            if len(run) >= _FEWEST and _are_teeth(run, _pitch(run) / pi):
+                middle, top = 0.5 * (run[0].place + run[-1].place), heights[lowest] + run[0].level
+                point = outline[0] + (middle - places[0]) * along + (top - heights[0]) * out
+                yield Rack(point, along, out, _pitch(run), abs(run[-1].place - run[0].place))
 
 
-def _across(axis: Axis) -> tuple[Array, Array]:
-    """Two unit vectors across an axis and each other."""
-    x = cross(axis.d, np.eye(3)[int(np.argmin(np.abs(axis.d)))])
-    x = x / np.linalg.norm(x)
-    return x, cross(axis.d, x)
+def _pitch(run: Sequence[_Tip]) -> float:
+    return abs(run[-1].place - run[0].place) / (len(run) - 1)
 
 
-def _tips(levels: list[float], places: list[float]) -> list[_Tip]:
+def _are_teeth(run: Sequence[_Tip], module: float) -> bool:
+    """Whether tips are as high as teeth of a module [m]."""
+    return _HEIGHT[0] < run[len(run) // 2].height / module < _HEIGHT[1]
+
+
+def _longest_run(levels: Array, places: Array) -> list[_Tip]:
+    """The most tips in a row that are equally high and equally spaced, along an outline from its lowest point."""
+    best: list[_Tip] = []
+    run: list[_Tip] = []
+    for tip in _tips(levels.tolist(), places.tolist()):
+        if len(run) > 1:
+            pitch = run[1].place - run[0].place
+            even = abs(tip.place - run[-1].place - pitch) < _EQUAL_PITCH * abs(pitch)
+            if not even or abs(tip.level - run[0].level) > _EQUAL_TIPS * run[1].height:
+                run = run[-1:]
+        run = [*run, tip]
+        best = max(best, run, key=len)
+    return best
+
+
+def _tips(levels: Sequence[float], places: Sequence[float]) -> Iterator[_Tip]:
     """The tips along an outline that starts at its lowest point, each in the middle of its land."""
     least, flat = _LEAST_HEIGHT * max(levels), _FLAT * max(levels)
-    found: list[_Tip] = []
     low, first, last, rises = levels[0], 0, 0, True
     for k, level in enumerate([*levels, levels[0]]):
         high = levels[first]
@@ -183,20 +220,127 @@ def _tips(levels: list[float], places: list[float]) -> list[_Tip]:
         elif level > high - flat:
             last = k
         elif level < high - least:
-            found.append(_Tip(0.5 * (places[first] + places[last]), high, high - low))
+            yield _Tip(0.5 * (places[first] + places[last]), high, high - low)
             low, rises = level, False
-    return found
 
 
-def _runs(tips: list[_Tip]) -> Iterator[list[_Tip]]:
-    """Tips in a row that are equally high and equally spaced."""
-    run: list[_Tip] = []
-    for tip in tips:
-        if len(run) > 1:
-            pitch = run[1].place - run[0].place
-            even = abs(tip.place - run[-1].place - pitch) < _EQUAL_PITCH * abs(pitch)
-            if not even or abs(tip.level - run[0].level) > _EQUAL_TIPS * run[1].height:
-                yield run
-                run = run[-1:]
-        run.append(tip)
-    yield run
+@dataclass(frozen=True, eq=False)
+class Gear:
+    """A part with teeth, or named a gear or a pulley, and its outer circle."""
+
+    part: int
+    axis: Axis
+    radius: float
+    """[m]."""
+    teeth: int = 0
+    """Number of drawn teeth all around, of which a sector has fewer; 0 if they are not drawn."""
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """Two gears that mesh, or two pulleys with one belt."""
+
+    one: Gear
+    two: Gear
+    belt: str = ""
+    """Path of the belt; empty for teeth."""
+
+    @property
+    def are_counted(self) -> bool:
+        """Whether the teeth of both are drawn."""
+        return self.one.teeth > 0 and self.two.teeth > 0
+
+    @property
+    def ratio(self) -> float:
+        """Turns of the second gear for a turn of the first, without sign.
+
+        That of the teeth if they are counted; else of the pitch circles, which touch: teeth are as high on both gears.
+        """
+        if self.are_counted:
+            return round(self.one.teeth / self.two.teeth, 9)
+        one, two = self.one.radius, self.two.radius
+        excess = 0.0 if self.belt else 0.5 * (one + two - self.one.axis.distance(self.two.axis.point))
+        return round((one - excess) / (two - excess), 4)
+
+
+@dataclass(frozen=True, eq=False)
+class RackMesh:
+    """A gear that meshes with a rack."""
+
+    gear: Gear
+    part: int
+    rack: Rack
+    radius: float
+    """Of the gear's pitch circle [m]."""
+
+    def advance(self, axis: Array, direction: Array) -> float:
+        """What the rack moves along a direction while the gear turns about an axis, both unit vectors [m/rad]."""
+        return float(cross(axis, -self.radius * self.rack.out) @ direction)
+
+
+def find_gears(
+    parts: Mapping[int, Part], rims: Mapping[int, Sequence[Rim]], lines: Sequence[CoaxialLine]
+) -> Iterator[Gear]:
+    """The gears among parts, by their rims, or by name and their largest round face."""
+    for i, part in parts.items():
+        toothed = rims.get(i, ())
+        yield from (Gear(i, rim.axis, rim.tip, rim.teeth) for rim in toothed)
+        if Role.GEAR not in part.roles:
+            continue
+        best: Gear | None = None
+        for line in lines:
+            outer = [f.radius for f in line.faces.get(i, ()) if not f.bore]
+            if outer and (best is None or max(outer) > best.radius):
+                best = Gear(i, line.axis, max(outer))
+        if best is not None and not any(rim.tip > _OUTER * best.radius for rim in toothed):
+            yield best
+
+
+def find_meshes(
+    scene: Scene, parts: Mapping[int, Part], gears: Sequence[Gear], belts: Sequence[Part]
+) -> Iterator[Mesh]:
+    """All pairs of gears that mesh, and of pulleys with one belt."""
+    for one, two in combinations(gears, 2):
+        if not one.axis.is_along(two.axis.d) or not _overlap(scene, one.part, two.part, one.axis.d):
+            continue
+        away, reach = one.axis.distance(two.axis.point), one.radius + two.radius
+        if one.teeth and two.teeth:
+            are_meshed = away > 0.0 and _is_pitch(away / (one.teeth + two.teeth), one, two)
+        else:
+            are_meshed = _MESHED * reach < away < _TEETH * reach
+        if are_meshed:
+            yield Mesh(one, two)
+        elif away >= _TEETH * reach:
+            boxes = [parts[gear.part].box for gear in (one, two)]
+            around = (b for b in belts if all(box_gap(b.box, box) == 0.0 for box in boxes))
+            belt = next(around, None)
+            if belt is not None:
+                yield Mesh(one, two, belt.path)
+
+
+def find_rack_meshes(scene: Scene, gears: Iterable[Gear], racks: Mapping[int, Rack]) -> Iterator[RackMesh]:
+    """All gears that mesh with racks: of one module, and as far apart as pitch circle and pitch line."""
+    for gear in gears:
+        for part, rack in racks.items() if gear.teeth else ():
+            module, away = rack.pitch / pi, gear.axis.point - rack.point
+            radius = 0.5 * module * gear.teeth
+            tips = (gear.radius - radius) / module, (radius - float(away @ rack.out)) / module
+            if (
+                part != gear.part
+                and all(abs(float(gear.axis.d @ line)) < PARALLEL for line in (rack.along, rack.out))
+                and abs(float(away @ rack.along)) < 0.5 * rack.length + radius
+                and all(_ADDENDUM[0] < tip < _ADDENDUM[1] for tip in tips)
+                and _overlap(scene, gear.part, part, gear.axis.d)
+            ):
+                yield RackMesh(gear, part, rack, radius)
+
+
+def _overlap(scene: Scene, one: int, two: int, direction: Array) -> bool:
+    """Whether parts are beside each other at some place along a direction."""
+    spans = [scene.span(part, direction) for part in (one, two)]
+    return min(high for _, high in spans) > max(low for low, _ in spans)
+
+
+def _is_pitch(share: float, one: Gear, two: Gear) -> bool:
+    """Whether the tips of two gears are as far beyond their pitch circles as those of teeth, for half a module [m]."""
+    return all(_ADDENDUM[0] < 0.5 * (gear.radius / share - gear.teeth) < _ADDENDUM[1] for gear in (one, two))

@@ -1,10 +1,10 @@
 """The parts of an assembly with their faces in the assembly's frame."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from stepbot.step.assembly import Assembly, Body, Component
 from stepbot.step.faces import Face, FaceKind
 
 Indices = NDArray[np.intp]
+T = TypeVar("T")
 
 
 _EQUAL_POSE = 1e-9
@@ -70,6 +71,7 @@ class Scene:
         self.assembly = assembly
         self.parts = tuple(c.index for c in assembly.components if c.body >= 0)
         self._drawn: dict[int, _Drawn] = {}
+        self._known: dict[tuple[int, Callable[[Body], Any]], Any] = {}
         self._corners_of: dict[int, tuple[Array, Array]] = {}
         self._faces: dict[FaceKind, list[PlacedFace]] = {}
         placed = [assembly.components[part] for part in self.parts]
@@ -85,6 +87,13 @@ class Scene:
     def body(self, part: int) -> Body:
         """The body of a part."""
         return self.assembly.bodies[self.component(part).body]
+
+    def of_definition(self, part: int, find: Callable[[Body], T]) -> T:
+        """What a function finds of a part's body in its own frame: once for all occurrences of the definition."""
+        key = self.component(part).body, find
+        if key not in self._known:
+            self._known[key] = find(self.body(part))
+        return cast(T, self._known[key])
 
     def faces(self, kind: FaceKind) -> list[PlacedFace]:
         """All faces of a kind, in file order."""
