@@ -6,7 +6,7 @@ part is at the frame of its joint, whose axis is x, and holds a part named after
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -43,10 +43,16 @@ class _Named(NamedTuple):
 def draft_of_names(assembly: Assembly, robot: str) -> tuple[Draft | None, str]:
     """The draft of the joints that names state, None without any; and why there is none though names state some."""
     folder = next((c for c in assembly.components if c.parent == 0 and _FOLDER.match(c.product)), None)
-    found = [_joint(assembly, assembly.components[i]) for i in assembly.children[folder.index]] if folder else []
-    joints = [joint for joint in found if joint is not None]
-    if folder is None or not joints:
+    marks = [assembly.components[i] for i in assembly.children[folder.index]] if folder else []
+    marks = [mark for mark in marks if _JOINT.match(plain_name(mark.product))]
+    if folder is None or not marks:
         return None, ""
+    found = {mark.product: _joint(assembly, mark) for mark in marks}
+    joints = [joint for joint in found.values() if joint is not None]
+    untyped = [f"'{name}'" for name, joint in found.items() if joint is None]
+    if untyped:
+        types = ", ".join(kind.value for kind in _FREE)
+        return None, f"joints named in '{folder.path}' were ignored: no part named {types} in {', '.join(untyped)}"
     children = {joint.child for joint in joints}
     root = next((joint.parent for joint in joints if joint.parent not in children), joints[0].parent)
     members = _members(assembly, folder, root, [name for joint in joints for name in (joint.parent, joint.child)])
@@ -58,7 +64,7 @@ def draft_of_names(assembly: Assembly, robot: str) -> tuple[Draft | None, str]:
     if bare or not moving:
         return None, f"joints named in '{folder.path}' were ignored: no parts link_NAME_ for {', '.join(bare)}"
     links = [KinematicLink(name, tuple(_occurrence(assembly, i) for i in members[name])) for name in names]
-    pairs = [_pair(assembly, names, joint) for joint in moving]
+    pairs = [_pair(assembly, members, names, joint) for joint in moving]
     draft = draft_of_mechanism(Mechanism(tuple(links), tuple(pairs), names.index(root)), assembly, robot)
     assert draft is not None, "each link has parts"
     kinds, at = {f"{j.parent}_{j.child}": j.kind for j in moving}, {j.child: j.at.X_WC for j in moving}
@@ -97,11 +103,13 @@ def _occurrence(assembly: Assembly, index: int) -> Occurrence:
     return Occurrence(assembly.components[component.parent].product, component.product, component.ordinal)
 
 
-def _pair(assembly: Assembly, names: Sequence[str], joint: _Named) -> KinematicPair:
-    X = joint.at.X_WC
-    place = Pose(X.rotation, vector3(X.p / assembly.unit_scale))
+def _pair(
+    assembly: Assembly, members: Mapping[str, Sequence[int]], names: Sequence[str], joint: _Named
+) -> KinematicPair:
+    """The pair, placed in the frames of the first components of both links."""
+    ends = joint.parent, joint.child
+    placed = [assembly.components[min(members[end])].X_WC.inverse() @ joint.at.X_WC for end in ends]
+    one, two = (Pose(X.rotation, vector3(X.p / assembly.unit_scale)) for X in placed)
     links = names.index(joint.parent), names.index(joint.child)
     kind = f"{joint.kind.value} joint by its name"
-    return KinematicPair(
-        f"{joint.parent}_{joint.child}", kind, links, (place, place), _FREE[joint.kind], is_stated=True
-    )
+    return KinematicPair(f"{joint.parent}_{joint.child}", kind, links, (one, two), _FREE[joint.kind], is_stated=True)

@@ -94,10 +94,7 @@ def draft_step(
             return Drafting(found)
         draft = draft if ask is None else ask(draft, None)
         return Drafting(found, _with_densities(draft, assembly))
-    stated = draft_of_mechanism(mechanism, assembly, step_stem(step.name)) if mechanism is not None else None
-    unused = ""
-    if stated is None:
-        stated, unused = draft_of_names(assembly, step_stem(step.name))
+    stated, notes = _stated(mechanism, assembly, step)
     if stated is not None:
         draft = stated if ask is None else ask(stated, None)
     else:
@@ -106,18 +103,27 @@ def draft_step(
         draft = dialogue.draft if ask is None else ask(dialogue.draft, dialogue)
         progress("stops")
         draft = with_stops(draft, assembly)
-    if mechanism is not None and stated is None:
-        unused = "the STEP file has kinematic pairs between unknown components; they were ignored"
-    draft = replace(draft, notes=(*draft.notes, *([unused] if unused else [])))
-    notes = tuple(
-        f"'{name}' has kinematic pairs, which were ignored: they are read from the root file only"
-        for name in assembly.external_files
-        if has_mechanism(step.parent / name)
-    )
     draft = replace(draft, notes=(*draft.notes, *notes))
     draft = replace(draft, standing=drawn_up(draft, assembly))
     draft = replace(draft, contacts=contacts_of(draft, assembly))
     return Drafting(found, _with_densities(draft, assembly), stated is not None)
+
+
+def _stated(mechanism: Mechanism | None, assembly: Assembly, step: Path) -> tuple[Draft | None, list[str]]:
+    """The draft of the joints that a file states by kinematic pairs or by names, and what was ignored of them."""
+    name, ignored = step_stem(step.name), []
+    draft = draft_of_mechanism(mechanism, assembly, name) if mechanism is not None else None
+    if draft is None:
+        if mechanism is not None:
+            ignored.append("the STEP file has kinematic pairs between unknown components; they were ignored")
+        draft, why = draft_of_names(assembly, name)
+        ignored += [why] if why else []
+    ignored += [
+        f"'{file}' has kinematic pairs, which were ignored: they are read from the root file only"
+        for file in assembly.external_files
+        if has_mechanism(step.parent / file)
+    ]
+    return draft, ignored
 
 
 def _with_densities(draft: Draft, assembly: Assembly) -> Draft:

@@ -83,7 +83,29 @@ def test_a_moving_link_without_parts_is_reported() -> None:
     assert why == "joints named in 'URDF frames' were ignored: no parts link_NAME_ for hand"
 
 
-@pytest.mark.parametrize("marks", [(), (("urdf logo", "plate", IDENTITY),), (("joint_a_to_b_", "welded", IDENTITY),)])
+def test_joints_are_at_their_frames_wherever_their_links_are() -> None:
+    """Also where the parts of both links have one frame that is not the assembly's."""
+    made = Workshop()
+    for name in ("column", "link_upper_arm_"):
+        made.box(name, X_PC=at(100, 0, 20, (0, 0, pi / 2)), density=1000.0)
+    mark = made.group("joint_base_to_upper_arm_", made.group("urdf"), UPWARDS)
+    made.box("revolute", (5, 5, 5), parent=mark, density=1000.0)
+    (joint,) = drafted(made).joints
+    np.testing.assert_allclose(joint.point, [0, 0, 0.05], atol=1e-12)
+    np.testing.assert_allclose(joint.direction, [0, 0, 1], atol=1e-12)
+
+
+def test_a_joint_without_a_known_type_is_reported() -> None:
+    """No joint is left out in silence: all are inferred then."""
+    marks = (*MARKS[:-1], ("joint_base_to_dial_", "welded", IDENTITY))
+    assert draft_of_names(shop(marks).assembly, "robot") == (
+        None,
+        "joints named in 'URDF frames' were ignored: no part named fixed, revolute, continuous, prismatic in"
+        " 'joint_base_to_dial_'",
+    )
+
+
+@pytest.mark.parametrize("marks", [(), (("urdf logo", "plate", IDENTITY),)])
 def test_other_subassemblies_state_nothing(marks: tuple[tuple[str, str, Pose], ...]) -> None:
     """A subassembly of that name without such parts is one like any other."""
     assert draft_of_names(shop(marks).assembly, "robot") == (None, "")
