@@ -59,11 +59,15 @@ def captured_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence, 
             continue
         if structure is not None and structure.are_together(*pair):
             continue
-        score = _LOOSE if captured.has_play else _TIGHT if not _is_flush(survey, pair, captured.axis) else _OFFERED
-        score = _PROFILE if structure is None else score + _ACROSS * structure.are_across(*pair)
         roles = {role for i in pair for role in survey.parts[i].roles}
         if Role.BEAM in roles and roles.isdisjoint((Role.SLIDE, Role.JAW)):
             score = _OFFERED  # screwed tight in its slots
+        elif structure is None:
+            score = _PROFILE
+        elif not captured.has_play and _is_flush(survey, pair, captured.axis):
+            score = _OFFERED
+        else:
+            score = (_LOOSE if captured.has_play else _TIGHT) + _ACROSS * structure.are_across(*pair)
         why = "captured on four sides" + (" with clearance" if captured.has_play else "")
         relation = survey.relation(*pair)
         found.joint(JointEvidence(score, *pair, JointKind.PRISMATIC, captured.axis, why, relation, review=REVIEW))

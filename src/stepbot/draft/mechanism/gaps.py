@@ -257,13 +257,12 @@ class _Seams:
                         yield bar, other
 
     def _is_bar(self, part: int, axis: Axis) -> bool:
+        """Whether a part is balanced about an axis, and much longer than wide."""
         if not self._survey.parts[part].is_balanced(axis):
             return False
-        low, high = self._survey.scene.span(part, axis.d)
-        wide = [
-            high - low for low, high in (self._survey.scene.span(part, u) for u in perpendicular_frame(axis.d).T[:2])
-        ]
-        return high - low > _BAR * max(wide)
+        spans = (self._survey.scene.span(part, u) for u in perpendicular_frame(axis.d).T)
+        *wide, long = (high - low for low, high in spans)
+        return long > _BAR * max(wide)
 
     def joints(self) -> list[JointEvidence]:
         """A joint for each of the best lines between two clusters, the likeliest first."""
