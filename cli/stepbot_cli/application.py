@@ -135,7 +135,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     except click.Abort:
         click.echo("interrupted", err=True)
         return INTERRUPTED
-    except (CannotPrint, OSError) as error:  # click raises what the system says
+    except (CannotPrint, OSError) as error:  # click raises the errors of the system
         from .failures import show_exception, show_full_output
 
         is_full = isinstance(error, CannotPrint) or error.filename is None

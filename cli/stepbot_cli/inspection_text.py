@@ -75,7 +75,7 @@ def _blocks(rows: list[tuple[str, ...]], telling_names: list[str], width: int | 
 
     Args:
         rows: The cells of each component.
-        telling_names: For each component its names, or an empty string if its path says the same.
+        telling_names: For each component its names, or an empty string if its path has them already.
         width: Width of the screen; None for unlimited.
     """
     table = aligned([_HEADINGS, *rows])
@@ -247,7 +247,7 @@ def _remarks(assembly: Assembly, component: Component) -> Iterator[str]:
                 BodyKind.WIRE: "curves only",
             }[body.kind]
         if is_closed:
-            pass  # its defect says that it is no solid
+            pass  # its defect: it is no solid
         elif body.defect:
             yield body.defect
         elif body.kind is BodyKind.SOLID and not body.watertight:

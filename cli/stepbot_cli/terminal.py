@@ -145,7 +145,7 @@ def _is_of_conversion(code: str) -> bool:
 
 
 def _write(stream: TextIO, text: str) -> None:
-    """Print; where standard error takes nothing, nobody can be told, and the exit code is still that of the command."""
+    """Print; what standard error does not take is not reported, and the exit code is still that of the command."""
     try:
         stream.write(text if text.endswith("\n") else text + "\n")
         stream.flush()

@@ -1,4 +1,4 @@
-"""What the user says about an assembly or a draft.
+"""What the user states about an assembly or a draft.
 
 Facts are evidence that overrides all other; corrections change a draft: its root, a type, or that a joint is fixed.
 """

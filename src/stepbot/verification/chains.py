@@ -115,7 +115,7 @@ def is_bare(link: ObservedLink) -> bool:
     return not (link.mass or link.has_visuals or link.has_collisions)
 
 
-def edges_said_differently(a: Observation, b: Observation) -> list[tuple[Edge, Edge]]:
+def unlike_edges(a: Observation, b: Observation) -> list[tuple[Edge, Edge]]:
     """The edges between the same two links that at least one side represents in a way that other formats do not."""
     ours, theirs = _edges(a, {link.name for link in b.links}), _edges(b, {link.name for link in a.links})
     pairs = [(edge, theirs[child]) for child, edge in ours.items() if child in theirs]

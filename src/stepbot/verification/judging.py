@@ -186,7 +186,7 @@ class Asked:
     paired: Mapping[str, Renaming] = field(default_factory=dict)
     """Names of the first file for what has other names in a further file, by the path of that file."""
     texts: Mapping[str, tuple[Statement, ...]] = field(default_factory=dict)
-    """What files that share a format say, by path."""
+    """What files that share a format contain, by path."""
 
 
 def judge(outcomes: Sequence[Outcome], asked: Asked, found: Diagnostics) -> tuple[Check, ...]:

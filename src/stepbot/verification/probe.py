@@ -10,7 +10,7 @@ from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.geometry.spatial import Pose
 from stepbot.runtime.worker import RemoteError, WorkerDied, Workers
 
-from .chains import Chain, Edge, chain, coordinates, edges_said_differently, is_known
+from .chains import Chain, Edge, chain, coordinates, is_known, unlike_edges
 from .correspondence import Correspondence, match
 from .deviation import tolerance
 from .naming import Naming, naming
@@ -65,7 +65,7 @@ class Probe:
         """Correspondence of the joints of two files, where the files represent them differently."""
         pairs = [
             (a, b)
-            for a, b in edges_said_differently(first.seen, other.seen)
+            for a, b in unlike_edges(first.seen, other.seen)
             if is_known(a, first.naming) and is_known(b, other.naming)
         ]
         if not pairs:

@@ -1,7 +1,7 @@
 """Profiles that one part holds in another: a tube in a tube, a carriage around a rail, a dovetail, a T-slot's nut.
 
 Planes of both face each other, with clearance or without, and together hold one part in all directions across a
-line; nothing holds it along. Clearance alone says that one is to move in the other.
+line; nothing holds it along. Clearance alone indicates that one moves in the other.
 """
 
 from collections import defaultdict

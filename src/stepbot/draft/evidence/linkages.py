@@ -30,7 +30,7 @@ from stepbot.robot.model import JointKind
 from stepbot.step.features.axis_contacts import LOOSEST
 
 REVIEW = "held on one line that nothing else locks: it may be clamped"
-_REVIEW_UNCERTAIN = "across a gap or at a stop as drawn: only the loop that could move with it tells of this joint"
+_REVIEW_UNCERTAIN = "across a gap or at a stop as drawn: the only evidence is the loop that could move with it"
 """What to review of each such joint."""
 _RIGID = 0.87
 """Score of a weld from which two parts are one body of a linkage."""

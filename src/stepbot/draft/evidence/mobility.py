@@ -29,7 +29,7 @@ class Hinge:
     slides: bool = False
     """Whether faces guide its sides along the line instead."""
     is_uncertain: bool = False
-    """Whether only a loop that moves tells that it is one: across a gap, or at a stop."""
+    """Whether the only evidence for it is a loop that could move: across a gap, or at a stop."""
 
 
 @dataclass(frozen=True)

@@ -305,7 +305,7 @@ class Mechanism:
 
 
 def _is_plain(h: JointEvidence) -> bool:
-    """Whether a joint is that of a shaft in a bore, without a motor, a linkage or a bearing that says that it turns."""
+    """Whether a joint is a shaft in a bore, without a motor, linkage or bearing, which indicate that it turns."""
     is_pin = h.relation is not None and h.relation.via == Via.PIN
     is_stronger = h.drives or h.by_role or h.of_linkage or h.priority != Priority.FOUND
     return is_pin and h.type == JointKind.REVOLUTE and h.score < SURE and not is_stronger

@@ -90,7 +90,7 @@ class _Expansion:
             self._at, self._failed = Place(str(file), error.lineno), None
             return self._error(f"not XML: {str(error).partition(':')[0]}")
         except Exception as error:  # noqa: BLE001 # whatever an expression raises
-            return self._error(_said(error))
+            return self._error(_reason(error))
         text, places = _written(document, str(self._file))
         top = etree.fromstring(text, etree.XMLParser(resolve_entities=False, no_network=True))
         locate(top, self._file, self._packages.searched)
@@ -200,7 +200,7 @@ def _bar() -> None:
     sys.addaudithook(check)
 
 
-def _said(error: BaseException) -> str:
+def _reason(error: BaseException) -> str:
     """What an exception of xacro states, without its kind and its advice for the terminal."""
     inner = getattr(error, "exc", None)
     suffix = " ".join(str(getattr(error, "suffix", None) or "").split())
@@ -208,7 +208,7 @@ def _said(error: BaseException) -> str:
         return f"{error.msg} {suffix}".strip()
     own = " ".join(str(part) for part in error.args if part is not None)
     if isinstance(inner, BaseException):
-        found = _said(inner)
+        found = _reason(inner)
         own = found if own.startswith("<class") else f"{own} {found}".strip()
     if isinstance(error, OSError):
         own = f"'{error.filename}': {error.strerror}" if error.filename else str(error.strerror or error)

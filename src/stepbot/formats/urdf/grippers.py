@@ -2,7 +2,7 @@
 
 A gripper is at the end of an arm: several joints of one body, two of which turn or slide in opposite directions. All
 that moves there follows one joint; or each finger is a single prismatic joint of its own. A single jaw, which closes on
-its own hand, moves as any last joint of an arm does: its name tells, if its range is that of a jaw.
+its own hand, moves as any last joint of an arm does: its name decides, if its range is that of a jaw.
 """
 
 from collections import Counter
