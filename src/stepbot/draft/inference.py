@@ -18,7 +18,7 @@ from stepbot.draft.evidence.motor_outputs import motor_evidence
 from stepbot.draft.evidence.motors import Motor, find_motors
 from stepbot.draft.evidence.pairs import PairEvidence, several_axes
 from stepbot.draft.evidence.repetition import repeated_joints
-from stepbot.draft.evidence.rollers import roller_evidence
+from stepbot.draft.evidence.rollers import rail_evidence, roller_evidence
 from stepbot.draft.evidence.subassemblies import Structure, body_welds
 from stepbot.draft.evidence.wheels import wheel_evidence
 from stepbot.draft.mechanism import locked
@@ -113,6 +113,7 @@ def _infer(
     finger_evidence(survey, evidence)
     gear_evidence(survey, evidence)
     roller_evidence(survey, evidence)
+    rail_evidence(survey, evidence)
     several_axes(structure, evidence)
     for hinge in repeats:
         evidence.joint(replace(hinge))

@@ -78,6 +78,19 @@ def test_bars_on_both_sides_of_a_linkage_are_one() -> None:
     assert len(joints(found)) == 4
 
 
+def test_plates_on_both_sides_of_a_chain_are_one() -> None:
+    """Two plates that do not touch, on the axles of two legs, are one body: nothing could move them apart."""
+    hole, axle = cylinder(2.05, 200), cylinder(2, 44)
+    plate = box(120, 60, 2)
+    for x in (-40, 40):
+        plate = plate - hole.at(x, 0, -100)
+    leg = axle.at(0, 0, -22) + box(10, 40, 8).at(0, 20, 0) + box(60, 10, 8).at(0, 40, 0)
+    nodes = [part("bottom", plate, z=-20), part("top", plate, z=20)]
+    nodes += [part("left", leg, x=-40), part("right", leg, x=40), part("foot", box(120, 60, 10), z=-26)]
+    found = inferred(*nodes)
+    assert [sorted(link) for link in links(found)] == [["bottom", "foot", "top"], ["left"], ["right"]]
+
+
 @pytest.mark.parametrize("has_cover", [True, False])
 def test_a_linkage_in_one_part_is_an_assembly(has_cover: bool) -> None:
     """A linkage drawn as bodies of one part, with a cover on two screw holes or not, moves as one of parts does."""

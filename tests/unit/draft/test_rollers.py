@@ -7,7 +7,7 @@ import pytest
 
 from stepbot.robot.model import JointKind
 from tests.assembled import BARE, Node, inferred, joints, part, turned
-from tests.solids import box, cylinder
+from tests.solids import box, cone, cylinder
 
 COUNT = 6
 BASE = part("base", box(200, 200, 60), z=-80)
@@ -44,3 +44,37 @@ def test_bearing_rollers_spokes_and_uneven_patterns_are_no_rollers(nodes: list[N
     found = inferred(BASE, *nodes, sources=BARE)
     assert not [arc for arc in found.arcs if arc.evidence.of_roller]
     assert {arc.evidence.type for arc in found.arcs if not arc.evidence.review} <= {JointKind.FIXED}
+
+
+def cart(sides: tuple[int, ...], length: float = 300) -> list[Node]:
+    """A plate with two wheels on each of some sides of an extrusion along x, their rims in its grooves."""
+    profile = box(length, 20, 20)
+    for side in (-1, 1):
+        profile = profile - turned(box(length, 5, 5), y=10 * side, rpy=(pi / 4, 0, 0))
+    wheel = cone(9, 12, 3).at(0, 0, -5) + cylinder(12, 4).at(0, 0, -2) + cone(12, 9, 3).at(0, 0, 2)
+    wheel, plate, spots = wheel - cylinder(2.5, 40).at(0, 0, -20), box(90, 70, 5), []
+    for side in sides:
+        spots += [(x, side * 20.5) for x in (-25, 25)]
+    for x, y in spots:
+        plate = plate - cylinder(2.5, 40).at(x, y, -20)
+    tube = cylinder(4, 12.5).at(0, 0, 5) - cylinder(2.5, 12.5).at(0, 0, 5)
+    bolt = cylinder(2.5, 34).at(0, 0, -8) + cylinder(4.5, 3).at(0, 0, -11)
+    nodes = [part("rail", profile), part("plate", plate, z=20)]
+    for n, (x, y) in enumerate(spots):
+        pieces = {"wheel": wheel, "spacer": tube, "M5x30 screw": bolt}
+        nodes += [part(f"{name} {n}", solid, x, y) for name, solid in pieces.items()]
+    return nodes
+
+
+def test_a_carriage_with_wheels_on_both_sides_of_a_rail_slides_along_it() -> None:
+    """The wheels touch nothing of the rail as drawn; the slide is marked."""
+    slides = [arc for arc in inferred(*cart((-1, 1))).arcs if arc.evidence.type == JointKind.PRISMATIC]
+    assert [arc.evidence.why for arc in slides] == ["4 wheels on both sides of a rail"]
+    assert slides[0].evidence.review
+    assert np.allclose(np.abs(slides[0].evidence.axis.d), (1, 0, 0))
+
+
+@pytest.mark.parametrize("nodes", [cart((-1,)), cart((-1, 1), length=40)])
+def test_wheels_on_one_side_or_beyond_a_body_do_not_hold_on_it(nodes: list[Node]) -> None:
+    """Nothing slides where wheels on one side could fall off, or where the body is shorter than their row."""
+    assert not [arc for arc in inferred(*nodes).arcs if arc.evidence.type == JointKind.PRISMATIC]

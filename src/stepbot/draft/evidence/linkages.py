@@ -38,7 +38,7 @@ _IN_LOOP, _IN_CHAIN, _ALONE, _HIDDEN = 0.79, 0.72, 0.62, 0.35
 """Scores of a joint in a loop that moves, of one of several, of a single one, and of one within a subassembly."""
 _TWIN = 0.88
 """Score of a weld of bodies on the same lines that move as one."""
-_ON_TWO_LINES = "on the same two lines of a loop"
+_ON_TWO_LINES = "on the same two lines of a linkage"
 _LOCKED = 0.745
 """Score of a weld where the loops of a linkage lock a line."""
 _APART = 0.785
@@ -82,8 +82,8 @@ class _Linkages:
         self._bodies = Clusters(larger)
         self._stopped: list[Hinge] = []
         """Pairs of bodies on one line that are locked only by faces which hold against turning one way."""
-        self._twins: list[tuple[int, int]] = []
-        """Parts that do not touch, on the same two lines."""
+        self._twins: list[tuple[int, int, list[Axis]]] = []
+        """Parts that do not touch, on the same lines."""
         self._unite_rigid()
         while self._unite_locked():
             pass
@@ -129,19 +129,26 @@ class _Linkages:
         self._keep_axles([tree[n].axis for n in turning if not tree[n].slides])
 
     def _unite_twins(self, tree: Sequence[Hinge], moving: Mobility) -> None:
-        """Weld bodies on the same two lines of a loop that move as one, such as bars on both sides of a link."""
-        lines: dict[int, list[Axis]] = defaultdict(list)
-        for n, h in enumerate(tree):
-            for body in self._ends(h) if n in moving.looped and not h.slides else ():
-                if not any(axis.same(h.axis) for axis in lines[body]):
-                    lines[body].append(h.axis)
-        for a, b in self._twins:
-            if self._bodies.find(a) in lines:
+        """Weld bodies on the same two lines that move as one, such as bars on both sides of a link."""
+        lines, turning = self._lines_of(tree, moving.looped), self._lines_of(tree, moving.turning)
+        for a, b, axes in self._twins:
+            body = self._bodies.find(a)
+            if body in lines or sum(any(axis.same(one) for one in axes) for axis in turning.get(body, ())) > 1:
                 self._found.weld(_TWIN, a, b, _ON_TWO_LINES)
         for a, b in combinations(sorted(lines), 2):
             shared = sum(any(one.same(two) for two in lines[b]) for one in lines[a])
             if shared > 1 and (a, b) not in moving.apart:
                 self._found.weld(_TWIN, a, b, _ON_TWO_LINES)
+
+    def _lines_of(self, tree: Sequence[Hinge], chosen: set[int]) -> dict[int, list[Axis]]:
+        """The distinct lines of some hinges, by body."""
+        lines: dict[int, list[Axis]] = {}
+        for n in sorted(chosen):
+            for body in self._ends(tree[n]) if not tree[n].slides else ():
+                mine = lines.setdefault(body, [])
+                if not any(axis.same(tree[n].axis) for axis in mine):
+                    mine.append(tree[n].axis)
+        return lines
 
     def _spaced(self) -> list[Hinge]:
         """Bodies that do not touch, on one line across a gap."""
@@ -234,7 +241,7 @@ class _Linkages:
                     continue
             if locked and self._bodies.find(a) != self._bodies.find(b):
                 if not relations:
-                    self._twins.append((a, b))
+                    self._twins.append((a, b, axes))
                 done |= self._bodies.join(a, b)
         return done
 

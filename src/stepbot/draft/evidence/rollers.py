@@ -3,19 +3,24 @@
 Rollers are often drawn without their pins, so nothing touches them. Their axes are normal to the hub's radius and
 inclined to its axis: those of bearing rollers and spacers are parallel to it, those of spokes and dowels are along the
 radius.
+
+Wheels of a carriage run on both sides of a long body, in its grooves or on its edges: the carriage slides along it.
 """
 
-from collections.abc import Iterator, Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from stepbot.draft.contacts.concentric import fitted_circle
 from stepbot.draft.contacts.survey import Survey
-from stepbot.draft.evidence.evidence import BY_SHAPE, Evidence, JointEvidence, Priority
+from stepbot.draft.draft import CHOSEN
+from stepbot.draft.evidence.evidence import BY_SHAPE, Apart, Evidence, JointEvidence, Priority
+from stepbot.draft.evidence.wheels import TREAD
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.parts import box_gaps
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, cross, unit
 from stepbot.robot.model import JointKind
 from stepbot.step.faces import FaceKind
 
@@ -31,6 +36,14 @@ _BESIDE = 0.5
 """Gap between a roller and its hub, as a share of the roller's size."""
 _LARGEST = 0.05
 """Share of the assembly's volume up to which a body may be a roller."""
+REVIEW = "wheels on both sides of it: it may be fastened otherwise"
+"""What to review of each slide on wheels."""
+_ON_RAIL, _OFF_RAIL = 0.77, 0.785
+"""Score of a slide on wheels, and that which keeps its wheels apart from the rail."""
+_FEWEST_WHEELS = 3
+"""Number of wheels that hold a carriage on a rail."""
+_CLEAR = 0.05
+"""Gap between rim and rail, as a share of the wheel's radius, up to which it runs on it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +75,53 @@ def roller_evidence(survey: Survey, found: Evidence) -> None:
                     )
                     hinge.priority = Priority.NEEDED
                     found.joint(hinge)
+
+
+def rail_evidence(survey: Survey, found: Evidence) -> None:
+    """Add a slide for each body whose wheels run on both sides of another one, longer than their row."""
+    carried: dict[int, dict[int, Axis]] = defaultdict(dict)
+    for h in found.joints:
+        if h.type == JointKind.REVOLUTE and h.score >= CHOSEN:
+            for wheel, carriage in ((h.a, h.b), (h.b, h.a)):
+                if survey.parts[wheel].is_balanced(h.axis, TREAD) and not survey.parts[carriage].is_balanced(h.axis):
+                    carried[carriage][wheel] = h.axis
+    for carriage, wheels in carried.items():
+        first = next(iter(wheels.values()))
+        wheels = {i: axis for i, axis in wheels.items() if axis.is_along(first.d)}
+        near = survey.box_gaps(survey.box_of(wheels)) if len(wheels) >= _FEWEST_WHEELS else {}
+        for rail in sorted(i for i, gap in near.items() if gap <= 0.0 and i not in {carriage, *wheels, *survey.small}):
+            along = _runs_along(survey, rail, wheels)
+            if along is not None:
+                a, b = sorted((carriage, rail))
+                why = f"{len(wheels)} wheels on both sides of a rail"
+                found.joint(JointEvidence(_ON_RAIL, a, b, JointKind.PRISMATIC, along, why, review=REVIEW))
+                found.apart.extend(Apart(_OFF_RAIL, min(rail, i), max(rail, i)) for i in wheels)
+
+
+def _runs_along(survey: Survey, rail: int, wheels: Mapping[int, Axis]) -> Axis | None:
+    """The line along a body, on both sides of which all wheels with parallel axes run, two of them in a row."""
+    turned = next(iter(wheels.values())).d
+    frame = survey.scene.component(rail).X_WC.R
+    spans = [survey.scene.span(rail, frame[:, k]) for k in range(3)]
+    along = frame[:, max(range(3), key=lambda k: spans[k][1] - spans[k][0])]
+    if abs(float(along @ turned)) > _ACROSS:
+        return None
+    side = unit(cross(turned, along))
+    (start, end), (low, high), (bottom, top) = (survey.scene.span(rail, d) for d in (along, side, turned))
+    rows: dict[int, list[float]] = {1: [], -1: []}
+    for i in wheels:
+        at, (near, far) = survey.parts[i].com, survey.scene.span(i, side)
+        sign = 1 if float(at @ side) > 0.5 * (low + high) else -1
+        outside = float(at @ side) - high if sign > 0 else low - float(at @ side)
+        radius = 0.5 * (far - near)
+        if not 0.0 < outside < (1.0 + _CLEAR) * radius or not bottom < float(at @ turned) < top:
+            return None
+        rows[sign].append(float(at @ along))
+    every = sorted(rows[1] + rows[-1])
+    is_row = max((max(row) - min(row) for row in rows.values() if row), default=0.0) > high - low
+    if not rows[1] or not rows[-1] or not is_row or not start < every[0] < every[-1] < end:
+        return None
+    return Axis(survey.parts[rail].com, along)
 
 
 def _beside(survey: Survey, rollers: Sequence[_Roller], hub: int) -> list[_Roller]:

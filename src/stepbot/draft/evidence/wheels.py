@@ -99,10 +99,14 @@ def _swivel(survey: Survey, fork: int, wheel: Axis) -> JointEvidence | None:
 
 
 def _held_by(survey: Survey, wheel: int, axis: Axis) -> list[tuple[int, Relation]]:
-    """What touches a wheel, else what holds the axle that it is on, with the relation of this."""
+    """What touches a wheel, else what holds the axle or the screw that it is on, with the relation of this."""
     around = list(survey.around(wheel))
     if any(not survey.parts[other].is_balanced(axis, TREAD) for other, _ in around):
         return around
+    if not around:
+        around = [(r.other(wheel), r) for r in survey.near.get(wheel, ()) if r.fits]
+        if not all(_turns_about(r, axis) for _, r in around):
+            return []  # bolted on
     return [row for axle, r in around if _turns_about(r, axis) for row in survey.around(axle) if row[0] != wheel]
 
 
