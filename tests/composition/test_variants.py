@@ -128,7 +128,10 @@ FAULTS = {
     ("without: [hand], base", "without: hand, base"): (
         "SB160 17:45 variant 'bare_named': without: not a list of names"
     ),
-    ("hand: {variant: strong}", "hand: {variant: string}"): "SB160 15:38 module 'hand': no variant 'string'",
+    (
+        "hand: {variant: strong}",
+        "hand: {variant: string}",
+    ): "SB160 15:38 variant: no variant 'string' in 'hand.robot.yaml'",
     ("set: {joints: {lift:", "set: {joints: {lft:"): "SB160 5:52 set: no joint 'lft' in 'arm.urdf'",
     ("set: {joints: {lift: {limits: ", "set: {links: {lift: {limits: "): (
         "SB160 5:58 set: of a link of a description, `set` can change `inertial`, `collision`"
@@ -139,7 +142,7 @@ FAULTS = {
     ),
     ("hand.robot.yaml, at", "hand.robot.yaml, set: {joints: {grip: {limits: {effort: 5 kg}}}}, at"): "SB124 6:",
     ("arm.urdf, prefix", "arm.urdf, variant: long, prefix"): (
-        "SB160 5:34 module 'arm': variant: 'arm.urdf' is no sidecar and has no variants"
+        "SB160 5:34 module 'arm': variant: 'arm.urdf' is not a sidecar and has no variants"
     ),
 }
 

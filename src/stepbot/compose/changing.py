@@ -43,6 +43,7 @@ from stepbot.robot.model import (
 )
 from stepbot.robot.renaming import renamed
 from stepbot.runtime.worker import Worker
+from stepbot.sidecar import tree
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.contact import surface_of
 from stepbot.sidecar.load import parse_sidecar
@@ -153,7 +154,8 @@ def sidecar_of(robot: Robot, changes: Tree | None, path: Path, found: Diagnostic
     values = values_of(robot, path.name, kinds)
     for section in _ADDED:
         values[section] |= {name: {} for name in members(section) if name not in values[section]}
-    return parse_sidecar(json.dumps(values), path, found, changes=changes)
+    module = None if changes is None else tree.Mapping(changes.span, {"set": tree.Entry(changes.span, changes)}, 1, 1)
+    return parse_sidecar(json.dumps(values), path, found, module=module)
 
 
 def _report_new(robot: Robot, path: Path, place: Span, local: Diagnostics, found: Diagnostics) -> None:

@@ -25,7 +25,7 @@ from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.modules import ModuleSection
 from stepbot.sidecar.own_part import own_part
 from stepbot.sidecar.starter import robot_name
-from stepbot.sidecar.tree import Mapping, way
+from stepbot.sidecar.tree import Mapping, child, way
 from stepbot.sidecar.variants import merged
 from stepbot.verification.joint_rows import joint_rows_of
 from stepbot.verification.modules import ALLOWED, Alone, module_checks, module_deviations
@@ -203,17 +203,14 @@ class _Files:
                     one.message.startswith("robot ") or any(f"'{name}'" in one.message for name in new_names)
                 )
                 if not is_settled and (one.code != _OPEN_BASE or not is_placed):
-                    place, help, message = one.span, one.help, one.message
+                    place, help = one.span, one.help
                     if one.code == _OPEN_BASE:
                         help = (f"`base: fixed` or `base: floating` in {sidecar.path.name}",)
                     if folder and place.file.startswith(folder):  # the same text on every machine
                         place = place._replace(file=LIBRARY + place.file.removeprefix(folder).removeprefix("/"))
                     if one.code == _NO_DENSITY and is_step_name(path.name):  # there is no sidecar to write it into
                         place, help = span, (density,)
-                    missing = f"no variant '{section.variant}'"
-                    if message == f"sidecar: {missing}":
-                        place, message = sidecar.span("modules", name, "variant"), f"module '{name}': {missing}"
-                    found.add(one.code, message, place, help=help, notes=(*one.notes, note))
+                    found.add(one.code, one.message, place, help=help, notes=(*one.notes, note))
             found.add_ignored(local.ignored)
         return self._robots[key]
 
@@ -230,7 +227,7 @@ class _Files:
             return changes.of_description(robot, path, self._options, found)
         self._note(lock_path(path, changes.variant))
         options = self._options._replace(ignore=(), step=None, variant=changes.variant)
-        sidecar = load(path, options, found, changes=changes.tree)
+        sidecar = load(path, options, found, module=changes.section)
         if sidecar.document.modules:
             return self.composed(sidecar, (*chain, path), found)
         return self._from_step(sidecar, named_step(sidecar, found), found)
@@ -308,9 +305,10 @@ class _Changes:
     def __init__(self, sidecar: Sidecar, module: str) -> None:
         self._sidecar, self._module = sidecar, module
         self.variant = sidecar.document.modules[module].variant or ""
-        values = way(sidecar.root, ("modules", module, "set"))
-        self.tree = values[3] if sidecar.document.modules[module].set and len(values) == 4 else None
-        """The values to change, with their places."""
+        self.section = way(sidecar.root, ("modules", module))[-1]
+        """The module, with the places of its values."""
+        self.tree = child(self.section, "set") if sidecar.document.modules[module].set else None
+        """The values to change."""
 
     def of_step(self, step: Path, found: Diagnostics) -> Sidecar:
         """The sidecar of a STEP file without one: all of its parts are one link."""
@@ -323,7 +321,7 @@ class _Changes:
                 "links": {"body": {"rest": True}},
             }
         )
-        made = parse_sidecar(text, step, found, changes=self.tree)
+        made = parse_sidecar(text, step, found, module=self.section)
         if made is not None:
             check_sidecar(made, found)
         found.raise_if_errors()
@@ -350,6 +348,6 @@ class _Changes:
             found.add("SB160", message, place, help=["rename its elements in its sidecar"])
             found.raise_if_errors()
         if self.variant and (is_description(path) or is_step_name(path.name)):
-            message = f"module '{self._module}': variant: '{path.name}' is no sidecar and has no variants"
+            message = f"module '{self._module}': variant: '{path.name}' is not a sidecar and has no variants"
             found.add("SB160", message, self._sidecar.span("modules", self._module, "variant"))
             found.raise_if_errors()

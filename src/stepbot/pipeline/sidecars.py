@@ -23,23 +23,23 @@ LIBRARY = "library:"
 
 
 def load(
-    path: Path, options: Options, found: Diagnostics, text: str | None = None, changes: Tree | None = None
+    path: Path, options: Options, found: Diagnostics, text: str | None = None, module: Tree | None = None
 ) -> Sidecar:
     """Load and check a sidecar, and suppress the diagnostics that it and the options ignore.
 
     Args:
         options: Codes to ignore, and the variant.
         text: Text to take in place of the file's, before it is written; with line feeds at line ends.
-        changes: Values that another file merges into it.
+        module: The module of another file that selects the variant and changes values.
 
     Raises:
         StepbotError: There are errors.
     """
     found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     if text is None:
-        sidecar = load_sidecar(path, found, options.variant, changes)
+        sidecar = load_sidecar(path, found, options.variant, module)
     else:
-        sidecar = parse_sidecar(text, path, found, options.variant, changes)
+        sidecar = parse_sidecar(text, path, found, options.variant, module)
     if sidecar is not None:
         check_sidecar(sidecar, found)
         found.ignore(ignores(sidecar.root))

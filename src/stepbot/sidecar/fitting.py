@@ -44,7 +44,11 @@ def with_motors(sidecar: Sidecar, found: Diagnostics) -> Sidecar:
             continue
         if joint is None and is_foreign(document, actuator.joint):
             message = f"actuator '{name}': joint '{actuator.joint}' is in a module"
-            help = ["name the motor in the module's own file, which has the limits and dynamics of the joint"]
+            module, _, own_name = actuator.joint.partition("/")
+            help = [
+                f"`set: {{actuators: {{{name}: {{joint: {own_name}, motor: {actuator.motor}}}}}}}` of module '{module}'"
+            ]
+            help += ["or name the motor in the module's own file"]
             found.add("SB148", message, sidecar.span("actuators", name, "motor"), help=help)
             continue
         one = _found(sidecar, name, actuator, own, found)

@@ -23,10 +23,10 @@ from .quantities import described
 from .schema_faults import report_schema_faults
 from .syntax_faults import Composed, compose_around_faults
 from .text import BoundedDiagnostics, TooManyFaultsError, file_name, is_text, read_text
-from .tree import Keys, Mapping, Scalar, Tree, key_span, plain_data, subject
+from .tree import Keys, Mapping, Scalar, Tree, child, key_span, plain_data, subject
 
 
-def load_sidecar(path: Path, found: Diagnostics, variant: str = "", changes: Tree | None = None) -> Sidecar | None:
+def load_sidecar(path: Path, found: Diagnostics, variant: str = "", module: Tree | None = None) -> Sidecar | None:
     """Read a sidecar; None if it has errors, which are all added to ``found``.
 
     Reports SB001 and SB1xx; where possible also the errors of
@@ -34,26 +34,26 @@ def load_sidecar(path: Path, found: Diagnostics, variant: str = "", changes: Tre
 
     Args:
         variant: One of its variants; empty for the sidecar as it is.
-        changes: Values that another file merges into it.
+        module: The module of another file that selects the variant and, under ``set``, changes values.
     """
     text = read_text(path, found)
-    return parse_sidecar(text, path, found, variant, changes) if text is not None else None
+    return parse_sidecar(text, path, found, variant, module) if text is not None else None
 
 
 def parse_sidecar(
-    text: str, path: Path, found: Diagnostics, variant: str = "", changes: Tree | None = None
+    text: str, path: Path, found: Diagnostics, variant: str = "", module: Tree | None = None
 ) -> Sidecar | None:
     """Like :func:`load_sidecar`, from the text of a file."""
     local, sidecar, complete = BoundedDiagnostics(), None, True
     try:
-        sidecar = _parsed(text, path, local, variant, changes)
+        sidecar = _parsed(text, path, local, variant, module)
     except TooManyFaultsError:
         complete = False
     local.hand_over(found, file_name(path), complete=complete)
     return None if local.has_errors else sidecar
 
 
-def _parsed(text: str, path: Path, found: Diagnostics, variant: str, changes: Tree | None) -> Sidecar | None:
+def _parsed(text: str, path: Path, found: Diagnostics, variant: str, module: Tree | None) -> Sidecar | None:
     file = file_name(path)
     if not is_text(text, file, found):
         return None
@@ -72,8 +72,9 @@ def _parsed(text: str, path: Path, found: Diagnostics, variant: str, changes: Tr
             help = ["start with `version: 1`; see `stepbot docs sidecar`"]
             found.add("SB102", "sidecar: empty file (comments only)", Span(file), help=help)
         return None
+    changes = None if module is None else child(module, "set")
     if variant or changes is not None:
-        changed = _changed(root, variant, changes, found)
+        changed = _changed(root, variant, module, found)
         if changed is None:
             return None
         root = changed
@@ -104,11 +105,12 @@ def _composed(text: str, file: str) -> tuple[Composed, tuple[Diagnostic, ...]]:
     return composed, tuple(found)
 
 
-def _changed(root: Mapping, variant: str, changes: Tree | None, found: Diagnostics) -> Mapping | None:
+def _changed(root: Mapping, variant: str, module: Tree | None, found: Diagnostics) -> Mapping | None:
     """The sidecar as its variant and with the changes of another file; None after SB160."""
     from .variants import merged, unknown_elements, with_variant
 
-    varied = with_variant(root, variant, found) if variant else root
+    changes = None if module is None else child(module, "set")
+    varied = with_variant(root, variant, found, module) if variant else root
     if varied is None or changes is None:
         return varied
     for (section, name), known in unknown_elements(varied, changes):

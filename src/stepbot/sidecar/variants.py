@@ -4,6 +4,7 @@ Every value keeps the place where it is written, so that an error in a merged si
 """
 
 from collections.abc import Iterator
+from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, did_you_mean
 
@@ -34,14 +35,15 @@ def merged(base: Tree, patch: Tree) -> Tree:
     return _mapping(base, entries)
 
 
-def with_variant(root: Mapping, name: str, found: Diagnostics) -> Mapping | None:
+def with_variant(root: Mapping, name: str, found: Diagnostics, module: Tree | None = None) -> Mapping | None:
     """The sidecar as its variant; None after SB160.
 
     Args:
         name: The variant. The robot of ``arm`` is named ``arm_<name>`` if the variant does not name it.
         found: Receives SB160: an unknown variant, a circular ``like``, an unknown name in ``without``.
+        module: The module of another file that selects it.
     """
-    patches = _patches(root, name, found)
+    patches = _patches(root, name, found, module)
     if patches is None:
         return None
     whole = root
@@ -74,7 +76,7 @@ def unknown_elements(root: Tree, patch: Tree) -> Iterator[tuple[tuple[str, str],
                 yield (section, name), known
 
 
-def _patches(root: Mapping, name: str, found: Diagnostics) -> list[Mapping] | None:
+def _patches(root: Mapping, name: str, found: Diagnostics, module: Tree | None) -> list[Mapping] | None:
     """The patches of a variant in the order in which they are merged: first that of the one that it is like."""
     variants = child(root, "variants")
     known = tuple(variants.entries) if isinstance(variants, Mapping) else ()
@@ -89,8 +91,13 @@ def _patches(root: Mapping, name: str, found: Diagnostics) -> list[Mapping] | No
         if name not in known:
             listed = ", ".join(known)
             help = (*did_you_mean(name, known), f"variants: {listed}" if known else "add it under `variants`")
-            message = f"variant '{chain[-1]}': like: " if chain else "sidecar: "
-            _report(found, root, keys, f"{message}no variant '{name}'", help)
+            message = f"no variant '{name}'"
+            if module is not None and not chain:
+                message = f"variant: {message} in '{Path(root.span.file).name}'"
+                _report(found, module, ("variant",), message, help)
+            else:
+                subject = f"variant '{chain[-1]}': like" if chain else "sidecar"
+                _report(found, root, keys, f"{subject}: {message}", help)
             return None
         chain.append(name)
         patch = child(variants, name) if variants is not None else None
