@@ -24,7 +24,7 @@ _COLUMNS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "grip": ("mm", "grip", ("slip",)),
     "depth": ("mm", "grip", ("penetration",)),
     "roll": ("%", "roll", ("distance error",)),
-    "turn": ("%", "turn", ("turn error", "turn error on rollers")),
+    "turn": ("%", "turn", ("turn error",)),
     "loops": ("mm", "", ("loop opening",)),
     "stand": ("deg", "stand", ("tilt after push",)),
 }

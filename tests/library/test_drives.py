@@ -2,7 +2,6 @@
 
 import json
 import re
-from math import pi, sin
 from pathlib import Path
 
 import pytest
@@ -89,15 +88,13 @@ def test_composed_robots_do_as_their_modules(
 def test_a_mecanum_base_moves_as_its_tilted_rollers_say() -> None:
     """A youBot's roller carries over 60 degrees of its wheel, so that its axis is tilted: cos is 0.955 on average.
 
-    Without slip, a base whose wheels are at (x, y) strafes by that share of its wheels' speed, and turns by the share
-    cos (x + y) / (x + cos y).
+    With the speeds that a level roller needs, the base would strafe 4.5 % and turn 2.7 % less than it does.
     """
     numbers = {(row[0], row[1]): row[3] for row in library_robot("kuka_youbot").table("Drive tests")[1:]}
-    share, x, y = 6.0 / pi * sin(pi / 6.0), 0.228, 0.158
     for engine in ("mujoco", "pybullet"):
-        turned, strafed = numbers["turn", engine].split()[4], numbers["strafe", engine].split()[2]
-        assert float(turned) == pytest.approx(100.0 * (1.0 - share * (x + y) / (x + share * y)), abs=1.0)
-        assert float(strafed) == pytest.approx(100.0 * (1.0 - share), abs=1.5)
+        turned, strafed = numbers["turn", engine].split()[2], numbers["strafe", engine].split()[2]
+        assert float(turned) < 1.0
+        assert float(strafed) < 1.5
 
 
 def test_gallery_counts_the_drive_tests_of_each_robot() -> None:

@@ -39,7 +39,6 @@ UNITS: Mapping[str, str] = {
     "heading": "deg",
     "return error": "mm",
     "turn error": "%",
-    "turn error on rollers": "%",
     "displacement": "mm",
     "tilt": "deg",
     "tilt at rest": "deg",
@@ -110,16 +109,13 @@ LIMITS: Mapping[str, Mapping[str, Bound]] = {
     "turn": {
         **_ANY,
         "turn error": Bound(2.0, "7 degrees in a turn: the error of odometry from wheels that do not slip"),
-        "turn error on rollers": Bound(
-            5.0, "six rollers a wheel are tilted by up to 30 degrees on the floor: 3 % less"
-        ),
         "displacement": Bound(20.0, "the middle of the wheels stays where it is"),
         "tilt": Bound(3.0, "all wheels stay on the floor"),
     },
     "strafe": {
         **_ANY,
         "distance error": Bound(
-            10.0, "six rollers a wheel are tilted by up to 30 degrees on the floor: 4.5 % less, and they slip"
+            3.0, "speed x time at the mean tilt of the rollers on the floor; each wheel changes from roller to roller"
         ),
         "heading": Bound(3.0, "50 mm aside per metre"),
         "sideways": Bound(30.0, "with the heading above, on the way of 0.6 m"),
