@@ -131,3 +131,21 @@ def test_a_draft_proposes_the_servos_of_so101(tmp_path: Path, corpus: Path, step
         assert (
             1.9 < float(servo.get("forcerange", "0 0").split()[1]) < 3.36
         )  # 1.91 N m published, 2.94 and 3.35 simulated
+
+
+@pytest.mark.parametrize(
+    ("file", "remedy"),
+    [
+        ("arm.urdf", "`set: {actuators: {a: {joint: j1, motor: STS3215-7.4V}}}` of module 'arm'"),
+        ("arm.robot.yaml", "name the motor in the module's own file"),
+    ],
+)
+def test_a_motor_for_a_joint_of_a_module_has_a_remedy(file: str, remedy: str, tmp_path: Path, stepbot: Stepbot) -> None:
+    """A description has no motors, so that `set` adds one; a sidecar states them itself."""
+    sidecar = tmp_path / "whole.robot.yaml"
+    actuators = "{a: {joint: arm/j1, motor: STS3215-7.4V}}"
+    sidecar.write_text(f"version: 1\nrobot: r\nmodules: {{arm: {{file: {file}}}}}\nactuators: {actuators}\n", "utf-8")
+    run = stepbot("check", str(sidecar))
+    assert run.code == 1
+    assert "SB148" in run.err + run.out
+    assert remedy in run.err + run.out

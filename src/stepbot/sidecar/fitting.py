@@ -27,6 +27,7 @@ from .text import file_name, is_text, read_text
 from .tree import Mapping as TreeMapping
 from .tree import Tree, key_span, plain_data
 
+_DESCRIPTIONS = (".urdf", ".xacro", ".sdf", ".xml", ".mjcf")
 _LIMITS = ("effort", "velocity")
 _DYNAMICS = ("damping", "friction", "armature")
 
@@ -45,10 +46,11 @@ def with_motors(sidecar: Sidecar, found: Diagnostics) -> Sidecar:
         if joint is None and is_foreign(document, actuator.joint):
             message = f"actuator '{name}': joint '{actuator.joint}' is in a module"
             module, _, own_name = actuator.joint.partition("/")
-            help = [
-                f"`set: {{actuators: {{{name}: {{joint: {own_name}, motor: {actuator.motor}}}}}}}` of module '{module}'"
-            ]
-            help += ["or name the motor in the module's own file"]
+            help = ["name the motor in the module's own file, which has the limits and dynamics of the joint"]
+            section = document.modules.get(module)
+            if section is not None and (section.file or "").lower().endswith(_DESCRIPTIONS):  # it has no motors
+                values = f"{{actuators: {{{name}: {{joint: {own_name}, motor: {actuator.motor}}}}}}}"
+                help = [f"`set: {values}` of module '{module}'"]
             found.add("SB148", message, sidecar.span("actuators", name, "motor"), help=help)
             continue
         one = _found(sidecar, name, actuator, own, found)
