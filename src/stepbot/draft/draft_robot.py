@@ -33,7 +33,7 @@ from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
 from stepbot.draft.text.draft_names import readable_name
-from stepbot.geometry.spatial import Array, Vector3, perpendicular_frame, rpy_from_rotation, vector3
+from stepbot.geometry.spatial import Array, Vector3, length, perpendicular_frame, rpy_from_rotation, vector3
 from stepbot.robot.model import Base, JointKind
 from stepbot.step.assembly import Assembly
 from stepbot.step.features.axes import AxisFaces, AxisLine, axis_faces, is_parallel, lines, mates, selectors
@@ -149,7 +149,7 @@ class Inference:
     """Drafts one assembly, and again when more is known about it; its contacts are found once."""
 
     def __init__(self, assembly: Assembly, robot: str, sources: Sources = ALL_SOURCES) -> None:
-        self._assembly, self._robot, self._survey = assembly, robot, Survey(assembly, sources)
+        self._assembly, self._robot, self._survey = assembly, robot, Survey.settled(assembly, sources)
 
     def draft(self, facts: Facts = NO_FACTS) -> Draft:
         """Draft links, joints and closures from everything known."""
@@ -179,7 +179,7 @@ class _Drafting:
             joints=geared(self._found, tree, [self._joint(arc) for arc in tree]),
             closures=tuple(self._closure(arc) for arc in loops),
             offered=tuple(self._fused(h) for h in self._offered()),
-            notes=(*self._stillness(), *found.survey.cut),
+            notes=(*self._stillness(), *self._drawn_off(), *found.survey.cut),
             base=Base.FLOATING if self._rolls(tree) and self._has_mass(found.root) else Base.FIXED,
         )
 
@@ -191,6 +191,16 @@ class _Drafting:
         found = f"{lines} pairs of parts share an axis, but other evidence holds them together" if lines else ""
         why = found or "no two parts share an axis about or along which only they could move"
         return (f"no moving parts found: {why}",)
+
+    def _drawn_off(self) -> tuple[str, ...]:
+        """The parts that are drawn off what they fit."""
+        survey = self._found.survey
+        moved = [i for i in survey.moved if i not in survey.small]
+        if not moved:
+            return ()
+        far = max(length(survey.moved[i].apply(survey.parts[i].com) - survey.parts[i].com) for i in moved)
+        paths = _first_of([f"'{survey.parts[i].path}'" for i in moved])
+        return (f"drawn up to {1e3 * far:.2g} mm off what they fit, and compared as if in place: {paths}",)
 
     def _rolls(self, tree: Sequence[TreeJoint]) -> bool:
         """Whether at least two wheels turn on the root, so that nothing fixes it to the ground."""
@@ -257,7 +267,7 @@ class _Drafting:
     def _moving_joint(self, arc: TreeJoint) -> DraftJoint:
         found, confidence, doubt = self._origin(arc)
         axis = found.axis
-        h, child = arc.evidence, self._names[arc.child]
+        h, child = self._as_drawn(arc.evidence), self._names[arc.child]
         is_universal = h.type == JointKind.UNIVERSAL and h.axis2 is not None
         return DraftJoint(
             name=f"{child}_joint",
@@ -300,11 +310,16 @@ class _Drafting:
 
     def _origin(self, arc: TreeJoint) -> tuple[Found, Confidence, str]:
         """The origin of a joint, the evidence for it, and the doubt of its faces, unless the user has stated it."""
-        h = arc.evidence
-        found = self._origins.of(h, arc.evidence.a if self._link_of[arc.evidence.a] == arc.child else arc.evidence.b)
+        h = self._as_drawn(arc.evidence)
+        found = self._origins.of(h, h.a if self._link_of[h.a] == arc.child else h.b)
         selected = (f"on the axis of {found.selected_by}",) if found.selected_by else ()
         is_drafted = h.score >= CHOSEN and not h.why.startswith(STATED)
         return found, Confidence(h.score, (h.why, *selected)), found.doubt if is_drafted else ""
+
+    def _as_drawn(self, h: JointEvidence) -> JointEvidence:
+        """The evidence with its axes where the parts are drawn."""
+        axes = [axis and self._found.survey.as_drawn(axis, (h.a, h.b)) for axis in (h.axis, h.axis2)]
+        return replace(h, axis=axes[0] or h.axis, axis2=axes[1])
 
     def _alternatives(self, arc: TreeJoint) -> tuple[Alternative, ...]:
         """Other joints found between the same two links."""
@@ -323,7 +338,8 @@ class _Drafting:
         return _distinct(free, [arc.evidence for arc in self._found.arcs if arc.evidence.type != JointKind.FIXED])
 
     def _alternative(self, h: JointEvidence) -> Alternative:
-        return Alternative(h.type, *self._paths(h), Confidence(h.score, (h.why,)), _point(h.axis), _direction(h.axis))
+        axis = self._found.survey.as_drawn(h.axis, (h.a, h.b))
+        return Alternative(h.type, *self._paths(h), Confidence(h.score, (h.why,)), _point(axis), _direction(axis))
 
     def _paths(self, h: JointEvidence) -> tuple[str, str]:
         components = self._assembly.components

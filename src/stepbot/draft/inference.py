@@ -29,6 +29,7 @@ from stepbot.draft.mechanism.locked import JointKey, choose_slides, missing_join
 from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, spanning_tree
 from stepbot.draft.mechanism.round_contacts import lone_pivots
 from stepbot.draft.mechanism.unconnected import LooseEnds, find_root
+from stepbot.draft.parts.axis import SAME_LINE
 from stepbot.step.assembly import Assembly
 
 _FEWEST_TRIES, _TRIED_PARTS = 3, 4000
@@ -58,7 +59,7 @@ class Inferred:
 
 def infer_mechanism(assembly: Assembly, sources: Sources = ALL_SOURCES, facts: Facts = NO_FACTS) -> Inferred:
     """Infer links and joints; ``assembly`` must be read with its faces (``ReadOptions.faces``)."""
-    return infer_from(Survey(assembly, sources), facts)
+    return infer_from(Survey.settled(assembly, sources), facts)
 
 
 def infer_from(survey: Survey, facts: Facts = NO_FACTS) -> Inferred:
@@ -150,6 +151,10 @@ def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: 
             h.review = h.review or ONLY_CONNECTION
             # Sides that end beside each other about one axis turn; a face on a face may be a foot.
             h.score = CHOSEN if h.relation is not None and h.relation.via == Via.SEAM else h.score
+        off = made.survey.drawn_off(h.a, h.b, h.axis.point)
+        if off > SAME_LINE:
+            apart = f"its sides are drawn {1e3 * off:.2g} mm off each other"
+            h.review = f"{h.review}; {apart}" if h.review else apart
     links = list(groups.values())
     welds = [weld for weld in made.evidence.welds if weld.verdict is Verdict.TAKEN]
     return Inferred(made.survey, links, number[made.clusters.find(root)], arcs, offered, motors, made.guesses, welds)

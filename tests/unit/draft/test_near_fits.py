@@ -8,6 +8,7 @@ import pytest
 from stepbot.draft.contacts import near_fits
 from stepbot.draft.contacts.near_fits import ANGLE, OFFSET, NearFit, _between
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
+from stepbot.draft.draft_robot import infer
 from stepbot.geometry.spatial import Pose
 from tests.assembled import Node, assembled, inferred, joints, part
 from tests.solids import box, cylinder
@@ -73,3 +74,61 @@ def test_equal_groups_are_compared_once(copies: int, monkeypatch: pytest.MonkeyP
     alone = Survey(assembled(*parts), ALL_SOURCES).near_fits
     assert len(found) == copies * len(alone) == copies * 2
     assert sum(compared) == 2, "the pin and the servo, in the copies and alone"
+
+
+PLATE = box(80, 40, 4)
+for x in (-30, 30):
+    PLATE -= cylinder(2, 4).at(x, 12, -2)
+PILLAR = box(10, 30, 40).at(0, 0, 22)
+LEVER = box(60, 12, 5).at(25, 0, 0) - cylinder(4, 5).at(0, 0, -2.5)
+STAND = box(40, 40, 10) + cylinder(3.95, 12).at(0, 0, 5)
+
+
+def by_hand(off: tuple[float, float, float], turn: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> list[Node]:
+    """A lever on the pin of a stand, and a plate with a pillar that two holes of the stand hold, all off [mm, rad]."""
+    stand = STAND - cylinder(2, 10).at(-30, 12, -5) + box(90, 8, 10).at(0, 12, 0)
+    for x in (-30, 30):
+        stand -= cylinder(2, 10).at(x, 12, -5)
+    x, y, z = off
+    return [
+        part("stand", stand),
+        part("lever", LEVER, x, y, 9.5 + z, turn),
+        part("plate", PLATE, -x, y, -7.2 - z, (turn[1], -turn[0], turn[2])),
+    ]
+
+
+@pytest.mark.parametrize("turn", [(0.0, 0.0, 0.0), (0.004, -0.006, 0.002)])
+def test_pieces_that_touch_nothing_are_moved_to_what_they_fit(turn: tuple[float, float, float]) -> None:
+    """A pin and two holes that are up to 0.3 mm and 0.4 degrees off are exact fits then, and no others are made."""
+    drawn = Survey(assembled(*by_hand((0.2, -0.1, 0.0), turn)), ALL_SOURCES)
+    assert drawn.contacts.pairs() == []
+    found = Survey.settled(drawn.assembly, ALL_SOURCES)
+    assert sorted(found.moved) == [2, 3]
+    assert {pair: len(fits) for pair, fits in found.contacts.fits.items()} == {(1, 2): 1, (1, 3): 2}
+    assert found.drawn_off(1, 2, np.array([0.0, 0.0, 0.01])) == pytest.approx(2.2e-4, abs=1e-4)
+
+
+def test_joints_of_moved_pieces_are_where_they_are_drawn() -> None:
+    """The axis is that of the stand, which stays; the joint is marked, and the draft names what was moved."""
+    draft = infer(assembled(*by_hand((0.2, -0.1, 0.0))), "robot")
+    (joint,) = draft.joints
+    assert (joint.type, joint.child) == ("revolute", "lever")
+    assert np.hypot(*np.array(joint.point)[:2]) < 1e-9
+    assert "its sides are drawn 0.22 mm off each other" in joint.review
+    assert "drawn up to 0.22 mm off what they fit, and compared as if in place: 'lever', 'plate'" in draft.notes
+
+
+def test_what_touches_stays_where_it_is() -> None:
+    """A hole 0.3 mm beside another one may be meant so where the parts touch."""
+    nodes = by_hand((0.3, 0.0, 0.0))
+    nodes[2] = part("plate", PLATE, -0.3, 0.0, -7.0)
+    found = Survey.settled(assembled(*nodes), ALL_SOURCES)
+    assert sorted(found.moved) == [2]
+
+
+def test_holes_that_contradict_each_other_move_nothing() -> None:
+    """Two pairs of holes at distances that differ by 0.4 mm."""
+    plate = box(80, 40, 4) - cylinder(2, 4).at(-30.2, 12, -2) - cylinder(2, 4).at(30.2, 12, -2)
+    nodes = by_hand((0.0, 0.0, 0.0))
+    nodes[2] = part("plate", plate, 0, 0, -7.2)
+    assert Survey.settled(assembled(*nodes), ALL_SOURCES).moved == {}

@@ -1,8 +1,8 @@
 """The facts about an assembly before anything is decided: parts, contacts, relations, subassemblies, motors."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from stepbot.draft.contacts.balls import find_sockets
 from stepbot.draft.contacts.captured import Captured, find_captured
 from stepbot.draft.contacts.contacts import Contacts, Pair
-from stepbot.draft.contacts.near_fits import NearFit, find_near_fits
+from stepbot.draft.contacts.near_fits import NearFit, find_near_fits, settled
 from stepbot.draft.contacts.planes import find_patches
 from stepbot.draft.contacts.relations import Relation, Via, find_relations, neighbours, turned_lines
 from stepbot.draft.contacts.roles import read_parts, spoken_names
@@ -32,7 +32,7 @@ from stepbot.draft.parts.names import Role, is_belt, roles
 from stepbot.draft.parts.parts import box_gaps, joint_box
 from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import IDENTITY, Array, Pose
 from stepbot.step.assembly import Assembly
 
 _SMALL_SHARE = 0.35
@@ -58,8 +58,10 @@ ALL_SOURCES = Sources()
 class Survey:
     """The facts that all evidence is drawn from."""
 
-    def __init__(self, assembly: Assembly, sources: Sources) -> None:
+    def __init__(self, assembly: Assembly, sources: Sources, moved: Mapping[int, Pose] | None = None) -> None:
         self.assembly, self.sources = assembly, sources
+        self.moved = moved or {}
+        """How parts were moved in the assembly before anything was compared: those that are drawn off what they fit."""
         self.scene = Scene(assembly)
         self.contacts = find_contacts(self.scene)
         self.relations = find_relations(self.contacts)
@@ -74,6 +76,31 @@ class Survey:
         self._belts = {i for i, p in self.parts.items() if sources.names and is_belt(p.name)}
         self.small = self._belts | {i for i, p in self.parts.items() if p.is_small and self._is_trifle(i)}
         """Parts that move with their host and form no joint: fasteners, seals, and belts, which are no rigid bodies."""
+
+    @staticmethod
+    def settled(assembly: Assembly, sources: Sources) -> "Survey":
+        """The facts once pieces that touch nothing are where their nearly coaxial faces belong."""
+        drawn = Survey(assembly, sources)
+        moved = settled(drawn.parts, drawn.small, drawn.relations, drawn.near_fits)
+        if not moved:
+            return drawn
+        components = tuple(
+            replace(one, X_WC=moved[one.index] @ one.X_WC) if one.index in moved else one for one in assembly.components
+        )
+        return Survey(replace(assembly, components=components), sources, moved)
+
+    def as_drawn(self, axis: Axis, parts: Sequence[int]) -> Axis:
+        """Where an axis is in the assembly as drawn, by that of some parts which has moved least."""
+        shifts = [float(np.linalg.norm(self.moved[i].apply(axis.point) - axis.point)) for i in parts if i in self.moved]
+        if len(shifts) < len(parts):
+            return axis
+        X = self.moved[[*parts][int(np.argmin(shifts))]].inverse()
+        return Axis(X.apply(axis.point), None if axis.direction is None else X.turn(axis.d))
+
+    def drawn_off(self, a: int, b: int, at: Array) -> float:
+        """How far two parts are drawn off each other at a point [m]."""
+        X, Y = (self.moved.get(i, IDENTITY) for i in (a, b))
+        return float(np.linalg.norm(X.inverse().apply(at) - Y.inverse().apply(at)))
 
     def _is_trifle(self, part: int) -> bool:
         """Whether a part that is named a fastener may be one: it is small, or turned."""
