@@ -33,10 +33,10 @@ def driven(robot: Robot, kind: ActuatorKind) -> dict[str, list[str]]:
     """
     inside, (name, _) = module_of_joint(robot), CONTROLLERS[kind]
     joints: dict[str, list[str]] = {}
-    base = differential_drive(robot)
+    base = differential_drive(robot) if kind is ActuatorKind.VELOCITY else None
     wheels = () if base is None else (*base.left, *base.right)
     for actuator in robot.actuators:
-        if actuator.kind is kind and not (kind is ActuatorKind.VELOCITY and actuator.joint in wheels):
+        if actuator.kind is kind and actuator.joint not in wheels:
             module = inside.get(actuator.joint, "")
             of_one = joints.setdefault(f"{module}_{name}" if module else name, [])
             if actuator.joint not in of_one:
