@@ -1,5 +1,6 @@
 """Faces that are only nearly coaxial: parts placed by hand beside a motor."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -132,3 +133,11 @@ def test_holes_that_contradict_each_other_move_nothing() -> None:
     nodes = by_hand((0.0, 0.0, 0.0))
     nodes[2] = part("plate", plate, 0, 0, -7.2)
     assert Survey.settled(assembled(*nodes), ALL_SOURCES).moved == {}
+
+
+def test_pieces_of_motors_stay_where_they_are() -> None:
+    """A horn may be drawn turned in its servo; what a motor turns is decided by its own rules."""
+    stand, lever, _ = by_hand((0.2, -0.1, 0.0))
+    named = [replace(one, name=f"servo {one.name}") for one in (stand, lever)]
+    assert Survey.settled(assembled(stand, lever), ALL_SOURCES).moved
+    assert not Survey.settled(assembled(*named), ALL_SOURCES).moved

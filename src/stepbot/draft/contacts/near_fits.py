@@ -17,6 +17,7 @@ from stepbot.draft.contacts.relations import Relation
 from stepbot.draft.contacts.shafts import HALF_ROUND, HOLE_RATIO, LINE_DISTANCE
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
+from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import Part, box_gap, joint_box
 from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.fixed_point import exact_sum
@@ -189,7 +190,7 @@ def settled(
     """How parts move, in the assembly, until faces that are nearly coaxial are so, by their indices.
 
     Only pieces that nothing else connects move, as little as possible: the contacts within a piece stay. Nearly coaxial
-    faces that contradict each other, or a contact, are left as they are.
+    faces that contradict each other, or a contact, are left as they are, and so are those of two pieces of motors.
 
     Args:
         parts: All parts.
@@ -204,7 +205,9 @@ def settled(
         _Tie(fit.a, fit.b, fit.axis.point, fit.axis.d, fit.other_axis.point, fit.other_axis.d, is_near=True)
         for (a, b), fits in near.items()
         for fit in fits
-        if pieces.find(a) != pieces.find(b) and (fit.offset > LINE_DISTANCE or fit.angle > _DRAWN_OFF)
+        if pieces.find(a) != pieces.find(b)
+        and not (Role.MOTOR in parts[a].roles and Role.MOTOR in parts[b].roles)
+        and (fit.offset > LINE_DISTANCE or fit.angle > _DRAWN_OFF)
     ]
     contacts = [
         tie
