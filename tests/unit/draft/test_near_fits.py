@@ -141,3 +141,10 @@ def test_pieces_of_motors_stay_where_they_are() -> None:
     named = [replace(one, name=f"servo {one.name}") for one in (stand, lever)]
     assert Survey.settled(assembled(stand, lever), ALL_SOURCES).moved
     assert not Survey.settled(assembled(*named), ALL_SOURCES).moved
+
+
+def test_a_bound_of_the_search_is_stated(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Bodies that are too many to be moved are compared as drawn, and the draft has a note."""
+    monkeypatch.setattr(near_fits, "_MOST_BODIES", 2)
+    draft = infer(assembled(*by_hand((0.2, -0.1, 0.0))), "robot")
+    assert "more than 2 bodies were compared as drawn, though some are off what they fit" in draft.notes

@@ -186,6 +186,7 @@ def settled(
     small: set[int],
     relations: Mapping[Pair, Relation],
     near: Mapping[Pair, Sequence[NearFit]],
+    cut: dict[str, None],
 ) -> dict[int, Pose]:
     """How parts move, in the assembly, until faces that are nearly coaxial are so, by their indices.
 
@@ -197,6 +198,7 @@ def settled(
         small: Those that move with their hosts, such as screws.
         relations: Their contacts.
         near: Nearly coaxial faces of larger parts.
+        cut: Gets the bound that ended the search, in words, if one did.
     """
     pieces, bodies = Clusters(parts), _bodies(parts, small, relations)
     for pair in relations:
@@ -218,6 +220,7 @@ def settled(
     while ties:
         system = _System(parts, bodies, [*ties, *_reached(bodies, ties, contacts)])
         if system.size > _MOST_BODIES:
+            cut[f"more than {_MOST_BODIES} bodies were compared as drawn, though some are off what they fit"] = None
             break
         system.solve()
         contradictory = system.contradictory()

@@ -81,7 +81,7 @@ class Survey:
     def settled(assembly: Assembly, sources: Sources) -> "Survey":
         """The facts once pieces that touch nothing are where their nearly coaxial faces belong."""
         drawn = Survey(assembly, sources)
-        moved = settled(drawn.parts, drawn.small, drawn.relations, drawn.near_fits)
+        moved = settled(drawn.parts, drawn.small, drawn.relations, drawn.near_fits, drawn.cut)
         if not moved:
             return drawn
         components = tuple(
