@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from stepbot.diagnostics import Diagnostics, StepbotError
-from stepbot.geometry.spatial import Pose
+from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.pipeline.composing import compose
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.sidecars import load
@@ -63,6 +63,22 @@ def test_a_gap_between_the_ends_of_a_closure(errors: Errors) -> None:
     files = {"r.robot.yaml": composing(*modules, more=more), "arm.urdf": ARM}
     (line,) = errors(files, Diagnostics())
     assert line.startswith("SB411 8:3 closure 'ring': open by 0.002 m")
+
+
+@pytest.mark.parametrize("origin", [", origin: auto", ", origin: {auto: true}"])
+def test_auto_between_modules_is_no_origin(origin: str, composed: Callable[..., Robot]) -> None:
+    """Ports coincide, in joints and in closures, as without an origin."""
+    limits = "limits: {lower: 0, upper: 1, effort: 1, velocity: 1}"
+    more = f"""joints: {{wrist: {{type: revolute, parent: a/tip, child: c/base, {limits}%s}}}}
+closures: {{ring: {{type: revolute, link_a: a/tip, link_b: b/tip%s}}}}
+"""
+    modules = ("a: {file: arm.urdf}", "b: {file: arm.urdf, at: a/base}", "c: {file: arm.urdf}")
+    robots = [
+        composed({"r.robot.yaml": composing(*modules, more=more % (one, one)), "arm.urdf": ARM}, Diagnostics())
+        for one in (origin, "")
+    ]
+    assert robots[0] == robots[1]
+    assert robots[0].joint_by_name["wrist"].X_PC == IDENTITY
 
 
 def test_a_prefix_with_a_slash(errors: Errors) -> None:

@@ -191,6 +191,65 @@ def test_a_foot_between_two_legs(errors: Callable[..., list[str]], composed: Com
     assert help == ("give `at`: a port of 'front_right' or 'far_right'",)
 
 
+BODY = urdf(
+    "body",
+    *(link(name) for name in ("torso", "left", "right", "low")),
+    joint("left_turn", "torso", "left", xyz="0 0.2 0.3"),
+    joint("right_turn", "torso", "right", xyz="0 -0.2 0.3"),
+    joint("low_turn", "torso", "low", xyz="0 -0.2 0"),
+)
+PAIR = ("left_arm: {file: hand.urdf, at: body/left}", "right_arm: {mirror_of: left_arm, at: body/right}")
+ON_LEFT = "left_hand: {file: hand.urdf, at: left_arm/finger, offset: {xyz: [0.1, 0.2, 0]}}"
+ON_CART = (
+    "cart: {file: torso.urdf, at: body/low}",
+    "left_hand: {file: hand.urdf, at: body/torso, offset: {xyz: [0, 0.2, 0]}}",
+)
+PLATE = ("plate: {file: torso.urdf, at: body/torso, offset: {xyz: [0, -0.5, 0]}}", ON_CART[1])
+
+
+@pytest.mark.parametrize(
+    ("modules", "off"),
+    [
+        (PAIR, ""),
+        ((PAIR[0], "right_arm: {mirror_of: left_arm, at: body/low}"), "300 mm, 0 deg"),
+        ((*PAIR, ON_LEFT, "right_hand: {mirror_of: left_hand}"), None),
+        (
+            (*PAIR, ON_LEFT, "right_hand: {mirror_of: left_hand, at: right_arm/finger, offset: {xyz: [0.1, -0.2, 0]}}"),
+            "",
+        ),
+        (
+            (*PAIR, ON_LEFT, "right_hand: {mirror_of: left_hand, at: right_arm/finger, offset: {xyz: [0.1, 0.2, 0]}}"),
+            "400 mm, 0 deg",
+        ),
+        (
+            (*PAIR, ON_LEFT, "right_hand: {mirror_of: left_hand, at: right_arm/thumb}"),
+            "on link 'right_arm_thumb' instead of 'right_arm_finger'",
+        ),
+        (
+            (*ON_CART, "right_hand: {mirror_of: left_hand, at: cart}"),
+            "on link 'cart_torso' instead of 'body_torso'",
+        ),
+        ((*PLATE, "right_hand: {mirror_of: left_hand, at: plate, offset: {xyz: [0, 0.3, 0]}}"), ""),
+        ((*PLATE, "right_hand: {mirror_of: left_hand, at: plate, offset: {xyz: [0, 0.2, 0]}}"), "100 mm, 0 deg"),
+        (
+            (
+                PAIR[0],
+                "right_arm: {file: hand.urdf, at: body/right}",
+                ON_LEFT,
+                "right_hand: {mirror_of: left_hand, at: right_arm/finger}",
+            ),
+            "",
+        ),
+    ],
+)
+def test_a_place_on_another_link(modules: tuple[str, ...], off: str | None, composed: Compose) -> None:
+    """Two links of one part are compared as drawn, a place on an image with its link; welded parts are one body."""
+    files = {"r.robot.yaml": composing("body: {file: body.urdf}", *modules)}
+    composed({**files, "body.urdf": BODY, "hand.urdf": HAND, "torso.urdf": TORSO}, found := Diagnostics())
+    notes = [one.message.rpartition(": ")[2] for one in found if one.code == "SB168:place"]
+    assert notes == ([off] if off else [])
+
+
 @pytest.mark.parametrize(
     ("joint", "of", "name", "image"),
     [

@@ -90,6 +90,18 @@ class Images:
             return None
         return Port(port.link, conjugated(X_LC, m))
 
+    def beside(self, name: str, module: str) -> list[str]:
+        """The images of a module that another image can be attached to; several if neither planes nor names decide."""
+        return self._closest(name, self._of(module))
+
+    def _closest(self, name: str, images: list[str]) -> list[str]:
+        modules = self._document.modules
+        of = str(modules[name].mirror_of)
+        ones = [one for one in images if (modules[one].mirror or "y") == (modules[name].mirror or "y")] or images
+        if len(ones) > 1:
+            ones = [one for one in ones if image_name(str(modules[one].mirror_of), of, name) == one] or ones
+        return ones
+
     def _of(self, module: str) -> list[str]:
         modules = self._document.modules.items()
         return [name for name, section in modules if module and section.mirror_of == module and name in self._parts]
@@ -104,9 +116,7 @@ class Images:
         """
         modules = self._document.modules
         of = str(modules[name].mirror_of)
-        ones = [one for one in images if (modules[one].mirror or "y") == (modules[name].mirror or "y")] or images
-        if len(ones) > 1:
-            ones = [one for one in ones if image_name(str(modules[one].mirror_of), of, name) == one] or ones
+        ones = self._closest(name, images)
         if len(ones) > 1:
             which = f"'{modules[ones[0]].mirror_of}', which has several images"
             message = f"module '{name}': mirror_of: '{of}' is on {which}"

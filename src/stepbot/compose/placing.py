@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from math import degrees, radians
+from types import MappingProxyType
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from stepbot.assemble.joints import joint_of
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import IDENTITY, ZERO3, Pose, tidy
 from stepbot.robot.bounding_boxes import standing_height
-from stepbot.robot.kinematics import initial_configuration
+from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Base, Joint, JointKind, Robot
 from stepbot.sidecar.document import AutoOrigin, JointSection
@@ -20,7 +21,7 @@ from stepbot.sidecar.modules import ModuleSection
 from stepbot.sidecar.own_part import TIE
 from stepbot.sidecar.tree import ELEMENTS
 
-from .images import Images, joints_above
+from .images import Images, is_root_part, joints_above
 from .mirroring import NORMALS, conjugated, flipped, mirrored
 from .parts import Part, image_name
 from .ports import Port, Ports, moved_by
@@ -85,10 +86,12 @@ class Places:
                 self._module(name, module)
         if self._found.has_errors:
             return None
-        for name, module in self._document.modules.items():
+        mounts = dict(self.mounts)  # those in the world, before one of the parts becomes the root
+        root = self._root()
+        for name, module in self._document.modules.items() if root is not None else ():
             if module.mirror_of and module.at:
-                self._report_no_image(name, module)
-        return self._root()
+                self._report_no_image(name, module, mounts)
+        return root
 
     def _module(self, name: str, section: ModuleSection) -> None:
         above, keys = joints_above(self._document, name), ("modules", name, "at")
@@ -106,22 +109,56 @@ class Places:
         elif section.mirror_of and not above:
             self._mirror(name, section)
 
-    def _report_no_image(self, name: str, section: ModuleSection) -> None:
+    def _report_no_image(self, name: str, section: ModuleSection, mounts: Mapping[str, Mount]) -> None:
         """Report SB168:place: the place given for a mirrored module is not the mirror image of the original's."""
         roots = [self._parts[one].robot.root.name for one in (name, str(section.mirror_of))]
-        joints = [self.mounts[root].joint for root in roots if root in self.mounts]
+        joints = [mounts[root].joint for root in roots if root in mounts]
         if len(joints) < 2 or any(joint.kind is not JointKind.FIXED for joint in joints):
             return
-        links, poses = zip(*(self._ports.rigid(joint.parent) for joint in joints), strict=True)
-        if links[0] != links[1]:
-            return
-        here, there = (pose @ joint.X_PC for pose, joint in zip(poses, joints, strict=True))
-        distance, angle = here.distance_to(conjugated(there, np.array(NORMALS[section.mirror or "y"])))
-        if distance > _NEAR or angle > _NEARLY_ALONG:
-            off = f"{1000.0 * distance:.3g} mm, {degrees(angle):.3g} deg"
+        here, there = (Port(joint.parent, joint.X_PC) for joint in joints)
+        off = self._off(name, here, there, mounts)
+        if off:
             message = f"module '{name}': not at the mirror image of the place of '{section.mirror_of}': {off}"
             help = ["without `at` it is placed there; a part that is turned instead of mirrored needs no `mirror_of`"]
             self._found.add("SB168:place", message, self._sidecar.span("modules", name, "at"), help=help)
+
+    def _off(self, name: str, here: Port, there: Port, mounts: Mapping[str, Mount]) -> str:
+        """How far a place is from the mirror image of the original's; empty if it is there, or if no image is known."""
+        m, module = np.array(NORMALS[self._document.modules[name].mirror or "y"]), self._ports.part(there.link)
+        images = self._images.beside(name, module)
+        if len(images) > 1:
+            return ""
+        if images:
+            link = self._parts[images[0]].written(self._parts[module].local(there.link))
+            m_there = np.array(NORMALS[self._document.modules[images[0]].mirror or "y"])
+            image = Port(link, conjugated(there.X_LP, m_there, m))
+        else:
+            for above in (self._rigid, self._drawn):  # two places on one link, or on two links of one part
+                (a, X_A), (b, X_B) = above(here), above(there)
+                if a == b:
+                    return _apart(X_A, conjugated(X_B, m))
+            if module and not is_root_part(self._document, module):
+                return ""
+            image = Port(there.link, conjugated(there.X_LP, m))
+        (a, X_A), (b, X_B) = (self._rigid(port, mounts) for port in (here, image))
+        return _apart(X_A, X_B) if a == b else f"on link '{here.link}' instead of '{image.link}'"
+
+    def _rigid(self, port: Port, mounts: Mapping[str, Mount] = MappingProxyType({})) -> tuple[str, Pose]:
+        """The link nearest to the root that a port is fixed to, also through ``mounts``, and the port's pose in it."""
+        link, X = self._ports.rigid(port.link)
+        X = X @ port.X_LP
+        if link in mounts and mounts[link].joint.kind is JointKind.FIXED:
+            return self._rigid(Port(mounts[link].joint.parent, mounts[link].joint.X_PC @ X), mounts)
+        return link, X
+
+    def _drawn(self, port: Port) -> tuple[str, Pose]:
+        """The root link of the part of a port, and the port's pose in it in the initial pose."""
+        root = self._part_root(port.link)
+        robot = self._parts[self._of_root[root]].robot if root in self._of_root else self._own
+        if root == WORLD or robot is None:
+            return root, port.X_LP
+        poses = link_poses(robot, initial_configuration(robot))
+        return root, poses[root].inverse() @ poses[port.link] @ port.X_LP
 
     def _stand(self, name: str, section: ModuleSection, X_W: Pose) -> None:
         """Place a module in the world: fixed, or free and with its lowest point at that height if its base floats."""
@@ -319,6 +356,12 @@ class Places:
 
     def _label(self, root: str) -> str:
         return f"module '{self._of_root[root]}'" if root in self._of_root else f"link '{root}'"
+
+
+def _apart(a: Pose, b: Pose) -> str:
+    distance, angle = a.distance_to(b)
+    is_near = distance <= _NEAR and angle <= _NEARLY_ALONG
+    return "" if is_near else f"{1000.0 * distance:.3g} mm, {degrees(angle):.3g} deg"
 
 
 def _mirrored_joint(joint: Joint, section: ModuleSection) -> Joint:
