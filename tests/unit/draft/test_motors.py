@@ -1,13 +1,17 @@
 """Motors by name and by use: which parts are motors, what belongs to them, which axis is their output."""
 
+from dataclasses import replace
 from itertools import product
+from math import pi
 
 import numpy as np
+import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.evidence.motors import Motor, find_motors
 from stepbot.draft.link_claims import LinkClaims
-from tests.assembled import BARE, Node, assembled, group, inferred, joints, part
+from stepbot.geometry.spatial import Pose
+from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, links, part, turned
 from tests.solids import Solid, box, cylinder
 
 NAMELESS = Sources(names=False)
@@ -108,3 +112,30 @@ def test_a_link_is_named_after_what_its_motor_sits_in() -> None:
     claims = LinkClaims(whole, [list(found)], 0)
     assert claims.name(list(found.values()))[0] == "bracket"
     assert claims.name([one for one in found.values() if one.name == "SG90 servo"]) == ("SG90_servo", "SG90 servo")
+
+
+@pytest.mark.parametrize("size", [0.4, 1.0, 3.0])
+@pytest.mark.parametrize("names", [("Getriebemotor", "Flansch"), ("motor", "body 2")])
+@pytest.mark.parametrize("has_rings", [False, True])
+def test_a_saddle_on_the_case_holds_the_motor(size: float, names: tuple[str, str], *, has_rings: bool) -> None:
+    """A saddle on the round case of a motor holds it; what is on the flange turns, which is behind a bearing's gap."""
+    s = size
+    case = cylinder(45 * s, 64 * s) - cylinder(31.5 * s, 60 * s).at(0, 0, 4 * s)
+    flange = cylinder(29.7 * s, 6 * s).at(0, 0, 62 * s) + cylinder(20.25 * s, 14 * s).at(0, 0, 48 * s)
+    rings = [
+        part("race outside", cylinder(31.5 * s, 10 * s) - cylinder(27 * s, 10 * s), z=50 * s),
+        part("race inside", cylinder(26 * s, 10 * s) - cylinder(20.25 * s, 10 * s), z=50 * s),
+    ]
+    saddle = cut(
+        box(70 * s, 40 * s, 30 * s).at(0, 0, -50 * s), turned(cylinder(45 * s, 90 * s), 0, 45 * s, 0, (pi / 2, 0, 0))
+    )
+    saddle += box(200 * s, 200 * s, 20 * s).at(0, 0, -75 * s)
+    arm = box(60 * s, 20 * s, 8 * s).at(20 * s, 0, 72 * s)
+    unit = group(names[0], part("shell", case), part(names[1], flange), *(rings if has_rings else []))
+    lying = replace(unit, X=Pose.from_xyz_rpy((0, -0.03 * s, 0), (-pi / 2, 0, 0)))
+    lever = replace(part("lever", arm), X=lying.X)
+    found = inferred(part("stand", saddle), lying, lever)
+    (arc,) = found.arcs
+    assert {"stand", f"{names[0]}/shell"} <= links(found)[arc.parent]
+    assert {"lever", f"{names[0]}/{names[1]}"} <= links(found)[arc.child]
+    assert abs(arc.evidence.axis.d[1]) == pytest.approx(1.0)

@@ -1,14 +1,19 @@
 """Stops of joints by collision of lugs, against closed forms, and contacts that are no stop."""
 
-from math import asin, pi
+from math import asin, degrees, pi
 
 import numpy as np
 import pytest
 import trimesh
 
+from stepbot.draft.draft import Confidence, Draft, DraftJoint, DraftLink, OriginForm, OriginSnippet
 from stepbot.draft.stops import stops
-from stepbot.draft.stops.stops import Question, Shape, Stops, find_stops
+from stepbot.draft.stops.stops import Question, Shape, Stops, find_stops, with_stops
 from stepbot.draft.stops.sweeps import Triangles, across, radii_and_heights, reach, slide, turn
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.spatial import Pose
+from stepbot.robot.model import JointKind
+from stepbot.step.assembly import Assembly, Body, BodyKind, Component
 
 WIDTH, RADIUS = 0.004, 0.03
 
@@ -110,3 +115,39 @@ def test_a_way_beyond_the_longest_that_matters_is_infinite() -> None:
 def test_a_turn_leaves_radius_and_height() -> None:
     """Distances from the axis, and positions along it."""
     np.testing.assert_allclose(radii_and_heights(np.array([[3.0, -4.0, 7.0], [0.0, 0.0, -2.0]])), [[5, 7], [0, -2]])
+
+
+@pytest.mark.parametrize("size", [0.2, 1.0, 5.0])
+@pytest.mark.parametrize(("ahead", "is_narrow"), [(0.2, True), (1.0, False)])
+def test_a_joint_with_a_narrow_range_is_to_be_reviewed(size: float, ahead: float, *, is_narrow: bool) -> None:
+    """A lever between two lugs, 0.2 rad away on either side, has a REVIEW with the range; with 1 rad it has none."""
+    lever = box(1, (RADIUS, 0.0, 0.0), (0.02, WIDTH, 0.01))
+    lugs = [
+        box(0, (RADIUS * np.cos(angle), RADIUS * np.sin(angle), 0.0), (WIDTH, WIDTH, 0.01))
+        for angle in (-ahead - 0.13, ahead + 0.13)
+    ]
+    meshes = [TriMesh.of(size * shape.vertices, shape.faces) for shape in (*lugs, lever)]
+    names = ("lug 1", "lug 2", "motor bracket")
+    components = [Component(0, -1, ".", ".", "", "", 1)]
+    components += [Component(n, 0, name, name, name, "", 1, Pose(), n - 1, n) for n, name in enumerate(names, 1)]
+    colors = np.zeros(0, dtype=np.int32)
+    bodies = tuple(Body(BodyKind.SOLID, mesh, colors, (None,), True) for mesh in meshes)
+    sure = Confidence(0.83, ("output of a motor",))
+    joint = DraftJoint(
+        *("bracket_joint", JointKind.REVOLUTE, OriginSnippet(OriginForm.XYZ), "z", (0.0, 0.0, 0.0), (0.0, 0.0, 1.0)),
+        *(sure, ("lug 1", "motor bracket")),
+        parent="arm",
+        child="bracket",
+    )
+    links = (
+        DraftLink("arm", (), sure, rest=True, components=(1, 2)),
+        DraftLink("bracket", names[2:], sure, components=(3,)),
+    )
+    assembly = Assembly("made.step", "AP242", "", "mm", 1e-3, tuple(components), bodies)
+    (found,) = with_stops(Draft("robot", "arm", links, (joint,)), assembly).joints
+    low, high = sorted(stop.position for stop in found.stops)
+    assert (low, high) == (pytest.approx(-ahead, abs=0.05), pytest.approx(ahead, abs=0.05))
+    assert found.is_reviewed == is_narrow
+    assert found.review == (
+        f"its stops leave it only {degrees(low):.3g} deg to {degrees(high):.3g} deg" if is_narrow else ""
+    )

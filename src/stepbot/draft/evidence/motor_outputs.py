@@ -5,7 +5,10 @@ The output axis is that of the motor's horn, else it is chosen by a vote of all 
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
 
 from stepbot.draft.contacts.relations import Relation, Via, merged, reach
 from stepbot.draft.contacts.survey import Survey
@@ -15,11 +18,13 @@ from stepbot.draft.evidence.near_outputs import NearOutput
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.geometry.fixed_point import exact_sum
+from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.robot.model import JointKind
 
 SAME_AXIS = 5e-5
 """Distance [m] up to which axes at a motor are equal."""
 _WEIGHTS = {Via.RING: 3, Via.FACE: 2, Via.PIN: 2}
+_TURNING = (Via.FACE, Via.PIN, Via.BOLT)
 _LEVEL = 1e-2
 """Angle [rad] up to which a contact is normal to the output axis."""
 _MOST_OUTPUT_VOLUME, _LEAST_OUTPUT_VOLUME = 0.25, 0.01
@@ -131,6 +136,33 @@ def hidden_outputs(survey: Survey, motor: Motor) -> list[int]:
     return [i for _, _, i in sorted(found)][:2]
 
 
+def apart_outputs(survey: Survey, motor: Motor) -> dict[int, list[int]]:
+    """Outputs that bearings or their gap separate from the case of a named motor; what else is of each.
+
+    They are turned about one line of the case, touch the rest of the motor only about it, and carry what is outside.
+    """
+    larger = [i for i in motor.parts if i not in survey.small]
+    if motor.outputs or not motor.is_named or len(larger) < 2:
+        return {}
+    found: dict[int, list[int]] = {}
+    for axis in survey.turned.get(motor.case, ()):
+        held = Clusters(larger)
+        for i, k in combinations(larger, 2):
+            r = survey.relation(i, k)
+            if r is not None and not (r.via in _TURNING and r.axis is not None and r.axis.same(axis, SAME_AXIS)):
+                held.join(i, k)
+        for island in held.groups().values():
+            first = max(island, key=lambda i: (survey.parts[i].volume, -i))
+            carries = any(other not in motor.parts for i in island for other, _ in survey.around(i))
+            is_turned = any(axis.same(line, SAME_AXIS) for line in survey.turned.get(first, ()))
+            is_turned &= all(survey.parts[i].is_balanced(axis) for i in island)
+            if motor.case not in island and carries and is_turned:
+                found[first] = [i for i in island if i != first]
+        if found:
+            break
+    return found
+
+
 def lies_on(output: Output, relations: Sequence[Relation]) -> bool:
     """Whether all contacts are on the output's face: normal to its axis, and within its radius."""
     if not output.reach:
@@ -155,11 +187,13 @@ class _Side:
     relations: tuple[Relation, ...]
     whole: Relation
     on_output: bool
+    is_seat: bool = False
+    """Whether it holds the case by a face about the output's axis, wider than the output."""
 
     @property
     def is_held(self) -> bool:
         """Whether the contact is more than incidental."""
-        return self.whole.holes >= 2 or self.whole.area > _BRUSH_AREA or self.whole.freedom.dof <= 1
+        return self.is_seat or self.whole.holes >= 2 or self.whole.area > _BRUSH_AREA or self.whole.freedom.dof <= 1
 
 
 def motor_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> None:
@@ -173,14 +207,21 @@ class _OneMotor:
     def __init__(self, survey: Survey, motor: Motor, axes: OutputAxes, found: Evidence) -> None:
         self._survey, self._motor, self._found = survey, motor, found
         named = [i for i in motor.outputs if i not in survey.small]
-        self._outputs = list(dict.fromkeys([*named, *hidden_outputs(survey, motor)]))
+        self._apart = apart_outputs(survey, motor)
+        hidden = list(self._apart) or hidden_outputs(survey, motor)
+        self._outputs = list(dict.fromkeys([*named, *hidden]))
+        self._anchors = {o: o for o in self._outputs} | {i: o for o, others in self._apart.items() for i in others}
+        """The output of each part that turns with one."""
         self._output = axes.of(motor, self._outputs)
 
     def say(self) -> None:
         """Add the evidence of this motor."""
         motor, survey = self._motor, self._survey
+        for output, others in self._apart.items():
+            for i in others:
+                self._found.weld(0.96, output, i, f"parts of the output of '{motor.path}'")
         for i in motor.parts:
-            if i != motor.case and i not in self._outputs and i not in survey.small:
+            if i != motor.case and i not in self._anchors and i not in survey.small:
                 self._found.weld(0.96, motor.case, i, f"parts of the motor '{motor.path}'")
         if self._output is None:
             return
@@ -210,8 +251,9 @@ class _OneMotor:
 
     def _sides(self, output: Output) -> list[_Side]:
         outside: dict[int, list[Relation]] = defaultdict(list)
+        survey = self._survey
         for i in self._motor.parts:
-            for other, r in self._survey.around(i):
+            for other, r in survey.around(i):
                 if other not in self._motor.parts:
                     outside[other].append(r)
         sides = []
@@ -219,9 +261,27 @@ class _OneMotor:
             touched = {r.other(part) for r in relations}
             whole = merged(relations, (relations[0].a, relations[0].b), [output.axis])
             about = whole.turns is not None and whole.turns.same(output.axis, SAME_AXIS)
-            by_name = bool(self._outputs) and touched <= set(self._outputs)
+            by_name = bool(self._outputs) and touched - survey.small <= set(self._anchors)
             sides.append(_Side(part, tuple(relations), whole, by_name or about or lies_on(output, relations)))
+        if any(self._is_on_anchor(side) for side in sides):
+            # The output is drawn: what is on a wider face of the case about its axis, such as a saddle, holds the case.
+            across = perpendicular_frame(output.axis.d)[:, 0]
+            most = max(0.5 * float(np.ptp(survey.scene.span(o, across))) for o in self._anchors)
+            sides = [
+                replace(side, on_output=False, is_seat=True)
+                if side.on_output and not self._is_on_anchor(side) and self._width(side) > most
+                else side
+                for side in sides
+            ]
         return sides
+
+    def _width(self, side: _Side) -> float:
+        """The largest radius [m] at which a part touches the motor about its output."""
+        assert self._output is not None
+        return max(side.whole.ring_radius, side.whole.radius, reach(self._output.axis, side.relations))
+
+    def _is_on_anchor(self, side: _Side) -> bool:
+        return any(r.other(side.part) in self._anchors for r in side.relations)
 
     def _split(self, driven: list[_Side]) -> tuple[list[_Side], list[_Side], float, str]:
         """For contacts that are all centred on the motor's axis: the part on the wider circle holds the motor.
@@ -232,14 +292,7 @@ class _OneMotor:
         if len(groups) < 2:
             # Only its own output and one neighbour: the case stands alone.
             return (driven, [], 0.85, "") if self._outputs else ([], [], 0.0, "")
-        assert self._output is not None
-        widths = [
-            max(
-                max(side.whole.ring_radius, side.whole.radius, reach(self._output.axis, side.relations))
-                for side in group
-            )
-            for group in groups
-        ]
+        widths = [max(map(self._width, group)) for group in groups]
         order = sorted(range(len(groups)), key=lambda n: (-round(widths[n], 5), groups[n][0].part))
         score = 0.83 if widths[order[-1]] < _WIDER * widths[order[0]] else 0.65
         turning = [side for n in order[1:] for side in groups[n]]
@@ -273,7 +326,10 @@ class _OneMotor:
 
     def _drive(self, driven: list[_Side], score: float, why: str, review: str) -> None:
         """Parts that touch the output turn with it, and with the output's own part if there is one."""
-        touched = {side.part: {r.other(side.part) for r in side.relations} for side in driven}
+        touched = {
+            side.part: {self._anchors.get(i, i) for r in side.relations for i in [r.other(side.part)]}
+            for side in driven
+        }
         anchors = sorted({o for parts in touched.values() for o in parts if o in self._outputs})
         for side in driven:
             mine = sorted(touched[side.part].intersection(self._outputs))

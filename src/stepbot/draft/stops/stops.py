@@ -9,6 +9,7 @@ meshes: edges that cross may meet a little earlier, and cables, other links or s
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import degrees
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,6 +41,8 @@ _GRAZE = 1.5e-4
 """Distance [m] from its edges that a face must meet another with: twice what coarse meshes are off by."""
 _SLACK_ANGLE, _SLACK = 0.05, 1e-3
 """Differences [rad] and [m] up to which a meeting at an edge is that of the face."""
+_NARROW_ANGLE, _NARROW = 0.45, 2e-3
+"""Ranges [rad] and [m] between stops, below which the sides of a joint may belong together."""
 _MOST = 4_000_000
 """Points times triangles that are tried for all joints together."""
 
@@ -214,10 +217,21 @@ def with_stops(draft: Draft, assembly: Assembly) -> Draft:
     shapes = Shapes(assembly)
     found = find_stops([_question(joint, members[joint.parent], members[joint.child], shapes) for joint in asked])
     stopped = {
-        joint.name: replace(joint, stops=_named(stops.found, joint, assembly), stops_skipped=stops.skipped)
+        joint.name: _stopped(replace(joint, stops=_named(stops.found, joint, assembly), stops_skipped=stops.skipped))
         for joint, stops in zip(asked, found, strict=True)
     }
     return replace(draft, joints=tuple(stopped.get(joint.name, joint) for joint in draft.joints))
+
+
+def _stopped(joint: DraftJoint) -> DraftJoint:
+    """A joint with its stops, to be reviewed if they leave it a narrow range."""
+    slides = joint.type is JointKind.PRISMATIC
+    positions = [stop.position for stop in joint.stops]
+    if len(positions) < 2 or max(positions) - min(positions) >= (_NARROW if slides else _NARROW_ANGLE):
+        return joint
+    low, high = (f"{1e3 * at:.3g} mm" if slides else f"{degrees(at):.3g} deg" for at in sorted(positions))
+    narrow = f"its stops leave it only {low} to {high}"
+    return replace(joint, review=f"{joint.review}; {narrow}" if joint.review else narrow)
 
 
 def _is_open(joint: DraftJoint) -> bool:
