@@ -54,7 +54,17 @@ def test_mujoco_gets_the_figures_of_the_motor(hinge: Path, stepbot: Stepbot) -> 
     sources = {one["quantity"]: one["source"] for one in actuator["motor"]["figures"]}
     assert sources.keys() == {"effort", "velocity", "armature", "friction", "damping", "kp"}
     assert all(sources.values())
-    assert len(actuator["motor"]["doubts"]) == 3
+    *_, slow = actuator["motor"]["doubts"]
+    assert len(actuator["motor"]["doubts"]) == 4
+    # MuJoCo's hinge with the whole effort, without gravity, stops and load, turns no faster than the stated speed.
+    stated = float(re.search(r"at (\S+) rad/s, 56 % of the velocity limit of 5.454 rad/s", slow)[1])  # type: ignore[index]
+    model.opt.gravity[:], model.jnt_limited[:] = 0.0, 0
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_ACTUATION | mujoco.mjtDisableBit.mjDSBL_CONTACT
+    data = mujoco.MjData(model)
+    for _ in range(int(2.0 / model.opt.timestep)):
+        data.qfrc_applied[0] = 1.912
+        mujoco.mj_step(model, data)
+    assert data.qvel[0] == pytest.approx(stated, rel=2e-3)
     assert 'effort="1.912" velocity="5.454"' in Path("hinge/hinge.urdf").read_text(encoding="utf-8")
 
 

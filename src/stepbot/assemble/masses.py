@@ -72,6 +72,7 @@ def masses(binder: Binder, materials: MaterialAssignments, bodies: Sequence[Meas
                 volume,
                 assignment.density_origin,
                 body.written,
+                assignment.material,
             )
     return _Sharing(binder, materials, computed).settle()
 

@@ -83,6 +83,8 @@ class MaterialAssignment:
     """[kg/m^3]; None if no source gives one."""
     density_origin: str = ""
     """``parts rule '**/Cover'``, ``STEP``, ``material 'pla' in the STEP``, ``defaults``; empty without a density."""
+    material: str = ""
+    """The material whose density this is, in the sidecar or the STEP; empty if none is named."""
     color: Rgba | None = None
     """Colour that overrides the STEP's."""
     visual: bool | None = None
@@ -210,11 +212,12 @@ _SETS: dict[str, Callable[[PartRule, Document], bool]] = {
 
 def _assignment(component: Component, rules: dict[str, tuple[str, PartRule]], document: Document) -> MaterialAssignment:
     """The settings of a component; each field from the rule that takes precedence."""
-    density, origin = _density(component, rules.get("density"), document)
+    density, origin, material = _density(component, rules.get("density"), document)
     return MaterialAssignment(
         ignored="ignore" in rules and rules["ignore"][1].ignore,
         density=density,
         density_origin=origin,
+        material=material or "",
         color=_rule_color(rules["color"][1], document) if "color" in rules else None,
         visual=rules["visual"][1].visual if "visual" in rules else None,
         collision=rules["collision"][1].collision if "collision" in rules else None,
@@ -222,20 +225,29 @@ def _assignment(component: Component, rules: dict[str, tuple[str, PartRule]], do
     )
 
 
-def _density(component: Component, named: tuple[str, PartRule] | None, document: Document) -> tuple[float | None, str]:
-    """Density [kg/m^3] and its source; a density of zero in the STEP counts as missing."""
+def _density(
+    component: Component, named: tuple[str, PartRule] | None, document: Document
+) -> tuple[float | None, str, str | None]:
+    """Density [kg/m^3], its source and the material that has it; a density of zero in the STEP counts as missing."""
     if named is not None:
-        return _rule_density(named[1], document), f"parts rule '{named[0]}'"
-    if component.density is not None and document.step_density is StepDensity.USE:
-        return component.density, "STEP"
+        rule = named[1]
+        return (
+            _rule_density(rule, document),
+            f"parts rule '{named[0]}'",
+            rule.material if rule.density is None else None,
+        )
     name = component.material.strip()
+    if component.density is not None and document.step_density is StepDensity.USE:
+        return component.density, "STEP", name
     if name and (density := _material(document, name).density) is not None:
-        return density, f"material '{name}' in the STEP"
+        return density, f"material '{name}' in the STEP", name
     defaults = document.defaults
     if defaults.density == "todo":
-        return PLACEHOLDER_DENSITY, PLACEHOLDER
-    default = defaults.density if defaults.density is not None else _material(document, defaults.material).density
-    return default, "defaults" if default is not None else ""
+        return PLACEHOLDER_DENSITY, PLACEHOLDER, None
+    if defaults.density is not None:
+        return defaults.density, "defaults", None
+    default = _material(document, defaults.material).density
+    return default, "defaults" if default is not None else "", defaults.material
 
 
 def _warn_of_uniform_density(binder: Binder, found: tuple[MaterialAssignment, ...]) -> None:

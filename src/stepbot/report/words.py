@@ -1,9 +1,11 @@
-"""Results in words: joints, masses, collision shapes, missing engines, degrees of freedom."""
+"""Results in words: joints, masses, collision shapes, missing engines, degrees of freedom, data sheets."""
 
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from math import isfinite
 
 from stepbot.geometry.fixed_point import exact_sum
+from stepbot.robot.datasheet import ArmFigures, DataSheet
 from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side, Vector3
 
 from .plain import Json, picked
@@ -210,3 +212,72 @@ def independent_joints(results: Results) -> str:
         return ""
     degrees = f"{results.degrees_of_freedom} degree" + "s" * (results.degrees_of_freedom != 1)
     return f"{degrees} of freedom, driven by {', '.join(results.driven)}"
+
+
+Table = tuple[tuple[str, ...], list[tuple[str, ...]]]
+"""Headings and rows."""
+
+
+def sheet_blocks(sheet: DataSheet) -> Iterator[str | Table]:
+    """A data sheet as headings (``## tip``), items of lists (``- reach: ...``) and tables, without its title."""
+    yield f"- mass: {sheet.mass:.4g} kg"
+    if sheet.size is not None:
+        yield "- size at home: " + " x ".join(f"{1e3 * edge:.0f}" for edge in sheet.size) + " mm"
+    if sheet.standing is not None:
+        height, margin = sheet.standing
+        inside = "" if margin is None else f"; its com is {1e3 * margin:.0f} mm inside of what it stands on"
+        yield f"- stands with its base {1e3 * height:.0f} mm over the floor{inside}"
+    yield from (f"- {actuator}: motor {motor}" for actuator, motor in sheet.motors)
+    for what, masses in (("link", sheet.links), ("material", sheet.materials)):
+        if masses:
+            yield (what, "mass [kg]"), [(name, f"{mass:.4g}") for name, mass in masses]
+    if sheet.joints:
+        heads = (
+            "joint [SI]",
+            "range",
+            "velocity",
+            "effort",
+            "gravity",
+            "inertia",
+            "acceleration",
+            "jerk",
+            "gains [Hz]",
+        )
+        yield (
+            heads,
+            [
+                (
+                    one.name,
+                    f"{one.lower:.4g} to {one.upper:.4g}",
+                    *map(_number, (one.velocity, one.effort, one.gravity)),
+                    f"{one.inertia[0]:.4g} to {one.inertia[1]:.4g}",
+                    *map(_number, (one.acceleration, one.jerk)),
+                    "-" if one.frequency is None else f"{one.frequency[0]:.3g} to {one.frequency[1]:.3g}",
+                )
+                for one in sheet.joints
+            ],
+        )
+    for arm in sheet.arms:
+        yield from _arm_blocks(arm)
+
+
+def _arm_blocks(arm: ArmFigures) -> Iterator[str | Table]:
+    yield f"## {arm.tip}"
+    yield f"- reach: {1e3 * arm.reach:.0f} mm from the axis of {arm.joints[0]}"
+    if arm.payloads:
+        held: list[tuple[str, ...]] = [(f"{1e3 * far:.0f}", f"{mass:.3g}") for far, mass in arm.payloads]
+        yield ("tip up to [mm]", "payload [kg]"), held
+    if arm.dh is None:
+        return
+    rows = [(row.joint, *(f"{value:.5g}" for value in (row.theta, row.d, row.a, row.alpha))) for row in arm.dh.rows]
+    yield ("DH, standard", "theta [rad]", "d [m]", "a [m]", "alpha [rad]"), rows
+    shifted = [("0", "0"), *((row[3], row[4]) for row in rows)]
+    modified = [(*row[:3], *before) for row, before in zip(rows, shifted, strict=False)]
+    yield ("DH, modified", "theta [rad]", "d [m]", "a before [m]", "alpha before [rad]"), modified
+    for words, X in (("first frame in the base", arm.dh.base), (f"{arm.tip} in the last frame", arm.dh.tool)):
+        xyz, rpy = (" ".join(f"{value:.5g}" for value in values) for values in (X.position, X.rpy))
+        yield f"- {words}: xyz {xyz}, rpy {rpy}"
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None or not isfinite(value) else f"{value:.4g}"

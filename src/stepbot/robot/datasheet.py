@@ -1,19 +1,19 @@
 """The data sheet of a robot: what its geometry, masses and limits allow, over postures in the range of its joints."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import floor, inf, isfinite, log10, pi, sqrt
 
 import numpy as np
 
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, rotated
 
 from .bounding_boxes import robot_bounds, standing_height
 from .dh import DhTable, dh_table
 from .dynamics import GRAVITY, equations_of_motion
 from .gains import actuator_limit
-from .kinematics import Tree, complete, initial_configuration, leader_ranges, link_poses, rigid_bodies
+from .kinematics import Tree, initial_configuration, leader_ranges, link_poses, rigid_bodies
 from .model import ActuatorKind, Base, Frame, JointKind, Robot
 from .multi_dof import unfolded
 from .sampling import sampled
@@ -29,7 +29,9 @@ _SHORTEST = 3
 _TOUCHING = 0.005
 """Height [m] over the floor up to which the lowest point of a link stands on it."""
 _GRID = 24
-"""Positions of each joint in the search for the farthest posture."""
+"""Positions of each joint in the search for the farthest posture; bands of a workspace."""
+_REACHED = 2000
+"""Number of postures that show a workspace."""
 _ROUNDS = 3
 
 
@@ -49,6 +51,8 @@ class JointFigures:
     """Least and largest inertia [kg m^2] or mass [kg], armature included."""
     acceleration: float | None
     """Acceleration [rad/s^2] or [m/s^2] that efforts allow it in every posture at rest, the others held."""
+    jerk: float | None
+    """Limit of the joint [rad/s^3] or [m/s^3], else the acceleration over the lag of a position actuator's gains."""
     frequency: tuple[float, float] | None
     """Natural frequencies [Hz] of a position actuator, with the largest and the least inertia."""
 
@@ -65,6 +69,9 @@ class ArmFigures:
     """Up to a distance [m] of the tip, the mass [kg] there that efforts hold in every posture; empty without limits."""
     dh: DhTable | None
     """Denavit-Hartenberg parameters; None for joints that have none."""
+    workspace: tuple[tuple[float, float, float], ...]
+    """Bands of equal height: the middle [m] over the root's origin, least and largest distance [m] of the tip from the
+    axis of the first joint, as in :attr:`reach`, over random postures."""
 
 
 @dataclass(frozen=True)
@@ -75,6 +82,8 @@ class DataSheet:
     mass: float
     links: tuple[tuple[str, float], ...]
     """Mass [kg] of each link."""
+    materials: tuple[tuple[str, float], ...]
+    """Mass [kg] of each material, density, motor, and of what is given; empty for a robot that is not from a STEP."""
     motors: tuple[tuple[str, str], ...]
     """Actuators with a motor of the catalogue, and its name."""
     size: tuple[float, float, float] | None
@@ -100,11 +109,29 @@ def data_sheet(robot: Robot) -> DataSheet:
         robot.name,
         exact_sum(link.mass_properties.mass for link in robot.links),
         tuple((link.name, link.mass_properties.mass) for link in robot.links),
+        _materials(robot),
         tuple((one.name, one.motor.name) for one in robot.actuators if one.motor is not None),
         (x, y, z) if around else None,
         _standing(robot, drawn) if robot.base is Base.FLOATING else None,
         forces.joints() if forces else (),
         tuple(_arm(forces, tip) for tip in _tips(forces.robot)) if forces else (),
+    )
+
+
+def _materials(robot: Robot) -> tuple[tuple[str, float], ...]:
+    """The masses of components by what they are made of, the heaviest first."""
+    motors = {f"motor of actuator '{one.name}'": one.motor.name for one in robot.actuators if one.motor is not None}
+    found: dict[str, list[float]] = {}
+    for one in (mass for link in robot.links for mass in link.masses):
+        if one.origin in motors:
+            name = f"motor {motors[one.origin]}"
+        elif one.density is None:
+            name = "given masses"
+        else:
+            name = one.material or f"{one.density:.6g} kg/m^3"
+        found.setdefault(name, []).append(one.mass or 0.0)
+    return tuple(
+        sorted(((name, exact_sum(masses)) for name, masses in found.items()), key=lambda one: (-one[1], one[0]))
     )
 
 
@@ -149,19 +176,24 @@ class _Forces:
             with np.errstate(divide="ignore", invalid="ignore"):
                 allowed = np.where(across > 1e-9 * own[:, None], left / across, inf)
             least, most = float(own.min()), float(own.max())
-            kp = max((a.kp * a.gear**2 for a in self.robot.actuators if a.joint == name and a.kp), default=0.0)
-            servo = any(a.joint == name and a.kind is ActuatorKind.POSITION for a in self.robot.actuators)
-            rates = (
-                tuple(_rounded(sqrt(kp / one) / (2.0 * pi)) for one in (most, least)) if servo and least > 0.0 else ()
-            )
+            servos = [a for a in self.robot.actuators if a.joint == name and a.kind is ActuatorKind.POSITION and a.kp]
+            servo = max(servos, key=lambda a: a.kp * a.gear**2, default=None)
+            kp = servo.kp * servo.gear**2 if servo is not None else 0.0
+            lag = (servo.kv * servo.gear**2 + joint.dynamics.damping) / kp if servo is not None else 0.0
+            rates = tuple(_rounded(sqrt(kp / one) / (2.0 * pi)) for one in (most, least)) if kp and least > 0.0 else ()
             limit = float(allowed.min())
+            fastest = _rounded_down(limit) if isfinite(limit) and isfinite(self.efforts[j]) else None
+            jerk = joint.limit.jerk if isfinite(joint.limit.jerk) else None
+            if jerk is None and fastest is not None and lag > 0.0:
+                jerk = _rounded_down(fastest / lag)
             found.append(
                 JointFigures(
                     name,
                     *(joint.limit.lower, joint.limit.upper, joint.limit.velocity, float(self.efforts[j])),
                     _rounded(float(np.abs(self.g[:, j]).max())),
                     (_rounded(least), _rounded(most)),
-                    _rounded_down(limit) if isfinite(limit) and isfinite(self.efforts[j]) else None,
+                    fastest,
+                    jerk,
                     (rates[0], rates[1]) if rates else None,
                 )
             )
@@ -220,47 +252,82 @@ def _arm(forces: _Forces, tip: Frame) -> ArmFigures:
     robot, tree = forces.robot, forces.tree
     names = _chain(robot, tip.link)
     first = robot.joint_by_name[names[0]]
-    ranges = leader_ranges(forces.robot, [name for name in tree.independent if name in names])
 
-    def distance(q: dict[str, float]) -> float:
-        X = link_poses(forces.robot, complete(forces.robot, q), tree)
-        apart = (X[tip.link] @ tip.X_LF).p - X[first.child].p
-        return float(np.linalg.norm(apart[:2]))
+    def distances(q: Array) -> tuple[Array, Array]:
+        """Horizontal distance of the tip from the first joint, and its height, at q (..., joints)."""
+        X = tree.frames(q)
+        i, start = tree.link_index[tip.link], tree.link_index[first.child]
+        p = X[..., i, :3, 3] + rotated(X[..., i, :3, :3], np.asarray(tip.X_LF.p))
+        apart = p - X[..., start, :3, 3]
+        return np.hypot(apart[..., 0], apart[..., 1]), p[..., 2]
 
-    home = {**initial_configuration(forces.robot)}
-    q = {name: float(np.clip(home[name], *ranges[name])) if name in ranges else home[name] for name in tree.independent}
-    for _ in range(_ROUNDS):
-        for name, (low, high) in ranges.items():
-            q = max(({**q, name: float(value)} for value in (*np.linspace(low, high, _GRID), q[name])), key=distance)
-    width = {name: (high - low) / _GRID for name, (low, high) in ranges.items()}
-    for scale in (0.5, 0.25, 0.1, 0.03, 0.01):
-        for name, (low, high) in ranges.items():
-            near = np.clip([q[name] - scale * width[name], q[name], q[name] + scale * width[name]], low, high)
-            q = max(({**q, name: float(value)} for value in near), key=distance)
-    reach = distance(q)
+    q = _farthest(forces, names, lambda q: distances(tree.follow(q))[0])
+    reach = float(distances(q)[0])
     limited = np.isfinite(forces.efforts)
     payloads: list[tuple[float, float]] = []
     if limited.any():
-        postures = [*map(forces.named, forces.q), complete(forces.robot, q)]
+        postures = np.vstack([forces.q, q])
         held = [
-            (distance({name: one[name] for name in tree.independent}), _payload(forces, tip, one)) for one in postures
+            (float(far), _payload(forces, tip, one)) for far, one in zip(distances(postures)[0], postures, strict=True)
         ]
         for part in range(1, _STRETCHES + 1):
             edge = reach * part / _STRETCHES
             within = [mass for far, mass in held if far <= edge * (1.0 + 1e-9)]
             if within and isfinite(min(within)):
                 payloads.append((_rounded(edge), _rounded(max(min(within), 0.0))))
-    return ArmFigures(tip.name, tuple(names), _rounded(reach), tuple(payloads), dh_table(forces.robot, names, tip))
+    shown = _workspace(*distances(sampled(forces.robot, _REACHED)))
+    return ArmFigures(
+        tip.name, tuple(names), _rounded(reach), tuple(payloads), dh_table(forces.robot, names, tip), shown
+    )
 
 
-def _payload(forces: _Forces, tip: Frame, q: dict[str, float]) -> float:
+def _farthest(forces: _Forces, names: Sequence[str], distance: Callable[[Array], Array]) -> Array:
+    """The posture q over all joints in which the tip is farthest: joint after joint of the chain, on finer grids."""
+    tree = forces.tree
+    ranges = leader_ranges(forces.robot, [name for name in tree.independent if name in names])
+    columns = {name: tree.independent.index(name) for name in ranges}
+    q = tree.vector(initial_configuration(forces.robot))
+    for name, (low, high) in ranges.items():
+        q[columns[name]] = np.clip(q[columns[name]], low, high)
+
+    def best(name: str, values: Sequence[float]) -> Array:
+        tried = np.tile(q, (len(values), 1))
+        tried[:, columns[name]] = values
+        return np.asarray(tried[int(np.argmax(distance(tried)))])
+
+    for _ in range(_ROUNDS):
+        for name, (low, high) in ranges.items():
+            q = best(name, [*np.linspace(low, high, _GRID), q[columns[name]]])
+    for scale in (0.5, 0.25, 0.1, 0.03, 0.01):
+        for name, (low, high) in ranges.items():
+            at, step = q[columns[name]], scale * (high - low) / _GRID
+            q = best(name, np.clip([at - step, at, at + step], low, high).tolist())
+    return np.asarray(tree.follow(q))
+
+
+def _workspace(apart: Array, height: Array) -> tuple[tuple[float, float, float], ...]:
+    """Bands of equal height, and the least and largest distance in each."""
+    low, high = float(height.min()), float(height.max())
+    if high - low < _GRID * 1e-6:
+        return ((_rounded(low), _rounded(float(apart.min())), _rounded(float(apart.max()))),)
+    band = np.minimum((_GRID * (height - low) / (high - low)).astype(int), _GRID - 1)
+    middle = [low + (j + 0.5) * (high - low) / _GRID for j in range(_GRID)]
+    inside = [apart[band == j] for j in range(_GRID)]
+    return tuple(
+        (_rounded(z), _rounded(float(r.min())), _rounded(float(r.max())))
+        for z, r in zip(middle, inside, strict=True)
+        if len(r)
+    )
+
+
+def _payload(forces: _Forces, tip: Frame, q: Array) -> float:
     """The mass [kg] at the tip that the efforts hold in one posture; negative if they do not hold the arm."""
     tree = forces.tree
-    X = tree.frames(np.array([q[name] for name in tree.joints]))
+    X = tree.frames(q)
     i = tree.link_index[tip.link]
     p = X[i, :3, 3] + X[i, :3, :3] @ tip.X_LF.p
     lever = -(tree.jacobian(X, i, p)[3:].T @ np.array(GRAVITY)) @ tree.B
-    own = equations_of_motion(forces.robot, q, tree=tree).gravity @ tree.B
+    own = equations_of_motion(forces.robot, forces.named(q), tree=tree).gravity @ tree.B
     masses = [
         (effort - own_ * np.sign(arm)) / abs(arm)
         for effort, own_, arm in zip(forces.efforts, own, lever, strict=True)

@@ -146,6 +146,8 @@ class ComponentMass:
     """For messages: ``parts rule '**/M3*'``, ``STEP``, ``defaults``, ``inertial``; empty if the mass is unknown."""
     method: str
     """``mesh`` or ``exact``: the source of volume, com and inertia; ``given`` for neither."""
+    material: str = ""
+    """The material whose density this is, in the sidecar or the STEP; empty if none is named."""
 
 
 @dataclass(frozen=True)

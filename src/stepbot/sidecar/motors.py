@@ -5,7 +5,7 @@ The catalogue is JSON, which is YAML, in the form of a user's own file: :mod:`.m
 
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
@@ -35,6 +35,8 @@ _SCALED_BY_VOLTAGE = {
 }
 """Figures that are proportional to the supply, and the types of motors of which this holds."""
 _EXACT = 1e-9
+_REACHED = 0.95
+"""Share of its velocity limit that a motor without a load should reach."""
 
 
 class UnknownMotor(ValueError):
@@ -210,8 +212,31 @@ def fitted(found: Found, joint: JointKind, voltage: float | None, gear: float, p
     add("mass", given.get("mass"), 1.0, "kg")
     known = {one.quantity for one in figures}
     unknown = tuple(q for q in ("effort", "velocity", "armature", "friction", "damping") if q not in known)
-    doubts = tuple(f"{key.replace('_', ' ')}: {text}" for key, text in motor.doubts.items())
-    return Motor(name, tuple(figures), doubts, unknown, body_size(motor), part)
+    doubts = [f"{key.replace('_', ' ')}: {text}" for key, text in motor.doubts.items()]
+    if (slow := _unreached_speed(figures)) is not None:
+        doubts.append(slow)
+    return Motor(name, tuple(figures), tuple(doubts), unknown, body_size(motor), part)
+
+
+def _unreached_speed(figures: Sequence[MotorFigure]) -> str | None:
+    """A doubt if damping and friction use up the effort at less than the velocity limit.
+
+    The speed is (effort - friction) / damping, at which nothing is left for a load.
+    """
+    given = {one.quantity: one for one in figures}
+    if not {"effort", "velocity", "damping"} <= given.keys() or given["damping"].value <= 0.0:
+        return None
+    effort, speed, damping = given["effort"], given["velocity"], given["damping"]
+    friction = given["friction"].value if "friction" in given else 0.0
+    reached = max(0.0, effort.value - friction) / damping.value
+    if reached >= _REACHED * speed.value:
+        return None
+    taken = f"damping of {damping.value:.4g} {damping.unit}"
+    taken += f" and friction of {friction:.4g} {effort.unit} take" if friction else " takes"
+    return (
+        f"reachable speed: {taken} the whole effort of {effort.value:.4g} {effort.unit} at {reached:.4g} {speed.unit}, "
+        f"{100.0 * reached / speed.value:.0f} % of the velocity limit of {speed.value:.4g} {speed.unit}"
+    )
 
 
 def body_size(motor: MotorSection) -> tuple[float, ...]:

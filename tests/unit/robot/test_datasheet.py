@@ -17,6 +17,7 @@ from stepbot.robot.model import (
     ActuatorKind,
     Base,
     Collision,
+    ComponentMass,
     Frame,
     Joint,
     JointDynamics,
@@ -26,6 +27,7 @@ from stepbot.robot.model import (
     Robot,
     Sphere,
 )
+from stepbot.robot.motors import Motor
 from tests.random_robots import drawn_robot
 
 G = 9.81
@@ -71,6 +73,62 @@ def test_plane_arm() -> None:
     assert arm.dh is not None
     assert [row.a for row in arm.dh.rows] == pytest.approx([0.5, 0.4, 0.0])
     assert arm.dh.tool.position == pytest.approx((0.3, 0.0, 0.0))
+
+
+def test_jerk_is_what_the_gains_follow() -> None:
+    """In MuJoCo the acceleration of a servo lags behind that of a target of constant jerk by acceleration / jerk.
+
+    A limit of the joint takes precedence.
+    """
+    mujoco = pytest.importorskip("mujoco")
+    arm = plane_arm()
+    last = data_sheet(arm).joints[2]
+    assert last.jerk is not None
+    assert last.acceleration is not None
+    model = mujoco.MjModel.from_xml_string(
+        f"""<mujoco><option timestep="0.0001" gravity="0 0 0"/><worldbody><body>
+        <joint name="j" axis="0 1 0"/><inertial pos="0 0 0" mass="1" diaginertia="0.03 {last.inertia[1]} 0.03"/>
+        </body></worldbody><actuator><position joint="j" kp="40" kv="1"/></actuator></mujoco>"""
+    )
+    data = mujoco.MjData(model)
+    while data.time < 1.0:
+        data.ctrl[0] = data.time**3 / 6.0
+        mujoco.mj_step(model, data)
+    assert data.time - data.qacc[0] == pytest.approx(last.acceleration / last.jerk, rel=0.01)
+    limit = replace(arm.joints[2].limit, jerk=7.0)
+    limited = replace(arm, joints=(*arm.joints[:2], replace(arm.joints[2], limit=limit)))
+    assert data_sheet(limited).joints[2].jerk == 7.0
+    assert data_sheet(arm).joints[0].jerk is None  # without a position actuator
+
+
+def test_workspace_is_within_the_reach() -> None:
+    """Bands of a plane arm of half turns lie within the circle of its reach, and come near to it at their height."""
+    (plane,) = data_sheet(plane_arm()).arms
+    reach, tall = sum(LENGTHS), plane.workspace[1][0] - plane.workspace[0][0]
+    assert len(plane.workspace) == 24
+    for z, near, far in plane.workspace:
+        assert 0.0 <= near <= far
+        assert far <= sqrt(reach**2 - max(0.0, abs(z) - 0.5 * tall) ** 2) + 1e-3
+    assert max(far for _, _, far in plane.workspace) > 0.97 * reach
+
+
+def test_masses_by_material() -> None:
+    """Components are summed by motor, by material, by density without a name; the table is heaviest first."""
+    parts = (
+        ComponentMass("case", 0.2, 2700.0, 1e-4, "defaults", "exact", "aluminium"),
+        ComponentMass("lid", 0.1, 2700.0, 1e-4, "parts rule 'lid'", "exact", "aluminium"),
+        ComponentMass("print", 0.05, 1040.0, 1e-4, "parts rule 'print'", "exact"),
+        ComponentMass("servo/case", 0.04, None, 1e-5, "motor of actuator 'servo'", "given"),
+        ComponentMass("servo/horn", 0.017, None, 1e-5, "motor of actuator 'servo'", "given"),
+        ComponentMass("battery", 0.4, None, 1e-4, "parts rule 'battery'", "given", "lead"),
+    )
+    arm = plane_arm()
+    links = (replace(arm.links[0], masses=parts[:3]), replace(arm.links[1], masses=parts[3:]), *arm.links[2:])
+    servo = replace(arm.actuators[0], motor=Motor("XL430-W250"))
+    sheet = data_sheet(replace(arm, links=links, actuators=(servo,)))
+    assert [name for name, _ in sheet.materials] == ["given masses", "aluminium", "motor XL430-W250", "1040 kg/m^3"]
+    assert [mass for _, mass in sheet.materials] == pytest.approx([0.4, 0.3, 0.057, 0.05])
+    assert data_sheet(arm).materials == ()
 
 
 def test_acceleration_of_a_pendulum() -> None:

@@ -157,6 +157,22 @@ def test_numbers_of_the_makers_own_simulation_of_so101() -> None:
     assert 1.9 < found["effort"] < 3.36
 
 
+def test_motors_that_do_not_reach_their_speed() -> None:
+    """At (effort - friction) / damping nothing is left; the share of the limit is that with any gear."""
+    slow = {}
+    for name in catalogue_names():
+        motor = catalogue_motor(name)
+        kind = JointKind.PRISMATIC if motor.max_force is not None else JointKind.REVOLUTE
+        for gear in (1.0, 7.0):
+            doubts = fitted(Found(name, motor), kind, None, gear).doubts
+            slow[name, gear] = [one.rpartition(" %")[0].rpartition(" ")[2] for one in doubts if "reachable" in one]
+    found = {key: share for key, (share, *_) in ((key, one) for key, one in slow.items() if one)}
+    names = {"STS3215-7.4V": "56", "2XL430-W250": "81", "2XC430-W250": "86"}
+    assert found == {(name, gear): share for name, share in names.items() for gear in (1.0, 7.0)}
+    assert pytest.approx(0.56, abs=0.005) == (1.912 - 0.05239) / (0.05909 + 0.5486) / 5.454
+    assert pytest.approx(0.805, abs=0.005) == (1.5 - 0.292) * 6.388 / 1.5 / 6.388
+
+
 @given(st.sampled_from(catalogue_names()), st.floats(0.05, 50.0), st.booleans())
 def test_a_gear_keeps_power_and_energy(name: str, gear: float, turned: bool) -> None:
     """A gear keeps power and energy."""

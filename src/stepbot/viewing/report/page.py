@@ -23,6 +23,7 @@ from .robot_tables import (
     Markup,
     bodies_section,
     collisions_section,
+    datasheet_section,
     element,
     joined,
     joints_section,
@@ -184,6 +185,7 @@ def report_page(robot: Robot, report: Report, found: Sequence[Diagnostic], lines
         joints_section(robot, report.joint_table),
         masses_section(robot),
         motors_section(robot),
+        datasheet_section(robot),
         proof_section(report),
         findings_section(found, lines, names),
         collisions_section(report.collision_shapes),
@@ -224,6 +226,7 @@ def _summary(robot: Robot, report: Report, found: Sequence[Diagnostic]) -> Marku
     links = (
         ("#joint-table", "Joints"),
         ("#mass-table", "Masses"),
+        ("#data-sheet", "Data sheet"),
         ("#proof-table", "Verification"),
         ("#finding-list", "Findings"),
     )

@@ -6,11 +6,19 @@ Every text and attribute of an HTML or SVG element is escaped, so that no name b
 from collections.abc import Callable, Iterable
 from functools import partial
 from html import escape
-from math import degrees, isfinite
+from math import degrees, floor, isfinite
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.report.robot import LinkCollision, MeasuredBody
-from stepbot.report.words import direction_words, evidence_words, point_words, rival_words, shape_words
+from stepbot.report.words import (
+    direction_words,
+    evidence_words,
+    point_words,
+    rival_words,
+    shape_words,
+    sheet_blocks,
+)
+from stepbot.robot.datasheet import ArmFigures, data_sheet
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import ComponentMass, Joint, JointKind, Link, Robot
@@ -220,6 +228,62 @@ def motors_section(robot: Robot) -> Markup | None:
     note = "Limits and dynamics that the sidecar sets for a joint apply in place of these."
     listed = element("ul", (element("li", doubt) for doubt in doubts)) if doubts else None
     return section("Motors", table(headings, rows), listed, element("p.quiet", note), name="motor-table")
+
+
+def datasheet_section(robot: Robot) -> Markup:
+    """What geometry, masses and limits allow, and where the tip of each arm gets."""
+    sheet = data_sheet(robot)
+    pictures = {f"## {arm.tip}": _workspace(arm) for arm in sheet.arms}
+    content: list[Markup | None] = []
+    for block in sheet_blocks(sheet):
+        if not isinstance(block, str):
+            heads, rows = block
+            content.append(table(heads, (table_row(*row) for row in rows)))
+        elif block in pictures:
+            content += [element("h3", block.removeprefix("## ")), pictures[block]]
+        else:
+            content.append(element("p", block.removeprefix("- ")))
+    note = "The worst of many postures in the range of all joints, and peak efforts of motors, not thermal ones."
+    return section("Data sheet", *content, element("p.quiet", note), name="data-sheet")
+
+
+def _workspace(arm: ArmFigures) -> Markup:
+    """The side view of a workspace: distance from the first axis to the right, height upwards; a grid of 0.1 or 1 m."""
+    heights = [z for z, _, _ in arm.workspace]
+    tall = (heights[-1] - heights[0]) / max(1, len(heights) - 1) or 0.01
+    low, high, far = heights[0] - 0.5 * tall, heights[-1] + 0.5 * tall, max(r for _, _, r in arm.workspace) or 0.01
+    scale = 300.0 / max(high - low, far)
+    width, height = far * scale, (high - low) * scale
+    step = 0.1 if max(high - low, far) < 3.0 else 1.0
+    rows = (
+        element(
+            "rect.filled",
+            x=f"{scale * near:.1f}",
+            y=f"{scale * (high - z - 0.5 * tall):.1f}",
+            width=f"{scale * (r - near):.1f}",
+            height=f"{scale * tall:.1f}",
+        )
+        for z, near, r in arm.workspace
+    )
+    lines = [element("line.grid", x1=x, x2=x, y1=0, y2=f"{height:.1f}") for x in _ticks(0.0, far, step, scale)]
+    lines += [element("line.grid", x1=0, x2=f"{width:.1f}", y1=y, y2=y) for y in _ticks(high, high - low, step, scale)]
+    words = f"distance 0 to {far:.3g} m from the axis of {arm.joints[0]}, height {low:.3g} to {high:.3g} m"
+    picture = element(
+        "svg.reach",
+        element("title", words),
+        rows,
+        lines,
+        viewBox=f"0 0 {width:.1f} {height:.1f}",
+        width=f"{width:.0f}",
+        height=f"{height:.0f}",
+    )
+    return element("div", picture, element("p.quiet", f"Workspace from the side, {words}; lines are {step:g} m apart."))
+
+
+def _ticks(start: float, length: float, step: float, scale: float) -> list[str]:
+    """Places of multiples of a step: upwards from 0, or downwards from a height."""
+    first = start - step * floor(start / step)
+    return [f"{scale * (first + i * step):.1f}" for i in range(int((length - first) / step) + 1)]
 
 
 def collisions_section(shapes: Iterable[LinkCollision]) -> Markup | None:

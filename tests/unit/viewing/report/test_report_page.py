@@ -16,6 +16,8 @@ from stepbot.pipeline.conversion import REPORT, REPORT_PAGE, Options
 from stepbot.pipeline.scenes import robot_of_assembly
 from stepbot.pipeline.stages import inspect, produce
 from stepbot.report.robot import Check, Report, Status
+from stepbot.report.words import sheet_blocks
+from stepbot.robot.datasheet import data_sheet
 from stepbot.robot.joint_table import Basis, Evidence, JointRow
 from stepbot.robot.model import Robot
 from stepbot.viewing.report.page import report_page
@@ -65,6 +67,24 @@ def test_masses_are_those_of_the_report(arm: Pages) -> None:
             assert part.xpath("string(td[5])") == source["origin"]
     (total,) = arm.page.xpath("//*[@id='mass-table']//tr[@class='total']")
     assert values(total) == [pytest.approx(robot["mass"], rel=1e-12)]
+
+
+def test_data_sheet_is_that_of_the_command(arm: Pages, robot_library: Path) -> None:
+    """Each row of `stepbot datasheet` is in the page; the picture of a workspace is as wide as its farthest band."""
+    conversion = produce(robot_library / "stepbot_arm2" / "arm2.robot.yaml", Options(Path("out"), verify=False))
+    assert conversion.robot is not None
+    sheet = data_sheet(conversion.robot)
+    (section,) = arm.page.xpath("//*[@id='data-sheet']")
+    rows = {tuple(cell.text_content() for cell in row.xpath("./th | ./td")) for row in section.xpath(".//tbody/tr")}
+    tables = [block for block in sheet_blocks(sheet) if not isinstance(block, str)]
+    assert {row for _, listed in tables for row in listed} == rows
+    assert len(section.xpath(".//svg[@class='reach']")) == len(sheet.arms)
+    for arm_, picture in zip(sheet.arms, section.xpath(".//svg[@class='reach']"), strict=True):
+        bands = [(float(r.get("x")), float(r.get("width"))) for r in picture.xpath("./rect")]
+        assert len(bands) == len(arm_.workspace)
+        scale = float(picture.get("width")) / max(far for _, _, far in arm_.workspace)
+        for (x, width), (_, near, far) in zip(bands, arm_.workspace, strict=True):
+            assert (x, width) == pytest.approx((scale * near, scale * (far - near)), rel=0.01, abs=0.2)
 
 
 def test_joints_are_those_of_the_report(arm: Pages) -> None:
