@@ -2,17 +2,20 @@
 
 import ctypes
 import os
+import re
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 _PR_SET_CHILD_SUBREAPER = 36
 """Linux, ``prctl(2)``."""
+_SIZE = re.compile(r"^(\w+): +(\d+) kB$", re.MULTILINE)
+"""A line of ``/proc/PID/smaps_rollup``."""
 _BETWEEN_SAMPLES = 0.02
 """Sampling interval [s] of the memory of a process tree."""
 
@@ -74,9 +77,10 @@ def _time_of_orphans(group: int) -> float:
 
 
 def peak_memory(command: Sequence[str], folder: Path, environment: Mapping[str, str]) -> float:
-    """Peak memory [MiB] of a command and its processes, as proportional set sizes; on Linux.
+    """Peak memory [MiB] of a command and its processes, as if nothing else ran; on Linux.
 
-    Pages shared by several processes count once, unlike in a sum of resident set sizes.
+    Pages that its processes share count once, unlike in a sum of resident set sizes, and pages of libraries that other
+    programs have loaded count as a whole, unlike in proportional set sizes.
 
     Raises:
         CommandFailed: Its exit code is not 0.
@@ -97,8 +101,7 @@ def memory_samples(
         start = time.perf_counter()
         process = subprocess.Popen(command, cwd=folder, env=environment, stdout=output, stderr=output)
         while process.poll() is None:
-            memory = sum(map(_proportional_set_size, _tree(process.pid))) / 1024.0
-            samples.append((time.perf_counter() - start, memory))
+            samples.append((time.perf_counter() - start, _memory(_tree(process.pid)) / 1024.0))
             time.sleep(between)
         _check(command, process.returncode, output)
     return samples
@@ -125,10 +128,15 @@ def _tree(pid: int) -> list[int]:
     return found
 
 
-def _proportional_set_size(pid: int) -> int:
-    """[KiB]; 0 for a process that has ended."""
-    try:
-        rollup = Path(f"/proc/{pid}/smaps_rollup").read_text()
-    except OSError:
-        return 0
-    return sum(int(line.split()[1]) for line in rollup.splitlines() if line.startswith("Pss:"))
+def _memory(pids: Iterable[int]) -> int:
+    """[KiB] of processes: their own pages, those of forks shared out, and the files of the one that maps most."""
+    own, mapped = 0, [0]
+    for pid in pids:
+        try:
+            rollup = Path(f"/proc/{pid}/smaps_rollup").read_text()
+        except OSError:  # it has ended meanwhile
+            continue
+        sizes = {name: int(size) for name, size in _SIZE.findall(rollup)}
+        own += sizes["Pss_Anon"] + sizes["Pss_Shmem"]
+        mapped.append(sizes["Rss"] - sizes["Anonymous"])
+    return own + max(mapped)

@@ -1,4 +1,4 @@
-"""The table of docs/commands.md: processor time of what users wait for, relative to what anybody can run.
+"""The table of docs/commands.md: time of what users wait for, relative to what anybody can run.
 
 Each line is the median of the ratios of rounds, with the least and the largest, for the working tree and for an earlier
 revision, which run in turn on the same files.
@@ -29,6 +29,7 @@ _ROWS = (
     (who.BARE, who.EDITED_VERIFIED, "the same, verified"),
     (who.CLICK, who.CHECK, "`check` of an unchanged sidecar"),
 )
+_BATCH = tuple(f"stepbot_{name}" for name in ("arm2", "four_bar", "slider_crank", "scara", "diff_drive", "desk_arm"))
 CaseOf = Callable[[Path, Path], Case]
 """The case of a sidecar, in a folder."""
 
@@ -41,6 +42,8 @@ class Line:
     reference: str
     now: Sequence[float]
     before: Sequence[float]
+    elapsed: Sequence[float] = ()
+    """Likewise of elapsed times of the working tree, where it differs from processor time."""
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -75,8 +78,9 @@ def lines(
     yield Line("memory of the first conversion", who.BARE.name, peaks[:1], peaks[1:])
     ofs = [_line("", _plain(step, folder, case_of), who.BARE, who.COLD, sources, 1) for step in others]
     if ofs:
-        now, before = ([one for line in ofs for one in of(line)] for of in (lambda a: a.now, lambda a: a.before))
-        yield Line(f"first conversion of {len(ofs)} assemblies with one link", who.BARE.name, now, before)
+        values = ([one for line in ofs for one in getattr(line, name)] for name in ("now", "before", "elapsed"))
+        yield Line(f"first conversion of {len(ofs)} assemblies with one link", who.BARE.name, *values)
+    yield _batch(sources, folder)
     if instances:
         yield from _many(case.step, instances, sources, folder, case_of)
 
@@ -96,11 +100,10 @@ def _line(
         for one in sources
     ]
     costs = alternate(case, [reference, *each], rounds, warm_up=is_kept)
-    now, before = (
-        [cost.cpu / other.cpu for cost, other in zip(costs[one.name], costs[reference.name], strict=True)]
-        for one in sources
-    )
-    return Line(what, reference.name, now, before)
+    first = costs[reference.name]
+    now, before = ([a.cpu / b.cpu for a, b in zip(costs[one.name], first, strict=True)] for one in sources)
+    elapsed = [a.wall / b.wall for a, b in zip(costs[sources[0].name], first, strict=True)]
+    return Line(what, reference.name, now, before, elapsed)
 
 
 def _plain(step: Path, folder: Path, case_of: CaseOf) -> Case:
@@ -111,6 +114,20 @@ def _plain(step: Path, folder: Path, case_of: CaseOf) -> Case:
     sidecar = place / f"{step.stem}.robot.yaml"
     sidecar.write_text(SIDECAR.format(step=step.name), encoding="utf-8", newline="\n")
     return case_of(sidecar, folder / "cases")
+
+
+def _batch(sources: Sequence[Source], folder: Path) -> Line:
+    """Six robots on two cores, relative to one: what a second process must load again, and what it saves."""
+    place = folder / "batch"
+    robots = place / "robots"
+    for name in _BATCH:
+        shutil.copytree(ROOT / "robot_library" / name, robots / name)
+    case = Case("batch", place, place, place)
+    ratios = []
+    for one in sources:
+        costs = [timed(who.batch(jobs, robots).command(case), place, one.environment(case)) for jobs in (1, 2)]
+        ratios.append((costs[1].cpu / costs[0].cpu, costs[1].wall / costs[0].wall))
+    return Line(f"`batch -j 2` of {len(_BATCH)} robots", "`batch -j 1`", *([one[0]] for one in ratios), [ratios[0][1]])
 
 
 def _many(step: Path, count: int, sources: Sequence[Source], folder: Path, case_of: CaseOf) -> Iterator[Line]:
@@ -147,12 +164,14 @@ def publish(found: Iterable[Line], conditions: str, *, write: bool) -> None:
 
 def row(line: Line) -> str:
     """A line in Markdown."""
-    return f"| {line.what} | {line.reference} | {_spread(line.now)} | {_spread(line.before)} |"
+    return (
+        f"| {line.what} | {line.reference} | {_spread(line.now)} | {_spread(line.before)} | {_spread(line.elapsed)} |"
+    )
 
 
 def table(found: Sequence[Line], conditions: str) -> str:
     """The table in Markdown."""
-    heads = ("| | relative to | now | before |", "| --- | --- | --: | --: |")
+    heads = ("| | relative to | now | before | elapsed, now |", "| --- | --- | --: | --: | --: |")
     return "\n".join([conditions, "", *heads, *map(row, found), ""])
 
 
@@ -162,6 +181,8 @@ def page_with(text: str, made: str) -> str:
 
 
 def _spread(values: Sequence[float]) -> str:
+    if not values:
+        return ""
     if len(values) < 2:
         return f"{values[0]:.2f}"
     return f"{median(values):.2f} ({min(values):.2f}–{max(values):.2f})"

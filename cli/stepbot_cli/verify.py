@@ -45,7 +45,7 @@ def command(
     from stepbot.pipeline.verdict import compared_words
     from stepbot.report.document import Suite, report_document
     from stepbot.runtime.worker import Workers
-    from stepbot.verification import verify_files
+    from stepbot.verification.files import verify_files
 
     found = Diagnostics()
     found.ignore(Ignore(code, Span("stepbot")) for code in ignore)

@@ -14,8 +14,8 @@ from stepbot.formats import FORMATS, format_named
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import render
 from stepbot.robot.model import Robot
-from stepbot.verification import Written
 from stepbot.verification.compare import compare
+from stepbot.verification.conversion import Written
 from stepbot.verification.expectation import mechanism, requests
 
 

@@ -13,7 +13,7 @@ from stepbot.formats import FORMATS
 from stepbot.formats.lowering import lower
 from stepbot.report.robot import Report, Status
 from stepbot.runtime.worker import Workers
-from stepbot.verification import verify_files
+from stepbot.verification.files import verify_files
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS
 from tests.simulators.conftest import Folder, skip_without, write

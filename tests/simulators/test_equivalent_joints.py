@@ -12,7 +12,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.engines import engines
 from stepbot.formats import FORMATS
 from stepbot.report.robot import Status
-from stepbot.verification import verify_files
+from stepbot.verification.files import verify_files
 from tests.mechanisms import MECHANISMS
 from tests.simulators.conftest import Folder, skip_without, write
 

@@ -12,7 +12,7 @@ from stepbot.formats import FORMATS
 from stepbot.formats.lowering import lower
 from stepbot.report.robot import Report, Status
 from stepbot.robot.model import Base, JointKind
-from stepbot.verification import Provers, verify
+from stepbot.verification.conversion import Provers, verify
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS
 from tests.simulators.conftest import write

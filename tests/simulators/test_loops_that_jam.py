@@ -8,7 +8,7 @@ import numpy as np
 from stepbot.geometry.spatial import Pose
 from stepbot.report.robot import Status
 from stepbot.robot.model import JointKind
-from stepbot.verification import Provers, verify
+from stepbot.verification.conversion import Provers, verify
 from tests.conftest import ReadDiagnostics
 from tests.robots import crooked_four_bar, four_bar
 from tests.simulators.conftest import write

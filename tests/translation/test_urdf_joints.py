@@ -15,7 +15,7 @@ from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.report.robot import Status
 from stepbot.robot.model import Base, Joint, JointKind, Link, Robot
 from stepbot.robot.multi_dof import planar_to_three
-from stepbot.verification import verify_files
+from stepbot.verification.files import verify_files
 
 pytestmark = pytest.mark.xdist_group("joints of others")
 

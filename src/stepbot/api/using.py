@@ -176,7 +176,7 @@ def verify(
         The report with every check, and the diagnostics.
     """
     from stepbot.runtime.worker import Workers
-    from stepbot.verification import verify_files
+    from stepbot.verification.files import verify_files
 
     found = Diagnostics()
     found.ignore(Ignore(code, Span("stepbot")) for code in several(ignore))

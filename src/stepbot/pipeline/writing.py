@@ -35,7 +35,7 @@ from .conversion import REPORT, REPORT_PAGE, Options
 from .prestart import started_server
 
 if TYPE_CHECKING:
-    from stepbot.verification import Provers
+    from stepbot.verification.conversion import Provers
 
 _NEVER_UNUSED = ("SB31", "SB465")
 """Codes of CAD changes, which come with a change and go with the next lock file, and one of `check --step` alone."""
@@ -114,7 +114,7 @@ def started_provers(formats: Sequence[Format], options: Options, server: ForkSer
     """
     if not options.verify:
         return None
-    from stepbot.verification import Provers
+    from stepbot.verification.conversion import Provers
 
     names = [written.name for written in formats]
     return Provers(names, memory_limit=options.memory_limit, server=server or started_server(options))
@@ -134,7 +134,7 @@ def proven(written: Rendered, provers: "Provers | None", options: Options, found
 def _verified(written: Rendered, provers: "Provers", options: Options, found: Diagnostics) -> Report:
     """Verify the files in a temporary folder, before anything in the output folder is changed."""
     from stepbot.engines.workers import ObservationCache
-    from stepbot.verification import Written, verify
+    from stepbot.verification.conversion import Written, verify
 
     with TemporaryDirectory(dir=run_folder()) as folder:
         place = Path(folder) / (options.package or options.gazebo)  # where `package://` and `model://` find the meshes

@@ -1,11 +1,6 @@
 """Compares the observations of engines with the robot, or with each other. May be called by ``pipeline`` and above.
 
-One comparison serves all formats and engines (:mod:`stepbot.verification.compare`), with one table of tolerances
-(:mod:`stepbot.verification.deviation`). Written files are compared with their robot
-(:mod:`stepbot.verification.conversion`); any files with each other (:mod:`stepbot.verification.files`).
+One comparison serves all formats and engines (:mod:`.compare`), with one table of tolerances (:mod:`.deviation`).
+Written files are compared with their robot (:mod:`.conversion`); any files with each other (:mod:`.files`). Nothing is
+imported here: the processes of engines need a part of this room alone.
 """
-
-from .conversion import Provers, Written, verify
-from .files import verify_files
-
-__all__ = ["Provers", "Written", "verify", "verify_files"]

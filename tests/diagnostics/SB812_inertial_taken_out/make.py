@@ -4,7 +4,7 @@ import re
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.verification import Provers, verify
+from stepbot.verification.conversion import Provers, verify
 from tests import robots
 from tests.simulators.conftest import write
 

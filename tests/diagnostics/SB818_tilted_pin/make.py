@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.verification import Provers, verify
+from stepbot.verification.conversion import Provers, verify
 from tests.robots import crooked_four_bar
 from tests.simulators.conftest import write
 

@@ -11,7 +11,7 @@ from stepbot.engines.observation import EngineCannotRead, EngineRefused, Request
 from stepbot.geometry.spatial import IDENTITY
 from stepbot.report.robot import Status
 from stepbot.robot.model import JointKind, LoopClosure
-from stepbot.verification import verify_files
+from stepbot.verification.files import verify_files
 
 _BODY = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
 

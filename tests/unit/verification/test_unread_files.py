@@ -7,7 +7,7 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines import engines_for
 from stepbot.report.robot import Status
-from stepbot.verification import Provers, verify
+from stepbot.verification.conversion import Provers, verify
 from tests.conftest import ReadDiagnostics
 from tests.robots import four_bar, one_link
 from tests.simulators.conftest import write
