@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import wraps
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
 
 import click
 
@@ -155,7 +156,7 @@ def _location(one: Diagnostic) -> dict[str, Any]:
         if one.span.column and one.span.end_column:
             region["endColumn"] = one.span.end_column
     where = Path(_path(one))
-    artifact = {"uri": where.as_uri() if where.is_absolute() else where.as_posix().replace(" ", "%20")}
+    artifact = {"uri": where.as_uri() if where.is_absolute() else quote(where.as_posix())}
     return {"artifactLocation": artifact, **({"region": region} if region else {})}
 
 

@@ -4,6 +4,7 @@ import json
 import re
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote, urlsplit
 
 import pytest
 from ruamel.yaml import YAML
@@ -46,7 +47,7 @@ def test_gitlab_report_has_what_its_schema_requires() -> None:
 
 
 def test_sarif_log_has_rules_and_places() -> None:
-    """Each result names a rule of the tool; URIs have no spaces; a whole file has no region."""
+    """Each result names a rule of the tool; URIs are those of RFC 3986; a whole file has no region."""
     run = json.loads(sarif(FOUND))["runs"][0]
     rules = [rule["id"] for rule in run["tool"]["driver"]["rules"]]
     assert rules == ["SB525", "SB526"]
@@ -56,7 +57,23 @@ def test_sarif_log_has_rules_and_places() -> None:
         "region": {"startLine": 7, "startColumn": 3, "endColumn": 9},
     }
     assert "region" not in places[1]
+    odd = Diagnostic("SB526", "warning", "expect: not", Span("rö/100%20#2?.yaml", 1))
+    (result,) = json.loads(sarif([odd]))["runs"][0]["results"]
+    uri = result["locations"][0]["physicalLocation"]["artifactLocation"]["uri"]
+    assert uri == "r%C3%B6/100%2520%232%3F.yaml"
+    assert unquote(urlsplit(uri).path) == odd.span.file
     assert json.loads(sarif([]))["runs"][0]["results"] == []
+
+
+@pytest.mark.parametrize("found", [FOUND, ()])
+def test_sarif_log_is_valid_by_the_published_schema(found: tuple[Diagnostic, ...]) -> None:
+    """The classes that `pydantic-sarif` generates of SARIF's schema accept it, and reject another level."""
+    model = pytest.importorskip("pydantic_sarif.model")
+    schema, text = model.StaticAnalysisResultsFormatSarifVersion210JsonSchema, sarif(found)
+    schema.model_validate_json(text)
+    if found:
+        with pytest.raises(ValueError, match="'none', 'note', 'warning' or 'error'"):
+            schema.model_validate_json(text.replace('"level": "warning"', '"level": "info"'))
 
 
 @pytest.mark.parametrize(("format_", "begin"), [("github", "::error "), ("gitlab", "["), ("sarif", "{"), ("json", "{")])
