@@ -78,6 +78,9 @@ def _take(descriptor: int) -> bool | None:
 
 
 MANIFEST = ".stepbot.json"
+_PACKAGE = "CMakeLists.txt"
+_IN_PACKAGE = ("config/", "launch/", "rviz/", "urdf/")
+"""Folders of a ROS 2 package, which has that file."""
 STAGING = ".stepbot-"
 """Start of the names of folders in which new files are created."""
 _NEVER_IN_NAMES = frozenset("\\\0")
@@ -167,11 +170,21 @@ def content_hashes(files: Mapping[str, bytes]) -> dict[str, str]:
 
 
 def manifest_of(digests: Mapping[str, str]) -> Manifest:
-    """The entries of the files of a run, by path relative to the folder, from the SHA-256 of each."""
-    meshes = {path: digest for path, digest in digests.items() if "/" in path}
+    """The entries of the files of a run, by path relative to the folder, from the SHA-256 of each.
+
+    Files of a ROS 2 package beside its URDF are needed by the package alone: formats that a later run does not write
+    keep none of them.
+    """
+    below = {path: digest for path, digest in digests.items() if "/" in path}
+    package = {path: digest for path, digest in below.items() if path.startswith(_IN_PACKAGE)}
+    shared = below if _PACKAGE not in digests else {path: below[path] for path in below if path not in package}
     pages = _pages(digests)
     return {
-        path: {path: digests[path], **meshes, **({pages[path]: digests[pages[path]]} if path in pages else {})}
+        path: {
+            path: digests[path],
+            **(below if path == _PACKAGE else shared),
+            **({pages[path]: digests[pages[path]]} if path in pages else {}),
+        }
         for path in top_files(digests)
     }
 

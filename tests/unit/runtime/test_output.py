@@ -79,6 +79,19 @@ def test_parts_that_a_robot_no_longer_has(tmp_path: Path) -> None:
     assert set(contents(tmp_path)) == {*package, "arm.sdf", "arm.xml", "config/kinematics.yaml"}
 
 
+def test_settings_of_moveit_go_with_a_run_for_the_package_alone(tmp_path: Path) -> None:
+    """Formats of the run before, which this one does not write, keep their meshes and none of the package's files."""
+    package = {"CMakeLists.txt": b"c", "arm.urdf": b"u", "urdf/arm.xacro": b"x", "meshes/a.obj": b"a"}
+    planning = {".setup_assistant": b"s", "arm.srdf": b"r", "config/kinematics.yaml": b"k", "launch/demo.py": b"d"}
+    others = {"arm.sdf": b"s", "arm.xml": b"m", "report.json": b"{}", "meshes/b.obj": b"b"}
+    write_atomically({**package, **planning, **others}, tmp_path)
+    write_atomically({**package, "report.json": b"{}"}, tmp_path)
+    assert set(contents(tmp_path)) == {*package, *others}
+    write_atomically({**package, **planning}, tmp_path)
+    write_atomically({"arm.xml": b"m"}, tmp_path)
+    assert {*package, *planning} <= set(contents(tmp_path)), "a run for another format"
+
+
 def test_meshes_stay_while_another_file_needs_them(tmp_path: Path) -> None:
     """Meshes that files of earlier runs refer to are kept by a run for one format or another robot."""
     write_atomically(ARM, tmp_path)
