@@ -43,16 +43,17 @@ def command(
     recursively; the default is the current folder. A robot with errors is not locked. The home folder
     and those above it are refused, since locks would be written beside robots of others.
     """
-    from stepbot.jobs.discovery import find_sidecars
+    from stepbot.jobs.discovery import find_sidecars, without_lists
     from stepbot.pipeline.locking import make_locks
     from stepbot.revisions.lock_file import lock_bytes
     from stepbot.runtime.file import write_file
 
     options = options._replace(step=step)
-    _reject_whole_disks(sidecars or (Path(),))
     found = Diagnostics()
     written: dict[Path, Snapshot] = {}
-    paths = find_sidecars(sidecars or (Path(),), found)
+    named = list(without_lists(sidecars or (Path(),), found))
+    _reject_whole_disks(named)
+    paths = find_sidecars(named, found)
     reject_descriptions("lock", paths)
     with progress_bar([str(path) for path in paths], options) as progress:
         for sidecar in paths:

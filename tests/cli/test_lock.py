@@ -392,7 +392,7 @@ def test_fix_follows_a_link(lever: Revision, stepbot: Stepbot) -> None:
     assert "XL430" in Path("real/sidecar.yaml").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("named", [("/",), ("..",), (".",), (), ("below/../..",)])
+@pytest.mark.parametrize("named", [("/",), ("..",), (".",), (), ("below/../..",), ("all.txt",)])
 def test_a_home_is_not_locked(
     named: tuple[str, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot
 ) -> None:
@@ -401,6 +401,8 @@ def test_a_home_is_not_locked(
     (home / "below").mkdir(parents=True)
     monkeypatch.chdir(home)
     monkeypatch.setenv("HOME", str(home))
+    Path("all.txt").write_text("more.txt\n", encoding="utf-8")
+    Path("more.txt").write_text("all.txt\n/\n", encoding="utf-8")
     monkeypatch.setattr("stepbot.jobs.discovery.find_sidecars", lambda *_: pytest.fail("searched the folder"))
     run = stepbot("lock", *named)
     assert run.code == 2

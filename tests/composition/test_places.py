@@ -114,6 +114,15 @@ def test_expected_values_of_modules(scale: float, composed: Compose) -> None:
     assert len(faults) == (2 if scale > 1.0 else 0), faults
 
 
+def test_a_narrow_expectation_shows_what_differs(composed: Compose) -> None:
+    """Values and shares have the digits that the tolerance needs: neither is `2 kg, 2 kg expected`, nor 0 %."""
+    expect = "expect: {links: {arm/base: {mass: {value: 2.00001 kg, within: 0.0001 %}}}}\n"
+    found = Diagnostics()
+    composed({"r.robot.yaml": composing("arm: {file: arm.urdf}", more=expect), "arm.urdf": ARM}, found)
+    (fault,) = (one.message for one in found if one.code == "SB525")
+    assert fault.endswith("is 2 kg, 2.00001 kg expected: -0.0005%, 0.0001% allowed")
+
+
 @pytest.mark.parametrize("kind", ["joint", "frame", "link", "of the file"])
 def test_the_joint_of_a_module_takes_no_name(kind: str, tmp_path: Path, write: Write) -> None:
     """A module may have a port or joint that is called `mount`, and the file a joint: all keep their names."""

@@ -233,3 +233,35 @@ def test_excluded_contacts_are_kept(tmp_path: Path) -> None:
     assert conversion.report is not None
     contacts = [one for one in conversion.report.checks if one.quantity == "contacts"]
     assert {one.against for one in contacts if one.status == "passed"} == {"model", "legs.xml (mujoco)"}
+
+
+_OF_ONE_BODY = {
+    ("right_shoulder1", "right_shoulder2"): "hinge hinge",
+    ("hip_x", "hip_y"): "hinge hinge",
+    ("knee_1", "knee_2"): "hinge hinge",
+    ("quill_slide", "quill_turn"): "slide hinge",
+    ("drill_a", "drill_b"): "slide hinge",
+    ("base_x", "base_y", "base_yaw"): "slide slide hinge",
+    ("stage_x", "stage_y", "stage_turn"): "slide slide hinge",
+}
+"""Names and types of joints of one body, each by the name of another writer, or as stepbot would name them."""
+
+
+@pytest.mark.parametrize("limits", ["", 'range="-0.5 0.25"'])
+def test_joints_of_one_body_keep_names_and_limits(limits: str, tmp_path: Path) -> None:
+    """Also those that could be one joint of several coordinates, which the model names itself and has no limits for."""
+    bodies = ""
+    for number, (names, kinds) in enumerate(_OF_ONE_BODY.items()):
+        axes = ("0 0 1", "0 0 1") if kinds == "slide hinge" else ("2 1 1", "0 -1 1", "1 -1 -1")
+        joints = "".join(
+            f'<joint name="{name}" type="{kind}" axis="{axis}" {limits}/>'
+            for name, kind, axis in zip(names, kinds.split(), axes, strict=False)
+        )
+        bodies += f'<body name="arm{number}" pos="{number} 0 0.3">{joints}<geom size="0.04" pos="0.1 0.1 0.1"/></body>'
+    path = tmp_path / "arm.xml"
+    text = f'<compiler angle="radian"/><worldbody><body name="torso"><geom size="0.1"/>{bodies}</body></worldbody>'
+    path.write_text(f'<mujoco model="arm">{text}</mujoco>', encoding="utf-8")
+    conversion = convert(path, Options(tmp_path / "out"))
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    written = conversion.files["arm.xml"].decode()
+    assert not [name for names in _OF_ONE_BODY for name in names if f'name="{name}"' not in written]

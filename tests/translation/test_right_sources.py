@@ -9,10 +9,12 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 import pytest
+import trimesh
 
 from stepbot.engines import engine_of
 from stepbot.engines.observation import Request
 from stepbot.geometry.mesh_files import read_content
+from stepbot.geometry.spatial import Pose
 from stepbot.jobs.incremental import convert
 from stepbot.pipeline.conversion import Conversion, Options
 
@@ -409,3 +411,37 @@ def test_capsules_without_names(tmp_path: Path) -> None:
     written = ET.parse(tmp_path / "out" / "robot.urdf").getroot()
     shapes = Counter(shape.tag for collision in written.iter("collision") for shape in collision.find("geometry") or ())
     assert shapes == {"cylinder": 2, "sphere": 4}
+
+
+def _colored_mesh(path: Path) -> None:
+    """Two boxes, red and blue, beside each other."""
+    scene = trimesh.Scene()
+    for x, color in ((0.0, (200, 0, 0, 255)), (0.3, (0, 0, 200, 255))):
+        box = trimesh.creation.box((0.1, 0.2, 0.3), Pose.of(position=(x, 0.0, 0.0)).matrix)
+        box.visual = trimesh.visual.TextureVisuals(material=trimesh.visual.material.PBRMaterial(baseColorFactor=color))
+        scene.add_geometry(box)
+    path.write_bytes(scene.export(file_type="glb"))
+
+
+@pytest.mark.parametrize("suffix", [".urdf", ".sdf"])
+def test_mesh_of_several_colours(suffix: str, tmp_path: Path) -> None:
+    """A visual for each colour of a mesh is, to the proof, the one visual of the source, whatever else a link has."""
+    _colored_mesh(tmp_path / "part.glb")
+    tag = "<mesh filename='part.glb'/>" if suffix == ".urdf" else "<mesh><uri>part.glb</uri></mesh>"
+    size = "<sphere radius='0.2'/>" if suffix == ".urdf" else "<sphere><radius>0.2</radius></sphere>"
+    name = iter(range(9))
+
+    def visual(shape: str) -> str:
+        return f"<visual name='v{next(name)}'><geometry>{shape}</geometry></visual>"
+
+    arm, base = visual(tag) + visual(size) + visual(tag), visual(size) + visual(tag)
+    if suffix == ".urdf":
+        text = urdf(f'<link name="base">{_INERTIAL}{base}</link>').replace("</link>", f"{arm}</link>", 1)
+    else:
+        inertial = "<inertial><mass>1</mass><inertia><ixx>0.1</ixx><iyy>0.1</iyy><izz>0.1</izz></inertia></inertial>"
+        links = f"<link name='base'>{inertial}{base}</link><link name='arm'>{inertial}{arm}</link>"
+        turn = "<joint name='turn' type='revolute'><parent>base</parent><child>arm</child><axis><xyz>0 1 0</xyz></axis>"
+        text = f"<sdf version='1.9'><model name='robot'>{links}{turn}</joint></model></sdf>"
+    proven(tmp_path, suffix, text, "urdf", "sdf", "mjcf")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    assert model.ngeom == 2 * 3 + 2  # three meshes of two colours, two spheres

@@ -171,12 +171,24 @@ def test_missing_limits_are_reported_and_proven(tmp_path: Path) -> None:
     lines = [number for number, line in enumerate(path.read_text().splitlines(), start=1) if "<joint" in line]
     assert [one.span.line for one in missing] == lines
     assert [one.message.rpartition(": ")[2] for one in missing] == ["read as unlimited", "0 taken", "0 taken"]
+    assert [one.notes for one in missing] == [("ROS (urdfdom) rejects the file",), (), ()]
     written = mujoco.MjModel.from_xml_string(done.files["gate.xml"].decode())
     assert written.jnt_limited.tolist() == [0, 1, 1]
     assert written.joint("slide").range.tolist() == [0.0, 0.2]
     assert written.joint("turn").range.tolist() == [-1.0, 0.0]
     against = [one for one in done.report.checks if one.against.startswith("gate.urdf") and one.quantity == "limits"]
     assert [one.status for one in against] == ["passed"]
+
+
+def test_a_limit_without_bounds_is_reported(tmp_path: Path) -> None:
+    """PyBullet and MuJoCo turn such a joint, which does not move in ROS."""
+    joint = '<joint name="hinge" type="revolute"><parent link="a"/><child link="b"/><limit effort="1" velocity="1"/>'
+    text = f"<robot name='gate'>{BARE.format('a')}{BARE.format('b')}{joint}</joint></robot>"
+    (tmp_path / "gate.urdf").write_text(text, encoding="utf-8")
+    done = convert(tmp_path / "gate.urdf", Options(tmp_path / "out", verify=False, base="fixed"))
+    (one,) = (one for one in done.diagnostics if one.code == "SB874:limit")
+    assert one.message == "joint 'hinge': no 'lower' and 'upper' in <limit>: read as unlimited"
+    assert one.notes == ("ROS (urdfdom) takes 0 for both: the joint cannot move",)
 
 
 @pytest.mark.long

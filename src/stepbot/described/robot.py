@@ -60,6 +60,8 @@ class Shapes:
         self._assets: dict[int, tuple[TriMesh, MeshAsset]] = {}
         self._visual_names = set[str]()
         """Taken by all links: URDF and PyBullet name colours by them."""
+        self.pieces = dict[str, str]()
+        """For each visual the first one of the same visual in the file, whose mesh has several colours."""
 
     @property
     def assets(self) -> tuple[MeshAsset, ...]:
@@ -68,12 +70,13 @@ class Shapes:
 
     def visuals(self, link: str) -> tuple[Visual, ...]:
         """The visuals of a link; for a picture its collisions if it has none."""
-        name = _namer(link, "visual", self._visual_names)
-        return tuple(
-            Visual(name(shape), self._geometry(shape), shape.X_LG, shape.rgba or GREY)
-            for shape in self._shown
-            if shape.link == link
-        )
+        name, first = _namer(link, "visual", self._visual_names), ""
+        visuals = []
+        for shape in (one for one in self._shown if one.link == link):
+            visual = Visual(name(shape), self._geometry(shape), shape.X_LG, shape.rgba or GREY)
+            first = self.pieces[visual.name] = first if shape.piece else visual.name
+            visuals.append(visual)
+        return tuple(visuals)
 
     def collisions(self, link: str) -> tuple[Collision, ...]:
         """The collisions of a link."""
@@ -206,6 +209,8 @@ class Described:
     """Whether the file states if its base is fixed: a URDF only by a root link ``world``."""
     names: Names
     """New names of links, joints and frames that cannot keep theirs."""
+    pieces: Mapping[str, str]
+    """For each visual the first one of the same visual in the file, whose mesh has several colours."""
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -253,7 +258,7 @@ def robot_of_description(
     known = seen.base is not None or robot.root.name == _WORLD  # which may have several joints, or one that moves
     placed = _at_initial(share_meshes(rooted), seen.initial or {}, None if drawn else found)
     robot, names = with_valid_names(_with_turned_balls(placed), found)
-    return Described(robot, tuple(found), known, names)
+    return Described(robot, tuple(found), known, names, shapes.pieces)
 
 
 def _with_volume(description: Description, found: list[Finding]) -> Description:

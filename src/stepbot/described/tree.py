@@ -139,10 +139,10 @@ def _is_one(joint: ObservedJoint) -> bool:
 
 def _differing(joint: ObservedJoint) -> bool:
     """Whether the steps of a multi-dof joint have limits or forces that the model's one joint cannot have."""
-    if not joint.steps or joint.kind == JointKind.UNIVERSAL:
-        return False
     of_steps = [step for step in joint.steps if step.kind != "ball"]
-    bare = all((step.limit or Limit()).effort == inf and step.dynamics in (None, JointDynamics()) for step in of_steps)
+    bare = joint.kind == JointKind.UNIVERSAL or all(
+        (step.limit or Limit()).effort == inf and step.dynamics in (None, JointDynamics()) for step in of_steps
+    )
     free = all((step.limit or Limit()).lower == -inf and (step.limit or Limit()).upper == inf for step in of_steps)
     return not (bare and free)
 

@@ -2,7 +2,7 @@
 
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from string import Formatter
 
@@ -24,27 +24,44 @@ def find_sidecars(named: Iterable[Path], found: Diagnostics) -> list[Path]:
         found: Receives SB001 for an unreadable list, and for a folder without sidecars.
     """
     sidecars: dict[Path, None] = {}
-    for path in named:
-        sidecars.update(dict.fromkeys(_meant(path, found)))
+    for path in without_lists(named, found):
+        sidecars.update(dict.fromkeys(_in_folder(path, found) if is_folder(path) else [path]))
     return list(sidecars)
 
 
-def _meant(path: Path, found: Diagnostics) -> list[Path]:
-    if is_folder(path):
-        below = _below(path)
-        if not below:
-            help = ["sidecars are named `<robot>.robot.yaml`"]
-            found.add("SB001", "no sidecars in this folder", Span(path.as_posix()), help=help)
-        return below
-    if path.suffix != _LIST:
-        return [path]
+def without_lists(named: Iterable[Path], found: Diagnostics) -> Iterator[Path]:
+    """The sidecars and folders of a list of paths, with what lists name in place of the lists.
+
+    Args:
+        named: Sidecars, folders, or lists.
+        found: Receives SB001 for an unreadable list.
+    """
+    waiting, read = list(named)[::-1], set[Path]()
+    while waiting:
+        path = waiting.pop()
+        if path.suffix != _LIST or is_folder(path):
+            yield path
+        elif resolved(path) not in read:  # lists may name each other
+            read.add(resolved(path))
+            waiting += _listed(path, found)[::-1]
+
+
+def _listed(path: Path, found: Diagnostics) -> list[Path]:
     try:
         lines = read_regular(path).decode("utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         found.add("SB001", f"cannot read the list of sidecars: {error}", Span(path.as_posix()))
         return []
     entries = [line.strip() for line in lines]
-    return find_sidecars([path.parent / entry for entry in entries if entry and not entry.startswith("#")], found)
+    return [path.parent / entry for entry in entries if entry and not entry.startswith("#")]
+
+
+def _in_folder(folder: Path, found: Diagnostics) -> list[Path]:
+    below = _below(folder)
+    if not below:
+        help = ["sidecars are named `<robot>.robot.yaml`"]
+        found.add("SB001", "no sidecars in this folder", Span(folder.as_posix()), help=help)
+    return below
 
 
 def _below(folder: Path) -> list[Path]:

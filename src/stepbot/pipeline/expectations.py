@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
-from math import inf
+from math import floor, inf, log10
 
 import numpy as np
 
@@ -109,8 +109,9 @@ class _Comparison:
         allowed = within.absolute or within.relative * wanted
         if abs(has - wanted) > allowed:
             share = (has - wanted) / wanted
-            text = f"{what} is {has:.4g} {unit}, {wanted:.4g} {unit} expected: {share:+.1%}"
-            self._report(keys, f"{text}, {allowed / wanted:.1%} allowed")
+            digits = max(4, 2 - floor(log10(allowed / wanted))) if allowed else 9
+            text = f"{what} is {has:.{digits}g} {unit}, {wanted:.{digits}g} {unit} expected: {100.0 * share:+.3g}%"
+            self._report(keys, f"{text}, {100.0 * allowed / wanted:.2g}% allowed")
 
     def _symmetry(self, axis: str, found: Symmetry) -> None:
         keys, k = ("expect", "symmetry"), AXES.index(axis)

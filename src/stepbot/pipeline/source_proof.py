@@ -103,6 +103,7 @@ def compared_with_source(
             files,
             _lost(described, description),
             Renaming(described.names.links, described.names.joints, described.names.frames),
+            described.pieces,
             found,
             options.workers,
         )

@@ -143,9 +143,14 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
     for limit in description.open_limits:
         missing = " and ".join(f"'{bound}'" for bound in limit.missing)
         lacks = f"no {missing} in <limit>" if limit.has_element else "no <limit>"
-        taken = "read as unlimited" if len(limit.missing) == 2 else "0 taken"
+        is_open = len(limit.missing) == 2
+        ros = ("takes 0 for both: the joint cannot move" if limit.has_element else "rejects the file",)
         found.add(
-            "SB874:limit", f"joint '{limit.joint}': {lacks}: {taken}", Span(*description.place(span.file, limit.line))
+            "SB874:limit",
+            f"joint '{limit.joint}': {lacks}: {'read as unlimited' if is_open else '0 taken'}",
+            Span(*description.place(span.file, limit.line)),
+            help=['state `lower` and `upper`, or `type="continuous"` for a hinge without limits'] if is_open else (),
+            notes=[f"ROS (urdfdom) {one}" for one in ros if is_open],
         )
     _report_names(described.robot, span, found)
     for newer in description.newer:

@@ -289,12 +289,16 @@ def _with_whole_capsules(shapes: Mapping[str, ObservedShape], others: Mapping[st
     for name in (name for name in others if name not in shapes):
         parts = [shapes[part] for part in capsule_parts(name) if part in shapes]
         if len(parts) == len(capsule_parts(name)):
-            colors = {part.rgba for part in parts}
-            color = parts[0].rgba if len(colors) == 1 else (nan,) * 4
-            boxes = ([getattr(part, box) for part in parts] for box in ("bounds", "oblique"))
-            upright, oblique = (join_bounds(one) if None not in one else None for one in boxes)
-            whole[name] = replace(parts[0], name=name, rgba=color, bounds=upright, oblique=oblique)
+            whole[name] = replace(joined(parts), name=name)
     return whole
+
+
+def joined(parts: Sequence[ObservedShape]) -> ObservedShape:
+    """The first of several shapes with the box of all; its colour is none that compares as equal if theirs differ."""
+    color = parts[0].rgba if len({part.rgba for part in parts}) == 1 else (nan,) * 4
+    boxes = ([getattr(part, box) for part in parts] for box in ("bounds", "oblique"))
+    upright, oblique = (join_bounds(one) if None not in one else None for one in boxes)
+    return replace(parts[0], rgba=color, bounds=upright, oblique=oblique)
 
 
 def _by_box(a: Sequence[ObservedShape], b: Sequence[ObservedShape]) -> Iterator[tuple[ObservedShape, ObservedShape]]:

@@ -21,7 +21,8 @@ from .counterparts import Renaming
 from .files import observed
 from .judging import Subject, compared_with_first, judged, ranked
 from .merged_observation import Gathered, gather
-from .normalized import without_stand_ins
+from .normalized import joined, without_stand_ins
+from .shapes import plain_name
 
 Bounds = tuple[float, float]
 
@@ -84,6 +85,7 @@ def verify_against_source(
     files: Mapping[Path, Converted],
     lost: Mapping[Quantity, str],
     names: Renaming,
+    pieces: Mapping[str, str],
     found: Diagnostics,
     workers: Workers,
 ) -> tuple[Check, ...]:
@@ -94,6 +96,7 @@ def verify_against_source(
         span: It, for messages; its last part is its name in the report.
         lost: Quantities with declared losses, each with the reason not to compare it.
         names: Names that the conversion changed.
+        pieces: For each written visual the first one of the same visual in the source.
         found: Receives differences, and SB867 if no engine reads the source.
         workers: Run the engines.
     """
@@ -119,7 +122,8 @@ def verify_against_source(
         if not seen:
             continue
         gathered = gather(seen)
-        theirs = replace(gathered, observation=with_effective_ranges(without_stand_ins(gathered.observation)))
+        whole = _with_whole_visuals(without_stand_ins(gathered.observation), pieces)
+        theirs = replace(gathered, observation=with_effective_ranges(whole))
         for compared in compared_with_first(ours, theirs, asked):
             if compared.quantity in _OWN:
                 continue
@@ -158,3 +162,21 @@ def _comparable(gathered: Gathered) -> Gathered:
     return replace(
         gathered, observation=with_effective_ranges(without_stand_ins(replace(seen, name=None, links=links)))
     )
+
+
+def _with_whole_visuals(observation: Observation, first: Mapping[str, str]) -> Observation:
+    """The observation with one visual in place of those for the colours of one mesh.
+
+    Args:
+        first: For each visual the first one of the same mesh.
+    """
+
+    def whole(shapes: tuple[ObservedShape, ...] | None) -> tuple[ObservedShape, ...] | None:
+        groups: dict[str, list[ObservedShape]] = {}
+        for number, shape in enumerate(shapes or ()):
+            name = plain_name(shape.name or "")
+            groups.setdefault(first.get(name, name) or str(number), []).append(shape)
+        return shapes and tuple(joined(parts) if len(parts) > 1 else parts[0] for parts in groups.values())
+
+    links = (replace(link, visuals=whole(link.visuals)) for link in observation.links)
+    return replace(observation, links=tuple(links))

@@ -29,6 +29,15 @@ def test_list(tmp_path: Path, found: ReadDiagnostics) -> None:
     assert [path.name for path in sidecars] == ["b.robot.yaml", "a.robot.yaml"]
 
 
+def test_lists_that_name_each_other(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """Each list is read once."""
+    make(tmp_path, "a.robot.yaml", "b.robot.yaml")
+    (tmp_path / "one.txt").write_text("two.txt\nb.robot.yaml\none.txt\n", encoding="utf-8")
+    (tmp_path / "two.txt").write_text("a.robot.yaml\none.txt\n", encoding="utf-8")
+    assert [path.name for path in find_sidecars([tmp_path / "one.txt"], found)] == ["a.robot.yaml", "b.robot.yaml"]
+    assert not found.codes()
+
+
 def test_nothing_there(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A folder without sidecars and a missing list are errors; a missing sidecar is reported later."""
     assert find_sidecars([tmp_path, tmp_path / "no.txt", tmp_path / "no.robot.yaml"], found) == [

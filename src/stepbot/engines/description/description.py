@@ -95,6 +95,8 @@ class DescribedShape:
     """Its mesh, as named in the description; empty for a primitive."""
     approximated: str = ""
     """The shape that a mesh approximates, which formats have no word for; empty for none."""
+    piece: int = 0
+    """Number of its colour among those of its mesh, each of which is a shape."""
 
     @property
     def points(self) -> Array:

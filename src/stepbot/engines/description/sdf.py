@@ -88,8 +88,12 @@ def _shapes(link: Element, files: MeshFiles) -> Iterator[DescribedShape]:
         for shape in link.findall(kind):
             name, X_LG, rgba = shape.get("name", ""), read_pose(shape), _color(shape)
             uri, collides = (shape.findtext("geometry/mesh/uri") or "").strip(), kind == "collision"
-            for found, color in _parts(shape.find("geometry"), files, rgba, whole=collides or rgba is not None):
-                yield DescribedShape(link.get("name", ""), name, found, X_LG, color, collides, surface_of(shape), uri)
+            parts = _parts(shape.find("geometry"), files, rgba, whole=collides or rgba is not None)
+            for piece, (found, color) in enumerate(parts):
+                surface = surface_of(shape)
+                yield DescribedShape(
+                    link.get("name", ""), name, found, X_LG, color, collides, surface, uri, piece=piece
+                )
 
 
 def _parts(

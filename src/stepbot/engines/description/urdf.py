@@ -106,9 +106,11 @@ def _shapes(link: Element, files: MeshFiles, materials: Mapping[str, Element]) -
                 parts = () if primitive is None else ((primitive, rgba),)
             else:
                 parts = _mesh(mesh, files, rgba, whole=collides or rgba is not None)
-            for found, color in parts:
+            for piece, (found, color) in enumerate(parts):
                 surface = _surface(link) if collides else PLAIN
-                yield DescribedShape(_name(link), name, found, _origin(shape), color, collides, surface, uri)
+                yield DescribedShape(
+                    _name(link), name, found, _origin(shape), color, collides, surface, uri, piece=piece
+                )
 
 
 def _surface(link: Element) -> Surface:

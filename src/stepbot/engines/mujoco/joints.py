@@ -1,5 +1,6 @@
 """The joints of a MuJoCo model: single joints, and several in one body that form one multi-dof joint."""
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import inf, nan
@@ -9,7 +10,7 @@ import numpy as np
 
 from stepbot.geometry.spatial import vector3
 from stepbot.robot.mesh_names import SCOPE
-from stepbot.robot.model import JointDynamics, Limit, Mimic
+from stepbot.robot.model import JointDynamics, JointKind, Limit, Mimic
 
 from ..observation import ObservedJoint
 
@@ -20,6 +21,8 @@ VELOCITY = f"{SCOPE}velocity"
 """Suffix of the custom number with a joint's velocity limit, for which MJCF has no attribute."""
 
 _TURNING = ("revolute", "continuous")
+_UNIQUE = re.compile("(_joint)+$")
+"""What stepbot adds to names of such joints that are taken."""
 _SQUARE = 1e-9
 """Largest cosine of the angle between axes that count as perpendicular."""
 
@@ -66,23 +69,29 @@ def _as_one(compiled: "NamedModel", above: range, seen: Sequence[ObservedJoint])
     kinds = tuple("turn" if joint.kind in _TURNING else joint.kind for joint in seen)
     axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in seen]
     last, first = seen[-1], seen[0]
-    stem = first.name.rpartition("_")[0]
-    name = stem if all(joint.name.startswith(f"{stem}_") for joint in seen) else ""
     if kinds == ("turn", "turn"):
         limit = first.limit if first.limit is not None and first.limit == last.limit else Limit(nan, nan, nan, nan)
         dynamics = first.dynamics if first.dynamics == last.dynamics else JointDynamics(*[nan] * 5)
+        name = _whole_name(JointKind.UNIVERSAL.chain, seen)
         return replace(first, name=name, kind="universal", axis2=last.axis, limit=limit, dynamics=dynamics)
     if kinds == ("prismatic", "turn") and np.array_equal(axes[0], axes[1]):
         pitch = screw_pitch(compiled, above[0])
         if pitch is not None:
             return replace(last, kind="screw", pitch=pitch)
-        return replace(last, name=name, kind="cylindrical")
+        return replace(last, name=_whole_name(JointKind.CYLINDRICAL.chain, seen), kind="cylindrical")
     flat = len(axes) == 3 and max(abs(float(axes[2] @ axis)) for axis in axes[:2]) < _SQUARE
     if kinds == ("prismatic", "prismatic", "turn") and flat:
-        return replace(last, name=name, kind="planar")
+        return replace(last, name=_whole_name(JointKind.PLANAR.chain, seen), kind="planar")
     if kinds == ("prismatic", "prismatic", "prismatic", "ball") and np.array_equal(axes[:3], np.eye(3)):
-        return replace(last, name=name, kind="floating")
+        return replace(last, name=_whole_name((*JointKind.FLOATING.chain[:3], "_turn"), seen), kind="floating")
     return None
+
+
+def _whole_name(chain: Sequence[str], seen: Sequence[ObservedJoint]) -> str:
+    """The name of a joint that stepbot has written as several; empty if they have names of their own."""
+    names = [_UNIQUE.sub("", joint.name) for joint in seen]
+    stem = names[0].removesuffix(chain[0])
+    return stem if names == [f"{stem}{suffix}" for suffix in chain] else ""
 
 
 def screw_pitch(compiled: "NamedModel", joint: int) -> float | None:
