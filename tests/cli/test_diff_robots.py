@@ -209,3 +209,74 @@ def test_a_frame_of_one_file_is_a_difference(other: str, tmp_path: Path, stepbot
     names = {"tool", "wrist"} if "wrist" in other else {"tool"}
     assert {str(row["name"]).split("'")[1] for row in rows} == names - ({"tool"} if "tool" in other else set())
     assert {row["kind"] for row in rows} == {"frames"}
+
+
+_PLAIN = """<mujoco model="r"><compiler{0}/><option{1}/><visual><map{2}/></visual><worldbody>
+  <body name="base"{3}><geom name="g" size="0.1"{4}/><body name="b" pos="0 0 0.3">
+  <joint name="j" axis="0 0 1" range="-85 60"{5}/><geom name="h" size="0.04"/></body></body></worldbody>
+  <actuator><motor name="m" joint="j" ctrlrange="-1 1"{6}/></actuator></mujoco>"""
+_STATED = (
+    ' autolimits="true"',
+    ' cone="pyramidal" gravity="0 0 -9.81"',
+    ' znear="0.01"',
+    ' gravcomp="0" mocap="false"',
+    ' solmix="1" gap="0"',
+    ' solreflimit="0.02 1"',
+    ' group="0"',
+)
+"""What MuJoCo takes where nothing is stated."""
+_GIVEN = (
+    "",
+    ' cone="elliptic"',
+    ' znear="0.02"',
+    ' gravcomp="0.5"',
+    ' gap="0.001"',
+    ' solreflimit="0.03 1"',
+    ' group="1"',
+)
+"""The same attributes with other values, of those that change what MuJoCo does or shows."""
+
+
+@pytest.mark.mujoco
+def test_a_stated_default_of_mjcf_is_no_difference(tmp_path: Path, stepbot: Stepbot) -> None:
+    """MuJoCo compiles both files: what it cannot tell apart is the same, and each other value is a difference."""
+    skip_without("mujoco")
+    nothing = [""] * len(_STATED)
+    files = {
+        "bare": nothing,
+        "stated": _STATED,
+        **{f"given{n}": [*nothing[:n], one, *nothing[n + 1 :]] for n, one in enumerate(_GIVEN) if one},
+    }
+    for name, words in files.items():
+        (tmp_path / f"{name}.xml").write_text(_PLAIN.format(*words), encoding="utf-8")
+    for name in list(files)[1:]:
+        code, _ = _diff(stepbot, str(tmp_path / "bare.xml"), str(tmp_path / f"{name}.xml"))
+        assert code == (0 if name == "stated" else 1), name
+
+
+def test_a_stated_default_of_sdformat_is_no_difference(tmp_path: Path, stepbot: Stepbot) -> None:
+    """Elements that stepbot does not read, with what SDFormat takes where they are missing, and with another value."""
+    skip_without("pybullet")
+    text = """<sdf version="1.9"><model name="r">{0}<link name="base">{1}<inertial><mass>1</mass>
+      <inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>
+      <visual name="v"><geometry><sphere><radius>0.1</radius></sphere></geometry>{2}</visual></link></model></sdf>"""
+    stated = ("<self_collide>false</self_collide>", "<kinematic>0</kinematic>", "<cast_shadows>true</cast_shadows>")
+    given = ("<self_collide>true</self_collide>", "<kinematic>1</kinematic>", "<cast_shadows>0</cast_shadows>")
+    bare, other = tmp_path / "bare.sdf", tmp_path / "other.sdf"
+    bare.write_text(text.format("", "", ""), encoding="utf-8")
+    for number in range(-1, len(given)):
+        words = stated if number < 0 else [one if n == number else "" for n, one in enumerate(given)]
+        other.write_text(text.format(*words), encoding="utf-8")
+        code, _ = _diff(stepbot, str(bare), str(other))
+        assert code == (0 if words == stated else 1), words
+
+
+@pytest.mark.mujoco
+def test_an_effort_that_means_unlimited_is_none(tmp_path: Path, stepbot: Stepbot) -> None:
+    """As stepbot states it where a file has none; another number of that size is another text."""
+    skip_without("mujoco")
+    none = _arm(tmp_path / "a.urdf", (' effort="3"', ""))
+    stated = _arm(tmp_path / "b.urdf", ('effort="3"', 'effort="1e9"'))
+    larger = _arm(tmp_path / "c.urdf", ('effort="3"', 'effort="2e9"'))
+    assert [_diff(stepbot, none, other)[0] for other in (stated, larger)] == [0, 0]
+    assert _diff(stepbot, stated, larger)[0] == 1

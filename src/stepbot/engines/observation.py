@@ -274,6 +274,8 @@ class Observation:
     """Pairs of links with collision geometry whose contacts are excluded; sorted."""
     settings: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     """Numbers that two files of the format are compared in, and no other quantity has, by the words for their place."""
+    compiled: str = ""
+    """A hash of all that the engine has made of an MJCF, file names apart: if equal, it cannot tell two files apart."""
     missing_meshes: tuple[str, ...] = ()
     simulation_finite: bool | None = None
     """Whether one second of passive simulation from the initial pose stayed finite."""

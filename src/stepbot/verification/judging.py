@@ -271,7 +271,8 @@ def _compared_across(
     if ours.format == theirs.format:
         equal = not any(one.deviations.failures for one in results if not one.not_run)
         texts = [asked.texts.get(key, ()) for key in (ours.key, theirs.key)]
-        text = compare_text(*texts, equal=equal, whole=whole)
+        compiled = bool(ours.observation.compiled) and ours.observation.compiled == theirs.observation.compiled
+        text = compare_text(*texts, equal=equal, whole=whole, compiled=compiled)
         results = results if text is None else (*results, text)
         if whole and equal and text is None and all(texts):
             results = (*results, Compared(Quantity.TEXT, compare_settings(*(one.settings for one in pair))))

@@ -35,8 +35,14 @@ def without_stand_ins(observation: Observation) -> Observation:
     return replace(
         observation,
         links=tuple(_without_stand_in(link) for link in observation.links),
-        joints=tuple(_freed(joint) for joint in observation.joints),
+        joints=tuple(_freed(_without_zeros(joint)) for joint in observation.joints),
     )
+
+
+def _without_zeros(joint: ObservedJoint) -> ObservedJoint:
+    zero = [name for name in NEVER_ZERO if joint.limit is not None and getattr(joint.limit, name) == 0.0]
+    limit = joint.limit and replace(joint.limit, **dict.fromkeys(zero, inf))
+    return replace(joint, limit=limit, steps=tuple(map(_without_zeros, joint.steps)))
 
 
 def _without_stand_in(link: ObservedLink) -> ObservedLink:
@@ -62,8 +68,6 @@ def _freed(joint: ObservedJoint) -> ObservedJoint:
 
 
 def _free(limit: Limit) -> Limit:
-    zero = [name for name in NEVER_ZERO if getattr(limit, name) == 0.0]
-    limit = replace(limit, **dict.fromkeys(zero, inf))
     return replace(
         limit,
         lower=-inf if limit.lower <= -NO_BOUND else limit.lower,
@@ -83,14 +87,17 @@ def normalized(a: Observation, b: Observation) -> tuple[Observation, Observation
     A massless link called ``world`` is the world. A link that is only a frame becomes a frame if the other side has no
     link of that name. Mimics refer to the first joint of their chain. Only frames and shapes that both sides name are
     kept, since formats mark different places and split shapes differently; equally many shapes without names are paired
-    by their boxes; the name of the robot, and colours that one
-    file lacks, are ignored. Initial angles are compared up to full turns with a file that has poses instead. Actuators
-    are converted to their joints if a format has no gears. A file without any velocity limit is treated as not
-    reporting them: MJCF has no such attribute. Numbers that mean unlimited become infinite. Two files that one engine
-    reads in one format represent everything in the same way, but for capsules, which not each version of URDF has.
+    by their boxes; the name of the robot, and colours that one file lacks, are ignored. Initial angles are compared up
+    to full turns with a file that has poses instead. Actuators are converted to their joints if a format has no gears.
+    A file without any velocity limit is treated as not reporting them: MJCF has no such attribute. Numbers that mean
+    unlimited become infinite. Two files that one engine reads in one format represent everything in the same way, but
+    for capsules, which not each version of URDF has, and limits that mean unlimited, which one may state.
     """
     alike = a.format == b.format and a.engine == b.engine
-    a, b = (_without_world(side) if alike else without_stand_ins(_without_world(side)) for side in (a, b))
+    a, b = (
+        replace(side, joints=tuple(map(_freed, side.joints))) if alike else without_stand_ins(side)
+        for side in map(_without_world, (a, b))
+    )
     links_a, links_b = ({link.name for link in side.links} for side in (a, b))
     a, b = _with_leaders(_with_frames(a, links_b)), _with_leaders(_with_frames(b, links_a))
     if alike:
@@ -328,10 +335,7 @@ def _with_common_gears(a: Observation, b: Observation) -> tuple[Observation, Obs
     sides = a, b
     if all(drive.gear is not None for side in sides for drive in side.actuators or ()):
         return sides
-    a, b = (
-        side if side.actuators is None else replace(side, actuators=tuple(map(_at_joint, side.actuators)))
-        for side in sides
-    )
+    a, b = (replace(side, actuators=side.actuators and tuple(map(_at_joint, side.actuators))) for side in sides)
     return a, b
 
 

@@ -33,15 +33,19 @@ _UNREPORTED = re.compile(
     r"^robot/(transmission|ros2_control|gazebo)\b|^sdf(/world[^/]*)?/model[^/]*/pose$|/surface/.*/|/plugin\b"
 )
 """Places of what is read and reported by no engine, unless it is an actuator or a sensor."""
-_LEFT_OUT = {"mu": 1.0, "mu1": 1.0, "restitution_coefficient": 0.0, "pose": 0.0}
-"""Numbers that are meant where these elements are left out."""
+_LEFT_OUT = {
+    **dict.fromkeys(("mu", "mu1", "mu2", "allow_auto_disable", "cast_shadows"), 1.0),
+    **dict.fromkeys(("restitution_coefficient", "pose", "self_collide", "kinematic", "enable_wind"), 0.0),
+    **dict.fromkeys(("must_be_base_link", "laser_retro", "transparency", "fdir1", "slip1", "slip2", "visualize"), 0.0),
+}
+"""Numbers that are meant where these elements of SDFormat, and of URDF's extensions, are left out; 1 is true."""
 _NUMBER = re.compile(r" \d+(?=[/@]|$)")
 """The number of one of several elements with the same tag and name."""
 _SAME_WORDS = {"1": "true", "0": "false"}
 
 
 def compare_text(
-    ours: Sequence[Statement], theirs: Sequence[Statement], *, equal: bool, whole: bool
+    ours: Sequence[Statement], theirs: Sequence[Statement], *, equal: bool, whole: bool, compiled: bool = False
 ) -> Compared | None:
     """What differs between the texts of two files; None if nothing does.
 
@@ -50,6 +54,7 @@ def compare_text(
         theirs: Those of the other file.
         equal: Whether engines see the same robot in both; otherwise only what they cannot see is compared.
         whole: Whether what is not read differs, too, where it is words, or where one file has it alone.
+        compiled: Whether an engine makes the same of both in all that it has: what one file has alone is a default.
     """
     deviations = Deviations(_EQUAL)
     a, b = (_by_place(side, (*ours, *theirs)) for side in (ours, theirs))
@@ -63,9 +68,9 @@ def compare_text(
             continue
         words = last_of(one.place) not in _NAMES.split() if one.read else whole
         _compare(deviations, one, other, words=words)
-    for place in (*a, *b) if whole else ():
+    for place in (*a, *b) if whole and not compiled else ():
         one = a.get(place) or b[place]
-        if not one.read and not (place in a and place in b):
+        if not one.read and not (place in a and place in b) and not _is_default(one):
             deviations.equal(False, f"{place} is {'missing' if place in a else 'not in the robot'}")
     plain = [{_NUMBER.sub("", one.place) for one in side} for side in (ours, theirs)]
     for one in (*ours, *theirs) if whole and equal else ():
@@ -88,7 +93,7 @@ def compare_settings(ours: Mapping[str, Sequence[float]], theirs: Mapping[str, S
 def _is_default(one: Statement) -> bool:
     """Whether a number is what a file means that leaves it out."""
     default = _LEFT_OUT.get(last_of(one.place))
-    values = numbers(one.value)
+    values = numbers({"true": "1", "false": "0"}.get(one.value, one.value))
     return default is not None and values is not None and set(values) == {default}
 
 

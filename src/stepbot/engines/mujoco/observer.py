@@ -36,7 +36,7 @@ from .compiled import Compiled, excluded_pairs
 from .devices import observed_actuators, observed_frames, observed_sensors
 from .joints import observed_joints
 from .model import collected_warnings
-from .settings import settings
+from .settings import content_hash, settings
 from .shapes import collides, observed_shapes, stray_mesh
 
 _URDF_COMPILER = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
@@ -241,6 +241,7 @@ def observe_model(compiled: Compiled, request: Request) -> Observation:
         excluded_pairs=excluded_pairs(compiled) if mjcf else None,
         not_run=_NOT_RUN[request.format],
         settings=settings(compiled) if mjcf else {},
+        compiled=content_hash(compiled) if mjcf else "",
     )
 
 

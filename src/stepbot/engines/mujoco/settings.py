@@ -4,6 +4,7 @@ Numbers that depend on how a file describes a pose are left out: those that rema
 """
 
 from collections.abc import Iterator, Mapping
+from hashlib import sha256
 
 import numpy as np
 
@@ -34,6 +35,24 @@ _OPTIONS = (
 def settings(compiled: Compiled) -> Mapping[str, tuple[float, ...]]:
     """Numbers by element and field, as in ``geom 'pad' friction``; elements without names are numbered."""
     return {where: values for where, values in _all(compiled) if np.isfinite(values).all()}
+
+
+def content_hash(compiled: Compiled) -> str:
+    """A hash of the whole model but the names of its files."""
+    whole = sha256()
+    waiting = [("model", compiled.model)]
+    while waiting:
+        place, value = waiting.pop()
+        if isinstance(value, np.ndarray | int | float | bytes):
+            content = np.asarray(value)
+            whole.update(f"{place} {content.dtype} {content.shape}".encode() + content.tobytes())
+        elif not callable(value):
+            waiting += [(f"{place}.{one}", getattr(value, one)) for one in dir(value) if _is_content(one)]
+    return whole.hexdigest()
+
+
+def _is_content(field: str) -> bool:
+    return not field.startswith("_") and field not in ("paths", "signature") and not field.endswith("_pathadr")
 
 
 def _all(compiled: Compiled) -> Iterator[tuple[str, tuple[float, ...]]]:
