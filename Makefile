@@ -11,6 +11,8 @@ JOBS := $(shell n=$$(getconf _NPROCESSORS_ONLN 2>/dev/null || echo 2); echo $$((
 export PYTHONDONTWRITEBYTECODE :=
 DEMO := robot_library/stepbot_four_bar/four_bar.robot.yaml
 STAMP := $(VENV)/.stepbot-installed
+# axe-core, for the tests of the page; the playwright that the package requires is not used.
+AXE := axe-playwright-python==0.1.8
 
 .PHONY: help install demo test test-long format lint types contracts generate fresh check wheels faults hostile mutation mutants library \
 	benchmarks docs gate build all lock clean
@@ -31,6 +33,7 @@ $(STAMP): pyproject.toml requirements-ci.txt
 		$(BIN)/python -m pip install --quiet --require-hashes -r requirements-ci.txt && \
 		$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .; \
 	else $(BIN)/python -m pip install --quiet -e '.[dev]'; fi
+	@$(BIN)/python -m pip install --quiet --no-deps $(AXE)
 	@$(BIN)/python -m compileall -q src cli  # as pip does: without write permission for bytecode, Python would compile in each run
 	@touch $@
 

@@ -1,6 +1,6 @@
 """axe-core finds nothing serious in any panel of the page, at work on a robot.
 
-axe-core comes with `pip install axe-playwright-python`, or as a file that AXE_CORE names.
+axe-core comes with `make install`, or as a file that AXE_CORE names.
 """
 
 import os
@@ -24,7 +24,7 @@ def axe_script() -> str:
     places = [Path(one, "axe.min.js") for one in (spec.submodule_search_locations or () if spec else ())]
     path = next((one for one in (Path(os.environ.get("AXE_CORE", "")), *places) if one.is_file()), None)
     if path is None:
-        pytest.skip("axe-core is not installed: pip install axe-playwright-python, or name its file in AXE_CORE")
+        pytest.skip("axe-core is not installed: run `make install`, or name its file in AXE_CORE")
     return path.read_text(encoding="utf-8")
 
 

@@ -9,6 +9,7 @@ import pytest
 from stepbot.serving.session import Session
 
 from .page import Page
+from .test_settings import UNDECIDED
 
 NAMED = ("button", "textbox", "searchbox", "combobox", "slider", "tab", "checkbox", "spinbutton", "splitter", "link")
 """Roles of Chromium's accessibility tree that a person operates."""
@@ -29,7 +30,7 @@ def boxes(page: Page) -> dict[str, Any]:
     return {name: page.run(script, name) for name in ("stage", "panels", "card", "canvas")}
 
 
-@pytest.mark.parametrize(("width", "height"), [(1280, 720), (1000, 700), (820, 1180)])
+@pytest.mark.parametrize(("width", "height"), [(1280, 720), (1000, 700), (768, 1024)])
 def test_the_panels_cover_nothing_of_the_robot(page: Page, opened: Session, width: int, height: int) -> None:
     """On a small screen and a tablet the robot has over a third, the selection is in the panels, in the window."""
     page.resize(width, height)
@@ -43,6 +44,21 @@ def test_the_panels_cover_nothing_of_the_robot(page: Page, opened: Session, widt
     assert panels["x"] + panels["width"] <= width
     assert stage["width"] * stage["height"] > width * height / 3
     assert page.run("return document.documentElement.scrollWidth <= innerWidth")
+    ends = "return [...document.querySelectorAll('#toolbar .chip')].map(one => one.getBoundingClientRect().right)"
+    assert max(page.run(ends)) <= width
+
+
+def test_a_turned_tablet_gets_its_panels_beside_the_robot(page: Page, edited: Callable[[str], Session]) -> None:
+    """Panels that were as wide as an upright screen are not so on a wide one."""
+    page.resize(820, 1180)
+    edited(UNDECIDED)
+    page.resize(1180, 820)
+    found = boxes(page)
+    assert found["stage"]["width"] > found["panels"]["width"]
+    page.wait(
+        "return document.getElementById('grip').getAttribute('aria-valuenow') === String(arguments[0])",
+        found["panels"]["width"],
+    )
 
 
 def test_the_panels_are_resized_and_hidden_by_keys(page: Page, opened: Session) -> None:

@@ -15,7 +15,7 @@ from stepbot.formats import FORMATS
 from stepbot.formats.rendering import render
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import link_poses
-from stepbot.robot.model import Box, Link, Robot, Visual
+from stepbot.robot.model import Cylinder, Link, Robot, Visual
 from stepbot.serving.session import Session
 from stepbot.viewing.scene import scene_document
 from tests.robots import ROBOTS
@@ -294,24 +294,31 @@ def test_links_are_compared_while_they_move(page: Page, session: Serve, tmp_path
 
 
 def test_only_what_can_be_seen_is_drawn(page: Page, tmp_path: Path) -> None:
-    """Small parts have no edges, parts outside of the view are not drawn, every part is picked."""
+    """Equal parts are drawn at once, small ones have no edges, tiny ones are boxes, hidden ones are skipped."""
     row = range(30)
-    spacing, box = 0.1, Box((0.06, 0.06, 0.06))
+    spacing, disc = 0.1, Cylinder(0.03, 0.06)
     parts = [
-        Visual(f"part_{i}_{j}", box, Pose.of(position=(spacing * i, spacing * j, 0.0)), component=f"part:{i}_{j}")
+        Visual(f"part_{i}_{j}", disc, Pose.of(position=(spacing * i, spacing * j, 0.0)), component=f"part:{i}_{j}")
         for i in row
         for j in row
     ]
     link = Link("base", visuals=tuple(parts), components=tuple(one.component for one in parts))
     page.open_file(tmp_path, scene_document(Robot("field", (link,))))
     page.run("stepbot.view.camera.look(-Math.PI / 2, 1.5533); stepbot.view.fit()")
-    counted = """const {view} = stepbot; const {gl} = view.renderer; const counts = {};
-      gl.drawArrays = (mode, ...rest) => { counts[mode] = (counts[mode] ?? 0) + 1; };
-      view.draw(); delete gl.drawArrays; return [counts[gl.TRIANGLES] ?? 0, counts[gl.LINES] ?? 0];"""
+    counted = """const {view} = stepbot; const {gl} = view.renderer; const calls = [];
+      gl.drawArraysInstanced = (mode, first, corners, copies) => {
+        if (mode !== gl.TRIANGLE_STRIP) calls.push([mode === gl.LINES ? "edges" : "faces", corners, copies]);
+      };
+      view.draw(); delete gl.drawArraysInstanced; return calls;"""
     page.run("stepbot.view.camera.zoom(4)")  # each part is a few pixels large
-    assert page.run(counted) == [900, 0]
+    ((kind, of_disc, copies),) = page.run(counted)
+    assert (kind, copies) == ("faces", 900)
+    page.run("stepbot.view.camera.zoom(4)")
+    assert page.run(counted) == [["faces", 36, 900]]
+    page.run("stepbot.view.camera.zoom(1 / 4)")
     page.run("stepbot.view.camera.zoom(0.03)")
-    near, with_edges = page.run(counted)
+    (kind, corners, near), (other, _, with_edges) = page.run(counted)
+    assert (kind, other, corners) == ("faces", "edges", of_disc)
     assert 4 <= near == with_edges < 300
     seen = """const {view} = stepbot; const {left, top, width, height} = view.canvas.getBoundingClientRect();
       const {x, y} = view.camera.project(arguments[0]);

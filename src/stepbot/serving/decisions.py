@@ -4,8 +4,9 @@ A sidecar that changes an existing description has one module, whose values are 
 gets all values of the robot, and what it changes is written under `set` and `rename` of the module.
 """
 
+import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -185,7 +186,8 @@ _PLACEHOLDERS = ("SB463", "SB522")
 _AXIS = "SB407"
 _PLACES = {"root": 1, "base": 1, "links": 3, "joints": 4, "closures": 4, "actuators": 5, "defaults": 6, "parts": 6}
 """What is decided before what: which link stands, which parts move as one, how they move, what they weigh."""
-_LATER = 7
+_FRICTION, _LATER = 7, 8
+_CONTACT = re.compile(r"\bcontact: \S")
 
 
 def written(view: Edited, scene: Json) -> Json:
@@ -210,13 +212,8 @@ def decisions(sidecar: Sidecar, scene: Json) -> list[Json]:
     """
     found = [*_axes(scene)]
     about = {tuple(keys) for one in found for keys in one["keys"]}
-    marks: dict[tuple[str, str], list[Keys]] = defaultdict(list)
-    for line, text in reviews(sidecar.text):
-        keys = _keys_at(sidecar, line)
-        if keys and keys not in about:
-            marks[str(keys[0]), text].append(keys)
-            about.add(keys)
-    found += [_decision("review", equal, text) for (_, text), equal in marks.items()]
+    found += _marks(sidecar, about)
+    about |= {tuple(keys) for one in found for keys in one["keys"]}
     todo = [keys for keys, value in _scalars(sidecar.root, ()) if value == "todo"]
     kinds = {name: joint.type.value for name, joint in sidecar.document.joints.items()}
     places: dict[tuple[Any, ...], list[Keys]] = defaultdict(list)
@@ -254,6 +251,21 @@ def _axes(scene: Json) -> Iterator[Json]:
             groups[section, one["kind"], one["doubt"]].append((section, one["name"]))
     for (_, kind, doubt), keys in groups.items():
         yield _decision("axis", keys, f"{kind}: {doubt}")
+
+
+def _marks(sidecar: Sidecar, about: Container[Keys]) -> Iterator[Json]:
+    """Other REVIEW marks: all those of an element together, since an answer settles all of them."""
+    lines = sidecar.text.split("\n")
+    marks: dict[Keys, list[tuple[str, bool]]] = defaultdict(list)
+    for line, text in reviews(sidecar.text):
+        if (keys := _keys_at(sidecar, line)) and keys not in about:
+            marks[keys].append((text, _CONTACT.search(lines[line - 1]) is not None))
+    equal: dict[tuple[Any, ...], list[Keys]] = defaultdict(list)
+    for keys, texts in marks.items():
+        of_contact = all(is_contact for _, is_contact in texts)
+        equal[keys[0], of_contact, "; ".join(dict.fromkeys(text for text, _ in texts))].append(keys)
+    for (_, of_contact, text), places in equal.items():
+        yield _decision("review", places, text, rank=_FRICTION if of_contact else None)
 
 
 def _motors(sidecar: Sidecar) -> Iterator[Json]:

@@ -50,10 +50,10 @@ def test_equal_questions_are_one() -> None:
     finding = {"code": "SB512", "severity": "warning", "file": "arm.robot.yaml", "help": ["weigh it"]}
     found = listed(TEXT, ({**finding, "message": "a", "line": 7}, {**finding, "message": "b", "line": 10}))
     assert found == [
-        ("review", ["a", "b"], "a tyre; friction 0.7"),
         ("todo", ["pan", "tilt"], "limits"),
         ("motor", ["pan", "tilt"], "it fits; one of STS3215-7.4V, STS3215-12V"),
         ("motor", ["roll"], ""),
+        ("review", ["a", "b"], "a tyre; friction 0.7"),
         ("finding", ["a", "b"], "a\nb"),
     ]
     models = [one["models"] for one in decisions(parsed(TEXT), {}) if one["kind"] == "motor"]

@@ -193,6 +193,20 @@ def test_what_is_left_to_decide() -> None:
     assert shown["data"]["joints"]["elbow"]["limits"] == "todo"
 
 
+def test_friction_is_asked_last_and_with_the_other_marks_of_its_element() -> None:
+    """A mark of friction decides least; one question has all marks of an element, which its answer settles."""
+    hand = "  hand: {parts: [hand], collision: hull}\n"
+    text = TEXT.replace(
+        hand, "  hand:\n    parts: [hand]\n    contact: rubber-on-floor  # REVIEW: a tyre; friction 0.7\n"
+    )
+    found = decisions(parsed(text), {"connections": [], "diagnostics": []})
+    assert (found[-1]["kind"], found[-1]["keys"]) == ("review", [["links", "hand"]])
+    both = text.replace("  hand:\n", "  # REVIEW: which parts move as one\n  hand:\n", 1)
+    asked = [one for one in decisions(parsed(both), {"connections": []}) if one["keys"] == [["links", "hand"]]]
+    assert [one["text"] for one in asked] == ["which parts move as one; a tyre; friction 0.7"]
+    assert asked[0]["rank"] < found[-1]["rank"]
+
+
 ANYTHING = st.recursive(
     st.none()
     | st.booleans()

@@ -62,11 +62,19 @@ export class Camera {
 
   // Where a point of the world is on the canvas, in shares of its width and height from the top left.
   project(point) {
+    return this.projection()(point);
+  }
+
+  // The same as a function, for many points.
+  projection() {
     const { back, right, up } = this.axes();
-    const d = minus(point, this.eye);
-    const depth = -dot(d, back);
-    const f = 1 / Math.tan(FIELD / 2) / depth;
-    return { x: 0.5 + (0.5 * f * dot(d, right)) / this.aspect, y: 0.5 - 0.5 * f * dot(d, up), depth };
+    const { eye, aspect } = this;
+    const half = 0.5 / Math.tan(FIELD / 2);
+    return (point) => {
+      const d = minus(point, eye);
+      const depth = -dot(d, back);
+      return { x: 0.5 + (half * dot(d, right)) / depth / aspect, y: 0.5 - (half * dot(d, up)) / depth, depth };
+    };
   }
 
   // The ray through a point of the canvas.

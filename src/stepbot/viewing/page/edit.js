@@ -90,7 +90,7 @@ state.listen((what) => {
   if (what === "written") Object.assign(app.counts.get("todo"), { textContent: String(state.written.decisions.length || ""), className: "count warn" });
 });
 app.open("todo");
-byId("toolbar").after(element("p", { id: "hint" }, "This page edits the sidecar. Click a part to move it or to put a joint on it; Ctrl-drag a box to select several."));
+byId("toolbar").after(element("p", { id: "hint" }, "This page edits the sidecar. Click a part to move it or to put a joint on it; to select several, press Box or Ctrl-drag."));
 state.listen((what) => {
   if (what === "selection" && state.selection) byId("hint").hidden = true;
   if (!state.selection?.link) form = null;

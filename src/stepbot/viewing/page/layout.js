@@ -12,13 +12,15 @@ export function dock() {
     const isHidden = main.classList.toggle("undocked");
     shown.setAttribute("aria-pressed", String(!isHidden));
   }
-  function widen(to) {
-    const widest = Math.max(NARROWEST, 0.7 * main.clientWidth);
-    const width = Math.round(Math.min(widest, Math.max(NARROWEST, to)));
-    main.style.setProperty("--dock", `${width}px`);
-    for (const [name, value] of [["valuenow", width], ["valuemin", NARROWEST], ["valuemax", Math.round(widest)]]) grip.setAttribute(`aria-${name}`, value);
-  }
   const width = () => byId("panels").clientWidth;
+  const widest = () => Math.max(NARROWEST, 0.7 * main.clientWidth);
+  function announce() {
+    for (const [name, value] of [["valuenow", width()], ["valuemin", NARROWEST], ["valuemax", Math.round(widest())]]) grip.setAttribute(`aria-${name}`, value);
+  }
+  function widen(to) {
+    main.style.setProperty("--dock", `${Math.round(Math.min(widest(), Math.max(NARROWEST, to)))}px`);
+    announce();
+  }
   grip.addEventListener("pointerdown", (event) => grip.setPointerCapture(event.pointerId));
   grip.addEventListener("pointermove", (event) => {
     if (grip.hasPointerCapture(event.pointerId)) widen(main.getBoundingClientRect().right - event.clientX);
@@ -26,7 +28,7 @@ export function dock() {
   grip.addEventListener("keydown", ({ key }) => {
     if (key === "ArrowLeft" || key === "ArrowRight") widen(width() + (key === "ArrowLeft" ? STEP : -STEP));
   });
-  widen(width());
+  new ResizeObserver(announce).observe(byId("panels"));
   byId("toolbar").append(shown);
   return toggle;
 }

@@ -3,14 +3,14 @@
 const LIT = [
   `#version 300 es
   layout(location=0) in vec3 at; layout(location=1) in vec3 normal;
-  uniform mat4 clip; uniform mat4 pose; uniform vec3 stretch; out vec3 n; out vec3 p;
+  layout(location=2) in mat4x3 pose; layout(location=6) in vec4 tint; layout(location=7) in vec4 gleam;
+  uniform mat4 clip; out vec3 n; out vec3 p; flat out vec4 color; flat out vec4 glow;
   void main() {
-    vec4 world = pose * vec4(at * stretch, 1.0);
-    p = world.xyz; n = mat3(pose) * (normal / stretch); gl_Position = clip * world;
+    p = pose * vec4(at, 1.0); n = mat3(pose) * normal; color = tint; glow = gleam; gl_Position = clip * vec4(p, 1.0);
   }`,
   `#version 300 es
-  precision highp float; in vec3 n; in vec3 p; out vec4 shade;
-  uniform vec4 color; uniform vec3 eye; uniform vec3 right; uniform vec3 up; uniform vec4 glow;
+  precision highp float; in vec3 n; in vec3 p; flat in vec4 color; flat in vec4 glow; out vec4 shade;
+  uniform vec3 eye; uniform vec3 right; uniform vec3 up;
   void main() {
     vec3 v = normalize(eye - p); vec3 m = normalize(n); m = dot(m, v) < 0.0 ? -m : m;
     vec3 key = normalize(v * 0.75 + up * 0.65 - right * 0.45);
@@ -24,11 +24,16 @@ const LIT = [
 ];
 const FLAT = [
   `#version 300 es
-  layout(location=0) in vec3 at; uniform mat4 clip; uniform mat4 pose; uniform vec3 stretch;
-  void main() { gl_Position = clip * pose * vec4(at * stretch, 1.0); gl_Position.z -= 0.00015 * gl_Position.w; }`,
+  layout(location=0) in vec3 at; layout(location=2) in mat4x3 pose; layout(location=8) in vec4 tint;
+  uniform mat4 clip; flat out vec4 color;
+  void main() { gl_Position = clip * vec4(pose * vec4(at, 1.0), 1.0); gl_Position.z -= 0.00015 * gl_Position.w; color = tint; }`,
   `#version 300 es
-  precision highp float; uniform vec4 color; out vec4 shade; void main() { shade = color; }`,
+  precision highp float; flat in vec4 color; out vec4 shade; void main() { shade = color; }`,
 ];
+// Of each copy of a mesh: the columns of its pose, its colour, its glow, the colour of its edges; places and numbers.
+const COPY = [[2, 3], [3, 3], [4, 3], [5, 3], [6, 4], [7, 4], [8, 4]];
+const NONE = [0, 0, 0, 0];
+const LENGTH = COPY.reduce((sum, [, size]) => sum + size, 0);
 const THICK = [
   `#version 300 es
   layout(location=0) in vec3 a; layout(location=1) in vec3 b; layout(location=2) in vec4 tint;
@@ -55,6 +60,7 @@ export class Renderer {
     this.flat = this.program(FLAT);
     this.thick = this.program(THICK);
     this.segments = this.gl.createBuffer();
+    this.copies = this.gl.createBuffer();
   }
 
   program([vertex, fragment]) {
@@ -103,7 +109,7 @@ export class Renderer {
     return buffer;
   }
 
-  // items: { mesh, X, color, glow, edge, stretch }; lines: { below, above } lists of [a, b, color].
+  // items: { mesh, X, color, glow, edge, isSmall }; lines: { below, above } lists of [a, b, color].
   draw(camera, items, lines, edgeColor) {
     const { gl, canvas } = this;
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
@@ -117,21 +123,46 @@ export class Renderer {
     gl.enable(gl.BLEND);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     const clip = camera.matrix();
-    const solid = items.filter((item) => item.color[3] >= 1);
-    const clear = items.filter((item) => item.color[3] < 1);
+    const { solid, clear } = this.grouped(items, edgeColor);
     this.drawLines(lines.below, clip, 1.1 * ratio, 1);
     this.drawSolids(solid, camera, clip);
-    this.drawEdges(solid, clip, edgeColor);
+    this.drawEdges(solid, clip);
     gl.depthMask(false);
     this.drawSolids(clear, camera, clip);
     gl.depthMask(true);
-    this.drawEdges(clear, clip, edgeColor);
+    this.drawEdges(clear, clip);
     this.drawLines(lines.above, clip, 1.6 * ratio, 1);
     gl.disable(gl.DEPTH_TEST);
     this.drawLines(lines.above, clip, 1.6 * ratio, 0.4);
   }
 
-  drawSolids(items, camera, clip) {
+  // Copies of a mesh are drawn at once. Groups { mesh, first, count, large } of opaque and of clear ones; `large` have edges.
+  grouped(items, edgeColor) {
+    const [solid, clear] = [new Map(), new Map()];
+    for (const item of items) {
+      const groups = item.color[3] < 1 ? clear : solid;
+      const group = groups.get(item.mesh);
+      if (group) group.push(item);
+      else groups.set(item.mesh, [item]);
+    }
+    const data = new Float32Array(items.length * LENGTH);
+    let first = 0;
+    const placed = (groups) => [...groups].map(([mesh, equal]) => {
+      const large = equal.filter((item) => !item.isSmall);
+      const copies = [...large, ...equal.filter((item) => item.isSmall)];
+      copies.forEach(({ X, color, glow, edge }, i) => data.set([
+        X[0], X[3], X[6], X[1], X[4], X[7], X[2], X[5], X[8], X[9], X[10], X[11], ...color, ...(glow ?? NONE), ...(edge ?? edgeColor),
+      ], (first + i) * LENGTH));
+      first += copies.length;
+      return { mesh, first: first - copies.length, count: copies.length, large: large.length };
+    });
+    const found = { solid: placed(solid), clear: placed(clear) };
+    this.gl.bindBuffer(this.gl.ARRAY_BUFFER, this.copies);
+    this.gl.bufferData(this.gl.ARRAY_BUFFER, data, this.gl.DYNAMIC_DRAW);
+    return found;
+  }
+
+  drawSolids(groups, camera, clip) {
     const { gl } = this;
     const { program, uniforms } = this.lit;
     const { right, up } = camera.axes();
@@ -140,33 +171,29 @@ export class Renderer {
     gl.uniform3fv(uniforms.eye, camera.eye);
     gl.uniform3fv(uniforms.right, right);
     gl.uniform3fv(uniforms.up, up);
-    for (const item of items) {
-      this.place(uniforms, item);
-      gl.uniform4fv(uniforms.color, item.color);
-      gl.uniform4fv(uniforms.glow, item.glow ?? [0, 0, 0, 0]);
-      gl.bindVertexArray(item.mesh.solid);
-      gl.drawArrays(gl.TRIANGLES, 0, item.mesh.corners);
-    }
+    for (const { mesh, first, count } of groups) this.drawCopies(gl.TRIANGLES, mesh.solid, mesh.corners, first, count);
   }
 
-  drawEdges(items, clip, color) {
+  drawEdges(groups, clip) {
     const { gl } = this;
     const { program, uniforms } = this.flat;
     gl.useProgram(program);
     gl.uniformMatrix4fv(uniforms.clip, false, clip);
-    for (const item of items) {
-      if (!item.mesh.ends || item.isSmall) continue;
-      this.place(uniforms, item);
-      gl.uniform4fv(uniforms.color, item.edge ?? color);
-      gl.bindVertexArray(item.mesh.edges);
-      gl.drawArrays(gl.LINES, 0, item.mesh.ends);
-    }
+    for (const { mesh, first, large } of groups) if (mesh.ends && large) this.drawCopies(gl.LINES, mesh.edges, mesh.ends, first, large);
   }
 
-  place(uniforms, { X, stretch }) {
-    const pose = [X[0], X[3], X[6], 0, X[1], X[4], X[7], 0, X[2], X[5], X[8], 0, X[9], X[10], X[11], 1];
-    this.gl.uniformMatrix4fv(uniforms.pose, false, pose);
-    this.gl.uniform3fv(uniforms.stretch, stretch ?? [1, 1, 1]);
+  drawCopies(kind, array, corners, first, count) {
+    const { gl } = this;
+    gl.bindVertexArray(array);
+    gl.bindBuffer(gl.ARRAY_BUFFER, this.copies);
+    let at = first * LENGTH;
+    for (const [place, size] of COPY) {
+      gl.enableVertexAttribArray(place);
+      gl.vertexAttribPointer(place, size, gl.FLOAT, false, 4 * LENGTH, 4 * at);
+      gl.vertexAttribDivisor(place, 1);
+      at += size;
+    }
+    gl.drawArraysInstanced(kind, 0, corners, count);
   }
 
   drawLines(segments, clip, width, fade) {

@@ -16,6 +16,7 @@ const DOUBT = [0.85, 0.2, 0.5, 1];
 const CONTACT = [0.9, 0.05, 0.05, 1];
 const FRAME_SHARE = 0.12;
 const SMALL = 14; // [px] below which a part has no edges
+const TINY = 4; // [px] below which it is drawn as a box
 const EDGE_REACH = 7; // [px] from an edge up to which a click means it
 
 export class View {
@@ -25,6 +26,7 @@ export class View {
     this.tags = tags;
     this.camera = new Camera();
     this.renderer = new Renderer(canvas);
+    this.cube = this.renderer.upload(drawable(meshOf({ shape: "box", size: [1, 1, 1] })));
     this.items = [];
     this.uploaded = new Map();
     this.grips = new Grips(state, this);
@@ -57,6 +59,7 @@ export class View {
       ...link.collisions.map((shape) => this.item(shape, former, { link: link.name, index, kind: "collision" })),
     ]);
     for (const [key, { mesh }] of former) if (!this.uploaded.has(key)) this.renderer.release(mesh);
+    this.posed = null;
     this.radius = this.extent().radius;
     if (!this.fitted && this.items.length) this.fit();
   }
@@ -71,7 +74,9 @@ export class View {
     if (!shared) {
       const geometry = packed ? unpacked(packed) : meshOf(shape);
       const { sharp, ...drawn } = drawable(geometry);
-      shared = { geometry: { ...geometry, ...boxOf(geometry.vertices), sharp }, mesh: this.renderer.upload(drawn) };
+      const { low, high } = boxOf(geometry.vertices);
+      const [center, radius] = [scaled(add(low, high), 0.5), norm(minus(high, low)) / 2];
+      shared = { geometry: { ...geometry, low, high, center, radius, sharp }, mesh: this.renderer.upload(drawn) };
     }
     this.uploaded.set(key, shared);
     return { ...shared, ...place, X_LG: shape.X, rgba: shape.color, component: shape.component ?? "" };
@@ -84,10 +89,9 @@ export class View {
   measured() {
     const low = [Infinity, Infinity, Infinity];
     const high = [-Infinity, -Infinity, -Infinity];
-    for (const item of this.items) {
-      const X = times(this.state.pose(item.link), item.X_LG);
+    for (const item of this.placed()) {
       for (let corner = 0; corner < 8; corner++) {
-        const at = apply(X, [0, 1, 2].map((i) => ((corner >> i) & 1 ? item.geometry.high[i] : item.geometry.low[i])));
+        const at = apply(item.X, [0, 1, 2].map((i) => ((corner >> i) & 1 ? item.geometry.high[i] : item.geometry.low[i])));
         at.forEach((value, i) => {
           low[i] = Math.min(low[i], value);
           high[i] = Math.max(high[i], value);
@@ -113,9 +117,17 @@ export class View {
     });
   }
 
+  // All items, where the robot has them now.
+  placed() {
+    const { state } = this;
+    if (this.posed !== state.X) for (const item of this.items) item.X = times(state.pose(item.link), item.X_LG);
+    this.posed = state.X;
+    return this.items;
+  }
+
   visible() {
     const { show, hidden } = this.state;
-    return this.items.filter((item) => !hidden.has(item.link) && show[item.kind === "visual" ? "visuals" : "collisions"]);
+    return this.placed().filter((item) => !hidden.has(item.link) && show[item.kind === "visual" ? "visuals" : "collisions"]);
   }
 
   draw() {
@@ -124,18 +136,15 @@ export class View {
     const dark = matchMedia("(prefers-color-scheme: dark)").matches;
     const ink = dark ? 1 : 0;
     const ends = state.selection?.connection ? this.ends() : null;
-    const drawn = this.visible().map((item) => ({ item, X: times(state.pose(item.link), item.X_LG) })).flatMap(({ item, X }) => {
-      const size = this.pixels(item, X);
-      return size === 0 ? [] : [{
-        mesh: item.mesh,
-        X,
-        color: this.color(item, ends),
-        glow: this.glow(item, ends),
-        edge: item.kind === "collision" ? [0.9, 0.45, 0.1, 0.5] : undefined,
-        isSmall: size < SMALL,
-      }];
+    const pixels = this.pixels();
+    const drawn = this.visible().flatMap((item) => {
+      const size = pixels(item);
+      if (size === 0) return [];
+      const color = this.color(item, ends);
+      const edge = item.kind === "collision" ? [0.9, 0.45, 0.1, 0.5] : color[3] < 0.5 ? [ink, ink, ink, 0.12] : null;
+      const shape = size < TINY ? { mesh: this.cube, X: boxed(item) } : item;
+      return [{ mesh: shape.mesh, X: shape.X, color, glow: this.glow(item, ends), edge, isSmall: size < SMALL }];
     });
-    for (const one of drawn) if (!one.edge && one.color[3] < 0.5) one.edge = [ink, ink, ink, 0.12];
     const { center, low } = this.extent();
     const floor = ground(center, this.radius, low[2], [ink, ink, ink, dark ? 0.1 : 0.13]);
     this.renderer.draw(camera, drawn, { below: floor, above: this.lines() }, dark ? [0, 0, 0, 0.45] : [0.05, 0.08, 0.14, 0.42]);
@@ -143,16 +152,18 @@ export class View {
     this.grips.place();
   }
 
-  // The size of an item on the canvas [px]; 0 for one that cannot be seen.
-  pixels(item, X) {
-    const { low, high } = item.geometry;
-    const radius = norm(minus(high, low)) / 2;
-    const { x, y, depth } = this.camera.project(apply(X, scaled(add(low, high), 0.5)));
-    if (depth <= radius) return depth > -radius ? Infinity : 0; // around the eye, or behind it
+  // A function: the size of an item on the canvas [px]; 0 for one that cannot be seen.
+  pixels() {
+    const project = this.camera.projection();
     const { clientWidth, clientHeight } = this.canvas;
-    const size = (radius * clientHeight) / (depth - radius) / Math.tan(this.camera.field / 2);
-    const [right, down] = [size / clientWidth, size / clientHeight];
-    return x < -right || x > 1 + right || y < -down || y > 1 + down ? 0 : size;
+    const scale = clientHeight / Math.tan(this.camera.field / 2);
+    return ({ X, geometry: { center, radius } }) => {
+      const { x, y, depth } = project(apply(X, center));
+      if (depth <= radius) return depth > -radius ? Infinity : 0; // around the eye, or behind it
+      const size = (radius * scale) / (depth - radius);
+      const [right, down] = [size / clientWidth, size / clientHeight];
+      return x < -right || x > 1 + right || y < -down || y > 1 + down ? 0 : size;
+    };
   }
 
   color(item, ends) {
@@ -288,8 +299,7 @@ export class View {
   hit(clientX, clientY) {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const ray = this.camera.ray((clientX - left) / width, (clientY - top) / height);
-    const items = this.visible().map((item) => ({ ...item, X: times(this.state.pose(item.link), item.X_LG) }));
-    const hit = pick(ray, items);
+    const hit = pick(ray, this.visible());
     if (!hit) return null;
     const { link, component, kind, geometry, X } = hit.item;
     const perPixel = (2 * norm(minus(hit.point, ray.origin)) * Math.tan(this.camera.field / 2)) / height;
@@ -302,11 +312,10 @@ export class View {
     const { left, top, width, height } = this.canvas.getBoundingClientRect();
     const low = [0, 1].map((i) => Math.min(from[i], to[i]));
     const high = [0, 1].map((i) => Math.max(from[i], to[i]));
-    const isInside = (item) => {
-      const X = times(this.state.pose(item.link), item.X_LG);
-      const { vertices } = item.geometry;
+    const project = this.camera.projection();
+    const isInside = ({ X, geometry: { vertices } }) => {
       for (let i = 0; i < vertices.length; i += 3) {
-        const { x, y, depth } = this.camera.project(apply(X, [vertices[i], vertices[i + 1], vertices[i + 2]]));
+        const { x, y, depth } = project(apply(X, [vertices[i], vertices[i + 1], vertices[i + 2]]));
         const at = [left + x * width, top + y * height];
         if (depth <= 0 || at.some((value, axis) => value < low[axis] || value > high[axis])) return false;
       }
@@ -323,4 +332,10 @@ export class View {
     const hit = this.hit(event.clientX, event.clientY);
     this.state.select(hit && { ...hit, add: event.ctrlKey || event.metaKey });
   }
+}
+
+// The pose of a unit cube that fills the box of an item.
+function boxed({ X, geometry: { low, high, center } }) {
+  const size = minus(high, low);
+  return [...X.slice(0, 9).map((value, i) => value * size[i % 3]), ...apply(X, center)];
 }
