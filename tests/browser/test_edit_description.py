@@ -37,6 +37,10 @@ def test_a_description_is_edited(page: Page, tmp_path: Path) -> None:
         session.server.start()
         page.open(session.server.url)
         page.wait("return stepbot.state.written?.described === 'arm.urdf'")
+        assert "changes of arm.urdf" in page.text("#hint")
+        page.wait("return document.querySelector('#todo [data-decide=floating]')")
+        page.element("#todo [data-decide=floating]").click()
+        page.wait("return !document.querySelector('#todo [data-decide=floating]')")
         page.run("stepbot.state.select({link: 'upper arm'})")
         assert not page.driver.find_elements("css selector", "#card [data-edit=merge]")
         name = page.element("#card [data-edit=link-name]")
@@ -63,6 +67,7 @@ def test_a_description_is_edited(page: Page, tmp_path: Path) -> None:
     assert source.read_text(encoding="utf-8") == ARM
     text = sidecar.read_text(encoding="utf-8")
     assert "rename: {links: {upper arm: upper_arm}}" in text.replace('"', "")
+    assert "\nbase: floating\n" in text
     assert "inertial: {mass: 1.5 kg}" in text
     assert "limits: {effort: 4 N*m}" in text
     assert "actuators: {lift: {joint: lift" in text

@@ -7,8 +7,11 @@ from enum import StrEnum
 from stepbot.diagnostics import Diagnostics, Span
 
 from .limits import UNITS, Bound, Demands
-from .remedies import Facts, fate, grip_remedies, remedy
+from .remedies import Facts, fate, grip_remedies, remedy, spin_words
 from .results import Measure, Result
+
+_WAYS = ("distance error", "turn error")
+"""What the wheels of a base decide."""
 
 
 class Status(StrEnum):
@@ -77,7 +80,12 @@ def judge(
                 lost = _judge_grips(engine, span, result, bound, facts or Facts(), found)
                 continue
             message = f"{result.test} in {engine}: {_excess(one, bound)}"
-            found.add("SB830", message, span, help=(remedy(one.quantity),), notes=(f"the limit: {bound.why}",))
+            notes: tuple[str, ...] = (f"the limit: {bound.why}",)
+            help = remedy(one.quantity)
+            if result.spin is not None and one.quantity in _WAYS:
+                why, help = spin_words(result.spin, gains=engine == "mujoco")
+                notes = (why, *notes)
+            found.add("SB830", message, span, help=(help,), notes=notes)
         status = Status.FAILED if failed else Status.PASSED
         yield Verdict(engine, result.test, status, lost, result, {name: bound.value for name, bound in bounds.items()})
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from stepbot.robot.model import Robot
 
-from .results import Grip, Loss
+from .results import Grip, Loss, Spin
 
 _REMEDIES = {
     "overshoot": "raise kv, lower kp, or let stepbot compute both: `gains: auto`",
@@ -27,6 +27,8 @@ _REMEDIES = {
 _REMEDY = "see the test in `stepbot docs drive`; draw its curves with --plots"
 _HOLLOW = ("auto", "decompose", "given")
 """Rules of collision shapes that keep links hollow, or that are not stepbot's."""
+_TURNED = 0.9
+"""Angle of a wheel, relative to the one asked for, from which its motor is not what holds the base up."""
 _STRONG = 0.9
 """Effort, relative to its limit, from which a larger kp gains nothing."""
 
@@ -58,6 +60,27 @@ def facts_of(document: Mapping[str, Any], robot: Robot) -> Facts:
 def remedy(quantity: str) -> str:
     """What usually helps if a quantity is beyond its limit."""
     return _REMEDIES.get(quantity.partition(" with ")[0], _REMEDY)
+
+
+def spin_words(spin: Spin, *, gains: bool) -> tuple[str, str]:
+    """What the wheels of a base did that is not where it should be, and what can be done about it.
+
+    Args:
+        spin: The wheel that turned least.
+        gains: Whether the motor has the gains of the file, as in MuJoCo; URDF has none.
+    """
+    turned = f"the wheel of '{spin.joint}' turned {100.0 * spin.share:.0f} % of what was asked for"
+    if spin.share > _TURNED:
+        slips = "the wheels turned as asked for, and slipped or lost the floor"
+        return (
+            slips,
+            "let only wheels and casters touch the floor, with the weight on the wheels and friction under them",
+        )
+    if spin.effort is not None and spin.effort >= _STRONG:
+        return f"{turned}, at its effort limit", "raise the effort limit, or look for a link that brakes on the floor"
+    if gains:
+        return f"{turned}: its kv of {spin.kv:.2g} is too weak", "raise kv, or let stepbot compute it: `gains: auto`"
+    return turned, "look for friction or damping of the joint, and for a link that brakes on the floor"
 
 
 def fate(grip: Grip) -> str:

@@ -51,6 +51,19 @@ class Grip:
 
 
 @dataclass(frozen=True)
+class Spin:
+    """What the wheel did that turned least, of the way that was asked for."""
+
+    joint: str
+    share: float
+    """Angle, relative to the one asked for."""
+    kv: float
+    """Gain of its motor in the file."""
+    effort: float | None
+    """Largest effort of its motor, relative to its limit; None without a limit."""
+
+
+@dataclass(frozen=True)
 class Plot:
     """The curves of a test."""
 
@@ -69,6 +82,8 @@ class Result:
     plot: Plot
     grips: tuple[Grip, ...] = ()
     """Of the grip test."""
+    spin: Spin | None = None
+    """Of the tests of a wheeled base."""
     steps: int = 0
     seconds: float = 0.0
     """Time [s] of the engine's steps by the clock: never in a file."""

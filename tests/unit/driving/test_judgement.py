@@ -8,7 +8,7 @@ from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.driving.judgement import Status, judge
 from stepbot.driving.limits import demands
 from stepbot.driving.remedies import Facts, facts_of
-from stepbot.driving.results import Grip, Loss, Measure, Plot, Result
+from stepbot.driving.results import Grip, Loss, Measure, Plot, Result, Spin
 from stepbot.engines.simulation import Cube
 from stepbot.robot.model import JointDynamics
 from tests.unit.driving.workbench import clamp
@@ -23,6 +23,31 @@ def test_the_remedy_of_an_open_loop_is_one_that_the_sidecar_allows() -> None:
     (one,) = found
     assert one.code == "SB830"
     assert "`simulation: {timestep:" in one.help[0]
+
+
+@pytest.mark.parametrize(
+    ("spin", "engine", "why", "remedy"),
+    [
+        (
+            Spin("left", 0.011, 8e-5, 0.001),
+            "mujoco",
+            "turned 1 % of what was asked for: its kv of 8e",
+            "gains: auto",
+        ),
+        (Spin("left", 0.4, 0.02, 1.0), "mujoco", "turned 40 % of what was asked for, at its effort limit", "raise the"),
+        (Spin("left", 0.4, 0.0, None), "pybullet", "wheel of 'left' turned 40 % of what was asked for", "brakes on"),
+        (Spin("left", 0.99, 0.02, 0.3), "mujoco", "the wheels turned as asked for, and slipped", "only wheels and"),
+    ],
+)
+def test_a_base_that_stays_behind_says_what_its_wheels_did(spin: Spin, engine: str, why: str, remedy: str) -> None:
+    """A weak motor, one at its limit, and wheels that slip have different remedies; other numbers keep their own."""
+    found = Diagnostics()
+    measures = (Measure("distance error", 60.0), Measure("tilt", 60.0))
+    list(judge(engine, "base.xml", [Result("roll", measures, Plot("t", "mm", {}), spin=spin)], demands({}), found))
+    way, tilted = found
+    assert why in way.notes[0]
+    assert remedy in way.help[0]
+    assert len(tilted.notes) == 1
 
 
 SLIPPED = Grip("close", frozenset({"jaw", "hand"}), Cube(0.011, 0.2), (0.003, 0.13), 23.0, 0.04, Loss.SLIPPED, 0.49)

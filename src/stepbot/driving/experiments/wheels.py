@@ -1,14 +1,14 @@
 """Tests of a wheeled base: it rolls ahead and back, strafes to the left and back, and turns once on the spot."""
 
 from collections.abc import Callable, Iterator, Mapping
-from math import atan2, copysign, degrees, hypot, inf, pi
+from math import atan2, copysign, degrees, hypot, inf, isfinite, pi
 
 import numpy as np
 
 from stepbot.engines.simulation import Simulation
 from stepbot.geometry.spatial import Array
 
-from ..results import Measure, Plot, Result, thinned
+from ..results import Measure, Plot, Result, Spin, thinned
 from ..stage import MM, Gaps, Stage, place, run, tilt
 
 _SETTLE = 0.5
@@ -79,6 +79,31 @@ def _spins(
     return {motor: scale * spin for motor, spin in found.items()}, scale
 
 
+class _Turned:
+    """How far the wheels turn, against what is asked for."""
+
+    def __init__(self, stage: Stage, simulation: Simulation, spins: Mapping[str, float], seconds: float) -> None:
+        self._simulation = simulation
+        self._motors = {stage.motor(name): spin * seconds for name, spin in spins.items() if spin}
+        self._start = simulation.positions()
+        self._efforts = dict.fromkeys(self._motors, 0.0)
+
+    def measure(self) -> None:
+        """Look at the efforts after a step."""
+        for motor in self._efforts:
+            self._efforts[motor] = max(self._efforts[motor], abs(self._simulation.effort(motor.joint)))
+
+    def least(self) -> Spin | None:
+        """The wheel that is farthest behind."""
+        now = self._simulation.positions()
+        shares = {one: (now[one.joint] - self._start[one.joint]) / asked for one, asked in self._motors.items()}
+        if not shares:
+            return None
+        motor = min(shares, key=lambda one: shares[one])
+        effort = self._efforts[motor] / motor.limit.effort if isfinite(motor.limit.effort) else None
+        return Spin(motor.joint, shares[motor], motor.kv, effort)
+
+
 def _ramped(stage: Stage, simulation: Simulation, spins: Mapping[str, float], seconds: float) -> Iterator[float]:
     """Drive as far as at constant speeds of the wheels for a time [s], but start and stop in :data:`_RAMP` each.
 
@@ -99,7 +124,7 @@ def _drive(stage: Stage, test: str, direction: tuple[float, float, float], way: 
         way: Length [m] of each way.
     """
     root, gaps = stage.mechanism.robot.root.name, Gaps(stage)
-    times, path, tilts, clock = [], [], [], 0.0
+    times, path, tilts, clock, spin = [], [], [], 0.0, None
     with stage.scene(floor=True) as simulation:
         place(simulation, stage)
         ahead_spins, speed = _spins(stage, simulation, lambda place: np.array(direction))
@@ -114,14 +139,17 @@ def _drive(stage: Stage, test: str, direction: tuple[float, float, float], way: 
             ("back", back_spins, going),
             ("end", still, _STOP),
         ):
+            wheels = _Turned(stage, simulation, targets, seconds)
             for time in _ramped(stage, simulation, targets, seconds):
                 X_WR = simulation.pose(root)
+                wheels.measure()
                 gaps.measure(simulation)
                 times.append(clock + time)
                 path.append(MM * float(X_WR.p @ np.array(direction)))
                 tilts.append(tilt(X_WR))
             clock = times[-1]
             places[name] = simulation.pose(root)
+            spin = wheels.least() if name == "ahead" else spin
     start, there, end = (places[name] for name in ("start", "there", "end"))
     ahead = np.array(direction)
     side = np.cross((0.0, 0.0, 1.0), ahead)
@@ -137,7 +165,7 @@ def _drive(stage: Stage, test: str, direction: tuple[float, float, float], way: 
         *gaps.measures(),
     )
     curves = {"way [mm]": thinned(times, path)}
-    return Result(test, measures, Plot("time [s]", "way [mm]", curves))
+    return Result(test, measures, Plot("time [s]", "way [mm]", curves), spin=spin)
 
 
 def turn(stage: Stage) -> Result:
@@ -151,15 +179,17 @@ def turn(stage: Stage) -> Result:
             gaps.measure(simulation)
         start, middle = simulation.pose(root), _middle(stage, simulation)
         turning, rate = _spins(stage, simulation, lambda place: np.cross((0.0, 0.0, 1.0), place - middle))
+        wheels = _Turned(stage, simulation, turning, 2.0 * pi / rate)
         for targets, seconds in ((turning, 2.0 * pi / rate), (dict.fromkeys(turning, 0.0), _STOP)):
             for _ in _ramped(stage, simulation, targets, seconds):
+                wheels.measure()
                 gaps.measure(simulation)
                 X_WR = simulation.pose(root)
                 x, y, _ = start.R.T @ X_WR.R[:, 0]
                 angles.append(angles[-1] + (float(np.arctan2(y, x)) - angles[-1] + pi) % (2.0 * pi) - pi)
                 times.append(times[-1] + simulation.timestep)
                 tilts.append(tilt(X_WR))
-        moved = _middle(stage, simulation) - middle
+        moved, spin = _middle(stage, simulation) - middle, wheels.least()
     measures = (
         Measure("turn error", 100.0 * abs(angles[-1] / (2.0 * pi) - 1.0)),
         Measure("displacement", MM * float(np.linalg.norm(moved[:2]))),
@@ -167,7 +197,7 @@ def turn(stage: Stage) -> Result:
         *gaps.measures(),
     )
     curve = thinned(times, [degrees(angle) for angle in angles])
-    return Result("turn", measures, Plot("time [s]", "heading [deg]", {"heading [deg]": curve}))
+    return Result("turn", measures, Plot("time [s]", "heading [deg]", {"heading [deg]": curve}), spin=spin)
 
 
 def _middle(stage: Stage, simulation: Simulation) -> Array:

@@ -80,7 +80,8 @@ function answers(one) {
   if (one.kind === "review") return [asked(one).map(settingField), act("right", "right", () => all(one, (keys) => ({ action: "settle", keys }))), act("other", "change it", () => show(one.keys[0]))];
   if (one.kind === "todo") return one.keys.map(settingField);
   const places = one.keys.length ? one.keys : [["robot"]];
-  return [asked(one).map(settingField), one.severity === "error" ? null : act("ignore", many ? `ignore${many}` : "ignore it here", () => edit("all", { edits: places.map((keys) => ({ action: "ignore", keys, code: one.code })) }))];
+  const bases = one.code === "SB874:base" ? ["fixed", "floating"].map((value) => act(value, value, () => edit("set", { keys: ["base"], value }))) : [];
+  return [asked(one).map(settingField), ...bases, one.severity === "error" ? null : act("ignore", many ? `ignore${many}` : "ignore it here", () => edit("all", { edits: places.map((keys) => ({ action: "ignore", keys, code: one.code })) }))];
 }
 
 // Values that settle a decision: placeholders of its element, or a density in place of that of the STEP, which can be ignored then.

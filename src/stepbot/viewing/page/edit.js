@@ -90,8 +90,13 @@ state.listen((what) => {
   if (what === "written") Object.assign(app.counts.get("todo"), { textContent: String(state.written.decisions.length || ""), className: "count warn" });
 });
 app.open("todo");
-byId("toolbar").after(element("p", { id: "hint" }, "This page edits the sidecar. Click a part to move it or to put a joint on it; to select several, press Box or Ctrl-drag."));
+byId("toolbar").after(element("p", { id: "hint" }));
 state.listen((what) => {
+  if (what === "written") {
+    byId("hint").textContent = state.written.described
+      ? `This page writes changes of ${state.written.described} to its sidecar; the file itself stays as it is. Click a joint or a link.`
+      : "This page edits the sidecar. Click a part to move it or to put a joint on it; to select several, press Box or Ctrl-drag.";
+  }
   if (what === "selection" && state.selection) byId("hint").hidden = true;
   if (!state.selection?.link) form = null;
 });
