@@ -117,17 +117,21 @@ def _plain(step: Path, folder: Path, case_of: CaseOf) -> Case:
 
 
 def _batch(sources: Sequence[Source], folder: Path) -> Line:
-    """Six robots on two cores, relative to one: what a second process must load again, and what it saves."""
-    place = folder / "batch"
-    robots = place / "robots"
-    for name in _BATCH:
-        shutil.copytree(ROOT / "robot_library" / name, robots / name)
-    case = Case("batch", place, place, place)
+    """Robots of each revision's library on two cores, relative to one: what a second process loads again and saves."""
     ratios = []
     for one in sources:
-        costs = [timed(who.batch(jobs, robots).command(case), place, one.environment(case)) for jobs in (1, 2)]
+        place = folder / "batch" / one.name
+        for name in _BATCH:
+            shutil.copytree(one.root / "robot_library" / name, place / "robots" / name)
+        case = Case("batch", place, place, place)
+        costs = []
+        for jobs in (1, 2):
+            contender = who.batch(jobs, place / "robots")
+            contender.before_each(case)
+            costs.append(timed(contender.command(case), place, one.environment(case)))
         ratios.append((costs[1].cpu / costs[0].cpu, costs[1].wall / costs[0].wall))
-    return Line(f"`batch -j 2` of {len(_BATCH)} robots", "`batch -j 1`", *([one[0]] for one in ratios), [ratios[0][1]])
+    (now, elapsed), (before, _) = ratios
+    return Line(f"`batch -j 2` of {len(_BATCH)} robots", "`batch -j 1`", [now], [before], [elapsed])
 
 
 def _many(step: Path, count: int, sources: Sequence[Source], folder: Path, case_of: CaseOf) -> Iterator[Line]:

@@ -139,6 +139,17 @@ def test_unchanged_input_loads_little(arguments: list[str], converted: Path, mon
     assert "dataclasses" not in modules  # a frozen data class takes five times as long to define as a named tuple
 
 
+def test_a_conversion_loads_what_it_writes(converted: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One that is not verified imports no engine, no data sheet, and nothing for ROS 2 or programs for learning."""
+    monkeypatch.setenv("STEPBOT_CACHE", str(converted / "cache"))
+    code, modules = loaded_by(["convert", "arm2.robot.yaml", "--no-verify", "-o", "other", "-f", "urdf"], converted)
+    assert code == 0
+    assert "stepbot.formats.urdf.writer" in modules
+    assert not modules & (HEAVY - {"manifold3d", "numpy", "pydantic", "ruamel"})
+    assert not modules & {"stepbot.formats.learning", "stepbot.robot.datasheet", "stepbot.verification"}
+    assert not any(name.startswith("stepbot.formats.urdf.ros2.") for name in modules)
+
+
 def test_version_loads_only_click(tmp_path: Path) -> None:
     """`--version` imports click, and of stepbot the command group and what keeps its streams open."""
     code, modules = loaded_by(["--version"], tmp_path)

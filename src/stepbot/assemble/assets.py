@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stepbot.geometry.fixed_point import distinct
 from stepbot.geometry.mesh import TriMesh, joined
 from stepbot.geometry.solids.collision_sets import bounded_hull
 from stepbot.geometry.solids.manifolds import convex_hull
@@ -108,7 +109,7 @@ class MeshAssets:
 
     def _used_colors(self, body: int) -> list[int]:
         if body not in self._colors:
-            self._colors[body] = np.unique(self._assembly.bodies[body].face_colors).tolist()
+            self._colors[body] = distinct(self._assembly.bodies[body].face_colors).tolist()
         return self._colors[body]
 
     def _group(self, body: int, indices: tuple[int, ...]) -> MeshRef:

@@ -68,6 +68,14 @@ def fixed_point_lines(start: str, rows: NDArray[np.int64], decimals: int = 0) ->
 Indices = NDArray[np.int64]
 
 
+def distinct(values: NDArray[Any]) -> NDArray[Any]:
+    """Each of some numbers once, ascending: ``numpy.unique`` without the import of ``numpy.ma``, 10 ms a process."""
+    ordered = np.sort(values, axis=None)
+    begins = np.ones(len(ordered), dtype=bool)
+    np.not_equal(ordered[1:], ordered[:-1], out=begins[1:])
+    return ordered[begins]
+
+
 def distinct_rows(rows: NDArray[Any]) -> tuple[Indices, Indices]:
     """The first of each kind of equal rows, kinds in ascending order, and the kind of each row.
 

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .fixed_point import distinct
 from .mesh import GRID_PER_METRE, TriMesh
 from .spatial import Array
 
@@ -56,7 +57,7 @@ def is_convex(mesh: TriMesh, dent: float) -> bool:
         dent: Distance [m] by which vertices may lie in front of a face. Rounding to the vertex grid is allowed for.
     """
     faces = mesh.faces
-    if not is_watertight(faces) or len(np.unique(faces)) - len(faces) // 2 != 2:  # V - E + F, with 3 F = 2 E
+    if not is_watertight(faces) or len(distinct(faces)) - len(faces) // 2 != 2:  # V - E + F, with 3 F = 2 E
         return False
     normals, areas = _normals(mesh)
     a, b, c = _corners(mesh)
@@ -65,7 +66,7 @@ def is_convex(mesh: TriMesh, dent: float) -> bool:
     rounding = _ROUNDED * _diagonal(mesh) * np.divide(longest, areas, out=np.zeros_like(areas), where=areas > 0.0)
     judge, judged = _across_edges(mesh, areas)
     in_front = np.einsum("ij,ij->i", mesh.vertices[judged] - a[judge], normals[judge])
-    reflex = np.unique(judge[in_front > _ROUNDED])
+    reflex = distinct(judge[in_front > _ROUNDED])
     for start in range(0, len(reflex), _FACES_AT_ONCE):
         some = reflex[start : start + _FACES_AT_ONCE]
         heights = (mesh.vertices @ normals[some].T).max(axis=0) - np.einsum("ij,ij->i", normals[some], a[some])

@@ -18,6 +18,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from .fixed_point import distinct
 from .mesh import TriMesh, joined, merged
 from .mesh_distance import Integers, largest_distance
 from .spatial import Array, cross, dot, lengths
@@ -75,7 +76,7 @@ class Simplification:
         """
         vertices, target = self.original.vertices, self.target
         fine, coarse = self.original.faces.astype(np.int64), self.faces
-        used = np.unique(fine)
+        used = distinct(fine)
         points = np.concatenate([vertices[used], _centers(vertices, fine)])
         there = largest_distance(points, np.concatenate([target[used], target[fine[:, 0]]]), vertices, coarse, coarse)
         a, b, c = coarse.T
@@ -95,7 +96,7 @@ class Simplification:
             return 0
         # Every edge in both directions, once: its start and its end, sorted.
         a, b = self.faces[:, (0, 1, 2)].reshape(-1), self.faces[:, (1, 2, 0)].reshape(-1)
-        keys = np.unique(np.concatenate([a * count + b, b * count + a]))
+        keys = distinct(np.concatenate([a * count + b, b * count + a]))
         start, end = keys // count, keys % count
         cost = _cost(self._quadrics[start] + self._quadrics[end], vertices[end])
         order = np.flatnonzero((cost <= limit) & ~np.isin(start * count + end, self._blocked))

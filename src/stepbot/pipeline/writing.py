@@ -9,21 +9,16 @@ from typing import TYPE_CHECKING
 from stepbot.diagnostics import Diagnostics, source_lines
 from stepbot.formats import default_formats, format_named
 from stepbot.formats.format import Format
-from stepbot.formats.learning import FOLDERS, MENAGERIE, SIMREADY, program_files, simready_folder
 from stepbot.formats.lowering import lower
-from stepbot.formats.mjcf import FORMAT as MJCF
-from stepbot.formats.mjcf.menagerie import report_missing_license
 from stepbot.formats.rendering import files_of, joined, main_file
 from stepbot.formats.sdformat import FORMAT as SDFORMAT
 from stepbot.formats.sdformat.gazebo_model import MODEL, gazebo_model
 from stepbot.formats.urdf import FORMAT as URDF
 from stepbot.formats.urdf.package import with_package
-from stepbot.formats.urdf.ros2.package import report_gaps, ros2_package, shown_in_rviz
 from stepbot.formats.urdf.srdf import report_guesses
 from stepbot.report.document import report_bytes
 from stepbot.report.robot import Content, Report, WrittenFile
 from stepbot.robot.closures import degrees_of_freedom, driven_joints
-from stepbot.robot.datasheet import accelerations
 from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import content_digest
@@ -66,8 +61,11 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
     names = {SDFORMAT.name: MODEL} if options.gazebo else {}
     lowered, losses = dict[str, Robot](), dict[str, frozenset[str]]()
     for written in formats:
-        declared = Diagnostics()
-        source = shown_in_rviz(robot) if options.ros2 and written.name == URDF.name else robot
+        declared, source = Diagnostics(), robot
+        if options.ros2 and written.name == URDF.name:
+            from stepbot.formats.urdf.ros2.package import shown_in_rviz
+
+            source = shown_in_rviz(robot)
         lowered[written.name] = lower(source, written, declared, names.get(written.name))
         losses[written.name] = frozenset(one.code for one in found.extend(declared))
     found.raise_if_errors()
@@ -80,14 +78,21 @@ def rendered(robot: Robot, formats: Sequence[Format], options: Options, found: D
         urdf = main_file(lowered[URDF.name], URDF)
         by_format[URDF.name][urdf] = with_package(by_format[URDF.name][urdf], options.package)
         if options.ros2:
+            from stepbot.formats.urdf.ros2.package import report_gaps, ros2_package
+            from stepbot.robot.datasheet import accelerations
+
             by_format[URDF.name].update(ros2_package(lowered[URDF.name], options.package, accelerations(robot)))
             report_gaps(lowered[URDF.name], found)
     if any(path.endswith(".srdf") for path in by_format.get(URDF.name, ())):
         report_guesses(lowered[URDF.name], found)
-    if MENAGERIE in options.programs:
-        report_missing_license(robot, found)
-    for name, files in program_files(options.programs, lowered, found).items():
-        by_format[name] |= files
+    if options.programs:
+        from stepbot.formats.learning import MENAGERIE, program_files
+        from stepbot.formats.mjcf.menagerie import report_missing_license
+
+        if MENAGERIE in options.programs:
+            report_missing_license(robot, found)
+        for name, files in program_files(options.programs, lowered, found).items():
+            by_format[name] |= files
     if options.gazebo and SDFORMAT.name in by_format:
         by_format[SDFORMAT.name] = gazebo_model(lowered[SDFORMAT.name], by_format[SDFORMAT.name], options.gazebo)
     return Rendered(robot, lowered, by_format, listed, losses)
@@ -162,12 +167,16 @@ def _sources(written: Rendered) -> dict[str, str]:
 def all_files(written: Rendered, report: Report, options: Options, found: Diagnostics) -> dict[str, bytes]:
     """All files to write, by path: those of the formats, and the report."""
     files = {**joined(written.by_format), REPORT: report_bytes(report, found)}
-    if MENAGERIE in options.programs:
-        from .menagerie import menagerie_folder
+    if options.programs:
+        from stepbot.formats.learning import FOLDERS, MENAGERIE, SIMREADY, simready_folder
 
-        files |= menagerie_folder(written.lowered[MJCF.name], written.by_format[MJCF.name], report)
-    if SIMREADY in options.programs:
-        files |= simready_folder(written.lowered[FOLDERS[SIMREADY]])
+        if MENAGERIE in options.programs:
+            from .menagerie import menagerie_folder
+
+            name = FOLDERS[MENAGERIE]
+            files |= menagerie_folder(written.lowered[name], written.by_format[name], report)
+        if SIMREADY in options.programs:
+            files |= simready_folder(written.lowered[FOLDERS[SIMREADY]])
     if options.html:
         from stepbot.viewing.report.page import report_page
 

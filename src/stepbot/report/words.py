@@ -3,14 +3,17 @@
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from math import isfinite
+from typing import TYPE_CHECKING
 
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.robot.datasheet import ArmFigures, DataSheet
 from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side, Vector3
 
 from .plain import Json, picked
 from .results import LinkCollision, Results, Row
 from .summary import JointTable, JointText
+
+if TYPE_CHECKING:
+    from stepbot.robot.datasheet import ArmFigures, DataSheet
 
 _KILOGRAM = 0.9995
 """Mass [kg] from which it is written in kilograms."""
@@ -218,7 +221,7 @@ Table = tuple[tuple[str, ...], list[tuple[str, ...]]]
 """Headings and rows."""
 
 
-def sheet_blocks(sheet: DataSheet) -> Iterator[str | Table]:
+def sheet_blocks(sheet: "DataSheet") -> Iterator[str | Table]:
     """A data sheet as headings (``## tip``), items of lists (``- reach: ...``) and tables, without its title."""
     yield f"- mass: {sheet.mass:.4g} kg"
     if sheet.size is not None:
@@ -261,7 +264,7 @@ def sheet_blocks(sheet: DataSheet) -> Iterator[str | Table]:
         yield from _arm_blocks(arm)
 
 
-def _arm_blocks(arm: ArmFigures) -> Iterator[str | Table]:
+def _arm_blocks(arm: "ArmFigures") -> Iterator[str | Table]:
     yield f"## {arm.tip}"
     yield f"- reach: {1e3 * arm.reach:.0f} mm from the axis of {arm.joints[0]}"
     if arm.payloads:

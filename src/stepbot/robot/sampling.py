@@ -50,7 +50,7 @@ def sampled(robot: Robot, n: int, seed: int = 1) -> Array:
 class _Walks:
     """Random walks of the driven joints of loops, from the drawn pose to one random target after the other."""
 
-    def __init__(self, robot: Robot, drawn: Array, ranges: Array, random: np.random.Generator) -> None:
+    def __init__(self, robot: Robot, drawn: Array, ranges: Array, random: "np.random.Generator") -> None:
         self._loops, self._random, self._ranges = Loops(robot), random, ranges
         tree = self._loops.tree
         names, driven = tree.independent, driven_joints(robot)

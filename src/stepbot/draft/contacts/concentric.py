@@ -10,6 +10,7 @@ import numpy as np
 
 from stepbot.draft.contacts.contacts import Fit, FitKind, Patch
 from stepbot.draft.parts.axis import SAME_LINE, Axis, are_parallel
+from stepbot.geometry.fixed_point import distinct
 from stepbot.geometry.spatial import Array, perpendicular_frame
 
 _ROUND = 0.5
@@ -96,7 +97,7 @@ def _fits_lie_about(axis: Axis, fits: Sequence[Fit]) -> bool:
     points = np.array([fit.axis.point for fit in off]) - axis.point
     feet = points - np.outer(points @ axis.d, axis.d)
     radii = np.linalg.norm(feet, axis=1)
-    for radius in np.unique(np.round(radii, 5)):
+    for radius in distinct(np.round(radii, 5)):
         ring = feet[np.abs(radii - radius) < 2.0 * SAME_LINE]
         if len(ring) < 2 or np.linalg.norm(ring.mean(axis=0)) > 0.1 * radius:
             return False

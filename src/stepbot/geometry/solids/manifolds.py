@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..fixed_point import distinct
 from ..mesh import TriMesh
 from ..predicates import encloses
 from ..primitives import Box, Capsule, Cylinder, Primitive, Sphere
@@ -273,7 +274,7 @@ def faces_not_of(made: Any, solid: Any) -> tuple[Array, NDArray[np.int64], NDArr
     vertices, faces = np.asarray(mesh.vert_properties)[:, :3], np.asarray(mesh.tri_verts, dtype=np.int64)
     touching = np.zeros(len(vertices), dtype=bool)
     touching[faces[of_solid]] = True
-    used = np.unique(faces[~of_solid])
+    used = distinct(faces[~of_solid])
     renumbered = np.zeros(len(vertices), dtype=np.int64)
     renumbered[used] = np.arange(len(used))
     order = np.lexsort(vertices[used].T[::-1])

@@ -18,6 +18,7 @@ from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
+from stepbot.geometry.fixed_point import distinct
 from stepbot.geometry.spatial import Array, matrix_product
 
 from .curves import Curve, curve_of
@@ -231,7 +232,7 @@ def _divided(curve: Curve, breaks: tuple[Array, Array]) -> Array:
         share = np.arange(_SAMPLES) / _SAMPLES
         pieces = np.append((pieces[:-1, None] + np.diff(pieces)[:, None] * share).reshape(-1), pieces[-1])
     uv = curve.at(pieces)[0]
-    ends = np.unique(np.concatenate([curve.pieces, _crossings(curve, breaks, pieces, uv)]))
+    ends = distinct(np.concatenate([curve.pieces, _crossings(curve, breaks, pieces, uv)]))
     return ends[np.diff(ends, prepend=-np.inf) > 1e-12 * (curve.last - curve.first)]
 
 

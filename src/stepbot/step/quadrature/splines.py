@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from stepbot.geometry.fixed_point import distinct
 from stepbot.geometry.spatial import Array
 
 Indices = NDArray[np.int64]
@@ -28,7 +29,7 @@ class Basis:
     @cached_property
     def distinct(self) -> Array:
         """Knots of the domain, each once."""
-        return np.unique(self.knots[self.degree : len(self.knots) - self.degree])
+        return distinct(self.knots[self.degree : len(self.knots) - self.degree])
 
     def breaks(self, rational: bool) -> Array:
         """Parameters between which a spline is smooth, and near to a polynomial; of a periodic one over three periods.
@@ -39,7 +40,7 @@ class Basis:
         if rational:
             found = np.sort(np.concatenate([found, 0.5 * (found[1:] + found[:-1])]))
         if self.period:
-            found = np.unique(np.concatenate([found + k * self.period for k in (-1, 0, 1)]))
+            found = distinct(np.concatenate([found + k * self.period for k in (-1, 0, 1)]))
         return found
 
     def at(self, t: Array) -> tuple[Indices, Array, Array]:

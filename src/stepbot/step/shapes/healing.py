@@ -29,6 +29,7 @@ from OCP.TopExp import TopExp, TopExp_Explorer
 from OCP.TopLoc import TopLoc_Location
 from OCP.TopoDS import TopoDS, TopoDS_Solid
 
+from stepbot.geometry.fixed_point import distinct
 from stepbot.geometry.spatial import Array, Pose, cross
 from stepbot.step.kernel import MILLIMETRES_PER_METRE, faces_of
 
@@ -227,7 +228,7 @@ def _spread(areas: Array) -> Indices:
     if not total.size or not total[-1] > 0.0:
         return np.empty(0, dtype=np.int64)
     steps = (np.arange(_SAMPLES) + 0.5) / _SAMPLES * total[-1]
-    return np.unique(np.searchsorted(total, steps))
+    return distinct(np.searchsorted(total, steps))
 
 
 def _crossings(starts: Array, corners: Array, rises: Array) -> Array:
