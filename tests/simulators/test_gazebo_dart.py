@@ -97,6 +97,7 @@ def test_trees_fall_as_in_mujoco(robot: str, tolerance: float, step: Step, tmp_p
     model.opt.disableflags |= off.mjDSBL_ACTUATION | off.mjDSBL_CONTACT | off.mjDSBL_LIMIT
     model.opt.timestep = STEP
     model.dof_armature[:] = 0.0  # lost in SDFormat, which is declared
+    model.actuator_damping[:] = 0.0  # the torque-speed line of motors, which stays without actuation
     data = mujoco.MjData(model)
     joints = [name for name in moved.start if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name) >= 0]
     assert len(joints) >= 6

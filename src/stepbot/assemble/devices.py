@@ -40,7 +40,7 @@ def build_actuators(sidecar: Sidecar) -> tuple[Actuator, ...]:
             drive.kind,
             drive.kp.value,
             drive.kv.value,
-            drive.gear,
+            drive.gear.value,
             limit=_limit(drive.limits),
             tuning=_tuning(drive),
             motor=sidecar.motors.get(name),

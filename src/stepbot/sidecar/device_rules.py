@@ -11,6 +11,7 @@ from .joint_settings import ONE_FREEDOM, joint_settings, settings_of
 from .located import Sidecar
 from .motion import LimitsSection
 from .unit_rules import check_unit
+from .units import RATIO
 
 _GAINS = {ActuatorKind.POSITION: ("kp", "kv"), ActuatorKind.VELOCITY: ("kv",), ActuatorKind.MOTOR: ()}
 _NEEDED_GAIN = {ActuatorKind.POSITION: "kp", ActuatorKind.VELOCITY: "kv"}
@@ -82,6 +83,8 @@ def _check_units(sidecar: Sidecar, name: str, actuator: ActuatorSection, kind: J
     who, known = f"actuator '{name}'", settings_of(kind)
     for key, value, field in (("kp", actuator.kp, "stiffness"), ("kv", actuator.kv, "damping")):
         check_unit(sidecar, who, kind, value.dimension, known[field], ("actuators", name, key), found)
+    if kind is not JointKind.PRISMATIC:
+        check_unit(sidecar, who, kind, actuator.gear.dimension, RATIO, ("actuators", name, "gear"), found)
     for field in LimitsSection.model_fields:
         bound = getattr(actuator.limits, field)
         if bound is not None and field in known:

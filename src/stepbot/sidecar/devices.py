@@ -19,10 +19,10 @@ from .quantities import (
     DistanceRange,
     FieldOfView,
     Frequency,
+    Gear,
     JointDamping,
     JointStiffness,
     JointValue,
-    Number,
     described,
     fault,
     two,
@@ -117,7 +117,7 @@ class ActuatorSection(Section):
     """Velocity gain [N m s/rad or N s/m]."""
     gains: Gains | None = None
     """Computes `kp` and `kv` from the inertia that the actuator moves in the drawn pose, and from its effort limit."""
-    gear: Number = 1.0
+    gear: Gear = JointValue(1.0)
     """Motor position / joint position; [rad/m] where the joint slides. `kp`, `kv` and the input are on the motor's
     side."""
     limits: LimitsSection = LimitsSection()

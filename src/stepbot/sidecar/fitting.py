@@ -146,10 +146,10 @@ def _fitted(
     message, help = "", ""
     if kind is JointKind.PRISMATIC and "gear" not in actuator.model_fields_set and one.motor.max_force is None:
         message = f"'{one.name}' turns, and joint '{actuator.joint}' slides"
-        help = "give `gear` in rad/m: 2 pi / lead of a screw, 1 / radius of a pinion or pulley"
+        help = "give `gear`, as `36 deg/mm` or in rad/m: 2 pi / lead of a screw, 1 / radius of a pinion or pulley"
     elif actuator.gear != 0.0:
         try:
-            return fitted(one, kind, actuator.voltage, actuator.gear, actuator.part or "")
+            return fitted(one, kind, actuator.voltage, actuator.gear.value, actuator.part or "")
         except UnscalableMotor as failure:
             message, help = str(failure), "choose another motor, or give `limits` and `dynamics` by hand"
     if message:

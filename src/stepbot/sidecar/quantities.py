@@ -264,11 +264,6 @@ def _joint_quantity(
     return PlainValidator(parser), quantity_schema(*dimensions, low=low, above=above)
 
 
-Number = Annotated[
-    float,
-    BeforeValidator(finite(units.RATIO)),
-    WithJsonSchema({"anyOf": [{"type": "number"}, {"type": "string", "pattern": units.QUANTITY_PATTERN}]}),
-]
 Length = Annotated[float, *bounded(units.LENGTH, above=0.0)]
 Angle = Annotated[float, *bounded(units.ANGLE, above=0.0, high=math.pi)]
 FieldOfView = Annotated[float, *bounded(units.ANGLE, low=0.0, high=math.tau)]
@@ -334,6 +329,7 @@ RelativeOrLength = Annotated[
         }
     ),
 ]
+Gear = Annotated[JointValue, *_joint_quantity(units.RATIO, units.TURNS)]
 Multiplier = Annotated[JointValue, *_joint_quantity(units.RATIO, units.PITCH, units.TURNS)]
 JointPosition = Annotated[JointValue, *_joint_quantity(units.ANGLE, units.LENGTH)]
 JointBound = Annotated[JointValue, *_joint_quantity(units.ANGLE, units.LENGTH, finite=False)]

@@ -57,7 +57,7 @@ def test_whole_examples_are_sound(text: str) -> None:
 
 @pytest.mark.parametrize("text", FRAGMENTS, ids=lambda text: text.split("\n")[1].strip())
 def test_fragments_are_sound(text: str) -> None:
-    """A part of a sidecar, put into a matching robot, has no findings."""
+    """A part of a sidecar, put into a matching robot, has no findings, but for doubts about its motors."""
     tree = compose(text, "fragment", Diagnostics())
     assert tree is not None
     fragment = plain_data(tree)
@@ -68,7 +68,7 @@ def test_fragments_are_sound(text: str) -> None:
         robot |= {"links": {}, "joints": {}}
     for key, value in fragment.items():
         robot[key] = value if isinstance(value, list) else {**robot.get(key, {}), **value}
-    assert faults(json.dumps(robot)) == []
+    assert [fault for fault in faults(json.dumps(robot)) if "note[SB149]" not in fault] == []
 
 
 def test_errors_of_examples_are_those_on_the_page() -> None:

@@ -250,6 +250,15 @@ def test_keys_beside_the_motor_and_of_the_joint_take_precedence(tmp_path: Path) 
     assert own.document.actuators["elbow"].kp.value == 30.0
 
 
+def test_a_gear_on_a_slide_has_a_unit(tmp_path: Path) -> None:
+    """A lead of 10 mm turns 36 degrees for each millimetre: effort x 2 pi / lead."""
+    slide, found = load(tmp_path, "{motor: XL430-W250, gear: 36 deg/mm}", kind="prismatic")
+    assert {one.code for one in found} <= {"SB149"}
+    assert slide.document.actuators["elbow"].gear == pytest.approx(math.tau / 0.010, rel=1e-12)
+    assert settings(slide)["effort"] == pytest.approx(1.5 * math.tau / 0.010)
+    assert settings(slide)["velocity"] == pytest.approx(6.388 * 0.010 / math.tau)
+
+
 def test_a_motor_on_an_endless_joint_takes_a_speed(tmp_path: Path) -> None:
     """A motor on an endless joint takes a speed."""
     sidecar, _ = load(tmp_path, "{motor: Pololu-37D-50}", kind="continuous")

@@ -48,7 +48,8 @@ def refusal_of(kind: Any, value: Any) -> tuple[str, str]:
         (quantities.JointBound, "-inf", -math.inf),
         (quantities.JointBound, math.inf, math.inf),
         (quantities.JointEffort, "20 N", 20.0),
-        (quantities.Number, -1, -1.0),
+        (quantities.Gear, -1, -1.0),
+        (quantities.Gear, "36 deg/mm", 200.0 * math.pi),
     ],
 )
 def test_value(kind: Any, value: Any, result: Any) -> None:
