@@ -16,6 +16,7 @@ from types import FrameType
 from typing import TYPE_CHECKING
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
+from stepbot.runtime.memory import is_out_of_memory
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
@@ -94,14 +95,16 @@ def bounded(options: "Options | None") -> Iterator[Callable[[], None]]:
     if options is None:
         yield lambda: None
         return
-    with ExitStack() as limits:
-        restart = limits.enter_context(_within_time(options.timeout))
-        if options.memory_limit is not None:
-            limits.enter_context(_within_memory(options.memory_limit))
-        try:
+    try:
+        with ExitStack() as limits:
+            restart = limits.enter_context(_within_time(options.timeout))
+            if options.memory_limit is not None:
+                limits.enter_context(_within_memory(options.memory_limit))
             yield restart
-        except MemoryError:
-            raise _exceeded("out of memory", "raise `--memory-limit`") from None
+    except (MemoryError, ImportError) as error:  # caught where the limit no longer holds: a message takes memory, too
+        if not is_out_of_memory(error):
+            raise
+        raise _exceeded("out of memory", "raise `--memory-limit`") from None
 
 
 @contextmanager

@@ -84,7 +84,15 @@ require_option = names_option(
 
 def _limit(text: str) -> int | None:
     """A size, or ``none``."""
-    return None if text.strip().lower() == "none" else size(text)
+    if text.strip().lower() == "none":
+        return None
+    limit = size(text)
+    if limit < _LEAST_LIMIT:
+        raise click.BadParameter(f"'{text}' is less than 1M; a number without a prefix is of bytes")
+    return limit
+
+
+_LEAST_LIMIT = 1 << 20
 
 
 def _seconds(text: str) -> float:

@@ -240,3 +240,5 @@ def test_memory_that_a_worker_may_take(
 
     command.main(arguments, standalone_mode=False)
     assert taken == [limit]
+    with pytest.raises(click.BadParameter, match="less than 1M"):
+        command.main(["--memory-limit", "0.2"], standalone_mode=False)

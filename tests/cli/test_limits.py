@@ -64,6 +64,10 @@ def test_memory_of_the_command_itself_is_bounded() -> None:
     few, much = 64 << 20, 4 << 30
     with pytest.raises(StepbotError, match="out of memory"), bounded(Options(Path(), memory_limit=few)):
         bytearray(much)
+    with pytest.raises(StepbotError, match="out of memory"), bounded(Options(Path(), memory_limit=few)):
+        raise ImportError("lib.so: failed to map segment from shared object")
+    with pytest.raises(ImportError, match="no module"), bounded(Options(Path(), memory_limit=few)):
+        raise ImportError("no module")
     with bounded(Options(Path(), memory_limit=4 * much)):
         assert len(bytearray(few)) == few
 

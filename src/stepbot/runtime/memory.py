@@ -8,6 +8,7 @@ LEAST = 4 << 30
 touched."""
 _CONTAINER = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"))
 """Files in which Linux states the memory limit of a container."""
+_NOT_LOADED = ("failed to map segment from shared object", "Cannot allocate memory")
 
 
 def memory_size() -> int | None:
@@ -26,6 +27,13 @@ def worker_limit() -> int | None:
     """
     size = memory_size()
     return None if size is None else max(size * 3 // 4, LEAST)
+
+
+def is_out_of_memory(error: BaseException) -> bool:
+    """Whether there was too little memory, for a library, too, which the system's loader states in an ImportError."""
+    return isinstance(error, MemoryError) or (
+        isinstance(error, ImportError) and any(words in str(error) for words in _NOT_LOADED)
+    )
 
 
 def _limit(file: Path) -> int:

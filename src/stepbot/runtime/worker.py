@@ -24,7 +24,7 @@ from functools import cache
 from types import TracebackType
 from typing import IO, Any, BinaryIO, NamedTuple, NoReturn, Protocol
 
-from .memory import DEFAULT_TIMEOUT
+from .memory import DEFAULT_TIMEOUT, is_out_of_memory
 from .processes import end_with_parent, interpreter, start_process, worker_environment
 
 _LAST_LINES = 12
@@ -311,13 +311,13 @@ def answer(function: str, memory_limit: int | None) -> NoReturn:
             call = _prepared(function)
             arguments, more = _next_call()
             outcome = ("returned", call(*arguments))
-        except MemoryError:
-            sys.stderr.write("MemoryError\n")
-            sys.exit(1)
         except SystemExit as end:  # as Drake's bindings raise it, with the message of a failed assertion
             sys.stderr.write(f"{end}\n")
             sys.exit(1)
         except Exception as error:  # noqa: BLE001 - raised again by the caller, as a RemoteError
+            if is_out_of_memory(error):
+                sys.stderr.write("MemoryError\n")
+                sys.exit(1)
             outcome = ("raised", (type(error).__name__, str(error), traceback.format_exc()))
         payload = pickle.dumps(outcome, protocol=5)
         results.write(_LENGTH.pack(len(payload)))
