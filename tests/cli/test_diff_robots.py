@@ -219,7 +219,7 @@ _STATED = (
     ' autolimits="true"',
     ' cone="pyramidal" gravity="0 0 -9.81"',
     ' znear="0.01"',
-    ' gravcomp="0" mocap="false"',
+    ' gravcomp="0" mocap="false" quat="-1 0 0 0"',
     ' solmix="1" gap="0"',
     ' solreflimit="0.02 1"',
     ' group="0"',
@@ -280,3 +280,29 @@ def test_an_effort_that_means_unlimited_is_none(tmp_path: Path, stepbot: Stepbot
     larger = _arm(tmp_path / "c.urdf", ('effort="3"', 'effort="2e9"'))
     assert [_diff(stepbot, none, other)[0] for other in (stated, larger)] == [0, 0]
     assert _diff(stepbot, stated, larger)[0] == 1
+
+
+@pytest.mark.mujoco
+def test_a_warning_hides_no_difference(tmp_path: Path, stepbot: Stepbot) -> None:
+    """MuJoCo warns of both files that an attribute is deprecated; what no engine reports is compared all the same."""
+    skip_without("mujoco")
+    text = _PLAIN.format(' settotalmass="14"', ' timestep="{0}"', "", "", "", "", "")
+    old, new = tmp_path / "old.xml", tmp_path / "new.xml"
+    old.write_text(text.format("0.01"), encoding="utf-8")
+    new.write_text(text.format("0.0101"), encoding="utf-8")
+    assert [_diff(stepbot, str(old), str(other))[0] for other in (old, new)] == [0, 1]
+
+
+@pytest.mark.mujoco
+@pytest.mark.parametrize("command", ["diff", "verify"])
+def test_surroundings_are_no_robot(command: str, tmp_path: Path, stepbot: Stepbot) -> None:
+    """An MJCF without bodies is rejected."""
+    skip_without("mujoco")
+    for name in ("a.xml", "b.xml"):
+        (tmp_path / name).write_text(
+            "<mujoco><worldbody><geom type='plane' size='1 1 1'/></worldbody></mujoco>", "utf-8"
+        )
+    run = stepbot(command, str(tmp_path / "a.xml"), str(tmp_path / "b.xml"))
+    assert run.code in (1, 2)
+    assert "the file has no bodies" in run.err
+    assert "SB901" not in run.err

@@ -269,7 +269,7 @@ def _compared_across(
     if first:
         _add_other_names(results, asked.paired.get(theirs.key, UNCHANGED))
     if ours.format == theirs.format:
-        equal = not any(one.deviations.failures for one in results if not one.not_run)
+        equal = not any(one.deviations.failures for one in results if not one.not_run and one.quantity not in _OWN)
         texts = [asked.texts.get(key, ()) for key in (ours.key, theirs.key)]
         compiled = bool(ours.observation.compiled) and ours.observation.compiled == theirs.observation.compiled
         text = compare_text(*texts, equal=equal, whole=whole, compiled=compiled)

@@ -78,6 +78,8 @@ def observe(request: Request) -> Observation:
     with readable(request) as (request, replaced), collected_warnings() as warnings:
         model, notes = _compile(engine, request)
         compiled = Compiled(engine, model, request.balls)
+        if not compiled.bodies:
+            raise EngineRefused("the file has no bodies")
         observation = observe_model(compiled, request)
         if request.format == "mjcf":
             observation = replace(observation, closures=close_by_newton(compiled, request))

@@ -8,6 +8,8 @@ from hashlib import sha256
 
 import numpy as np
 
+from stepbot.geometry.spatial import Array
+
 from .compiled import Compiled
 
 _KINDS = {
@@ -38,17 +40,45 @@ def settings(compiled: Compiled) -> Mapping[str, tuple[float, ...]]:
 
 
 def content_hash(compiled: Compiled) -> str:
-    """A hash of the whole model but the names of its files."""
-    whole = sha256()
-    waiting = [("model", compiled.model)]
+    """A hash of the whole model but the names of its files, the same however its rotations are stated."""
+    model, whole = compiled.model, sha256()
+    kinds = compiled.engine.mjtJoint
+    before = {int(kinds.mjJNT_FREE): 3, int(kinds.mjJNT_BALL): 0}
+    joints = zip(model.jnt_type.tolist(), model.jnt_qposadr.tolist(), strict=True)
+    turns = [start + before[kind] for kind, start in joints if kind in before]
+    """Where coordinates have quaternions."""
+    waiting = [("model", model)]
     while waiting:
         place, value = waiting.pop()
         if isinstance(value, np.ndarray | int | float | bytes):
-            content = np.asarray(value)
+            content = np.array(value)
+            if place.endswith("quat"):
+                _turn_positive(content.reshape(-1, 4))
+            for at in turns if place.endswith(("qpos0", "qpos_spring", "key_qpos")) else ():
+                _turn_positive(content.reshape(-1, model.nq)[:, at : at + 4])
+            if content.dtype.kind == "f":
+                content = _rounded(content)
             whole.update(f"{place} {content.dtype} {content.shape}".encode() + content.tobytes())
         elif not callable(value):
             waiting += [(f"{place}.{one}", getattr(value, one)) for one in dir(value) if _is_content(one)]
     return whole.hexdigest()
+
+
+def _turn_positive(quaternions: Array) -> None:
+    """Make the largest number of each quaternion positive: the other sign is the same rotation."""
+    largest = np.take_along_axis(quaternions, np.abs(quaternions).round(6).argmax(axis=1)[:, None], axis=1)
+    quaternions *= np.where(largest < 0.0, -1.0, 1.0)
+
+
+def _rounded(values: Array) -> Array:
+    """The numbers to nine digits, those of rounding as 0."""
+    finite = np.isfinite(values) & (np.abs(values) > 1e-12)
+    exponents = np.floor(np.log10(np.abs(values), where=finite, out=np.zeros(values.shape)))
+    return np.where(
+        finite,
+        np.round(values * 10.0 ** (8 - exponents)) * 10.0 ** (exponents - 8),
+        np.where(np.isinf(values), values, 0.0),
+    )
 
 
 def _is_content(field: str) -> bool:
