@@ -445,3 +445,33 @@ def test_mesh_of_several_colours(suffix: str, tmp_path: Path) -> None:
     proven(tmp_path, suffix, text, "urdf", "sdf", "mjcf")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
     assert model.ngeom == 2 * 3 + 2  # three meshes of two colours, two spheres
+
+
+def test_a_hinge_between_endless_stops_is_continuous(tmp_path: Path) -> None:
+    """As Gazebo writes rotors; engines report no limit there."""
+    turn = _TURN.replace(
+        'lower="-1" upper="1" effort="10" velocity="2"', 'lower="-1e16" upper="1e16" effort="0" velocity="0"'
+    )
+    source = urdf(f'<link name="base">{_INERTIAL}</link>').replace(_TURN, turn)
+    proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf")
+    (joint,) = ET.parse(tmp_path / "out" / "robot.urdf").getroot().iter("joint")
+    assert joint.get("type") == "continuous"
+
+
+def test_materials_of_one_name_and_two_colours(tmp_path: Path) -> None:
+    """A colour of its own counts, and else the first of the name, as in ROS; PyBullet takes the last."""
+    box = '<visual name="v{}"><origin xyz="0 0 {}"/><geometry><box size="0.1 0.1 0.1"/></geometry>{}</visual>'
+    own = '<material name="black"><color rgba="0 0 0 0.9"/></material>'
+    shapes = "".join(box.format(n, n, one) for n, one in enumerate(['<material name="black"/>', own]))
+    material = '<material name="black"><color rgba="0 0.1 0 1"/></material>'
+    proven(tmp_path, ".urdf", urdf(material, f'<link name="base">{_INERTIAL}{shapes}</link>'), "urdf", "sdf", "mjcf")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    assert model.geom_rgba == pytest.approx(np.array([[0, 0.1, 0, 1], [0, 0, 0, 0.9]]))
+
+
+def test_several_frictions_on_one_link(tmp_path: Path) -> None:
+    """URDF has one for a link, which is a declared loss and no difference from the source."""
+    geoms = '<geom size="0.1" friction="1 0.01 0.01"/><geom pos="0.2 0 0" size="0.05" friction="0.5 0.005 0.0001"/>'
+    turn = f'<body name="arm" pos="0 0 0.5"><joint name="turn" axis="0 1 0"/>{geoms}</body>'
+    text = f'<worldbody><body name="base"><geom size="0.1"/>{turn}</body></worldbody>'
+    proven(tmp_path, ".xml", f'<mujoco model="robot">{text}</mujoco>', "urdf", "sdf", "mjcf")

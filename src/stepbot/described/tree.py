@@ -13,7 +13,7 @@ import numpy as np
 from stepbot.engines.description import Description
 from stepbot.engines.observation import NEVER_ZERO, ObservedJoint, Quantity
 from stepbot.geometry.spatial import IDENTITY, ZERO3, Pose
-from stepbot.robot.kinematics import MOVING
+from stepbot.robot.kinematics import MOVING, NO_BOUND
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link
 
@@ -157,6 +157,8 @@ def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, 
     if unknown:
         text = f"joint '{name}': {' and '.join(unknown)} limit, not the same in both directions: not converted"
         found.append(Finding(LOST, text))
+    if kind is JointKind.REVOLUTE and limit.lower <= -NO_BOUND and limit.upper >= NO_BOUND:
+        kind, limit = JointKind.CONTINUOUS, replace(limit, lower=-inf, upper=inf)
     zero = [field for field in NEVER_ZERO if getattr(limit, field) == 0.0]
     if zero:
         text = f"joint '{name}': {' and '.join(zero)} limit of 0, at which nothing moves: read as unlimited"

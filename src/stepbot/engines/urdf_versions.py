@@ -108,20 +108,25 @@ def _with_both_bounds(robot: Element) -> bool:
 
 
 def _with_named_materials(robot: Element) -> bool:
-    """Name materials without a name, each with its own colour; returns whether there were several colours.
+    """Name materials without a name, and those with another colour than the first of their name; returns whether any.
 
-    The exporter of SolidWorks writes an empty name for all, and engines look for colours by name.
+    The exporter of SolidWorks writes an empty name for all, and engines look for colours by name: ROS takes the first,
+    PyBullet the last.
     """
-    own = [
-        one for one in robot.findall("link/visual/material") if not one.get("name") and one.find("color") is not None
-    ]
-    if len({one.find("color").get("rgba") for one in own}) < 2:
-        return False
+    stated = [one for one in robot.iterfind("material") if one.find("color") is not None]
+    stated += [one for one in robot.iterfind("link/visual/material") if one.find("color") is not None]
+    colors = [(one.find("color").get("rgba") or "").split() for one in stated]
+    first: dict[str, list[str]] = {}
+    for one, color in zip(stated, colors, strict=True):
+        first.setdefault(one.get("name") or "", color)
+    own = [one for one, color in zip(stated, colors, strict=True) if color != first[one.get("name") or ""]]
+    if any(not one.get("name") for one in own):
+        own += [one for one in stated if not one.get("name") and one not in own]
     taken = {one.get("name") for one in robot.iter("material")}
     free = (name for number in count(1) if (name := f"material_{number}") not in taken)
     for one, name in zip(own, free, strict=False):
         one.set("name", name)
-    return True
+    return bool(own)
 
 
 def without_inertial(robot: Element) -> list[Element]:

@@ -44,6 +44,7 @@ _CHANGED = {
         Quantity.MIMIC,
         Quantity.INITIAL,
     ),
+    "SB761:mixed-surface": (Quantity.SHAPES,),
     "SB761:massless": (Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS),
     **{
         f"SB760:{kind}": (Quantity.SENSORS,)
@@ -51,8 +52,8 @@ _CHANGED = {
     },
 }
 """Quantities in which files differ from the source by what their format lacks: bounds of actuators, masses of
-links that have none, mimics between angles and distances, sensors, far stops, limits without a motor, and positions
-of loops whose zero is moved."""
+links that have none, contact properties of each shape, mimics between angles and distances, sensors, far stops, limits
+without a motor, and positions of loops whose zero is moved."""
 _COPIED = "stepbot.engines.source_copy:source_copy"
 
 

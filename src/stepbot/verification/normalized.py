@@ -60,11 +60,9 @@ def _without_stand_in(link: ObservedLink) -> ObservedLink:
 
 
 def _freed(joint: ObservedJoint) -> ObservedJoint:
-    return replace(
-        joint,
-        limit=None if joint.limit is None else _free(joint.limit),
-        steps=tuple(_freed(step) for step in joint.steps),
-    )
+    far = joint.limit is not None and -inf < joint.limit.lower <= -NO_BOUND and NO_BOUND <= joint.limit.upper < inf
+    joint = replace(joint, kind="continuous") if joint.kind == "revolute" and far else joint
+    return replace(joint, limit=joint.limit and _free(joint.limit), steps=tuple(map(_freed, joint.steps)))
 
 
 def _free(limit: Limit) -> Limit:
