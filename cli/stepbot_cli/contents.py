@@ -80,7 +80,6 @@ def contents(
 
     Args:
         measures: Mass properties of the mesh of each body.
-        tolerance: That of the meshes.
     """
     found = [Contents() for _ in assembly.components]
     for number, indices in assembly.occurrences.items():
@@ -164,7 +163,6 @@ def inspection_document(inspection: Inspection, *, features: bool) -> dict[str, 
     """The file, its components, and its bodies, to which components refer by index.
 
     Args:
-        inspection: The assembly with its mass properties.
         features: Whether to list the axis lines of each component.
     """
     assembly = inspection.assembly

@@ -65,7 +65,6 @@ def screen(
     """The default output: findings of one cause as one, the first of each code in full, and the counts; no notes.
 
     Args:
-        ignored: Number of suppressed diagnostics.
         width: Width of the screen; None if unknown, for lines that are not truncated.
         counts: Whether to end with the number of each severity.
     """

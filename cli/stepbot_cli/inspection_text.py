@@ -40,10 +40,7 @@ def inspection_text(
     """The header of the file, then the components, as a table or, if that is too wide, in blocks; or as a tree.
 
     Args:
-        inspection: The assembly with its mass properties.
-        choice: Which components to list.
         features: Whether to list axis lines below each component; not in a tree.
-        tree: Whether to show a tree.
         verbose: Whether to list validation properties that match, too.
         width: Width of the screen; None for unlimited.
 
@@ -76,7 +73,6 @@ def _blocks(rows: list[tuple[str, ...]], telling_names: list[str], width: int | 
     Args:
         rows: The cells of each component.
         telling_names: For each component its names, or an empty string if its path has them already.
-        width: Width of the screen; None for unlimited.
     """
     table = aligned([_HEADINGS, *rows])
     if width is None or max(map(cells, table)) <= width:
@@ -132,7 +128,6 @@ def shared_axes_text(shared: SharedAxes, width: int | None, *, verbose: bool = F
 
     Args:
         shared: The lines, the strongest first.
-        width: Width of the screen; None for unlimited.
         verbose: Whether to list all; else the strongest, and lines that are nearly shared only if none is shared.
     """
     text = [f"{shared.words[0]} and {shared.words[1]} share {counted(len(shared.lines), 'axis', 'axes')}"]
@@ -334,7 +329,6 @@ def tree_lines(
         components: All components; parents come before their children.
         rows: The components to show. Subassemblies that are not among them are shown by their name alone.
         facts: For each row its properties in words.
-        width: Width of the screen; None for unlimited.
     """
     words_of = {row.component.index: words for row, words in zip(rows, facts, strict=True)}
     below: dict[int, list[int]] = {0: []}

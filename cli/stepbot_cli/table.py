@@ -50,7 +50,6 @@ def status_lines(texts: Sequence[Sequence[str]], statuses: Sequence[str], width:
     Args:
         texts: The headings, and the cells of each row.
         statuses: The result of each row, in the column of that heading.
-        width: Width of the screen; None for unlimited.
     """
     result = texts[0].index(RESULT)
     head, *body = wrapped_rows(texts, width)

@@ -63,8 +63,6 @@ def write_document(document: Mapping[str, Any], found: Diagnostics, exit_code: i
     """Print the results of a command as JSON, with its diagnostics and exit code; returns that.
 
     Args:
-        document: The results.
-        found: The diagnostics.
         exit_code: The exit code; None for that of the diagnostics.
     """
     code = found.exit_code if exit_code is None else exit_code
@@ -103,7 +101,6 @@ def show_diagnostics(found: Iterable[Diagnostic], display: Display = _DEFAULT, *
     """Print diagnostics, and the number of each severity.
 
     Args:
-        found: What to print.
         as_result: Whether they are the command's result, and go to standard output.
     """
     diagnostics = [one for one in found if not (display.quiet and one.severity == "note")]

@@ -25,10 +25,6 @@ def evidence_of(
     """Describe how a frame on a line was found.
 
     Args:
-        line: The chosen line.
-        found: All lines that match the origin.
-        words: Description of the line for messages.
-        path: Maps a component to its path.
         selected: Whether the sidecar selected the line by a radius or a point.
         radius: The radius [m] that it was selected by; None if by none.
         confirmed: Whether a selection is that of a person: if not, weak evidence for it stays a doubt.

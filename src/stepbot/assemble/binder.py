@@ -51,8 +51,6 @@ class Binder:
         """The only component that matches a path or glob; None after a diagnostic.
 
         Args:
-            pattern: The path or glob.
-            keys: Its place in the sidecar.
             other_names: Names of other elements that are valid there, in remedies.
         """
         indices = self._look_up(pattern, keys, one=True, other_names=other_names)

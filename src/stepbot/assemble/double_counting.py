@@ -56,8 +56,6 @@ class OverlapSearch:
             parts: Indices of the components of each link.
             masses: Mass of every component that has a volume; components without a mass or without triangles are left
                 out.
-            max_faces: Maximum number of faces to intersect.
-            cache: Cache for overlaps; None to disable it.
             process: An idle worker of :mod:`stepbot.geometry.mesh_worker`; None to search in this process when the
                 result is requested.
         """
@@ -182,10 +180,7 @@ class DoubleCounting:
 
         Args:
             binder: Its collector receives SB512 to SB514, and SB902.
-            claims: The link of each component.
             masses: Mass of every component that has a volume.
-            max_faces: Maximum number of faces to intersect.
-            cache: Cache for overlaps; None to disable it.
             process: Worker that searches; see :class:`.OverlapSearch`.
         """
         self._binder, self._masses = binder, masses

@@ -61,10 +61,7 @@ class FittedCollisions:
         """Look the sets up in the cache or start to compute them; returns at once.
 
         Args:
-            claims: The link of each component.
             of: The sidecar's settings for each component.
-            bodies: Each body of the assembly, measured.
-            cache: Cache of sets; None to disable it.
             process: An idle worker of :mod:`stepbot.geometry.mesh_worker`; None to compute in this process.
         """
         wanted = {
@@ -217,11 +214,7 @@ class ScoredCollisions:
 
         Args:
             binder: The assembly and the sidecar; its collector receives SB902.
-            claims: The link of each component.
             X_WL: Frame of each link as drawn.
-            bodies: Each body of the assembly, measured.
-            fitted: The sets of shapes that were fitted, with their scores.
-            cache: Cache of scores; None to disable it.
             process: Worker of :mod:`stepbot.geometry.mesh_worker`, idle when the scores are requested; None to compute
                 in this process.
         """

@@ -32,8 +32,6 @@ class ShadowedRules:
         """Take one field of a rule.
 
         Args:
-            rule: Number of the rule in the file.
-            field: What it sets.
             earlier: For each component that it covers, the number of the rule that has set the field; -1 for none.
         """
         above = [int(number) for number in earlier]

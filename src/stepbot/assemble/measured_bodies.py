@@ -26,7 +26,6 @@ def measured_bodies(
 
     Args:
         measures: trimesh's mass properties of the mesh of each of ``assembly.bodies``.
-        mode: Which mass properties the sidecar selects.
     """
     occurrences = Counter(component.body for component in assembly.components)
     names: dict[int, str] = {}

@@ -21,12 +21,7 @@ _ASSUMED = ("", "defaults", PLACEHOLDER)
 
 
 def report_unlike_motors(binder: Binder, weighed: Mapping[int, ComponentMass]) -> None:
-    """Report SB524, parts that differ from their motor in size or mass.
-
-    Args:
-        binder: The sidecar, bound to the assembly.
-        weighed: The masses of the components.
-    """
+    """Report SB524, parts that differ from their motor in size or mass."""
     for name, motor in binder.sidecar.motors.items():
         keys = ("actuators", name, "part")
         named = binder.paths.find_one(motor.part).topmost if motor.part else ()

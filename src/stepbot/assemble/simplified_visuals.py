@@ -61,7 +61,6 @@ class SimplifiedVisualMeshes:
 
         Args:
             binder: The sidecar; its collector receives the diagnostics.
-            cache: Cache of simplified meshes; None to disable it.
             process: An idle worker of :mod:`stepbot.geometry.mesh_worker`; None to compute in this process.
             timeout: Maximum time [s] to wait for one budget.
         """

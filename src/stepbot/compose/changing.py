@@ -102,8 +102,6 @@ def changed(
     Args:
         robot: The robot of a description.
         changes: The values, under the keys of a sidecar.
-        path: The description.
-        place: Where the changes are written.
         limits: Memory [bytes] and time [s] of the process that fits collision shapes.
         found: Receives SB160 and whatever a sidecar with these values has.
     """

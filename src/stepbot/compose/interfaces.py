@@ -24,7 +24,6 @@ def report_shared_parts(
     """Report SB166: a part of a module that the other side of its mount has, too, at the same place.
 
     Args:
-        robot: The composed robot.
         mounts: The joint above each root link.
     """
     body, poses = rigid_bodies(robot.root.name, robot.joints), link_poses(robot, {})

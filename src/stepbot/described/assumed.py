@@ -105,7 +105,6 @@ def with_assumed(robot: Robot, solids: Mapping[str, MassProperties], density: fl
     Args:
         solids: For each link that lacks them, those of its geometry at 1 kg/m^3 (:func:`solids_of`).
         density: [kg/m^3].
-        found: Receives what was assumed.
     """
     links = tuple(
         _assumed(link, solids[link.name], density, found) if link.name in solids else link for link in robot.links

@@ -225,7 +225,6 @@ def robot_of_description(
 
     Args:
         name: Name of the robot if the file has none.
-        source: File name.
         base: Whether the base is fixed, for files that do not tell; None for the default, fixed.
         drawn: Whether the robot is for a picture, in which a link without visuals shows its collisions.
     """

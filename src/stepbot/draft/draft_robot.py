@@ -139,7 +139,6 @@ def infer(assembly: Assembly, robot: str, sources: Sources = ALL_SOURCES) -> Dra
 
     Args:
         assembly: Read with its faces (``ReadOptions.faces``).
-        robot: Name of the robot.
         sources: Sources of evidence besides the geometry.
     """
     return Inference(assembly, robot, sources).draft()

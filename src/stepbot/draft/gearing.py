@@ -20,8 +20,6 @@ def geared(found: Inferred, tree: Sequence[TreeJoint], joints: Sequence[DraftJoi
     """Joints, those that another one moves by a gear, a pulley or a rack with a ``mimic``.
 
     Args:
-        found: The links.
-        tree: The joints between them as they were inferred.
         joints: The same as drafted, without mimics.
     """
     made = list(joints)

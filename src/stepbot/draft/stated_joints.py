@@ -33,12 +33,7 @@ _AXES = ("x", "y", "z")
 
 
 def draft_of_mechanism(mechanism: Mechanism, assembly: Assembly, robot: str) -> Draft | None:
-    """The draft of a file's kinematic pairs; None if its links are not found among the components.
-
-    Args:
-        mechanism: Links and pairs of the file.
-        robot: Name of the robot.
-    """
+    """The draft of a file's kinematic pairs; None if its links are not found among the components."""
     members = [_members(link, assembly) for link in mechanism.links]
     used = sorted({end for pair in mechanism.pairs for end in pair.links})
     if not used or any(not members[link] for link in used):

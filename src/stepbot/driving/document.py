@@ -16,7 +16,6 @@ def driven_document(driven: Driven, *, timed: bool = False) -> dict[str, Any]:
     """The verdicts, the tests that do not apply, the engines that did not run, and the ranges that sweeps cover.
 
     Args:
-        driven: The tests of a robot.
         timed: Whether to add the steps per second, which differ from run to run.
     """
     return {

@@ -57,7 +57,6 @@ def judge(
     """The verdict on each result.
 
     Args:
-        engine: Name of the engine.
         file: The file that it drove, for diagnostics.
         results: Results, or names of tests in which the simulation diverged.
         found: Receives SB830.

@@ -97,8 +97,6 @@ def grip_remedies(grip: Grip, facts: Facts, *, gains: bool) -> Iterator[str]:
     """What can be done about a cube that was lost, or that slipped.
 
     Args:
-        grip: What became of the cube.
-        facts: What the report states.
         gains: Whether the motor has the gains of the file, as in MuJoCo; URDF has none.
     """
     if grip.loss is Loss.FREE:

@@ -30,7 +30,6 @@ def examine(file: str, written_in: str, opened: str, copy: str, packages: Iterab
         file: Path of the description, for messages.
         opened: Its path in UTF-8.
         copy: Path of the copy with absolute paths of meshes; empty to look for no meshes.
-        stated: Whether to return what the file states.
     """
     refused = refusals(file, written_in)
     if refused or not copy:

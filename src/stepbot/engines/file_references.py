@@ -106,9 +106,6 @@ def refusals(file: str, written_in: str) -> tuple[Refusal, ...]:
     """Why engines must not read a file; empty if they may.
 
     A file that is no well-formed XML is refused: parsers of engines are more lenient, and would open what it names.
-
-    Args:
-        file: Path of the description.
     """
     given, main = Path(file), resolved(Path(file))  # engines resolve symbolic links
     found = _layer_refusals(main) if written_in == "usd" else ()

@@ -32,8 +32,6 @@ def with_motion(
     """The observation with poses and equations of motion; mimics move like other joints, as in engines.
 
     Args:
-        observation: The links and joints of the file.
-        frames: The frames of its joints.
         gravity: Acceleration of gravity [m/s^2] in the frame of the root, by its name.
 
     Raises:

@@ -98,8 +98,6 @@ def mesh_file_bounds(
 
     Args:
         uri: The mesh file, as in the description.
-        X_LG: Pose of the mesh in its link.
-        scale: Factors of the coordinates.
     """
     path = resolve(uri, file)
     if path is None:

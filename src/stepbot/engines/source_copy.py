@@ -36,7 +36,6 @@ def located_copy(file: str, copy: str, packages: Iterable[Path]) -> tuple[Missin
 
     Args:
         file: A URDF or SDFormat.
-        copy: Path of the copy.
 
     Returns:
         The meshes that were not found, each once, with the first line that names it; empty for a file that is not XML,
@@ -70,7 +69,6 @@ def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[
     Engines do not search folders of packages. A mesh that is not found keeps its name.
 
     Args:
-        copy: Path of the copy.
         chains: Planar and floating joints of a URDF, and the names of what replaces each.
     """
     from lxml import etree

@@ -155,7 +155,6 @@ def readable(
     URDF 1.1 and 1.2 become URDF 1.0, and one bound that a limit lacks is 0.
 
     Args:
-        request: A request for a file of any format.
         capsules: Whether the engine reads capsules; for one that does not and reports no sizes they become cylinders.
         inertials: Whether a link without ``<inertial>`` has no mass in the engine; for one that invents it 0 is stated.
         rejected: By format, an element without which the engine reads the file, and which it does not report.

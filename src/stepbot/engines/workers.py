@@ -24,7 +24,6 @@ class ObservationCache:
         """Cache the observations of some files.
 
         Args:
-            cache: The cache; None to disable it.
             contents: For each file, by the caller's name for it, a hash of its bytes and of everything it refers to.
         """
         self.cache = cache

@@ -20,7 +20,6 @@ def render(robot: Robot, name: str, found: Diagnostics) -> dict[str, bytes]:
     """The files of a robot in one format, by path relative to the output folder: the main file, then its meshes.
 
     Args:
-        name: Name or alias of the format.
         found: Receives features that the format rewrites or lacks; after an error there are no files.
 
     Raises:

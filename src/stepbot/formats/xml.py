@@ -72,7 +72,6 @@ class Patterns:
         """Add what ``make(parent, *values)`` adds to ``parent``.
 
         Args:
-            parent: The element above.
             key: Equal for elements that differ in ``values`` alone.
             make: Makes the element. It is called once for each key, with texts that it must write as they are, in
                 attributes, or between white space.
@@ -124,7 +123,6 @@ def root(tag: str, source: str, namespaces: Mapping[str, str] | None = None, /, 
 
     Args:
         source: Name of the STEP file; empty if there is none.
-        namespaces: Namespace of each prefix in the document.
     """
     origin = f" from {source}" if source else ""
     remark = f" Written by stepbot {__version__}{origin}. "
@@ -135,9 +133,6 @@ def root(tag: str, source: str, namespaces: Mapping[str, str] | None = None, /, 
 
 def document(top: Element) -> bytes:
     """The bytes of a document: UTF-8, indented by two spaces, one newline at the end.
-
-    Args:
-        top: The element from :func:`root`.
 
     Raises:
         ValueError: A text has a character that XML does not allow.

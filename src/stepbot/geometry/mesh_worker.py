@@ -55,9 +55,7 @@ def report_death(death: WorkerDied, work: str, span: Span, found: Diagnostics) -
     """Report that the process ended without a result.
 
     Args:
-        death: How it ended.
         work: Its task, as in "the process that measures meshes".
-        span: The place of the diagnostic.
         found: Receives SB902.
     """
     remedies = ["raise `--timeout` or `--memory-limit`"]

@@ -79,7 +79,6 @@ def _dominated(
 
     Args:
         corner: Sorted; each occurs with every facet that is smooth with its own.
-        facet: The facets.
         areas: Of the plane of each facet.
         flat: Normal of each facet.
     """

@@ -26,9 +26,6 @@ from .incremental import check, produce, recorded
 def output_folders(below: Path) -> dict[Path, dict[Path, str]]:
     """The output folders at and below a folder, except hidden ones, by the sidecar in their file lists.
 
-    Args:
-        below: Where to look.
-
     Returns:
         For each sidecar, as an absolute path, the folders that hold files converted from it, by name, each with the
         variant of the sidecar.

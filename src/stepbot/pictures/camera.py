@@ -101,7 +101,6 @@ def camera_of(points: Array, view: View, width: int, height: int, room: float = 
 
     Args:
         points: Shape (n, 3) [m].
-        view: Where from.
         width: Of the picture [px].
         height: Of the picture [px].
         room: Share of the width that the points may take; the rest is for labels.

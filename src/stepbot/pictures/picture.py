@@ -32,7 +32,6 @@ def draw_axis(drawing: Drawing, renderer: Renderer, camera: Camera, axis: Axis, 
 
     Args:
         renderer: The scene, which hides parts of the axis.
-        camera: That the picture is taken with.
         size: Of the scene [m].
     """
     middle, direction = np.array(axis.point), np.array(axis.direction)

@@ -27,7 +27,6 @@ def build(sidecar: Sidecar, assembly: Assembly, loading: Loading, options: Optio
 
     Args:
         sidecar: The sidecar, without errors of its own.
-        assembly: What ``loading`` has read.
         loading: Measures the bodies, and searches for overlaps.
         options: Cache, and whether another STEP was given than the one that the sidecar names.
     """

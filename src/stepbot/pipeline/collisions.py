@@ -24,7 +24,6 @@ def search(
     Args:
         target: The sidecar, or the description.
         samples: Number of poses; None for the sidecar's, or the default.
-        options: Cache and limits.
     """
     found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     try:

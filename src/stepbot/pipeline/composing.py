@@ -70,7 +70,6 @@ def compose(sidecar: Sidecar, options: Options, found: Diagnostics) -> Composed:
 
     Args:
         sidecar: A sidecar with modules, without errors of its own.
-        options: Cache and limits.
         found: Receives the diagnostics; those of a module once, at their own places.
 
     Raises:

@@ -37,7 +37,6 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
     """The content of a URDF, SDFormat or MJCF; None after a diagnostic.
 
     Args:
-        options: Time and memory limits.
         found: Takes SB001, SB814, SB820, SB823 and SB902.
     """
     if not exists(path):
@@ -158,7 +157,6 @@ def described_robot(path: Path, options: Options, found: Diagnostics, *, drawn: 
 
     Args:
         path: The description, or a folder with the files of one robot, as `stepbot convert` writes it.
-        options: Time and memory limits.
         drawn: Whether it is for a picture, where shapes and joints that are not shown are reported as SB825; otherwise
             they are errors.
     """

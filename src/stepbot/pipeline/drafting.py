@@ -65,10 +65,8 @@ def draft_step(
     """Read a STEP file and draft links and joints; writes nothing.
 
     Args:
-        step: The STEP file.
         options: Code page, limits and cache.
         description: URDF, SDFormat or MJCF of the same robot, whose joints and masses are taken; None for none.
-        ask: Asks the user about the draft.
         answers: Answers to questions about earlier drafts, for joints that are inferred.
         progress: Called at the start of each of the stages ``read``, ``joints`` and ``stops``.
     """

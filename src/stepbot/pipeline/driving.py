@@ -46,7 +46,6 @@ def drive(
     Args:
         target: Sidecar, output folder, or MJCF or URDF in one.
         options: Options of the conversion of a sidecar; limits of the engines.
-        chosen: Tests, engines, limits.
     """
     if not exists(target):
         report_missing(target, found)

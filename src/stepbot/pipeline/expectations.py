@@ -32,11 +32,7 @@ _MATCHES = Callable[[str], Sequence[str]]
 
 
 def check_expected(sidecar: Sidecar, robot: Robot, matches: _MATCHES, found: Diagnostics) -> None:
-    """Report what a robot is not as expected (SB525), and asymmetry (SB526).
-
-    Args:
-        matches: Finds components.
-    """
+    """Report what a robot is not as expected (SB525), and asymmetry (SB526)."""
     if sidecar.document.expect is not None:
         _Comparison(sidecar, robot, matches, found).run()
 

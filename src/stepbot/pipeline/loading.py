@@ -77,7 +77,6 @@ class Loading:
 
         Args:
             step: The STEP file; diagnostics use this path.
-            options: Cache and limits.
             found: Receives faults of a file that is rejected without starting the kernel.
             kernel: A process started in advance; None to start one if needed.
 

@@ -63,9 +63,7 @@ def make_locks(sidecar: Path, options: Options, found: Diagnostics, done: Iterab
     """The lock of a sidecar with a STEP, and of each sidecar that it is composed of, other than those of the library.
 
     Args:
-        sidecar: The sidecar.
         options: The codes to ignore, and another STEP, for the sidecar itself.
-        found: Receives the errors.
         done: Paths of locks that are not made again.
 
     Returns:

@@ -69,9 +69,6 @@ def compared_with_source(
     """The report with the comparison of each written file with the description that it came from.
 
     Args:
-        written: The converted robot.
-        report: The report on the written files.
-        options: Limits.
         found: Receives SB8xx and SB9xx.
     """
     with TemporaryDirectory(dir=run_folder()) as folder:

@@ -43,7 +43,6 @@ def proof_words(results: Results, source: str) -> tuple[str, ...]:
     """Which formats which engines confirm, what failed, and what stepbot's own parsers alone confirm; one line each.
 
     Args:
-        results: The results of a conversion.
         source: What the files are compared with.
     """
     if not results.checks:

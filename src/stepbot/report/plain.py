@@ -45,7 +45,6 @@ def picked(record: Any, keys: str, **instead: Any) -> Json:
     """Some fields of a record as JSON data.
 
     Args:
-        record: The record.
         keys: The keys, in order, which name the fields: ``key=field`` where the names differ.
         instead: JSON data for keys that are no field, or another value than it has.
     """
@@ -68,8 +67,6 @@ def unpicked(
     """A record of what :func:`picked` returned.
 
     Args:
-        kind: The class of the record.
-        document: The object.
         keys: Those of :func:`picked`.
         where: Path from the root of the data to the object, for messages.
         has_defaults: Whether null is the default of any field; else of those alone that may be None.

@@ -67,12 +67,7 @@ class BrokenPath:
 def rebind(
     old: Snapshot, new: Snapshot, matched: Match, assembly: Assembly, document: Document
 ) -> tuple[tuple[BrokenPath, ...], Revised]:
-    """All paths of a sidecar that a revision has broken, and their replacements.
-
-    Args:
-        new: The parts of the assembly.
-        matched: Corresponding parts.
-    """
+    """All paths of a sidecar that a revision has broken, and their replacements."""
     binding = _Binding(old, new, matched, assembly)
     places: dict[str, list[PathPlace]] = {}
     for place in component_paths(document):
@@ -222,7 +217,6 @@ def revised(
 
     Args:
         sidecar: The sidecar, without errors of its own.
-        lock: The locked content.
         measures: trimesh's mass properties of each of ``assembly.bodies``.
         digest: Hash of the STEP's bytes.
     """

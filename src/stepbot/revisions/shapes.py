@@ -195,8 +195,6 @@ def axis_words(old: Joint, new: Joint, common: Pose) -> str:
     """How a joint has moved, for messages; empty if it has not.
 
     Args:
-        old: The joint in the old revision.
-        new: The joint in the new revision.
         common: The motion of the whole assembly, which is subtracted.
     """
     start, end = common.apply(old.origin), np.array(new.origin)

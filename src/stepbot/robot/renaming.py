@@ -30,9 +30,6 @@ def renamed(
 
     Args:
         link: New name of a link; further ones for the other kinds. Each must map different names to different names.
-        joint: Joints of the tree.
-        actuator: Actuators.
-        sensor: Sensors.
         visual: Visuals, in the order of the links.
         collision: Collisions, in the order of the links.
     """

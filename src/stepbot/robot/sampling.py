@@ -73,7 +73,6 @@ class _Walks:
         """At most ``n`` closed configurations (m, k), the drawn one first.
 
         Args:
-            n: Number of configurations.
             anywhere: Random configurations (n, k) with open loops, for the joints outside the loops.
         """
         widths = np.ptp(self._ranges[self._driven], axis=1) / self._stride

@@ -65,7 +65,6 @@ def check_robot(
 
     Args:
         robot: Any robot, from any source.
-        found: Receives what is invalid.
         span: Where the robot is described; None for its source as a whole.
         unit: Length unit of the robot's source, named if the robot is very large or very light.
         massless_between: Whether links without mass and shape may stand between joints, as in other descriptions.

@@ -77,7 +77,6 @@ def write_file(path: Path, content: bytes, found: Diagnostics, *, replaces: byte
     The file keeps its mode; where ``path`` is a symbolic link, the file that it leads to is written.
 
     Args:
-        content: Its new content.
         replaces: The content that the new one was made from: a file with another one was saved meanwhile, and is kept.
     """
     try:

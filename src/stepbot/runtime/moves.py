@@ -26,7 +26,6 @@ def kept_files(files: Mapping[str, bytes], folder: Path, written: Mapping[str, C
 
     Args:
         files: New content by path relative to ``folder``.
-        folder: Output folder.
         written: For each file of its list the SHA-256 of all that it may hold; empty if there is no list.
     """
     # Without its list, a folder is stepbot's if it has a marked file; files without marks cannot be distinguished.
@@ -44,7 +43,6 @@ def _reason_to_keep(target: Path, content: bytes, written: Collection[str] | Non
     """Why a file must stay; empty if it may be replaced, or need not be.
 
     Args:
-        content: New content.
         written: SHA-256 of what stepbot wrote there; None if the list does not have the file.
         may_be_ours: Whether a file that is not in the list counts as one of stepbot's, even without its mark.
     """

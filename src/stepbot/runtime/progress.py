@@ -45,7 +45,6 @@ def counted(work: str, total: int) -> Iterator[Callable[[], None]]:
 
     Args:
         work: What is counted, in words; empty for what is not shown.
-        total: Number of inputs.
     """
     folder = Path(tempfile.gettempdir())
     if not (work and is_run_folder(folder)):  # in the process of the command itself

@@ -46,12 +46,7 @@ class Edited:
 
 
 def edited_view(sidecar: Sidecar, robot: Robot | None) -> Edited:
-    """The sidecar with all values of the description that it changes; any other one as it is.
-
-    Args:
-        sidecar: The sidecar.
-        robot: The robot that it describes now.
-    """
+    """The sidecar with all values of the description that it changes; any other one as it is."""
     named = list(sidecar.document.modules.items())
     if robot is None or sidecar.document.links or len(named) != 1:
         return Edited(sidecar, sidecar.root)

@@ -49,7 +49,6 @@ class LocalServer:
         """Bind the port; :meth:`start` serves.
 
         Args:
-            page: Makes the page.
             scene: Makes the scene as JSON, UTF-8.
             answers: By name, functions that answer questions of the page.
             port: The port; 0 for any free one.

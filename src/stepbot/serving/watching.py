@@ -35,7 +35,6 @@ class Prover:
         """Start the thread.
 
         Args:
-            sessions: All sessions.
             report: Called with each result, in the thread.
         """
         self._report = report
@@ -74,7 +73,6 @@ def follow(session: Session, changed: Callable[[Shown], None], ended: Event) -> 
     It looks at the files 25 times a second, without `watchfiles`; the page's own edits are shown already.
 
     Args:
-        session: A session that was loaded.
         changed: Called after each reading.
         ended: Ends the function.
 
@@ -91,7 +89,6 @@ def watch(sessions: Sequence[Session], changed: Callable[[Session, Shown], None]
     """Show each session's target again when one of its files changes, until ``ended`` is set.
 
     Args:
-        sessions: Sessions that were loaded.
         changed: Called after each reading.
         ended: Ends the function.
 

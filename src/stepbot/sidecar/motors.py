@@ -176,11 +176,9 @@ def fitted(found: Found, joint: JointKind, voltage: float | None, gear: float, p
     """What a motor gives an actuator.
 
     Args:
-        joint: The type of the joint.
         voltage: The supply [V]; None for that of the catalogue.
         gear: Position of the motor's output / position of the joint; [rad/m] of a motor that turns, on a joint that
             slides.
-        part: Path of its component.
 
     Raises:
         UnscalableMotor: It has no figures for this supply, or does not move such a joint.

@@ -28,7 +28,6 @@ def rewritten(sidecar: Sidecar, content: bytes, paths: Mapping[str, str]) -> byt
     """Replace paths.
 
     Args:
-        sidecar: The sidecar as read.
         content: The bytes that it was read from.
         paths: The new path for each path to replace.
 

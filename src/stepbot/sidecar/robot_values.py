@@ -22,8 +22,6 @@ def values_of(robot: Robot, source: str, kinds: Mapping[str, object]) -> Json:
     """The values of a robot, in SI; what a sidecar cannot express, such as an effort limit of 0, is left out.
 
     Args:
-        robot: The robot.
-        source: Name of its file.
         kinds: Types that joints get; a joint that gets another one keeps no settings, which have other units.
     """
     return {

@@ -49,8 +49,6 @@ def report_schema_faults(failure: ValidationError, root: Tree, whole: bool, foun
     """Report all validation errors; returns their positions.
 
     Args:
-        failure: The validation error of pydantic.
-        root: The validated tree.
         whole: Whether the tree is the whole file; if not, missing top-level keys are not reported.
     """
     places = []

@@ -139,7 +139,6 @@ def read_content(files: tuple[StepFile, ...], found: Diagnostics) -> Content | N
 
     Args:
         files: The file of the assembly first; others are read if a product needs them.
-        found: Receives the diagnostics of the files.
     """
     contents = _read_all(files, found)
     if contents is None or _has_cycle(contents, files, found):

@@ -64,7 +64,6 @@ class Reading:
         """Wait for the assembly.
 
         Args:
-            found: Receives the diagnostics of the file.
             timeout: Seconds after which the kernel is stopped, for files of up to 30 MB; in proportion for larger ones.
 
         Returns:

@@ -100,9 +100,7 @@ def admitted(formats: Mapping[Path, str], found: Diagnostics, workers: Workers) 
     """The files that engines may read, each with its format.
 
     Args:
-        formats: The files and their formats.
         found: Receives SB820 for rejected files.
-        workers: Check the files, each in one.
     """
     return {path: formats[path] for path, _ in _examined(formats, dict.fromkeys(formats), (), found, workers)}
 
@@ -119,11 +117,9 @@ def located(
     Files that share a format come with what they say.
 
     Args:
-        formats: The files and their formats.
         packages: Folders of packages, or the folders that contain them; those above a file are searched, too.
         folder: Receives the copies.
         found: Receives SB820 for rejected files, and SB861 for those whose meshes are missing.
-        workers: Read the files, each in one.
     """
     copies: dict[Path, Path | None] = {path: folder / str(n) / path.name for n, path in enumerate(formats)}
     places, texts = {}, {}

@@ -46,7 +46,6 @@ class Provers:
         """Start them.
 
         Args:
-            formats: The formats to check.
             memory_limit: Address space [bytes] of each; None for no limit.
             server: Starts them, and ends with them; None to start each separately.
         """
@@ -88,7 +87,6 @@ def verify(
         provers: Processes, started for these formats.
         require: Engines whose absence is an error.
         timeout: Time limit [s] of each engine.
-        observations: Cached observations.
     """
     required = tuple(require)
     check_required(required, found)

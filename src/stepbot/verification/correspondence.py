@@ -181,8 +181,6 @@ def normalized_joints(
     """Both observations in the common representation.
 
     Args:
-        a: Observation of the first file.
-        b: Observation of the other file.
         configurations: Configurations of the first file; dynamics are given at each.
     """
     ours, theirs = list[ObservedJoint](), list[ObservedJoint]()

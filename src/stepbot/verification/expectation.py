@@ -77,7 +77,6 @@ def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Pat
 
     Args:
         lowered: The robot as each format expresses it.
-        files: Path of each format's file.
 
     Raises:
         DoesNotClose: The loops do not close in the drawn pose.

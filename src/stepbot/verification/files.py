@@ -70,7 +70,6 @@ def verify_files(
         paths: The files; the others are compared with the first.
         found: Receives the diagnostics: unreadable files, engines that reject a file or crash, differences.
         require: Engines whose absence is an error.
-        workers: Run the engines.
         packages: Folders of the packages that the files name, or the folders that contain them.
     """
     required = tuple(require)
@@ -98,11 +97,8 @@ def compare_two(
     """Compare one file with another in everything that engines report of both; None if either cannot be read.
 
     Args:
-        old: The file to compare with.
-        new: The file that is compared.
         found: Receives the errors of files that cannot be read, and of engines that cannot read one of them; SB815 for
             a file that no engine reads.
-        workers: Run the engines.
         packages: Folders of the packages that the files name, or the folders that contain them.
     """
     reported = Diagnostics()
@@ -152,8 +148,6 @@ def observed(
     Args:
         paths: The files; the same motions are asked of all, in the coordinates of the first.
         found: Receives the errors of files that cannot be read.
-        workers: Run the engines.
-        count: Number of random configurations.
         seconds: Duration [s] of the passive simulation.
         renamed: By absolute path, the names under which files are compared.
         packages: Folders of packages; None for files whose meshes every engine finds.
@@ -255,10 +249,7 @@ def ask(
     The requests depend on the joints, which one engine per file is asked for first.
 
     Args:
-        formats: The files and their formats.
         places: Where engines find each file.
-        probe: Runs that engine.
-        count: Number of random configurations.
         seconds: Duration [s] of the passive simulation.
     """
     probed = {path: seen for path, name in formats.items() if (seen := probe.look(places[path], name))}

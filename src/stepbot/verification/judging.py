@@ -135,7 +135,6 @@ def report_of(
     """The report of checks, with the engines that ran.
 
     Args:
-        outcomes: What the engines returned.
         names: Name of the file of each key of the outcomes; None for the keys.
         more: Further fields of the report.
     """
@@ -190,11 +189,7 @@ class Asked:
 
 
 def judge(outcomes: Sequence[Outcome], asked: Asked, found: Diagnostics) -> tuple[Check, ...]:
-    """Compare the observations: within each file, and between files.
-
-    Args:
-        outcomes: The outcomes of all engines, for all files.
-    """
+    """Compare the observations: within each file, and between files."""
     by_file = {key: [outcome for outcome in outcomes if outcome.key == key] for key in asked.requests}
     checks: list[Check] = []
     for key, of_file in by_file.items():
@@ -249,12 +244,7 @@ def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostic
 
 
 def compared_with_first(ours: Gathered, theirs: Gathered, asked: Asked) -> tuple[Compared, ...]:
-    """The comparison of a file with the first one.
-
-    Args:
-        ours: The first file.
-        theirs: The other file.
-    """
+    """The comparison of a file with the first one."""
     return _compared_across(ours, theirs, asked, first=True, whole=True)
 
 

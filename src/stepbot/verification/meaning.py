@@ -33,7 +33,6 @@ def means_the_same(place: str, ours: str, theirs: str, statements: Statements) -
     """Whether two texts at one place have the same meaning.
 
     Args:
-        place: The place of both.
         ours: The text of one file.
         theirs: That of the other file.
         statements: What the file states elsewhere: units and sequences of angles.

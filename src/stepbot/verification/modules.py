@@ -77,9 +77,6 @@ def module_deviations(robot: Robot, modules: Sequence[Alone]) -> Iterator[Module
 
     Each link's pose is compared relative to the module's other links; that of the whole in the composed robot is free.
 
-    Args:
-        robot: The composed robot.
-
     Yields:
         The deviation of each module.
     """

@@ -104,8 +104,6 @@ def segments(ours: Chain, theirs: Chain, distance: float = _DISTANCE) -> tuple[S
     """Pair the steps of two chains, from the parent on.
 
     Args:
-        ours: The chain of the first file.
-        theirs: That of the other.
         distance: Maximum distance [m] of two axes, and of two centres: the accuracy of the engines that saw them.
 
     Raises:

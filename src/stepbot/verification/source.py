@@ -98,7 +98,6 @@ def verify_against_source(
         names: Names that the conversion changed.
         pieces: For each written visual the first one of the same visual in the source.
         found: Receives differences, and SB867 if no engine reads the source.
-        workers: Run the engines.
     """
     name = PurePath(span.file).name
     reported = Diagnostics()  # engines that reject a written file are reported by the comparison with the model

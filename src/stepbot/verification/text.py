@@ -50,8 +50,6 @@ def compare_text(
     """What differs between the texts of two files; None if nothing does.
 
     Args:
-        ours: Statements of the first file.
-        theirs: Those of the other file.
         equal: Whether engines see the same robot in both; otherwise only what they cannot see is compared.
         whole: Whether what is not read differs, too, where it is words, or where one file has it alone.
         compiled: Whether an engine makes the same of both in all that it has: what one file has alone is a default.

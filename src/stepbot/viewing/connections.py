@@ -109,7 +109,6 @@ def evidence_of_rows(
     """The evidence of each row of a joint table: in words, why it is weak, the other lines, the stops of the draft.
 
     Args:
-        rows: The joint table.
         reviews: The REVIEW comments of drafted joints; where one has none, the doubt of the joint table counts.
         stops: The stops that the sidecar's comments give for drafted joints.
     """

@@ -34,7 +34,6 @@ def clicked_face(
     """The face that a triangle belongs to, and the ``origin`` of its axis in a sidecar; None if the face has no axis.
 
     Args:
-        component: Index of the component.
         triangle: Corners (3, 3) [m] in the component's frame, to the accuracy of a drawing.
     """
     body = assembly.bodies[assembly.components[component].body]
@@ -136,8 +135,6 @@ def shared_lines(assembly: Assembly, a: int, b: int, link: Iterable[int] = ()) -
     """The lines that two components share, everything below them included; the strongest first.
 
     Args:
-        a: Index of a component.
-        b: Index of another one.
         link: Components of the first one's link; if ``a`` and ``b`` share no line, those of the link and ``b``, or
             else those of ``a`` alone.
     """

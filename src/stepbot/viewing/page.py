@@ -37,7 +37,6 @@ def page_html(
     """The page.
 
     Args:
-        title: Title of the page.
         scene: The robot that it shows; None for a page whose server sends one.
         modules: Scripts to start; what they import comes with them.
         connect: Sources that the page may connect to, as in a Content-Security-Policy; empty for none.

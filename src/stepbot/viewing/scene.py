@@ -99,7 +99,6 @@ def scene_document(
         robot: The robot; its visuals are drawn.
         evidence: For each joint and closure, how it was found (:func:`.connections.evidence_of_rows`).
         assembly: The STEP file that it was built from, for the tree of components.
-        report: Results of verification, if it has run.
     """
     poses = link_poses(robot, initial_configuration(robot))
     index = {asset.name: number for number, asset in enumerate(robot.meshes)}

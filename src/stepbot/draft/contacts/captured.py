@@ -57,7 +57,6 @@ def find_captured(
     """Pairs of parts of which one is held in the other across a line, and free along it.
 
     Args:
-        scene: The faces.
         relations: Those of parts that touch.
         larger: The parts to look at.
         cut: Gets a note if a part is left out.

@@ -31,8 +31,6 @@ def concentric_axis(fits: Sequence[Fit], patches: Sequence[Patch], others: Itera
     """The common axis of all fits and patches.
 
     Args:
-        fits: Coaxial cylinders.
-        patches: Faces in contact.
         others: Axis lines of the two bodies, tried if only plane faces touch.
     """
     for axis in _candidates(fits, patches, others):

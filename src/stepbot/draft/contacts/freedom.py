@@ -62,8 +62,6 @@ def freedom(
 
     Args:
         fits: Coaxial cylinders; flush ones constrain nothing.
-        patches: Faces in contact.
-        sockets: Balls in sockets.
         about: A reference point (3,) [m] near the contacts.
         size: Their extent [m], used to compare lengths with angles.
     """

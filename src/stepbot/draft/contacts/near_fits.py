@@ -102,8 +102,6 @@ def find_near_fits(
     """The nearly coaxial faces of larger parts beside each other, one for each line and pair, the closest.
 
     Args:
-        scene: The faces.
-        parts: All parts by their indices.
         small: Those that move with their hosts, such as screws.
         found: Lines with exactly coaxial faces; what has a fit on one is left out.
     """
@@ -194,9 +192,7 @@ def settled(
     faces that contradict each other, or a contact, are left as they are, and so are those of two pieces of motors.
 
     Args:
-        parts: All parts.
         small: Those that move with their hosts, such as screws.
-        relations: Their contacts.
         near: Nearly coaxial faces of larger parts.
         cut: Gets the bound that ended the search, in words, if one did.
     """

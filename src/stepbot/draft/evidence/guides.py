@@ -43,9 +43,7 @@ def captured_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence, 
     """Add a joint for each part that is captured in another: as a profile or guide, or in another subassembly.
 
     Args:
-        survey: The facts about the assembly.
         motors: Their parts do not slide in each other.
-        found: Gets the evidence.
         structure: None for profiles and guides, which tell subassemblies that move from links.
     """
     in_motor = {i for motor in motors for i in motor.parts}

@@ -40,13 +40,7 @@ _ALONG = 2e-3
 def repeated_joints(
     survey: Survey, joints: Sequence[JointEvidence], links: Sequence[Sequence[int]]
 ) -> list[JointEvidence]:
-    """Joints like those that were found, between parts that are still in one link or not joined.
-
-    Args:
-        survey: The facts about the assembly.
-        joints: The joints that were found.
-        links: The parts of each link.
-    """
+    """Joints like those that were found, between parts that are still in one link or not joined."""
     link_of = {i: n for n, members in enumerate(links) for i in members}
     joined = {frozenset((link_of[h.a], link_of[h.b])) for h in joints}
     equal = _Equal(survey)

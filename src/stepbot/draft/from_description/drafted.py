@@ -44,8 +44,6 @@ def draft_of_description(description: Description, assembly: Assembly, robot: st
 
     Args:
         assembly: Read with its faces (``ReadOptions.faces``).
-        robot: Name of the robot.
-        source: Name of the description for messages.
     """
     described = skeleton(description)
     if described is None or not any(component.body >= 0 for component in assembly.components):

@@ -74,8 +74,6 @@ def find_placement(
 
     Args:
         axes: Likely joint axes, without duplicates.
-        lines: All axes of the assembly.
-        surfaces: All faces of the assembly.
     """
     return _Placing(described, assembly, axes, lines, surfaces).best()
 
@@ -194,7 +192,6 @@ class _Placing:
 
         Args:
             X: Pose of the near link in the assembly.
-            near: That link.
             ahead: Number of further joints that may decide between equal positions.
         """
         body = self._body(joint, near)

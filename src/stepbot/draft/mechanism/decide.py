@@ -255,7 +255,6 @@ def guesses(
     """The joints of unconnected bodies that are equal to others, by their keys.
 
     Args:
-        survey: The facts about the assembly.
         free: Parts of each body that is not connected.
         carrier: For each of them the parts of the nearest other body.
     """

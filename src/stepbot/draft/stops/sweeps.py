@@ -196,7 +196,6 @@ class Placed:
             parts: A number for each part.
             vertices: Of each part (n, 3) [m], at least one.
             faces: Of each part (m, 3).
-            slides: Whether the joint slides.
         """
         self._parts, self._vertices, self._faces, self._slides = parts, vertices, faces, slides
 

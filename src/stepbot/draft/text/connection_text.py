@@ -32,8 +32,6 @@ def joint_lines(joint: DraftJoint, name: str, names: DraftNames, joints: Mapping
     """A joint under ``joints:``; below the score for drafting it is fixed, with the guess as a comment beneath.
 
     Args:
-        name: What it is called.
-        names: What links are called.
         joints: What joints are called, by their names in the draft.
     """
     name, ends = scalar(name), _ends("parent", joint.parent, "child", joint.child, names)

@@ -36,7 +36,6 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
     """The sidecar of a draft.
 
     Args:
-        draft: The inferred robot.
         step: Path of the STEP file in the sidecar: relative to the sidecar, with forward slashes.
         encoding: Code page of the names in the STEP, if its reader was given one.
         schema: Path of the JSON Schema, for editors; empty to omit that line.
@@ -320,11 +319,7 @@ def _has_volume(assembly: Assembly, index: int) -> bool:
 
 
 def drawn_up(draft: Draft, assembly: Assembly) -> Standing | None:
-    """Evidence that an axis other than z is up; None if there is none.
-
-    Args:
-        draft: A draft of the assembly.
-    """
+    """Evidence that an axis other than z is up; None if there is none."""
     base = {draft.root}
     for joint in draft.joints:  # in tree order
         if joint.type is JointKind.FIXED and joint.parent in base:

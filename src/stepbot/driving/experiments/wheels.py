@@ -119,7 +119,6 @@ def _drive(stage: Stage, test: str, direction: tuple[float, float, float], way: 
     """Drive in a direction and back at constant speed.
 
     Args:
-        test: Name of the test.
         direction: Unit vector in the root link.
         way: Length [m] of each way.
     """

@@ -29,7 +29,6 @@ def expand(file: str, arguments: Mapping[str, str], packages: tuple[Path, ...]) 
 
     Args:
         file: Absolute path.
-        arguments: Values of its arguments.
         packages: Folders of packages, or the folders that contain them.
     """
     import xacro

@@ -51,8 +51,6 @@ def read_sensor(
 
     Args:
         link: Its link; the child of its joint.
-        X_LS: Its pose on the link.
-        joint: Its joint, if it is in one.
         shapes: Names of the collision shapes of the link.
     """
     word = sensor.get("type", "")

@@ -126,7 +126,6 @@ def tree_copy(file: Path, *, held: bool = False, shapes: bool = True) -> Iterato
     """Path of the copy, which exists as long as the context, and what was left out.
 
     Args:
-        file: The SDFormat file.
         held: Whether a base fixed to the world stays fixed; PyBullet reports no mass of such a base.
         shapes: Whether the copy has shapes; loading them takes most of the time.
 

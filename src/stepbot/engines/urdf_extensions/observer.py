@@ -244,7 +244,6 @@ def _behind_gear(element: Element, old: Element | None, inputs: Sequence[Element
     """An actuator with a transmission in `<ros2_control>`.
 
     Args:
-        element: The transmission.
         old: The transmission of ROS 1 of the same name, which may give the input.
         inputs: The command interfaces of the joint; without a transmission of ROS 1 the first transmission takes the
             first, and further ones that are left over the last.

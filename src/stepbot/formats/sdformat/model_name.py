@@ -12,10 +12,6 @@ from . import FORMAT
 def model_name(folder: Path, formats: Collection[str]) -> str:
     """The name of a folder in ``model://`` URIs.
 
-    Args:
-        folder: The output folder.
-        formats: Names of the formats that are written to it.
-
     Raises:
         ValueError: The name has characters that a URI would have to escape, or there is no SDFormat.
     """

@@ -29,7 +29,6 @@ def package_of(package: str, ros2: str, formats: Collection[str], prefix: str = 
     Args:
         package: Name of the package of the URDF's meshes; empty for none.
         ros2: Name of the ROS 2 package, with or without ``_description`` at its end; empty for none.
-        formats: Names of the formats to write.
         prefix: Written before ``package`` and ``ros2`` in messages.
 
     Raises:

@@ -42,7 +42,6 @@ def srdf(
         source: File name that the robot was built from.
         robot: The robot as the URDF expresses it, for its groups, their drawn pose, and how its root is connected with
             the world; None for pairs alone.
-        excluded: Pairs of links that somebody excluded.
     """
     top = root("robot", source, name=name)
     if robot is not None:

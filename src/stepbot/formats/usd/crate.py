@@ -60,7 +60,6 @@ def crate(metadata: Mapping[str, str | float], doc: str, top: CratePrim) -> byte
 
     Args:
         metadata: Numbers and tokens of the layer, such as ``metersPerUnit``.
-        top: The root prim.
 
     Raises:
         ValueError: A number is not finite.

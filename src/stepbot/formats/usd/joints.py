@@ -166,7 +166,6 @@ def mark_robot(prim: Prim, robot: Robot, links: Sequence[str], joints: Sequence[
     """Apply the schema of robots.
 
     Args:
-        prim: The robot's prim.
         links: Paths of its links, the base first.
         joints: Paths of its joints, the one to the world first; without closures, which the articulation excludes.
     """

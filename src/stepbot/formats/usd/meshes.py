@@ -22,7 +22,6 @@ class MeshLayer:
 
         Args:
             path: Its file, relative to that of the layer that refers to it; empty for the one in ``meshes``.
-            top: The root prim.
         """
         names = Names()
         identifiers = {asset.name: names.of(asset.name) for asset in robot.meshes}

@@ -35,12 +35,7 @@ class Library:
     """Meshes and materials of a robot, and the prims that refer to them."""
 
     def __init__(self, robot: Robot, top: str, meshes: MeshLayer) -> None:
-        """Lay them out.
-
-        Args:
-            top: Path of its prim.
-            meshes: The layer of its meshes.
-        """
+        """Lay them out."""
         self._concave = concave_meshes(robot)
         self._meshes = meshes
         self._colors: dict[Rgba, str] = {}

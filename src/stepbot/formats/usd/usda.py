@@ -55,8 +55,6 @@ def layer(top: Prim, doc: str = "", custom: Iterable[str] = ()) -> bytes:
     """The bytes of a layer with one root prim, its default one.
 
     Args:
-        top: The root prim.
-        doc: What the layer is.
         custom: Lines of further metadata.
     """
     metadata = [*custom, f"defaultPrim = {quoted(top.name)}", *([f"doc = {quoted(doc)}"] if doc else [])]
@@ -140,7 +138,6 @@ def named(type_: str, name: str, names: Names, identifier: str = "") -> Prim:
     """A prim with a name of the robot.
 
     Args:
-        type_: Type of the prim.
         name: Its name in the robot.
         names: Names of its siblings.
         identifier: Its identifier, if it has one already.

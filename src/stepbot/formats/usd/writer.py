@@ -121,12 +121,7 @@ def render(robot: Robot) -> bytes:
 
 
 def tree(robot: Robot, meshes: MeshLayer) -> tuple[Prim, Library]:
-    """The robot's prim with its links and joints, and the materials that they refer to.
-
-    Args:
-        robot: A lowered robot.
-        meshes: The layer of its meshes.
-    """
+    """The robot's prim with its links and joints, and the materials that they refer to."""
     top = named("Xform", robot.name, Names())
     path = f"/{top.name}"
     names, library = Names(_SCOPES), Library(robot, path, meshes)

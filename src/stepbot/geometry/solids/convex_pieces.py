@@ -149,7 +149,6 @@ def convex_pieces(solid: Union, bores: Sequence[RoundFace], filled: float, max_p
     Args:
         bores: Axes of its bores.
         filled: Share of the total volume of its pieces' hulls that the solid has to fill.
-        max_pieces: Maximum number of pieces.
     """
     pieces = [_Piece(CutSurface.of(*solid.arrays), _Solid(_simplified(solid)))]
     planes = _candidates(*solid.arrays, bores, solid.diagonal)

@@ -192,7 +192,6 @@ def run_batch(
     Args:
         options: Conversion options; ``output`` is set per task.
         folder: Folder of the batch's state.
-        executor: Runs the conversions.
         at_once: Number of robots that the executor works on at a time; a few more are submitted.
         as_bytes: Whether input is sent with the tasks, for machines without access to the files.
     """

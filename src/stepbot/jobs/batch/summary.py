@@ -70,9 +70,6 @@ INDEX = "index.html"
 def write_index(folder: Path, outcomes: Sequence[Outcome]) -> None:
     """Write the page.
 
-    Args:
-        folder: The output folder of the batch.
-
     Raises:
         OSError: It cannot be written.
     """

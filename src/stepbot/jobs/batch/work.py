@@ -101,12 +101,7 @@ class ProcessPerThread(ThreadPoolExecutor):
 
 
 def local_executor(cores: int, tasks: int) -> ProcessPerThread:
-    """An executor that uses a number of cores, with as many robots at once as there are cores and robots.
-
-    Args:
-        cores: Number of cores to use.
-        tasks: Number of robots.
-    """
+    """An executor that uses a number of cores, with as many robots at once as there are cores and robots."""
     at_once = max(1, min(cores, tasks))
     return ProcessPerThread(at_once, _shares(cores, at_once))
 

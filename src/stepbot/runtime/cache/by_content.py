@@ -22,10 +22,7 @@ class ResultsByContent(Generic[N, W, T]):
         """Look results up in the cache; computes nothing.
 
         Args:
-            cache: Cache of results; None to disable it.
             purpose: The computation, in words.
-            wanted: The input of each computation.
-            kinds: Types of inputs and results.
         """
         input_kind, kind = kinds
         codec = codec_of(input_kind)

@@ -43,7 +43,6 @@ def check_encoding(data: Text, declared: str, place: str, found: Diagnostics) ->
 
     Args:
         declared: Code page declared by the user; empty for none.
-        place: Name of the file in diagnostics.
         found: Receives SB210 if the encoding is unknown or the file contradicts the declaration.
 
     Returns:

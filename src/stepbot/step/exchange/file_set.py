@@ -62,9 +62,7 @@ def check_files(step: Path, place: str, found: Diagnostics, encoding: str = "") 
     A reference that cannot be followed is a link without a file: whether its product needs that file is decided later.
 
     Args:
-        step: The file of the assembly.
         place: Its name in diagnostics; the other files are named relative to it.
-        found: Receives faults of the files.
         encoding: Declared code page of names; empty for none.
     """
     checked: dict[Path, Part21 | None] = {}

@@ -143,8 +143,6 @@ def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) ->
     """Whether everything that draws or places something was understood; the rest is reported in ``found``.
 
     Args:
-        session: The reader's work session.
-        place: Name of the file in diagnostics.
         found: Receives SB221, which is an error, and SB223.
     """
     model = session.Model()

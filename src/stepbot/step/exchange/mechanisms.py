@@ -102,7 +102,6 @@ def read_mechanism(path: Path, encoding: str) -> Mechanism | None:
 
     Args:
         path: The file, which has been checked.
-        encoding: Code page of its names.
     """
     with opened(path) as data:
         if data.find(_MARK) < 0:

@@ -90,7 +90,6 @@ def check_step(path: Path, place: str, found: Diagnostics, encoding: str = "") -
     """Check a STEP file; None, with the reason in ``found``, if the kernel cannot read it.
 
     Args:
-        place: Name of the file in diagnostics.
         encoding: Declared code page of names; empty for none.
     """
     span = Span(place)

@@ -83,7 +83,6 @@ def report_long_tokens(path: Path, place: str, found: Diagnostics) -> bool:
 
     Args:
         path: A file that the kernel rejected.
-        place: The file in diagnostics.
     """
     data = read_regular(path)
     tokens = [(line_of(data, start), what) for start, what in _long_tokens(data)]

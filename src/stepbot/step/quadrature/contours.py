@@ -154,7 +154,6 @@ def add_curved(contours: Contours, number: int, face: Any, breaks: tuple[Array, 
     """Add the boundary of any other face, by the curves that its edges have in its parameters.
 
     Args:
-        contours: Where to add it.
         number: The face's.
         face: A face that faces forward.
         breaks: Parameters u and v at which its surface is less smooth.

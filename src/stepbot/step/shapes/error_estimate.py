@@ -78,7 +78,6 @@ def estimated(shape: Any, kernel: VolumeProperties, mesh: Tessellation, *, is_cl
     Args:
         shape: The solid [mm].
         kernel: The result of the kernel's integration.
-        mesh: A mesh of it.
         is_closed: Whether the mesh is closed; otherwise it is not used.
     """
 

@@ -89,8 +89,6 @@ def refine(shape: Any, mesh: TriMesh, start: Fineness, exact: VolumeProperties |
 
     Args:
         shape: A healed solid [mm].
-        mesh: Its existing mesh.
-        start: Tolerance of that mesh.
         exact: Its mass properties; None to accept the first mesh without a comparison.
         wanted: Largest relative deviation.
     """

@@ -38,13 +38,7 @@ class Materials:
     """Materials of the product definitions of one file."""
 
     def __init__(self, session: Any, place: str, found: Diagnostics) -> None:
-        """Read them all.
-
-        Args:
-            session: The reader's work session.
-            place: Name of the file in diagnostics.
-            found: Receives faults of densities.
-        """
+        """Read them all."""
         self._claims: dict[
             int, tuple[Any, _Claims]
         ] = {}  # by identity; a reference is kept, so that its id stays unique

@@ -114,7 +114,6 @@ def nearest_claim(components: Sequence[Component], claims: Iterable[tuple[Iterab
 
     Args:
         claims: Claimed components and the value of the claim; of several claims on one component, the first holds.
-        default: The value without a claim.
     """
     given: dict[int, _T] = {}
     for indices, value in claims:

@@ -84,11 +84,8 @@ def grow(
     """Expand definitions into the tree of their occurrences; None, with the reason in ``found``, on failure.
 
     Args:
-        definitions: Every definition once.
         roots: Those that occur nowhere else; several become children of an unnamed root.
         materials: For each definition the material of its product.
-        place: Name of the file in diagnostics.
-        found: Receives faults of occurrences.
     """
     nodes = _follow(definitions, roots, place, found)
     if nodes is None:

@@ -65,10 +65,7 @@ def compare(
     """Compare each value with the geometry; differences, and values that cannot be compared, are reported in ``found``.
 
     Args:
-        stated: The values in the file.
-        definitions: Every definition once.
         bodies: The bodies read, by the number of the definition and of the body in it.
-        place: Name of the file in diagnostics.
         found: Receives SB226 and SB227.
     """
     sums = _Summing(definitions, bodies)

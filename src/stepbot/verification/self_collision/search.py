@@ -112,7 +112,6 @@ def placed(tree: Tree, X: Array, pair: LinkPair) -> Placed:
     """The poses of one link in the other.
 
     Args:
-        tree: The robot's tree.
         X: The result of :meth:`Tree.frames` for n configurations.
     """
     X_WA, X_WB = (X[:, tree.link_index[name]] for name in (pair.a, pair.b))

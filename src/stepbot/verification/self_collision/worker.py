@@ -150,11 +150,6 @@ class Collider:
 def find_self_collision(robot: Robot, samples: int, cache: Cache | None, workers: Workers) -> SelfCollision:
     """The classes of all pairs of links, from the cache or from a process of its own.
 
-    Args:
-        samples: Number of poses.
-        cache: Where results are kept; None for nowhere.
-        workers: Search, in one.
-
     Raises:
         WorkerDied: The process ended without a result, or took too long.
         RemoteError: The function raised; of kind ``DoesNotClose`` if the drawn pose is not closed.

@@ -174,7 +174,6 @@ def report_page(robot: Robot, report: Report, found: Sequence[Diagnostic], lines
 
     Args:
         report: Results of verification, bodies, joint table.
-        lines: Source lines of diagnostics.
     """
     shown = reduced(robot)
     scene = scene_document(shown.robot, evidence=evidence_of_rows(report.joint_table), report=report, found=found)

@@ -82,7 +82,6 @@ def ros2_package(robot: Robot, package: str, allowed: Mapping[str, float]) -> di
 
     Args:
         robot: The robot as URDF expresses it.
-        package: Name of the package.
         allowed: The acceleration [rad/s^2] or [m/s^2] that the efforts of the whole robot, with its armatures and
             loops, allow each joint.
     """
