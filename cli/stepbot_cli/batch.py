@@ -31,7 +31,6 @@ _COLORS = {"converted": "32", "unchanged": "36", "failed": "1;31"}
 
 
 def _cores(text: str) -> int:
-    """Number of cores."""
     if not text.isdecimal() or int(text) < 1:
         raise click.BadParameter(f"'{text}' is not a positive number of cores")
     return int(text)

@@ -21,7 +21,6 @@ class SharedAxes:
     words: tuple[str, str]
     """The compared elements, for messages."""
     lines: tuple[AxisLine, ...]
-    """The heaviest first."""
     chosen: AxisLine | None
     """The line used by an origin without selectors."""
     snippets: tuple[str, ...]

@@ -68,7 +68,6 @@ class Built:
     double_counting: DoubleCounting
     """Must report before anything is written."""
     bodies: tuple[MeasuredBody, ...]
-    """Each body of the assembly, measured."""
     joint_table: tuple[JointRow, ...]
     """The pose of every joint and closure as drawn, and how it was found."""
     collisions: ScoredCollisions

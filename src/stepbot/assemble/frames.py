@@ -56,7 +56,6 @@ class Wanted:
     """The element whose origin is resolved."""
 
     keys: Keys
-    """Its keys in the sidecar."""
     links: tuple[str, str] | None = None
     """The two links whose parts ``auto`` compares; None if there are not exactly two."""
     direction_only: bool = False

@@ -86,7 +86,6 @@ class MaterialAssignment:
     color: Rgba | None = None
     """Colour that overrides the STEP's."""
     visual: bool | None = None
-    """Whether it has a visual; None if no rule sets it."""
     collision: Derived | None = None
     """How its collision geometry is made; None if no rule sets it."""
     contact: Contact | None = None

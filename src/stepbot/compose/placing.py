@@ -303,7 +303,6 @@ class Places:
         return self._reaching(root)
 
     def _floats(self, root: str) -> bool:
-        """Whether the part with this root has a floating base."""
         if root in self._of_root and "base" not in self._document.model_fields_set:
             return self._parts[self._of_root[root]].robot.base is Base.FLOATING
         return self._document.base is Base.FLOATING

@@ -65,7 +65,6 @@ class Ignore(NamedTuple):
 
     code: str
     span: Span
-    """Position of the rule."""
     subject: str = ""
     """Subject at the start of the messages to suppress; empty for all subjects."""
     first_line: int = 0

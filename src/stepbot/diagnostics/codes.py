@@ -64,7 +64,6 @@ class _Codes(Mapping[str, Code]):
 
     @cached_property
     def page(self) -> str:
-        """The text of the page."""
         return PAGE.read_text(encoding="utf-8")
 
     @cached_property

@@ -244,7 +244,6 @@ class Option:
     text: str
     """What the user sees."""
     is_drafted: bool
-    """Whether the draft is as if this were the answer."""
 
 
 @dataclass(frozen=True)

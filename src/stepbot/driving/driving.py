@@ -86,7 +86,6 @@ class Driven:
     """The drive tests of one robot."""
 
     robot: str
-    """Name of the robot."""
     verdicts: tuple[Verdict, ...] = ()
     inapplicable: Mapping[str, str] = field(default_factory=dict)
     """Tests that do not apply, each with its reason; ``grip of MOTOR`` where one gripper of several is not tested."""

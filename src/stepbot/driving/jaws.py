@@ -170,7 +170,6 @@ class _Hand:
         return lowest < self._simulation.lowest() + _FLOOR
 
     def _placed(self, q: Mapping[str, float]) -> Pose:
-        """Pose of the jaw in the hand."""
         self._simulation.reset(q)
         return self._simulation.pose(self._fingers.hand).inverse() @ self._simulation.pose(self._jaw)
 
@@ -253,7 +252,6 @@ class _Hand:
         return Pose.of(np.column_stack([x, np.cross(z, x), z]), ball.centre)
 
     def grasp(self, place: _Place, mass: float) -> Grasp:
-        """The grasp of a cube."""
         ball = place.ball
         opened, closed = self._path[ball.order[0]], self._path[ball.order[-1]][self.joint]
         X_HC = self._cube_pose(ball) @ Pose.of(position=(place.lift + _CLEARANCE, 0.0, 0.0))

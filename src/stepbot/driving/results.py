@@ -37,7 +37,6 @@ class Grip:
     joint: str
     """The joint of its first motor."""
     links: frozenset[str]
-    """The links that close on the cube."""
     cube: Cube
     gaps: tuple[float, float]
     """Narrowest and widest gap [m] without the cube."""

@@ -96,9 +96,7 @@ class ObservedLink:
     collision_bounds: tuple[Vector3, Vector3] | None = None
     """Lowest and highest corner [m] of all collision geometry, in the link's frame."""
     has_visuals: bool | None = None
-    """Whether the link has visual geometry."""
     has_collisions: bool | None = None
-    """Whether the link has collision geometry."""
     visuals: tuple[ObservedShape, ...] | None = None
     """Each visual of the link, in the order of the file."""
     collisions: tuple[ObservedShape, ...] | None = None
@@ -249,7 +247,6 @@ class Observation:
     format: str
     """Name of a :class:`stepbot.formats.format.Format`."""
     name: str | None = None
-    """Name of the robot."""
     base: str | None = None
     """``fixed`` or ``floating``; None if neither the file nor the engine determines it."""
     links: tuple[ObservedLink, ...] = ()

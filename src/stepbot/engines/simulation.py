@@ -37,7 +37,6 @@ class Motor:
     limit: Limit
     """Narrower of the limits of joint and actuator."""
     angular: bool
-    """Whether the joint turns."""
     computed: bool = False
     """Whether its gains are computed, for a bandwidth that is not below the default."""
     braked: bool = False
@@ -97,7 +96,6 @@ class Simulation(Protocol):
     seconds: float
     """Time [s] spent in the engine's steps, by the clock."""
     steps: int
-    """Number of steps so far."""
 
     def reset(self, q: Mapping[str, float], X_WR: Pose | None = None) -> None:
         """Place the robot at rest, motors off.

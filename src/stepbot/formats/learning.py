@@ -33,7 +33,6 @@ class Program(NamedTuple):
     """A program that robots are trained in."""
 
     format: str
-    """The format of the file that it loads."""
     write: Callable[[Robot, str], str]
     """The Python file of a robot lowered for the format, whose description has that name."""
     rejects: Callable[[Robot], str] = lambda _robot: ""

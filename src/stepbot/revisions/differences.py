@@ -43,7 +43,6 @@ class Difference:
     old: float | None = None
     """The old value of a quantity in ``unit``; None if it is not one finite number."""
     new: float | None = None
-    """The new one."""
 
 
 def step_differences(old: Snapshot, new: Snapshot) -> tuple[Difference, ...]:

@@ -47,7 +47,6 @@ class _Reporter:
         """Old parts that may correspond to a new one, if nothing in the sidecar depends on it."""
 
     def report(self) -> None:
-        """Report it."""
         if self._c.match.is_moved:
             message = f"step: the whole assembly {common_words(self._c.match.common)}"
             self._found.add("SB318:pose", message, self._sidecar.span("step"), help=[self._accept])

@@ -35,7 +35,6 @@ class SpreadExcess:
     """A direction in which a mass is spread further than its geometry reaches."""
 
     direction: Vector3
-    """Unit direction."""
     given: float
     """Root mean square distance [m] of the mass from its centre along it."""
     largest: float

@@ -26,7 +26,6 @@ class JointKind(StrEnum):
     about: str
     """What stays in place while it turns: a ``line``, a ``point``, or nothing."""
     slides: bool
-    """Whether it slides along its axis."""
     bounded: bool
     """Whether it needs a lower and an upper limit."""
     closes: bool

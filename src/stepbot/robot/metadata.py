@@ -19,9 +19,7 @@ class Metadata:
     """What the sidecar states about the description; empty where it does not."""
 
     maintainer: str = ""
-    """Name of the maintainer."""
     email: str = ""
-    """Address of the maintainer."""
     license: str = ""
     """Licence of the description, by its SPDX identifier where it has one."""
     version: str = ""

@@ -226,7 +226,6 @@ class Mimic:
     """q = multiplier * q_leader + offset."""
 
     joint: str
-    """Name of the leading joint."""
     multiplier: float = 1.0
     offset: float = 0.0
     """[rad] or [m]."""

@@ -40,9 +40,7 @@ class FileContent:
     products: Products
     definitions: Definitions
     materials: list[StepMaterial]
-    """For each definition the material of its product."""
     mechanisms: int
-    """Number of kinematic mechanisms in the file."""
     elsewhere: Mapping[int, int]
     """For each definition whose shape is in another file the index of that file."""
 

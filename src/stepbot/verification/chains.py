@@ -93,9 +93,7 @@ class Step:
     twists: Array
     """Twist of each coordinate at unit speed, in the frame of the chain's parent, at zero; shape (n, 6)."""
     joint: ObservedJoint
-    """The joint in the file."""
     named: bool = True
-    """Whether the file names it."""
     followers: Mapping[str, float] = field(default_factory=dict)
     """Coordinates that follow, and their multipliers."""
 

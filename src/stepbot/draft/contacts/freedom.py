@@ -52,7 +52,6 @@ class Freedom:
     point: Array | None = None
     """Shape (3,) [m]: on the axis; the centre of a ball or a universal joint."""
     direction: Array | None = None
-    """Shape (3,): direction of the axis."""
 
 
 def freedom(

@@ -29,7 +29,6 @@ class _Seat:
     part: int
     relation: Relation
     length: float
-    """Engaged length [m]."""
 
 
 def bearing_evidence(survey: Survey, found: Evidence) -> None:

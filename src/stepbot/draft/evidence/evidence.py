@@ -78,7 +78,6 @@ class JointEvidence:
     relation: Relation | None = None
     axis2: Axis | None = None
     drives: bool = False
-    """Whether it is the output of a motor."""
     motor: str = ""
     """Path of that motor; empty if it is not named as one."""
     by_role: bool = False

@@ -263,7 +263,6 @@ class _Linkages:
         return most > _LEVER > -least or least < -_LEVER < -most
 
     def _between(self) -> dict[tuple[int, int], list[Relation]]:
-        """The relations between each pair of bodies."""
         found: dict[tuple[int, int], list[Relation]] = defaultdict(list)
         for (a, b), r in self._survey.pairs():
             one, two = sorted((self._bodies.find(a), self._bodies.find(b)))

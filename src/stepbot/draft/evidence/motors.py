@@ -66,7 +66,6 @@ class Motor:
     outputs: tuple[int, ...] = ()
     """Parts that are named a horn or an idler."""
     is_named: bool = True
-    """Whether it is a motor by its name; otherwise by its use."""
 
 
 def find_motors(survey: Survey) -> list[Motor]:

@@ -69,7 +69,6 @@ class Question:
     point: Array
     """On the axis [m]."""
     direction: Array
-    """Unit direction of the axis."""
     still: tuple[Shape, ...]
     """Parts of the parent link."""
     moving: tuple[Shape, ...]

@@ -116,7 +116,6 @@ class OpenLimit:
     missing: tuple[str, ...]
     """``lower``, ``upper``, or both."""
     has_element: bool
-    """Whether there is a ``<limit>`` without them."""
 
 
 @dataclass(frozen=True, eq=False)

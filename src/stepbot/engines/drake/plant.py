@@ -41,7 +41,6 @@ class Built:
     frames: tuple[str, ...]
     """Names of the frames in the file, as far as Drake keeps them."""
     name: str
-    """Name of the robot."""
 
     @cached_property
     def bodies(self) -> list[Any]:

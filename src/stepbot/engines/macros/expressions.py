@@ -29,9 +29,7 @@ class Expanded(NamedTuple):
     arguments: tuple[str, ...]
     """Names of the arguments that the xacro declares."""
     error: str = ""
-    """Why it cannot be expanded."""
     at: Place = Place("", 0)
-    """Where the error is."""
     calls: tuple[Place, ...] = ()
     """The macro calls around the error, the innermost first."""
 

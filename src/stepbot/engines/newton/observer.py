@@ -114,12 +114,10 @@ class _Loaded:
         )
 
     def named(self, path: str) -> str:
-        """Name of the prim at a path."""
         return name_of(self.stage.GetPrimAtPath(path))
 
     @cached_property
     def bodies(self) -> list[str]:
-        """Names of the bodies."""
         return [self.named(path) for path in self.builder.body_label]
 
     @cached_property
@@ -175,7 +173,6 @@ class _Loaded:
         return found
 
     def link(self, i: int) -> ObservedLink:
-        """A link."""
         model = self.model
         return ObservedLink(
             self.bodies[i],
@@ -185,7 +182,6 @@ class _Loaded:
         )
 
     def joints(self) -> Iterator[ObservedJoint]:
-        """The joints of the tree."""
         for i in self.tree:
             yield self.joint(i)
 

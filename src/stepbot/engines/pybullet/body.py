@@ -14,7 +14,6 @@ class Body:
     engine: Any
     id: int
     model: str
-    """Name of the robot."""
     links: tuple[str, ...]
     """The base first; PyBullet's index is one less."""
     joints: tuple[tuple[Any, ...], ...]

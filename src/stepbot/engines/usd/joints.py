@@ -48,7 +48,6 @@ class Connection:
     frames: tuple[Pose, Pose]
     """Pose of the joint in both bodies, or in the stage."""
     closes: bool
-    """Whether it is excluded from the articulation."""
 
     @property
     def name(self) -> str:

@@ -283,7 +283,6 @@ def _is_passive(joint: Joint, driven: set[str]) -> bool:
 
 
 def _driven(robot: Robot) -> set[str]:
-    """Joints with an actuator, and those that follow them."""
     driven = {actuator.joint for actuator in robot.actuators}
     followers = {joint.name: joint.mimic.joint for joint in robot.joints if joint.mimic is not None}
     while more := {name for name, leader in followers.items() if leader in driven} - driven:

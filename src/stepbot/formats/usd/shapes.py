@@ -147,7 +147,6 @@ def _material(scope: str, rgba: Rgba, identifier: str) -> Prim:
 
 
 def _contact(surface: Surface, identifier: str) -> Prim:
-    """A material of friction and restitution."""
     material = Prim("Material", identifier)
     material.schemas.append("PhysicsMaterialAPI")
     if surface.friction is not None:

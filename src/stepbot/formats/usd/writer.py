@@ -160,7 +160,6 @@ def scenes(robot: Robot) -> dict[str, bytes]:
 
 
 def _body(prim: Prim, link: Link) -> None:
-    """A rigid body with its mass properties."""
     body = link.mass_properties
     moments, axes = principal_axes(body.inertia)
     prim.schemas += ["PhysicsRigidBodyAPI", "PhysicsMassAPI"]

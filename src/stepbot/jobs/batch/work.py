@@ -82,7 +82,6 @@ class ProcessPerThread(ThreadPoolExecutor):
             raise
 
     def _worker(self, function: str) -> Worker:
-        """The process of this thread."""
         mine = threading.get_ident()
         with self._lock:
             if self._ended:

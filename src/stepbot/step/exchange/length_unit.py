@@ -31,7 +31,6 @@ class LengthUnit:
 
     name: str
     scale: float
-    """Metres per unit."""
     others: tuple[str, ...] = ()
     """Further units that some shapes are in."""
 

@@ -75,7 +75,6 @@ class LineFace:
     """A face on a line."""
 
     component: int
-    """Index of its component."""
     radius: float
     """[m]."""
     bore: bool

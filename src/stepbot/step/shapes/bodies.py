@@ -66,9 +66,7 @@ class BodyRequest:
     """Of all its occurrences; the finest one applies."""
     refine_mass_to: float = 0.0
     area: bool = False
-    """Whether to integrate its area."""
     faces: bool = False
-    """Whether to keep every face."""
     only_mesh: str = ""
     """Why only a mesh is to be made: what the complete body failed of, for messages."""
 

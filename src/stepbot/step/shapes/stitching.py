@@ -23,7 +23,6 @@ class FacetedFace:
     """The triangles of one face, outward-facing."""
 
     place: int
-    """Index of the face in its shape, from 0."""
     nodes: Array
     """Shape (n, 3)."""
     triangles: NDArray[np.int32]

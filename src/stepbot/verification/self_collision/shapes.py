@@ -82,7 +82,6 @@ class Shape:
     radius: float
     """Centre (3,) and radius [m] of a sphere around the shape, in the link's frame."""
     is_ball: bool = False
-    """Whether the shape is that sphere."""
 
 
 def shapes_of(robot: Robot) -> dict[str, tuple[Shape, ...]]:

@@ -108,7 +108,6 @@ class Reduced:
     faces: int
     """Number of triangles of the robot's meshes."""
     displayed: int
-    """Number of displayed triangles."""
 
 
 def reduced(robot: Robot, budget: int = BUDGET) -> Reduced:
