@@ -6,17 +6,21 @@ the expectation for engines that read the file.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from math import isfinite
+from dataclasses import dataclass, replace
+from math import inf, isfinite
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.robot import multi_dof
-from stepbot.robot.model import Base, JointKind, MeshFormat, Robot
-from stepbot.robot.sensors import SensorKind
+from stepbot.robot.model import Base, Collision, Joint, JointDynamics, JointKind, Limit, MeshFormat, Robot, Visual
+from stepbot.robot.sensors import Sensor, SensorKind
 
 from ..features import Feature, Level
 from ..format import Format
 from . import devices, joints, masses, names, rerooted_loops, shapes
+
+
+def _unchanged(robot: Robot) -> Robot:
+    return robot
 
 
 @dataclass(frozen=True)
@@ -25,7 +29,7 @@ class _Handling:
 
     affected: Callable[[Robot], list[str]]
     """The affected elements of the robot, for the message; empty if the robot does not have the feature."""
-    rewrite: Callable[[Robot], Robot] = lambda robot: robot
+    rewrite: Callable[[Robot], Robot] = _unchanged
     """Replaces the feature by what the format has."""
     leave_out: Callable[[Robot], Robot] | None = None
     """Removes the feature, for formats that cannot express it; ``rewrite`` if None."""
@@ -67,47 +71,106 @@ def _given(*names: str) -> Callable[[Robot], list[str]]:
     ]
 
 
-def _sensors(kind: SensorKind) -> _Handling:
-    return _Handling(devices.sensors_of(kind), leave_out=devices.without_sensors(kind))
+def _joints(
+    condition: Callable[[Joint], bool],
+    rewrite: Callable[[Joint], Joint] | None = None,
+    leave_out: Callable[[Joint], Joint] | None = None,
+) -> _Handling:
+    """The joints that satisfy a condition; each of them is changed on its own."""
+
+    def each(change: Callable[[Joint], Joint]) -> Callable[[Robot], Robot]:
+        return joints.each_joint(lambda joint: change(joint) if condition(joint) else joint)
+
+    return _Handling(
+        joints.joints_where(condition), each(rewrite) if rewrite else _unchanged, each(leave_out) if leave_out else None
+    )
+
+
+def _unfolded(kind: JointKind, rewrite: Callable[[Robot], Robot]) -> _Handling:
+    return _Handling(joints.joints_where(lambda joint: joint.kind is kind), rewrite)
+
+
+def _sensors(
+    condition: Callable[[Sensor], bool],
+    rewrite: Callable[[Sensor], Sensor] | None = None,
+    leave_out: Callable[[Sensor], Sensor] | None = None,
+) -> _Handling:
+    """The sensors that satisfy a condition; each of them is changed on its own."""
+
+    def each(change: Callable[[Sensor], Sensor]) -> Callable[[Robot], Robot]:
+        return lambda robot: replace(robot, sensors=tuple(change(s) if condition(s) else s for s in robot.sensors))
+
+    return _Handling(
+        devices.sensors_where(condition),
+        each(rewrite) if rewrite else _unchanged,
+        each(leave_out) if leave_out else None,
+    )
+
+
+def _sensor_kind(kind: SensorKind) -> _Handling:
+    """All sensors of a kind, which are left out."""
+    return _Handling(
+        devices.sensors_where(lambda sensor: sensor.kind is kind),
+        leave_out=lambda robot: replace(robot, sensors=tuple(s for s in robot.sensors if s.kind is not kind)),
+    )
+
+
+def _surfaces(*names: str) -> _Handling:
+    """Contact properties that are given, which are left out."""
+    return _Handling(
+        shapes.surfaces_where(lambda one: any(getattr(one, name) is not None for name in names)),
+        leave_out=shapes.without_surface(*names),
+    )
+
+
+def _as_obj(kind: type[Visual | Collision], *formats: MeshFormat) -> _Handling:
+    return _Handling(shapes.meshes_as(kind, *formats), shapes.as_obj(kind))
+
+
+def _without_rate(sensor: Sensor) -> Sensor:
+    """The sensor, which then measures in every step."""
+    return replace(sensor, rate=0.0)
 
 
 # In this order: names before references to them, zeros of loops before limits and drawn poses.
 _HANDLINGS: Mapping[Feature, _Handling] = {
     Feature.JOINT_NAME: _Handling(names.renamed_joints, names.rename_joints),
     Feature.FRAME_NAME: _Handling(names.renamed_frames, names.rename_frames),
-    Feature.FLOATING: _Handling(joints.joints_of(JointKind.FLOATING), multi_dof.floating_to_slides_and_ball),
-    Feature.PLANAR: _Handling(joints.joints_of(JointKind.PLANAR), multi_dof.planar_to_three),
-    Feature.CYLINDRICAL: _Handling(joints.joints_of(JointKind.CYLINDRICAL), multi_dof.cylindrical_to_two),
-    Feature.SCREW: _Handling(joints.joints_of(JointKind.SCREW), multi_dof.screw_to_mimic),
-    Feature.UNIVERSAL: _Handling(joints.joints_of(JointKind.UNIVERSAL), multi_dof.universal_to_revolutes),
-    Feature.BALL: _Handling(joints.joints_of(JointKind.BALL), multi_dof.ball_to_revolutes),
-    Feature.BALL_LIMIT: _Handling(
-        joints.joints_where(joints.is_limited_ball), joints.each_joint(joints.without_ball_limit)
+    Feature.FLOATING: _unfolded(JointKind.FLOATING, multi_dof.floating_to_slides_and_ball),
+    Feature.PLANAR: _unfolded(JointKind.PLANAR, multi_dof.planar_to_three),
+    Feature.CYLINDRICAL: _unfolded(JointKind.CYLINDRICAL, multi_dof.cylindrical_to_two),
+    Feature.SCREW: _unfolded(JointKind.SCREW, multi_dof.screw_to_mimic),
+    Feature.UNIVERSAL: _unfolded(JointKind.UNIVERSAL, multi_dof.universal_to_revolutes),
+    Feature.BALL: _unfolded(JointKind.BALL, multi_dof.ball_to_revolutes),
+    Feature.BALL_LIMIT: _joints(
+        lambda joint: joint.kind is JointKind.BALL and joint.limit != Limit(),
+        lambda joint: replace(joint, limit=Limit()),
     ),
-    Feature.BALL_FORCE: _Handling(
-        joints.joints_where(joints.is_loaded_ball), joints.each_joint(joints.without_ball_force)
+    Feature.BALL_FORCE: _joints(
+        joints.is_loaded_ball, lambda joint: replace(joint, dynamics=JointDynamics(armature=joint.dynamics.armature))
     ),
     Feature.FOLLOWER: _Handling(joints.describe_followers, joints.mimic_followers),
-    Feature.CLOSURE: _Handling(joints.describe_closures(lambda closure: True), joints.drop_closures),
+    Feature.CLOSURE: _Handling(
+        joints.describe_closures(lambda closure: True), lambda robot: replace(robot, closures=())
+    ),
     Feature.SLIDING_CLOSURE: _Handling(rerooted_loops.sliding_closures, rerooted_loops.reroot_loops),
     Feature.STUCK_CLOSURE: _Handling(joints.describe_closures(lambda closure: closure.kind is JointKind.PRISMATIC)),
     Feature.LOOP_ZERO: _Handling(joints.loop_zeros, joints.move_loop_zeros),
-    Feature.INITIAL_POSE: _Handling(joints.joints_where(lambda joint: joint.drawn_position != 0.0)),
-    Feature.OPEN_POSITION: _Handling(joints.joints_where(joints.is_open), joints.each_joint(joints.bound)),
-    Feature.OPEN_EFFORT: _Handling(joints.joints_where(joints.lacks_effort), joints.each_joint(joints.bound_effort)),
-    Feature.VELOCITY: _Handling(
-        joints.joints_where(lambda joint: joint.kind is not JointKind.FIXED and isfinite(joint.limit.velocity)),
+    Feature.INITIAL_POSE: _joints(lambda joint: joint.drawn_position != 0.0),
+    Feature.OPEN_POSITION: _joints(joints.is_open, joints.bound),
+    Feature.OPEN_EFFORT: _joints(joints.lacks_effort, joints.bound_effort),
+    Feature.VELOCITY: _joints(lambda joint: joint.kind is not JointKind.FIXED and isfinite(joint.limit.velocity)),
+    Feature.SPRING: _joints(
+        lambda joint: joint.dynamics.stiffness != 0.0,
+        leave_out=lambda joint: replace(joint, dynamics=replace(joint.dynamics, stiffness=0.0, spring_reference=0.0)),
     ),
-    Feature.SPRING: _Handling(
-        joints.joints_where(lambda joint: joint.dynamics.stiffness != 0.0),
-        leave_out=joints.each_joint(joints.without_spring),
-    ),
-    Feature.ARMATURE: _Handling(
-        joints.joints_where(lambda joint: joint.dynamics.armature != 0.0), joints.each_joint(joints.without_armature)
+    Feature.ARMATURE: _joints(
+        lambda joint: joint.dynamics.armature != 0.0,
+        lambda joint: replace(joint, dynamics=replace(joint.dynamics, armature=0.0)),
     ),
     # Kept for MoveIt's settings.
-    Feature.ACCELERATION: _Handling(joints.joints_where(lambda joint: joint.limit.is_smooth)),
-    Feature.MIMIC: _Handling(joints.joints_where(lambda joint: joint.mimic is not None)),
+    Feature.ACCELERATION: _joints(lambda joint: joint.limit.is_smooth),
+    Feature.MIMIC: _joints(lambda joint: joint.mimic is not None),
     Feature.MIMIC_CHAIN: _Handling(joints.chained_mimics, joints.flatten_mimics),
     Feature.MIXED_MIMIC: _Handling(joints.mixed_mimics, leave_out=joints.without_mixed_mimics),
     Feature.OPTICAL: _Handling(devices.sensors_where(devices.lacks_optical_frame), devices.with_optical_frames),
@@ -115,7 +178,7 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
         lambda robot: [f"'{frame.name}' on '{frame.link}'" for frame in robot.frames], joints.frames_as_links
     ),
     Feature.ACTUATOR: _Handling(
-        devices.actuators_where(lambda _robot, _actuator: True), leave_out=devices.without_actuators
+        devices.actuators_where(lambda _robot, _actuator: True), leave_out=lambda robot: replace(robot, actuators=())
     ),
     Feature.SECOND_ACTUATOR: _Handling(devices.further_actuators, leave_out=devices.without_further_actuators),
     Feature.GEAR: _Handling(
@@ -128,61 +191,49 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
         devices.actuators_where(devices.is_unlimited_actuator), devices.bound_actuators
     ),
     # After what takes motors away.
-    Feature.FAR_LIMIT: _Handling(joints.far_limits, leave_out=joints.without_far_limits),
+    Feature.FAR_LIMIT: _Handling(joints.joints_where(joints.is_far), leave_out=joints.without_far_limits),
     Feature.PASSIVE_LIMIT: _Handling(joints.passive_limits, leave_out=joints.without_passive_limits),
-    Feature.JOINT_SENSOR: _sensors(SensorKind.JOINT),
-    Feature.IMU: _sensors(SensorKind.IMU),
-    Feature.FORCE_TORQUE: _sensors(SensorKind.FORCE_TORQUE),
-    Feature.OFF_JOINT: _Handling(devices.sensors_where(devices.is_off_joint)),
-    Feature.CAMERA: _sensors(SensorKind.CAMERA),
-    Feature.LIDAR: _sensors(SensorKind.LIDAR),
-    Feature.CONTACT: _sensors(SensorKind.CONTACT),
+    Feature.JOINT_SENSOR: _sensor_kind(SensorKind.JOINT),
+    Feature.IMU: _sensor_kind(SensorKind.IMU),
+    Feature.FORCE_TORQUE: _sensor_kind(SensorKind.FORCE_TORQUE),
+    # Torques are measured about the origin of the joint.
+    Feature.OFF_JOINT: _sensors(lambda sensor: sensor.kind is SensorKind.FORCE_TORQUE and any(sensor.X_LS.position)),
+    Feature.CAMERA: _sensor_kind(SensorKind.CAMERA),
+    Feature.LIDAR: _sensor_kind(SensorKind.LIDAR),
+    Feature.CONTACT: _sensor_kind(SensorKind.CONTACT),
     Feature.SENSOR_PLACE: _Handling(devices.sensors_where(devices.has_place), devices.sensors_as_links),
-    Feature.SENSOR_RATE: _Handling(
-        devices.sensors_where(lambda sensor: sensor.rate != 0.0), leave_out=devices.without_rates
+    Feature.SENSOR_RATE: _sensors(lambda sensor: sensor.rate != 0.0, leave_out=_without_rate),
+    Feature.ENCODER_RATE: _sensors(
+        lambda sensor: sensor.kind is SensorKind.JOINT and sensor.rate != 0.0, leave_out=_without_rate
     ),
-    Feature.ENCODER_RATE: _Handling(
-        devices.sensors_where(devices.is_timed_encoder), leave_out=devices.without_encoder_rates
+    Feature.CAMERA_EXTRAS: _sensors(
+        devices.has_camera_extras,
+        leave_out=lambda sensor: replace(sensor, rate=0.0, view=replace(sensor.view, nearest=0.0, farthest=inf)),
     ),
-    Feature.CAMERA_EXTRAS: _Handling(
-        devices.sensors_where(devices.has_camera_extras), leave_out=devices.without_camera_extras
+    Feature.LIDAR_NEAREST: _sensors(
+        lambda sensor: sensor.kind is SensorKind.LIDAR and sensor.view.nearest != 0.0,
+        leave_out=lambda sensor: replace(sensor, view=replace(sensor.view, nearest=0.0)),
     ),
-    Feature.LIDAR_NEAREST: _Handling(
-        devices.sensors_where(devices.is_blind_when_near), leave_out=devices.seeing_what_is_near
-    ),
-    Feature.OPEN_VIEW: _Handling(devices.sensors_where(devices.is_open_view), devices.bound_views),
+    Feature.OPEN_VIEW: _sensors(devices.is_open_view, devices.bounded_view),
     Feature.TIMESTEP: _Handling(_given("timestep")),
     Feature.SOLVER: _Handling(_given("integrator", "closure_stiffness")),
-    Feature.STL_VISUAL: _Handling(masses.visuals_as(MeshFormat.STL), masses.with_obj_visuals),
-    Feature.DAE_VISUAL: _Handling(masses.visuals_as(MeshFormat.DAE), masses.with_obj_visuals),
-    Feature.GLB_VISUAL: _Handling(masses.visuals_as(MeshFormat.GLB), masses.with_obj_visuals),
-    Feature.STL_COLLISION: _Handling(masses.collisions_as(MeshFormat.STL), masses.with_obj_collisions),
-    Feature.OTHER_COLLISION: _Handling(
-        masses.collisions_as(MeshFormat.DAE, MeshFormat.GLB), masses.with_obj_collisions
-    ),
+    Feature.STL_VISUAL: _as_obj(Visual, MeshFormat.STL),
+    Feature.DAE_VISUAL: _as_obj(Visual, MeshFormat.DAE),
+    Feature.GLB_VISUAL: _as_obj(Visual, MeshFormat.GLB),
+    Feature.STL_COLLISION: _as_obj(Collision, MeshFormat.STL),
+    Feature.OTHER_COLLISION: _as_obj(Collision, MeshFormat.DAE, MeshFormat.GLB),
     Feature.CAPSULE: _Handling(shapes.links_with_capsules, shapes.split_capsules),
     Feature.EXCLUDED_CONTACT: _Handling(shapes.excluded_pairs),
     Feature.MIXED_SURFACE: _Handling(shapes.mixed_surfaces, shapes.one_surface),
-    Feature.SURFACE: _Handling(
-        shapes.surfaces_where(lambda one: one.friction is not None), leave_out=shapes.without_surface("friction")
-    ),
-    Feature.SPIN: _Handling(
-        shapes.surfaces_where(lambda one: one.torsional is not None or one.rolling is not None),
-        leave_out=shapes.without_surface("torsional", "rolling"),
-    ),
-    Feature.BOUNCE: _Handling(
-        shapes.surfaces_where(lambda one: one.restitution is not None), leave_out=shapes.without_surface("restitution")
-    ),
+    Feature.SURFACE: _surfaces("friction"),
+    Feature.SPIN: _surfaces("torsional", "rolling"),
+    Feature.BOUNCE: _surfaces("restitution"),
     Feature.DEAD_BOUNCE: _Handling(shapes.surfaces_where(shapes.is_dead), shapes.without_dead_bounce),
-    Feature.SOFTNESS: _Handling(
-        shapes.surfaces_where(lambda one: one.softness is not None), leave_out=shapes.without_surface("softness")
-    ),
+    Feature.SOFTNESS: _surfaces("softness"),
     Feature.FLAT_COLLISION: _Handling(shapes.flat_collisions, shapes.drop_flat_collisions),
     Feature.CONCAVE_COLLISION: _Handling(shapes.concave_collisions),
     Feature.MASSLESS: _Handling(masses.massless_links, masses.with_stand_in_masses),
-    Feature.MASSLESS_BODY: _Handling(
-        masses.massless_moving_links, masses.with_least_masses, leave_out=lambda robot: robot
-    ),
+    Feature.MASSLESS_BODY: _Handling(masses.massless_moving_links, masses.with_least_masses, leave_out=_unchanged),
     Feature.FIXED_BASE: _Handling(_root_if(Base.FIXED)),
     Feature.FLOATING_BASE: _Handling(_root_if(Base.FLOATING)),
 }

@@ -30,21 +30,11 @@ def sensors_where(condition: Callable[[Sensor], bool]) -> Callable[[Robot], list
     ]
 
 
-def sensors_of(kind: SensorKind) -> Callable[[Robot], list[str]]:
-    """Names of the sensors of a kind."""
-    return sensors_where(lambda sensor: sensor.kind is kind)
-
-
 def actuators_where(condition: Callable[[Robot, Actuator], bool]) -> Callable[[Robot], list[str]]:
     """Names of the actuators that satisfy a condition, and their joints."""
     return lambda robot: [
         f"'{actuator.name}' on '{actuator.joint}'" for actuator in robot.actuators if condition(robot, actuator)
     ]
-
-
-def without_actuators(robot: Robot) -> Robot:
-    """The robot without its actuators."""
-    return replace(robot, actuators=())
 
 
 def further_actuators(robot: Robot) -> list[str]:
@@ -59,15 +49,6 @@ def without_further_actuators(robot: Robot) -> Robot:
 
 def _first(robot: Robot) -> tuple[Actuator, ...]:
     return tuple({actuator.joint: actuator for actuator in reversed(robot.actuators)}.values())[::-1]
-
-
-def without_sensors(kind: SensorKind) -> Callable[[Robot], Robot]:
-    """The robot without its sensors of a kind."""
-    return lambda robot: replace(robot, sensors=tuple(s for s in robot.sensors if s.kind is not kind))
-
-
-def _each_sensor(rewrite: Callable[[Sensor], Sensor]) -> Callable[[Robot], Robot]:
-    return lambda robot: replace(robot, sensors=tuple(rewrite(sensor) for sensor in robot.sensors))
 
 
 def gears_at_joints(robot: Robot) -> Robot:
@@ -117,16 +98,11 @@ def is_open_view(sensor: Sensor) -> bool:
     return sensor.kind in SEEING and (sensor.view.nearest == 0.0 or isinf(sensor.view.farthest))
 
 
-def _bounded(sensor: Sensor) -> Sensor:
-    if not is_open_view(sensor):
-        return sensor
+def bounded_view(sensor: Sensor) -> Sensor:
+    """The camera or lidar with a finite range."""
     nearest = sensor.view.nearest or min(NEAREST, 0.1 * sensor.view.farthest)
     farthest = max(FARTHEST, 10.0 * nearest) if isinf(sensor.view.farthest) else sensor.view.farthest
     return replace(sensor, view=replace(sensor.view, nearest=nearest, farthest=farthest))
-
-
-bound_views = _each_sensor(_bounded)
-"""The robot with finite ranges for every camera and lidar."""
 
 
 def has_place(sensor: Sensor) -> bool:
@@ -184,48 +160,7 @@ def _is_there(robot: Robot, name: str, link: str, X_LF: Pose) -> bool:
     return any(on == link and np.allclose(X.matrix, X_LF.matrix, rtol=0.0, atol=_SAME) for on, X in frames)
 
 
-def is_off_joint(sensor: Sensor) -> bool:
-    """Whether a force-torque sensor is not at the origin of its joint, about which torques are measured."""
-    return sensor.kind is SensorKind.FORCE_TORQUE and any(sensor.X_LS.position)
-
-
 def has_camera_extras(sensor: Sensor) -> bool:
     """Whether a camera has a rate or a limited range."""
     bounded = sensor.view.nearest != 0.0 or not isinf(sensor.view.farthest)
     return sensor.kind is SensorKind.CAMERA and (sensor.rate != 0.0 or bounded)
-
-
-def is_blind_when_near(sensor: Sensor) -> bool:
-    """Whether a lidar has a minimum range."""
-    return sensor.kind is SensorKind.LIDAR and sensor.view.nearest != 0.0
-
-
-without_rates = _each_sensor(lambda sensor: replace(sensor, rate=0.0))
-"""The robot with sensors that measure in every step."""
-
-
-def _plain(sensor: Sensor) -> Sensor:
-    view = replace(sensor.view, nearest=0.0, farthest=inf)
-    return replace(sensor, rate=0.0, view=view) if sensor.kind is SensorKind.CAMERA else sensor
-
-
-without_camera_extras = _each_sensor(_plain)
-"""The robot with cameras without rate and range."""
-
-
-def _near(sensor: Sensor) -> Sensor:
-    view = replace(sensor.view, nearest=0.0)
-    return replace(sensor, view=view) if sensor.kind is SensorKind.LIDAR else sensor
-
-
-seeing_what_is_near = _each_sensor(_near)
-"""The robot with lidars without minimum range."""
-
-
-def is_timed_encoder(sensor: Sensor) -> bool:
-    """Whether a joint sensor has a rate."""
-    return sensor.kind is SensorKind.JOINT and sensor.rate != 0.0
-
-
-without_encoder_rates = _each_sensor(lambda sensor: replace(sensor, rate=0.0) if is_timed_encoder(sensor) else sensor)
-"""The robot with joint sensors that measure in every step."""

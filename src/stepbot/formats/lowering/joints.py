@@ -21,11 +21,6 @@ def joints_where(condition: Callable[[Joint], bool]) -> Callable[[Robot], list[s
     return lambda robot: [f"'{joint.name}'" for joint in robot.joints if condition(joint)]
 
 
-def joints_of(kind: JointKind) -> Callable[[Robot], list[str]]:
-    """Names of the joints of a kind."""
-    return joints_where(lambda joint: joint.kind is kind)
-
-
 def each_joint(rewrite: Callable[[Joint], Joint]) -> Callable[[Robot], Robot]:
     """The robot with every joint rewritten."""
     return lambda robot: replace(robot, joints=tuple(rewrite(joint) for joint in robot.joints))
@@ -38,8 +33,6 @@ def is_open(joint: Joint) -> bool:
 
 def bound(joint: Joint) -> Joint:
     """The joint with numbers in place of missing position limits; a revolute one without any is continuous."""
-    if not is_open(joint):
-        return joint
     lower, upper = joint.limit.lower, joint.limit.upper
     if joint.kind is JointKind.REVOLUTE and isinf(lower) and isinf(upper):
         return replace(joint, kind=JointKind.CONTINUOUS)
@@ -56,43 +49,15 @@ def lacks_effort(joint: Joint) -> bool:
 
 def bound_effort(joint: Joint) -> Joint:
     """The joint with numbers in place of missing effort and velocity limits."""
-    if not lacks_effort(joint):
-        return joint
     limit = replace(
         joint.limit, effort=min(joint.limit.effort, UNLIMITED), velocity=min(joint.limit.velocity, UNLIMITED)
     )
     return replace(joint, limit=limit)
 
 
-def is_limited_ball(joint: Joint) -> bool:
-    """Whether a ball joint has an effort or velocity limit."""
-    return joint.kind is JointKind.BALL and joint.limit != Limit()
-
-
-def without_ball_limit(joint: Joint) -> Joint:
-    """The joint, without limits if it is a ball joint."""
-    return replace(joint, limit=Limit()) if joint.kind is JointKind.BALL else joint
-
-
 def is_loaded_ball(joint: Joint) -> bool:
     """Whether a ball joint has damping, friction or a spring."""
     return joint.kind is JointKind.BALL and replace(joint.dynamics, armature=0.0) != JointDynamics()
-
-
-def without_ball_force(joint: Joint) -> Joint:
-    """The joint, without passive forces if it is a ball joint."""
-    kept = JointDynamics(armature=joint.dynamics.armature)
-    return replace(joint, dynamics=kept) if joint.kind is JointKind.BALL else joint
-
-
-def without_spring(joint: Joint) -> Joint:
-    """The joint without its spring."""
-    return replace(joint, dynamics=replace(joint.dynamics, stiffness=0.0, spring_reference=0.0))
-
-
-def without_armature(joint: Joint) -> Joint:
-    """The joint without armature."""
-    return replace(joint, dynamics=replace(joint.dynamics, armature=0.0))
 
 
 def chained_mimics(robot: Robot) -> list[str]:
@@ -154,11 +119,6 @@ def mimic_followers(robot: Robot) -> Robot:
     """The robot with a mimic in each joint that follows a driven one through a loop."""
     mimics = {follower.joint: follower.mimic for follower in loop_followers(robot)}
     return each_joint(lambda joint: replace(joint, mimic=mimics.get(joint.name, joint.mimic)))(robot)
-
-
-def drop_closures(robot: Robot) -> Robot:
-    """The spanning tree."""
-    return replace(robot, closures=())
 
 
 def loop_zeros(robot: Robot) -> list[str]:
@@ -240,20 +200,15 @@ def has_stops(joint: Joint) -> bool:
     return joint.kind is JointKind.PRISMATIC or -pi <= lower <= 0.0 <= upper <= pi
 
 
-def far_limits(robot: Robot) -> list[str]:
-    """Hinges with limits that stops cannot represent."""
-    return [f"'{joint.name}'" for joint in robot.joints if _is_far(joint)]
-
-
 def without_far_limits(robot: Robot) -> Robot:
-    """The robot without these limits, except where a motor has them."""
+    """The robot without limits that stops cannot represent, except where a motor has them."""
     driven = _driven(robot)
-    free = {joint.name for joint in robot.joints if _is_far(joint)} - driven
 
     def freed(joint: Joint) -> Joint:
-        return replace(joint, limit=replace(joint.limit, lower=-inf, upper=inf)) if joint.name in free else joint
+        free = replace(joint, limit=replace(joint.limit, lower=-inf, upper=inf))
+        return free if is_far(joint) and joint.name not in driven else joint
 
-    return replace(robot, joints=tuple(map(freed, robot.joints)))
+    return each_joint(freed)(robot)
 
 
 def passive_limits(robot: Robot) -> list[str]:
@@ -269,10 +224,11 @@ def without_passive_limits(robot: Robot) -> Robot:
         unlimited = replace(joint.limit, effort=inf, velocity=inf)
         return replace(joint, limit=unlimited) if _is_passive(joint, driven) else joint
 
-    return replace(robot, joints=tuple(map(freed, robot.joints)))
+    return each_joint(freed)(robot)
 
 
-def _is_far(joint: Joint) -> bool:
+def is_far(joint: Joint) -> bool:
+    """Whether a hinge has limits that stops cannot represent."""
     bounded = not (isinf(joint.limit.lower) and isinf(joint.limit.upper))
     return joint.kind is JointKind.REVOLUTE and bounded and not has_stops(joint)
 

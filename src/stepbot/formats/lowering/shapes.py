@@ -2,25 +2,20 @@
 
 from collections.abc import Callable, Hashable
 from dataclasses import replace
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.predicates import is_convex, is_flat
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.model import Capsule, Collision, Cylinder, Geometry, Link, MeshRef, Robot, Sphere, Visual
+from stepbot.robot.model import Capsule, Collision, Cylinder, Link, MeshFormat, MeshRef, Robot, Sphere, Visual
 from stepbot.robot.surfaces import DEAD, Surface
 
 DENT = 1e-4
 """Ratio of depth to extent below which a dent is ignored: hulls of tiny parts have some, from the vertex grid."""
 
 _Shape = TypeVar("_Shape", Visual, Collision)
-
-
-def geometries(link: Link) -> list[Geometry]:
-    """The geometry of all visuals, then of all collisions of a link."""
-    return [shape.geometry for shape in link.shapes]
 
 
 def upright(shape: Visual | Collision) -> Pose:
@@ -36,9 +31,7 @@ def look(shape: Visual | Collision) -> tuple[Hashable, ...]:
 
 def links_with_capsules(robot: Robot) -> list[str]:
     """Links with a capsule."""
-    return [
-        f"'{link.name}'" for link in robot.links if any(isinstance(geometry, Capsule) for geometry in geometries(link))
-    ]
+    return [f"'{link.name}'" for link in robot.links if any(isinstance(one.geometry, Capsule) for one in link.shapes)]
 
 
 def split_capsules(robot: Robot) -> Robot:
@@ -47,12 +40,28 @@ def split_capsules(robot: Robot) -> Robot:
     def split(shapes: tuple[_Shape, ...]) -> tuple[_Shape, ...]:
         return tuple(part for shape in shapes for part in _split(shape))
 
-    return replace(
-        robot,
-        links=tuple(
-            replace(link, visuals=split(link.visuals), collisions=split(link.collisions)) for link in robot.links
-        ),
-    )
+    links = (replace(link, visuals=split(link.visuals), collisions=split(link.collisions)) for link in robot.links)
+    return replace(robot, links=tuple(links))
+
+
+def meshes_as(kind: type[Visual | Collision], *formats: MeshFormat) -> Callable[[Robot], list[str]]:
+    """The number of meshes of visuals or collisions, if they are in one of the formats."""
+    role = kind.__name__.lower()
+
+    def affected(robot: Robot) -> list[str]:
+        if getattr(robot.mesh_formats, role) not in formats:
+            return []
+        meshes = {shape.geometry for shape in robot.distinct_shapes if isinstance(shape, kind)}
+        count = sum(isinstance(geometry, MeshRef) for geometry in meshes)
+        return [f"{count} {role} mesh{'es' if count > 1 else ''}"] if count else []
+
+    return affected
+
+
+def as_obj(kind: type[Visual | Collision]) -> Callable[[Robot], Robot]:
+    """The robot with meshes of visuals or collisions as OBJ."""
+    obj: dict[str, Any] = {kind.__name__.lower(): MeshFormat.OBJ}
+    return lambda robot: replace(robot, mesh_formats=replace(robot.mesh_formats, **obj))
 
 
 def flat_collisions(robot: Robot) -> list[str]:
