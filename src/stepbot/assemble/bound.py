@@ -29,9 +29,8 @@ class PlacedJoint:
     child: str
     origin: Vector3
     """[m] in the assembly's frame."""
-    axis: Vector3 | None
+    axis: Vector3 | None = None
     """Unit direction in the same frame; None for a joint without one."""
-    is_closure: bool = False
 
 
 @dataclass(frozen=True)
@@ -79,5 +78,5 @@ def placed_joints(binder: Binder, frames: Frames) -> tuple[PlacedJoint, ...]:
         X_WF = frames.resolve(closure.origin, Wanted(("closures", name, "origin"), ends))
         if X_WF is not None:
             axis = direction_in(X_WF, closure.axis) if closure.type.has_axis else None
-            placed.append(PlacedJoint(name, closure.type.value, *ends, tidy(X_WF).position, axis, is_closure=True))
+            placed.append(PlacedJoint(name, closure.type.value, *ends, tidy(X_WF).position, axis))
     return tuple(placed)

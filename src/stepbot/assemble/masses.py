@@ -11,10 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from stepbot.diagnostics import Finding
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.report.robot import MeasuredBody
-from stepbot.robot.inertial_doubts import Doubt, density_doubt, inertial_doubts
+from stepbot.robot.inertial_doubts import density_doubt, inertial_doubts
 from stepbot.robot.kinematics import rigid_bodies
 from stepbot.robot.model import ComponentMass, Joint, Link
 from stepbot.robot.validity import inertia_fault
@@ -128,8 +129,7 @@ class _Sharing:
             return
         self._heavy.add(given.pattern)
         whole = "a mass is that of each component that the path matches, with everything below it"
-        help = tuple(filter(None, (doubt.remedy, whole)))
-        self._binder.report(doubt.code, given.keys, doubt.message, help=help)
+        self._binder.report(doubt.code, given.keys, doubt.message, help=(*doubt.help, whole))
 
     def _topmost(self, start: int, end: int, beside: str = "") -> list[int]:
         """Topmost components with a given mass in a range of indices, without those of the rule ``beside``."""
@@ -200,10 +200,9 @@ def report_given_inertials(
             _report(binder, link.name, doubt)
 
 
-def _report(binder: Binder, link: str, doubt: Doubt, *key: str) -> None:
+def _report(binder: Binder, link: str, doubt: Finding, *key: str) -> None:
     ignored = f"{_UNDRAWN}`ignore_findings: [{{code: {doubt.code}, reason: ...}}]`"
-    help = tuple(filter(None, (doubt.remedy, ignored)))
-    binder.report(doubt.code, ("links", link, "inertial", *key), doubt.message, help=help)
+    binder.report(doubt.code, ("links", link, "inertial", *key), doubt.message, help=(*doubt.help, ignored))
 
 
 def _volume(binder: Binder, claims: Claims, links: Iterable[str]) -> float:

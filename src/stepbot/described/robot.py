@@ -43,7 +43,7 @@ from stepbot.robot.model import (
     Robot,
     Visual,
 )
-from stepbot.robot.renaming import renamed
+from stepbot.robot.renaming import NewNames, renamed
 
 from .devices import actuators_of, sensors_of
 from .finding import DROPPED_INERTIA, LOST, MOVED, REARRANGED, RENAMED, UNSUPPORTED, Finding
@@ -125,16 +125,7 @@ def valid_file_name(name: str) -> str:
     return f"{valid}_robot" if is_device(valid) else valid
 
 
-@dataclass(frozen=True)
-class Names:
-    """New names by the old ones, of those that change."""
-
-    links: Mapping[str, str]
-    joints: Mapping[str, str]
-    frames: Mapping[str, str]
-
-
-def with_valid_names(robot: Robot, found: list[Finding]) -> tuple[Robot, Names]:
+def with_valid_names(robot: Robot, found: list[Finding]) -> tuple[Robot, NewNames]:
     """The robot with valid names, unique within their kind, and the new names."""
     taken: set[str] = set()
     links = _renamed((link.name for link in robot.links), "link", taken)
@@ -162,7 +153,7 @@ def with_valid_names(robot: Robot, found: list[Finding]) -> tuple[Robot, Names]:
         sensor=sensors.__getitem__,
     )
     changes = ({old: new for old, new in of_kind.items() if old != new} for of_kind in (links, joints, frames))
-    return with_names, Names(*changes)
+    return with_names, NewNames(*changes)
 
 
 def _renamed(names: Iterable[str], kind: str, taken: set[str]) -> dict[str, str]:
@@ -207,7 +198,7 @@ class Described:
     findings: tuple[Finding, ...]
     is_base_known: bool
     """Whether the file states if its base is fixed: a URDF only by a root link ``world``."""
-    names: Names
+    names: NewNames
     """New names of links, joints and frames that cannot keep theirs."""
     pieces: Mapping[str, str]
     """For each visual the first one of the same visual in the file, whose mesh has several colours."""

@@ -60,6 +60,14 @@ class Diagnostic(NamedTuple):
         return f"{self.span}: {self.severity}[{self.code}]: {self.message}"
 
 
+class Finding(NamedTuple):
+    """A diagnostic of a part of a robot, by whom its place in a file is not known."""
+
+    code: str
+    message: str
+    help: tuple[str, ...] = ()
+
+
 class Ignore(NamedTuple):
     """A rule that suppresses diagnostics of one code, everywhere or for one subject. Errors are never suppressed."""
 

@@ -20,9 +20,9 @@ from stepbot.formats.rendering import joined
 from stepbot.report.robot import Report
 from stepbot.robot.model import Joint, JointKind, Robot
 from stepbot.robot.multi_dof import steps_by_child, unfolded
+from stepbot.robot.renaming import NewNames
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
-from stepbot.verification.counterparts import Renaming
 from stepbot.verification.source import NOT_CONFIRMED, Converted, verify_against_source
 
 from .conversion import Options
@@ -100,7 +100,7 @@ def compared_with_source(
             Span(path.as_posix()),
             files,
             _lost(described, description),
-            Renaming(described.names.links, described.names.joints, described.names.frames),
+            described.names,
             described.pieces,
             found,
             options.workers,
@@ -108,7 +108,7 @@ def compared_with_source(
     return replace(report, checks=(*report.checks, *checks))
 
 
-def _given_names(robot: Robot, lowered: Robot) -> Renaming:
+def _given_names(robot: Robot, lowered: Robot) -> NewNames:
     """The model's names of the joints that a format needs other names for."""
     whole = {joint.child: (joint,) for joint in robot.joints}
     known = whole, steps_by_child(robot), _chains_in(unfolded(robot), robot.joints)
@@ -117,7 +117,7 @@ def _given_names(robot: Robot, lowered: Robot) -> Renaming:
         same = next((names[child] for names in known if len(names[child]) == len(chain)), None)
         if same is not None:
             changed.update({new.name: old.name for new, old in zip(chain, same, strict=True)})
-    return Renaming(joints={new: old for new, old in changed.items() if new != old})
+    return NewNames(joints={new: old for new, old in changed.items() if new != old})
 
 
 def _chains_in(robot: Robot, joints: Iterable[Joint]) -> dict[str, tuple[Joint, ...]]:

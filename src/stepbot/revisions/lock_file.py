@@ -10,11 +10,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, TypeVar
 
+from stepbot.assemble.bound import PlacedJoint
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.report.plain import Invalid, picked, unpicked, value_at
 from stepbot.runtime.file import open_regular
 
-from .snapshot import Joint, Part, Reference, Shape, Snapshot
+from .snapshot import Part, Reference, Shape, Snapshot
 
 T = TypeVar("T")
 VERSION = 1
@@ -117,7 +118,7 @@ def _snapshot(document: object) -> Snapshot:
         shapes,
         parts,
         value_at(document, "robot", str),
-        _records(document, "joints", Joint, _JOINT),
+        _records(document, "joints", PlacedJoint, _JOINT),
         _records(document, "references", Reference, _REFERENCE),
     )
 

@@ -10,9 +10,10 @@ from math import degrees, radians
 
 import numpy as np
 
+from stepbot.assemble.bound import PlacedJoint
 from stepbot.geometry.spatial import Array, Pose, angle_between, turn_inertia
 
-from .snapshot import AREA, EXACT, FREE_FORM, NOTHING, Joint, Part, Shape
+from .snapshot import AREA, EXACT, FREE_FORM, NOTHING, Part, Shape
 
 SAME = 1e-6
 """Relative difference of exact integrals up to which shapes are equal."""
@@ -191,7 +192,7 @@ def _kind_words(shape: Shape) -> str:
     return "a surface" if shape.basis == AREA else "a solid" if shape.measure else "no geometry"
 
 
-def axis_words(old: Joint, new: Joint, common: Pose) -> str:
+def axis_words(old: PlacedJoint, new: PlacedJoint, common: Pose) -> str:
     """How a joint has moved, for messages; empty if it has not.
 
     Args:

@@ -11,7 +11,7 @@ from math import floor, log10
 
 import numpy as np
 
-from stepbot.assemble.bound import Bound
+from stepbot.assemble.bound import Bound, PlacedJoint
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY3, ZERO3, Array, Matrix3, Pose, Vector3, matrix3, vector3
 from stepbot.geometry.volume import VolumeProperties
@@ -95,20 +95,6 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Joint:
-    """A joint or closure, as drawn."""
-
-    name: str
-    kind: str
-    parent: str
-    child: str
-    origin: Vector3
-    """[m] in the assembly's frame."""
-    axis: Vector3 | None = None
-    """Unit direction in the same frame; None for a joint without one."""
-
-
-@dataclass(frozen=True)
 class Reference:
     """A component path of the sidecar, and its matches."""
 
@@ -128,7 +114,7 @@ class Snapshot:
     shapes: tuple[Shape, ...]
     parts: tuple[Part, ...]
     robot: str = ""
-    joints: tuple[Joint, ...] = ()
+    joints: tuple[PlacedJoint, ...] = ()
     references: tuple[Reference, ...] = ()
 
     def shape_of(self, part: int) -> Shape:
@@ -168,10 +154,7 @@ def with_sidecar(taken: Snapshot, assembly: Assembly, document: Document, bound:
         mass = None if weighed is None or weighed.mass is None else _significant(weighed.mass)
         parts.append(replace(part, link=bound.claims.link_of[component.index], mass=mass))
     joints = tuple(
-        Joint(
-            *(joint.name, joint.kind, joint.parent, joint.child, _rounded(joint.origin)),
-            None if joint.axis is None else _rounded(joint.axis),
-        )
+        replace(joint, origin=_rounded(joint.origin), axis=None if joint.axis is None else _rounded(joint.axis))
         for joint in bound.joints
     )
     return replace(

@@ -18,6 +18,7 @@ from math import pi
 
 import numpy as np
 
+from stepbot.diagnostics import Finding
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Array, Vector3, dot, matrix_product, vector3
 
@@ -112,27 +113,16 @@ DENSEST = 25_000.0
 _MOMENTS = ("ixx", "iyy", "izz")
 
 
-@dataclass(frozen=True)
-class Doubt:
-    """A value that is hardly that of a body."""
-
-    code: str
-    """SB518 or SB521, with the feature."""
-    message: str
-    remedy: str
-    """Empty if there is none."""
-
-
-def density_doubt(mass: float, volume: float) -> Doubt | None:
+def density_doubt(mass: float, volume: float) -> Finding | None:
     """The doubt about a mass [kg] that no material has in a volume [m^3]: often grams without a unit."""
     if volume <= 0.0 or mass <= DENSEST * volume:
         return None
     message = f"{mass:.6g} kg in {1e6 * volume:.3g} cm^3 is {mass / volume:.3g} kg/m^3, more than any material has"
     grams = f"if the unit is g, write `{mass:.6g} g`; numbers without a unit are kilograms"
-    return Doubt("SB521", message, grams if 1e-3 * mass <= DENSEST * volume else "")
+    return Finding("SB521", message, (grams,) if 1e-3 * mass <= DENSEST * volume else ())
 
 
-def inertial_doubts(properties: MassProperties, points: Array) -> Iterator[Doubt]:
+def inertial_doubts(properties: MassProperties, points: Array) -> Iterator[Finding]:
     """Doubts about a given com and inertia.
 
     Args:
@@ -141,11 +131,11 @@ def inertial_doubts(properties: MassProperties, points: Array) -> Iterator[Doubt
     """
     trace, smallest = float(np.trace(np.array(properties.inertia))), smallest_trace(properties.mass)
     if 0.0 < trace < smallest:  # a point mass has none
-        yield Doubt(
+        yield Finding(
             "SB518:small-inertia",
             f"ixx + iyy + izz = {trace:.3g} kg m^2; a ball of osmium ({OSMIUM:g} kg/m^3) of its {properties.mass:.4g} "
             f"kg has {smallest:.3g}",
-            "check the unit: 1 kg mm^2 is 1e-6 kg m^2",
+            ("check the unit: 1 kg mm^2 is 1e-6 kg m^2",),
         )
     if not len(points):
         return
@@ -153,11 +143,11 @@ def inertial_doubts(properties: MassProperties, points: Array) -> Iterator[Doubt
     if outside > OUTSIDE_SLACK * float(np.linalg.norm(np.ptp(points, axis=0))):
         com = ", ".join(f"{1e3 * c:.1f}" for c in properties.com)
         message = f"com ({com}) mm is {1e3 * outside:.1f} mm outside its geometry, {_extent(points)}"
-        yield Doubt("SB518:com", message, "give the com in the link's frame")
+        yield Finding("SB518:com", message, ("give the com in the link's frame",))
     excess = spread_excess(points, properties)
     if excess is not None:
         remedy = "give the inertia about the com, along the link's axes, in kg m^2; without `inertia` it is computed"
-        yield Doubt("SB518:large-inertia", _excess_text(properties, points, excess), remedy)
+        yield Finding("SB518:large-inertia", _excess_text(properties, points, excess), (remedy,))
 
 
 def _excess_text(properties: MassProperties, points: Array, excess: SpreadExcess) -> str:

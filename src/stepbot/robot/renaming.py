@@ -1,12 +1,21 @@
 """Renames the elements of a robot, and every reference to them."""
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 
 from .model import Joint, Link, Robot
 from .self_collision import PairContact, SelfCollision
 
 Rename = Callable[[str], str]
+
+
+@dataclass(frozen=True)
+class NewNames:
+    """New names by the old ones, of those that change."""
+
+    links: Mapping[str, str] = field(default_factory=dict)
+    joints: Mapping[str, str] = field(default_factory=dict)
+    frames: Mapping[str, str] = field(default_factory=dict)
 
 
 def same(name: str) -> str:

@@ -16,8 +16,7 @@ from .exchange.length_unit import LengthUnit
 from .one_file import FileContent, guarded, optional, read_file
 from .structure.source import NONE, Child, Definition, StepMaterial
 from .structure.tree import Tree, grow
-from .validation.comparison import Stated
-from .validation.properties import Subjects, read_statements
+from .validation.properties import Stated, Subjects, read_statements
 
 
 @dataclass(frozen=True, eq=False)
@@ -228,7 +227,7 @@ def _stated(content: FileContent, places: Mapping[int, int], definitions: list[D
     if not statements:
         return []
     subjects = Subjects(content.session, content.products, places, definitions, tree)
-    return [Stated(subjects.of(s.subject), s.quantity, s.value) for s in statements]
+    return [Stated(subjects.of(entity), quantity, value) for entity, quantity, value in statements]
 
 
 def _unit(contents: Mapping[int, FileContent]) -> LengthUnit:

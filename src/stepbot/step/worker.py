@@ -15,7 +15,7 @@ from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as S
 from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp
 
-from stepbot.diagnostics import Diagnostic, Diagnostics, Span
+from stepbot.diagnostics import Diagnostic, Diagnostics, Finding, Span
 from stepbot.geometry.mass_properties import prepare as prepare_measuring
 from stepbot.geometry.mesh import TriMesh
 from stepbot.runtime.parallel import Attempt, Died, Raised, run
@@ -29,7 +29,7 @@ from .exchange.file_set import StepFile
 from .exchange.part21 import Part21
 from .kernel import OUT_OF_MEMORY
 from .one_file import optional
-from .shapes.bodies import BodyRequest, Finding, ReadBody, read_body
+from .shapes.bodies import BodyRequest, ReadBody, read_body
 from .shapes.splitting import variant
 from .structure.repetition import definition_tolerances
 from .structure.source import NONE, BodySource, Definition

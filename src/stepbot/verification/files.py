@@ -24,6 +24,7 @@ from stepbot.report.robot import Report
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.kinematics import configurations, rates
 from stepbot.robot.model import Link, Robot
+from stepbot.robot.renaming import NewNames
 from stepbot.runtime.file import open_regular
 from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import DEFAULT_WORKERS, Workers
@@ -31,7 +32,7 @@ from stepbot.runtime.worker import DEFAULT_WORKERS, Workers
 from .admission import admitted, is_robot_file, located
 from .compare import Compared
 from .correspondence import Correspondence
-from .counterparts import Renaming, counterparts
+from .counterparts import counterparts, with_new_names, with_old_names
 from .deviation import TOLERANCES, Deviations
 from .expectation import CONFIGURATIONS, SECONDS, SEED
 from .joint_rows import joint_rows
@@ -140,7 +141,7 @@ def observed(
     *,
     count: int = CONFIGURATIONS,
     seconds: float = SECONDS,
-    renamed: Mapping[str, Renaming] | None = None,
+    renamed: Mapping[str, NewNames] | None = None,
     packages: Iterable[Path] | None = None,
 ) -> "tuple[Asked, Sequence[Outcome]]":
     """Load every file in every engine that reads it.
@@ -171,22 +172,29 @@ def observed(
 
         def observe_renamed(engine: Engine, request: Request) -> Observation | None:
             name = names.get(request.file, UNCHANGED)
-            seen = observe(engine, name.asked(request))
-            return seen and name.seen(seen)
+            seen = observe(engine, with_old_names(request, name))
+            return seen and with_new_names(seen, name)
 
         # The files are probed while the engines start.
         probe = Probe(observe_renamed)
         paired = _paired(formats, places, probe, names) if renamed is None else {}
         asked = ask(formats, places, probe, count=count, seconds=seconds)
         asked = replace(asked, paired=paired, texts={_key(path): one for path, one in texts.items()})
-        engines.submit({key: names.get(one.file, UNCHANGED).asked(one) for key, one in asked.requests.items()})
+        engines.submit(
+            {key: with_old_names(one, names.get(one.file, UNCHANGED)) for key, one in asked.requests.items()}
+        )
         outcomes = engines.results(workers.timeout)
-        return asked, [_renamed(one, names.get(asked.requests[one.key].file)) for one in outcomes]
+        return asked, [
+            replace(one, observation=one.observation and with_new_names(one.observation, new))
+            if (new := names.get(asked.requests[one.key].file))
+            else one
+            for one in outcomes
+        ]
 
 
 def _paired(
-    formats: Mapping[Path, str], places: Mapping[Path, Path], probe: Probe, names: dict[str, Renaming]
-) -> dict[str, Renaming]:
+    formats: Mapping[Path, str], places: Mapping[Path, Path], probe: Probe, names: dict[str, NewNames]
+) -> dict[str, NewNames]:
     """Names that the first file has for links and joints of each other, by file; added to ``names`` by its place."""
     seen = {path: one.seen for path, name in formats.items() if (one := probe.look(places[path], name))}
     first = next(iter(seen.values()), None)
@@ -194,13 +202,6 @@ def _paired(
     paired = {path: one for path, one in paired.items() if one.links or one.joints}
     names.update({str(openable(places[path])): one for path, one in paired.items()})
     return {_key(path): one for path, one in paired.items()}
-
-
-def _renamed(outcome: Outcome, name: Renaming | None) -> Outcome:
-    """An outcome with the new names of its file."""
-    if name is None or outcome.observation is None:
-        return outcome
-    return replace(outcome, observation=name.seen(outcome.observation))
 
 
 def format_of(path: Path, found: Diagnostics) -> str | None:

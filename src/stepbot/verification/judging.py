@@ -14,10 +14,10 @@ from stepbot.engines.observation import Quantity, Request
 from stepbot.engines.workers import Fate, Outcome
 from stepbot.report.robot import Check, Report, Status
 from stepbot.robot.joint_table import JointRow
+from stepbot.robot.renaming import NewNames
 
 from .compare import Compared, compare
 from .correspondence import Correspondence, normalized_joints
-from .counterparts import Renaming
 from .merged_observation import Gathered, gather
 from .normalized import normalized
 from .text import compare_settings, compare_text
@@ -150,7 +150,7 @@ def report_of(
     )
 
 
-UNCHANGED = Renaming()
+UNCHANGED = NewNames()
 _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """Diagnostics of an engine's own result, independent of others."""
 _STILL = frozenset(
@@ -182,7 +182,7 @@ class Asked:
     """Configurations of the joints of the first file."""
     joint_table: tuple[JointRow, ...]
     """The joints of the first file that an engine can load."""
-    paired: Mapping[str, Renaming] = field(default_factory=dict)
+    paired: Mapping[str, NewNames] = field(default_factory=dict)
     """Names of the first file for what has other names in a further file, by the path of that file."""
     texts: Mapping[str, tuple[Statement, ...]] = field(default_factory=dict)
     """What files that share a format contain, by path."""
@@ -269,7 +269,7 @@ def _compared_across(
     return results
 
 
-def _add_other_names(results: Iterable[Compared], names: Renaming) -> None:
+def _add_other_names(results: Iterable[Compared], names: NewNames) -> None:
     """What was paired by structure has another name."""
     for one in results:
         renamed = {Quantity.LINKS: names.links, Quantity.JOINTS: names.joints}.get(one.quantity, {})

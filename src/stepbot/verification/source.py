@@ -15,9 +15,9 @@ from stepbot.engines.file_references import openable
 from stepbot.engines.observation import Observation, ObservedActuator, ObservedShape, Quantity
 from stepbot.report.robot import Check
 from stepbot.robot.model import ActuatorKind, Limit
+from stepbot.robot.renaming import NewNames
 from stepbot.runtime.worker import Workers
 
-from .counterparts import Renaming
 from .files import observed
 from .judging import Subject, compared_with_first, judged, ranked
 from .merged_observation import Gathered, gather
@@ -73,7 +73,7 @@ class Converted:
 
     name: str
     """Its name in the report."""
-    names: Renaming = field(default_factory=Renaming)
+    names: NewNames = field(default_factory=NewNames)
     """The model's names of what its format needs other names for."""
     lost: Mapping[Quantity, str] = field(default_factory=dict)
     """Quantities with losses that its format declares, each with the reason not to compare it."""
@@ -84,7 +84,7 @@ def verify_against_source(
     span: Span,
     files: Mapping[Path, Converted],
     lost: Mapping[Quantity, str],
-    names: Renaming,
+    names: NewNames,
     pieces: Mapping[str, str],
     found: Diagnostics,
     workers: Workers,

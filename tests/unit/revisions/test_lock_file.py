@@ -8,10 +8,11 @@ from typing import Any
 import jsonschema
 import pytest
 
+from stepbot.assemble.bound import PlacedJoint
 from stepbot.diagnostics import Diagnostics
 from stepbot.revisions import lock_path
 from stepbot.revisions.lock_file import lock_bytes, read_lock
-from stepbot.revisions.snapshot import Joint, Part, Reference, Shape, Snapshot
+from stepbot.revisions.snapshot import Part, Reference, Shape, Snapshot
 
 SCHEMA = Path(__file__).parents[3] / "schemas" / "lock-1.schema.json"
 LOCK = Snapshot(
@@ -24,8 +25,8 @@ LOCK = Snapshot(
     ),
     "arm",
     (
-        Joint("hinge", "revolute", "base", "arm", (0.0, 0.1, 0.2), (0.0, 0.0, 1.0)),
-        Joint("ball", "ball", "a", "b", (0, 0, 0)),
+        PlacedJoint("hinge", "revolute", "base", "arm", (0.0, 0.1, 0.2), (0.0, 0.0, 1.0)),
+        PlacedJoint("ball", "ball", "a", "b", (0, 0, 0)),
     ),
     (Reference("**/plate", ("base/plate",)),),
 )

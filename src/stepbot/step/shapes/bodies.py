@@ -14,6 +14,7 @@ from OCP.BRep import BRep_Tool
 from OCP.TopAbs import TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 
+from stepbot.diagnostics import Finding
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.predicates import is_watertight
 from stepbot.geometry.volume import VolumeProperties
@@ -41,21 +42,13 @@ T = TypeVar("T")
 _NO_MESH = TriMesh.of(np.empty((0, 3)), np.empty((0, 3)))
 
 
-@dataclass(frozen=True)
-class Finding:
-    """A diagnostic of a body; its component, which is the subject, is unknown here."""
-
-    code: str
-    message: str
-    help: tuple[str, ...] = ()
-
-
 @dataclass(frozen=True, eq=False)
 class ReadBody:
     """A body and its diagnostics."""
 
     body: Body
     findings: tuple[Finding, ...] = ()
+    """The caller knows the component, which is the subject."""
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from stepbot.geometry.spatial import Array
 from stepbot.step.structure.source import NONE, Definition
 
 from ..assembly import Body, BodyKind, Component, Quantity, Validation
-from .properties import Subject
+from .properties import Stated, Subject
 
 TOLERANCES = {Quantity.VOLUME: 1e-3, Quantity.AREA: 1e-2, Quantity.CENTROID: 1e-3}
 """Deviation from a validation property up to which a value counts as equal. CAD programs integrate areas coarsely: in
@@ -41,17 +41,6 @@ class _Sums:
         scale = abs(float(np.linalg.det(matrix[:3, :3]))) ** (1.0 / 3.0)
         centroid = matrix[:3, :3] @ self.centroid + matrix[:3, 3]
         return _Sums(self.volume * scale**3, self.area * scale**2, centroid, self.spread * scale**5, self.is_exact)
-
-
-@dataclass(frozen=True)
-class Stated:
-    """A value that the file states."""
-
-    subject: Subject | None
-    """None if its subject does not occur in the assembly."""
-    quantity: Quantity
-    value: tuple[float, ...]
-    """[m^3, m^2 or m]; empty if its unit is invalid."""
 
 
 def compare(

@@ -122,19 +122,19 @@ _OF_ELEMENTS = ("curve", "independent", "point set")
 """Words in the names of values of loose curves, surfaces and points, not of solids."""
 
 
-@dataclass(frozen=True, eq=False)
-class Statement:
+@dataclass(frozen=True)
+class Stated:
     """A value that the file states."""
 
-    subject: Any
-    """Its subject: a product definition, an occurrence, or an aspect of a shape."""
+    subject: Subject | None
+    """None if it does not occur in the assembly."""
     quantity: Quantity
     value: tuple[float, ...]
     """[m^3, m^2 or m]; empty if its unit is invalid."""
 
 
-def read_statements(session: Any) -> list[Statement]:
-    """All validation properties, in file order.
+def read_statements(session: Any) -> list[tuple[Any, Quantity, tuple[float, ...]]]:
+    """All validation properties, in file order: the entity that is the subject, the quantity and the value.
 
     Args:
         session: The reader's work session.
@@ -150,7 +150,7 @@ def read_statements(session: Any) -> list[Statement]:
         for item in items(representation):
             quantity = _quantity(item, f"{text(item.Name())} {text(representation.Name())}".lower())
             if quantity is not None:
-                found.append(Statement(subject, quantity, _value(item, quantity, representation)))
+                found.append((subject, quantity, _value(item, quantity, representation)))
     return found
 
 
