@@ -65,7 +65,7 @@ def _described(
             raise
         first, *more = error.text.splitlines() or [""]
         text, line = _without_line(first)
-        span = Span(span.file, line) if macros is None else Span(*macros.places[min(line, len(macros.places) - 1)])
+        span = Span(span.file, line) if macros is None else macros.places[min(line, len(macros.places) - 1)]
         found.add("SB823", text, span, notes=more)
         return None
     except WorkerDied as death:
@@ -73,7 +73,7 @@ def _described(
         found.add("SB902", message, span, notes=death.last_lines)
         return None
     if not description.observation.links:
-        found.add("SB823", "the file has no links", span if macros is None else Span(macros.places[0].file))
+        found.add("SB823", "the file has no links", span if macros is None else macros.places[0])
         return None
     if macros is None:
         return description
@@ -106,7 +106,7 @@ def _expanded(path: Path, options: Options, found: Diagnostics) -> Description |
     macros = macros._replace(places=tuple(one._replace(file=shown.get(one.file, one.file)) for one in macros.places))
     if macros.error:
         calls = list(dict.fromkeys(f"in the macro called in {Path(one.file).name}:{one.line}" for one in macros.calls))
-        place = Span(shown.get(macros.at.file, macros.at.file), macros.at.line)
+        place = macros.at._replace(file=shown.get(macros.at.file, macros.at.file))
         found.add("SB877", macros.error, place, help=_remedies(macros.error), notes=calls[:_MOST_CALLS])
         return None
     for name in given:
@@ -149,7 +149,7 @@ def place_of(finding: str, path: Path, description: Description) -> Span:
     pattern = quoted if kind == "mesh" else rf"<(?:{_TAGS.get(kind, '[a-z_]+')})\b[^<>]*\bname\s*=\s*{quoted}"
     stated = re.search(pattern, text)
     line = 0 if stated is None else text.count("\n", 0, stated.start()) + 1
-    return Span(*description.place(path.as_posix(), line))
+    return description.place(path.as_posix(), line)
 
 
 def described_robot(path: Path, options: Options, found: Diagnostics, *, drawn: bool = True) -> Robot | None:

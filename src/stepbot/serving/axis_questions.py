@@ -13,9 +13,10 @@ from stepbot.runtime.worker import RemoteError, WorkerDied
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.origins import AutoOrigin, AxisOrigin, MateOrigin
 from stepbot.step.assembly import Assembly
+from stepbot.step.features.axes import Selector
 from stepbot.step.structure.paths import find_one
 from stepbot.verification.self_collision.worker import ContactSearch
-from stepbot.viewing.joining import Wanted, lines_of_origin, shared_lines
+from stepbot.viewing.joining import lines_of_origin, shared_lines
 
 from .local_server import Refused
 from .questions import Json, text
@@ -110,7 +111,6 @@ def axes_of_joint(shown: Shown | None, sidecar: Sidecar, question: Json) -> Json
     if not isinstance(origin, AxisOrigin | MateOrigin | AutoOrigin):
         return {"lines": []}
     is_doubted = any(one["name"] == name and one["doubt"] for one in (shown.scene or {}).get("connections", ()))
-    wanted = Wanted(origin.radius, origin.near, direction_only=kind is JointKind.PRISMATIC, all_explicit=is_doubted)
     b: Sequence[int] | None = None
     if isinstance(origin, AxisOrigin):
         a: Sequence[int] = _below(assembly, origin.axis_of)
@@ -119,7 +119,11 @@ def axes_of_joint(shown: Shown | None, sidecar: Sidecar, question: Json) -> Json
     else:
         indices, links = {one.path: one.index for one in assembly.components}, _links(shown)
         a, b = ([indices[path] for path in links.get(link, [])] for link in ends)
-    return {"lines": [asdict(one) for one in lines_of_origin(assembly, a, b, wanted)]}
+    selected = Selector(origin.radius, origin.near)
+    found = lines_of_origin(
+        assembly, a, b, selected, direction_only=kind is JointKind.PRISMATIC, all_explicit=is_doubted
+    )
+    return {"lines": [asdict(one) for one in found]}
 
 
 def _below(assembly: Assembly, pattern: str) -> Sequence[int]:

@@ -4,8 +4,8 @@ A product without a shape that refers to another file is replaced by the product
 depend on the file of a shape: the name of a product is that in the assembly's file.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,37 +19,24 @@ from .structure.tree import Tree, grow
 from .validation.properties import Stated, Subjects, read_statements
 
 
-@dataclass(frozen=True, eq=False)
-class FileDefinitions:
-    """What one file defines."""
-
-    definitions: Sequence[Definition]
-    roots: Sequence[int]
-    materials: Sequence[StepMaterial]
-    """For each definition what its product is made of."""
-    elsewhere: Mapping[int, int] = field(default_factory=dict)
-    """For each definition that another file has, the index of that file, which comes later or is read elsewhere."""
-
-
 class Composition:
     """The definitions and materials of all files; references between the files have no cycle."""
 
-    def __init__(self, files: Sequence[FileDefinitions]) -> None:
-        """Put them together, the file of the assembly first."""
+    def __init__(self, files: Mapping[int, FileContent]) -> None:
+        """Put them together, by their numbers; that of the assembly is 0."""
         self._files = files
-        self._offsets: list[int] = []
+        self._offsets: dict[int, int] = {}
         self.definitions: list[Definition] = []
         self.materials: list[StepMaterial] = []
-        for file in files:
-            offset = len(self.definitions)
-            self._offsets.append(offset)
-            self.definitions += [_moved(definition, offset) for definition in file.definitions]
+        for number, file in files.items():
+            offset = self._offsets[number] = len(self.definitions)
+            self.definitions += [_moved(definition, offset) for definition in file.definitions.all]
             self.materials += file.materials
         self._instead: dict[int, int] = {}
         self._named: set[int] = set()
-        for number in range(len(files)):
+        for number in files:
             self._replace(number)
-        for number, file in enumerate(files):
+        for number, file in files.items():
             for own in file.elsewhere:
                 self._name(self._offsets[number] + own)
         for definition in self.definitions if self._instead else ():
@@ -58,7 +45,7 @@ class Composition:
     @property
     def roots(self) -> list[int]:
         """The roots of the assembly."""
-        return [self._stand_in(root) for root in self._files[0].roots]
+        return [self._stand_in(root) for root in self._files[0].definitions.roots]
 
     def _stand_in(self, index: int) -> int:
         """The definition that is used in place of another."""
@@ -71,10 +58,10 @@ class Composition:
         return [
             {
                 definition.product: self._stand_in(offset + index)
-                for index, definition in enumerate(file.definitions)
+                for index, definition in enumerate(file.definitions.all)
                 if definition.product != NONE
             }
-            for offset, file in zip(self._offsets, self._files, strict=True)
+            for offset, file in zip(self._offsets.values(), self._files.values(), strict=True)
         ]
 
     def _replace(self, number: int) -> None:
@@ -82,7 +69,7 @@ class Composition:
         offset = self._offsets[number]
         for own, other in self._files[number].elsewhere.items():
             index = offset + own
-            roots = [self._offsets[other] + root for root in self._files[other].roots]
+            roots = [self._offsets[other] + root for root in self._files[other].definitions.roots]
             empty = self.definitions[index]
             same = [root for root in roots if self.definitions[root].name == empty.name]
             if len(roots) > 1 and len(same) != 1:
@@ -148,18 +135,7 @@ def read_content(files: tuple[StepFile, ...], found: Diagnostics) -> Content | N
 def _put_together(
     contents: Mapping[int, FileContent], files: tuple[StepFile, ...], found: Diagnostics
 ) -> Content | None:
-    numbers = {file: number for number, file in enumerate(contents)}
-    composition = Composition(
-        [
-            FileDefinitions(
-                content.definitions.all,
-                content.definitions.roots,
-                content.materials,
-                {own: numbers[file] for own, file in content.elsewhere.items()},
-            )
-            for content in contents.values()
-        ]
-    )
+    composition = Composition(contents)
     place, definitions = files[0].place, composition.definitions
     tree = grow(definitions, composition.roots, composition.materials, place, found)
     if tree is None:

@@ -117,20 +117,6 @@ MOST_LINES = 40
 """Maximum number of lines to choose among."""
 
 
-@dataclass(frozen=True)
-class Wanted:
-    """What an existing origin selects a line by."""
-
-    radius: float | None = None
-    """[m]."""
-    near: Vector3 | None = None
-    """[m] in the assembly."""
-    direction_only: bool = False
-    """Whether parallel lines are equivalent, as for a prismatic joint."""
-    all_explicit: bool = False
-    """Whether the line that needs no selectors gets some, too: they state that it was chosen."""
-
-
 def shared_lines(assembly: Assembly, a: int, b: int, link: Iterable[int] = ()) -> tuple[SharedLine, ...]:
     """The lines that two components share, everything below them included; the strongest first.
 
@@ -152,26 +138,34 @@ def shared_lines(assembly: Assembly, a: int, b: int, link: Iterable[int] = ()) -
 
 
 def lines_of_origin(
-    assembly: Assembly, a: Sequence[int], b: Sequence[int] | None, wanted: Wanted
+    assembly: Assembly,
+    a: Sequence[int],
+    b: Sequence[int] | None,
+    selected: Selector,
+    *,
+    direction_only: bool = False,
+    all_explicit: bool = False,
 ) -> tuple[SharedLine, ...]:
     """The lines among which an origin selects, the strongest first.
 
     Args:
         a: Components of one side.
         b: Those of the other; None for an origin on the faces of one component.
-        wanted: The selectors of the origin.
+        selected: What the origin selects a line by.
+        direction_only: Whether parallel lines are equivalent, as for a prismatic joint.
+        all_explicit: Whether the line that needs no selectors gets some, too: they state that it was chosen.
     """
     if not a:
         return ()
     faces = axis_faces(assembly, a)
     found = lines(faces) if b is None else mates(faces, axis_faces(assembly, b))
-    candidates = [line for line in found if wanted.radius is None or _has_radius(line, wanted.radius)]
-    selected = wanted.radius is not None
-    chosen = choose(candidates, wanted.near, direction_only=wanted.direction_only, selected=selected).line
-    plain = choose(found, direction_only=wanted.direction_only).line
+    radius = selected.radius
+    candidates = [line for line in found if radius is None or _has_radius(line, radius)]
+    chosen = choose(candidates, selected.near, direction_only=direction_only, selected=radius is not None).line
+    plain = choose(found, direction_only=direction_only).line
     made = []
     for line in found:
-        one = Selector() if line is plain and not wanted.all_explicit else selector(line, found)
+        one = Selector() if line is plain and not all_explicit else selector(line, found)
         made.append(_shared(assembly, a[0], line, line is chosen, one, "mate"))
     return tuple(made)
 

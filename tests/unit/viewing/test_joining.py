@@ -8,8 +8,9 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import Vector3
 from stepbot.step.assembly import Assembly, ReadOptions
+from stepbot.step.features.axes import Selector
 from stepbot.step.reader import start_reading
-from stepbot.viewing.joining import SharedLine, Wanted, lines_of_origin, shared_lines
+from stepbot.viewing.joining import SharedLine, lines_of_origin, shared_lines
 from tests.parts import write_hinge
 
 
@@ -67,18 +68,18 @@ def test_lines_of_an_origin(tmp_path: Path) -> None:
     write_hinge(tmp_path / "hinge.step", bolts=True)
     hinge = read(tmp_path / "hinge.step")
     plate, arm = ([index] for index in indices(hinge, "plate", "arm"))
-    pin, *bolts = lines_of_origin(hinge, plate, arm, Wanted())
+    pin, *bolts = lines_of_origin(hinge, plate, arm, Selector())
     assert len(bolts) == 4
     assert pin.chosen
     assert (pin.radius, pin.near) == (None, None)
     assert not any(one.chosen for one in bolts)
     for bolt in bolts:
         assert bolt.near is not None
-        again = lines_of_origin(hinge, plate, arm, Wanted(bolt.radius, bolt.near))
+        again = lines_of_origin(hinge, plate, arm, Selector(bolt.radius, bolt.near))
         assert [one.words for one in again if one.chosen] == [bolt.words]
-    explicit = lines_of_origin(hinge, plate, arm, Wanted(all_explicit=True))[0]
+    explicit = lines_of_origin(hinge, plate, arm, Selector(), all_explicit=True)[0]
     assert (explicit.words, explicit.chosen, explicit.radius) == (pin.words, True, 0.01005)
-    assert lines_of_origin(hinge, [], None, Wanted()) == ()
+    assert lines_of_origin(hinge, [], None, Selector()) == ()
     assert pytest.approx(0.0, abs=1e-9) == distance(
-        hinge, lines_of_origin(hinge, plate, None, Wanted())[0], (0.1, 0.0, 0.05)
+        hinge, lines_of_origin(hinge, plate, None, Selector())[0], (0.1, 0.0, 0.05)
     )

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from stepbot.diagnostics import Span
 from stepbot.engines.resources import resolve
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_files import KINDS, Color, MeshContent, read_content
@@ -149,14 +150,14 @@ class Description:
     """Position limits that are missing, although the format requires them."""
     expanded: bytes = b""
     """The URDF that the macros of the file expand to; empty for a file without macros."""
-    places: tuple[tuple[str, int], ...] = ()
-    """For each line of the expanded URDF, file and line of what it states."""
+    places: tuple[Span, ...] = ()
+    """For each line of the expanded URDF, where it is stated."""
     newer: tuple[Newer, ...] = ()
     """What readers of the version that the file states ignore."""
 
-    def place(self, file: str, line: int) -> tuple[str, int]:
-        """File and line of what the description states in a line of ``file``, or in the URDF that it expands to."""
-        return self.places[line] if 0 < line < len(self.places) else (file, line)
+    def place(self, file: str, line: int) -> Span:
+        """The place of what the description states in a line of ``file``, or in the URDF that it expands to."""
+        return self.places[line] if 0 < line < len(self.places) else Span(file, line)
 
     @property
     def seen(self) -> tuple[DescribedShape, ...]:

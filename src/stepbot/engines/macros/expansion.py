@@ -12,10 +12,11 @@ from xml.sax.saxutils import escape, quoteattr
 
 from lxml import etree
 
+from stepbot.diagnostics import Span
 from stepbot.runtime.file import is_file, is_folder, open_regular, resolved
 
 from ..source_copy import locate
-from .expressions import REMOVED, Expanded, Place, evaluate
+from .expressions import REMOVED, Expanded, evaluate
 
 _PLACE = "place"
 _MANIFEST = "package.xml"
@@ -72,9 +73,9 @@ class _Expansion:
 
     def __init__(self, xacro: Any, file: Path, packages: _Packages) -> None:
         self._xacro, self._file, self._packages = xacro, file, packages
-        self._at = Place(str(file), 0)
-        self._calls: list[Place] = []
-        self._failed: tuple[Place, tuple[Place, ...]] | None = None
+        self._at = Span(str(file))
+        self._calls: list[Span] = []
+        self._failed: tuple[Span, tuple[Span, ...]] | None = None
         self._declared: dict[str, None] = {}
 
     def run(self, arguments: dict[str, str]) -> Expanded:
@@ -86,7 +87,7 @@ class _Expansion:
             return self._error("macros call each other without end")
         except ExpatError as error:
             file = (self._xacro.filestack or [str(self._file)])[-1]
-            self._at, self._failed = Place(str(file), error.lineno), None
+            self._at, self._failed = Span(str(file), error.lineno), None
             return self._error(f"not XML: {str(error).partition(':')[0]}")
         except Exception as error:  # noqa: BLE001 # whatever an expression raises
             return self._error(_reason(error))
@@ -175,7 +176,7 @@ class _Builder(expatbuilder.ExpatBuilderNS):
 
     def start_element_handler(self, name: str, attributes: Any) -> None:
         super().start_element_handler(name, attributes)
-        self.curNode.setUserData(_PLACE, Place(self._file_name, self.getParser().CurrentLineNumber), _Copied())
+        self.curNode.setUserData(_PLACE, Span(self._file_name, self.getParser().CurrentLineNumber), _Copied())
 
 
 class _Copied:
@@ -214,9 +215,9 @@ def _reason(error: BaseException) -> str:
     return f"{own or type(error).__name__} {suffix}".strip()
 
 
-def _written(document: Any, file: str) -> tuple[bytes, tuple[Place, ...]]:
+def _written(document: Any, file: str) -> tuple[bytes, tuple[Span, ...]]:
     """The text of a document with each element on a line of its own, and where each is from."""
-    lines, places = [""], [Place(file, 0)]
+    lines, places = [""], [Span(file)]
 
     def begin(node: Any) -> None:
         place = node.getUserData(_PLACE) or places[-1]

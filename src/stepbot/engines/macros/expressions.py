@@ -9,12 +9,7 @@ import ast
 from pathlib import Path
 from typing import Any, NamedTuple
 
-
-class Place(NamedTuple):
-    """Where something is stated."""
-
-    file: str
-    line: int
+from stepbot.diagnostics import Span
 
 
 class Expanded(NamedTuple):
@@ -22,15 +17,15 @@ class Expanded(NamedTuple):
 
     text: bytes
     """The URDF, one element a line, meshes with absolute paths; empty after an error."""
-    places: tuple[Place, ...]
+    places: tuple[Span, ...]
     """For each line of the URDF, where its element is stated; the first line has number 1, and is at index 1."""
     files: tuple[Path, ...]
     """The other files that were read."""
     arguments: tuple[str, ...]
     """Names of the arguments that the xacro declares."""
     error: str = ""
-    at: Place = Place("", 0)
-    calls: tuple[Place, ...] = ()
+    at: Span = Span("")
+    calls: tuple[Span, ...] = ()
     """The macro calls around the error, the innermost first."""
 
 
