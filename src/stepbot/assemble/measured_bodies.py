@@ -72,41 +72,19 @@ def report_massless(binder: Binder, bodies: Sequence[MeasuredBody], components: 
             body = binder.assembly.bodies[number]
             group = uncertain if _is_unknown(body) else broken if body.kind is BodyKind.SOLID else surfaces
             group.setdefault(number, []).append(index)
-    source, span = binder.assembly.source, binder.span(("links",))
-    if surfaces:
-        count = sum(map(len, surfaces.values()))
-        what = f"{count} surface bodies have" if count > 1 else "one surface body has"
-        binder.found.add(
-            "SB506",
-            f"{source}: {what} no mass",
-            span,
-            help=("if one represents a heavy part, give its link an `inertial` with mass, com and inertia",),
-            notes=_bodies(binder, surfaces),
-        )
-    if uncertain:
-        count = sum(map(len, uncertain.values()))
-        what = f"mass properties of {count} solids do" if count > 1 else "mass properties of one solid do"
-        binder.found.add(
-            "SB516",
-            f"{source}: {what} not converge",
-            span,
-            help=(
-                "repair them in the CAD, ignore them in `parts`, or give the link an `inertial` with com and inertia",
-            ),
-            notes=_bodies(binder, uncertain),
-        )
-    if broken:
-        count = sum(map(len, broken.values()))
-        what = f"{count} solids enclose" if count > 1 else "one solid encloses"
-        binder.found.add(
-            "SB507",
-            f"{source}: {what} no volume",
-            span,
-            help=(
-                "repair them in the CAD, ignore them in `parts`, or give the link an `inertial` with com and inertia",
-            ),
-            notes=_bodies(binder, broken),
-        )
+
+    def report(code: str, group: Mapping[int, list[int]], one: str, several: str, help: str) -> None:
+        if group:
+            count = sum(map(len, group.values()))
+            message = f"{binder.assembly.source}: {several.format(count) if count > 1 else one}"
+            binder.found.add(code, message, binder.span(("links",)), help=[help], notes=_bodies(binder, group))
+
+    given = "if one represents a heavy part, give its link an `inertial` with mass, com and inertia"
+    report("SB506", surfaces, "one surface body has no mass", "{} surface bodies have no mass", given)
+    repair = "repair them in the CAD, ignore them in `parts`, or give the link an `inertial` with com and inertia"
+    unknown = "mass properties of one solid do not converge", "mass properties of {} solids do not converge"
+    report("SB516", uncertain, *unknown, repair)
+    report("SB507", broken, "one solid encloses no volume", "{} solids enclose no volume", repair)
 
 
 def _bodies(binder: Binder, components: Mapping[int, list[int]]) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.robot.kinematics import within_limits
 from stepbot.robot.model import Module, Robot
 from stepbot.robot.posing import NotReached, coordinates, leader_of, posed
-from stepbot.robot.renaming import renamed
+from stepbot.robot.renaming import KINDS, renamed
 from stepbot.sidecar.joint_settings import position_dimension
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.modules import ModuleSection
@@ -217,17 +217,7 @@ def _with_prefix(robot: Robot, prefix: str) -> Robot:
     def prefixed(name: str) -> str:
         return prefix + name
 
-    named = renamed(
-        robot,
-        link=prefixed,
-        joint=prefixed,
-        closure=prefixed,
-        frame=prefixed,
-        actuator=prefixed,
-        sensor=prefixed,
-        visual=prefixed,
-        collision=prefixed,
-    )
+    named = renamed(robot, **dict.fromkeys(KINDS, prefixed))
     inner = tuple(replace(one, prefix=prefix + one.prefix) for one in named.modules)
     return replace(named, modules=inner)
 

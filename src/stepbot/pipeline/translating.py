@@ -125,7 +125,7 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
     base = Base(options.base) if options.base else None
     described = robot_of_description(description, path.stem, path.name, base)
     for lost in description.lost:
-        place = Span(*description.place((path.parent / lost.file).as_posix() if lost.file else span.file, lost.line))
+        place = description.place((path.parent / lost.file).as_posix() if lost.file else span.file, lost.line)
         times = f" ({lost.count} times)" if lost.count > 1 else ""
         found.add("SB860", f"{lost.what}: not converted{times}", place, notes=[lost.effect] if lost.effect else ())
     if description.plain_meshes:
@@ -148,7 +148,7 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
         found.add(
             "SB874:limit",
             f"joint '{limit.joint}': {lacks}: {'read as unlimited' if is_open else '0 taken'}",
-            Span(*description.place(span.file, limit.line)),
+            description.place(span.file, limit.line),
             help=['state `lower` and `upper`, or `type="continuous"` for a hinge without limits'] if is_open else (),
             notes=[f"ROS (urdfdom) {one}" for one in ros if is_open],
         )
@@ -156,7 +156,7 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
     for newer in description.newer:
         text = f"{newer.what} is of URDF {newer.needs:g}, which the file does not state: read as such"
         remedy = f'state it: `<robot version="{newer.needs:g}">`'
-        found.add("SB876", text, Span(*description.place(span.file, newer.line)), help=[remedy])
+        found.add("SB876", text, description.place(span.file, newer.line), help=[remedy])
     if not (described.is_base_known or base or found.has_errors):
         message = f"link '{described.robot.root.name}': taken as fixed to the world"
         help = ["`--base floating` for a robot that moves freely, `--base fixed` to confirm"]

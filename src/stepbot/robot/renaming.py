@@ -7,6 +7,8 @@ from .model import Joint, Link, Robot
 from .self_collision import PairContact, SelfCollision
 
 Rename = Callable[[str], str]
+KINDS = ("link", "joint", "closure", "frame", "actuator", "sensor", "visual", "collision")
+"""The kinds of elements with names: the arguments of :func:`renamed`."""
 
 
 @dataclass(frozen=True)

@@ -176,7 +176,7 @@ def _compare_limits(deviations: Deviations, reference: Observation, observed: Ob
                 expected, found = getattr(a.limit, name), getattr(b.limit, name)
                 deviations.near(found, expected, f"{name} limit of joint '{a.name}'", _unit(a, name), _size(expected))
             else:
-                deviations.untold.append(name)
+                deviations.unreported.append(name)
 
 
 def _unit(joint: ObservedJoint, name: str) -> str:
@@ -200,7 +200,7 @@ def _compare_dynamics(deviations: Deviations, reference: Observation, observed: 
                 words = f"{name.replace('_', ' ')} of joint '{a.name}'"
                 deviations.near(getattr(b.dynamics, name), expected, words, "SI", _size(expected))
             elif expected:
-                deviations.untold.append(name.replace("_", " "))
+                deviations.unreported.append(name.replace("_", " "))
 
 
 def _compare_mimic(deviations: Deviations, reference: Observation, observed: Observation) -> None:

@@ -98,7 +98,7 @@ class Deviations:
 
     tolerance: Tolerance
     deviations: list[Deviation] = field(default_factory=list)
-    untold: list[str] = field(default_factory=list)
+    unreported: list[str] = field(default_factory=list)
     """Values of the quantity that the engine does not report."""
 
     def near(self, observed: float, expected: float, where: str, unit: str, scale: float = 0.0) -> None:

@@ -76,9 +76,11 @@ def check_of(subject: Subject, compared: Compared) -> Check:
         return subject.check(quantity, Status.NOT_RUN, why=compared.not_run)
     failures = compared.deviations.failures
     shown = failures[0] if failures else worst
-    untold = ", ".join(dict.fromkeys(compared.deviations.untold))
+    unreported = ", ".join(dict.fromkeys(compared.deviations.unreported))
     why = (
-        "; ".join(str(deviation) for deviation in failures[:2]) if failures else (untold and f"not reported: {untold}")
+        "; ".join(str(deviation) for deviation in failures[:2])
+        if failures
+        else (unreported and f"not reported: {unreported}")
     )
     where = shown.where if shown.unit or failures else ""
     amount, allowed = (shown.amount, shown.allowed) if shown.unit else (None, None)

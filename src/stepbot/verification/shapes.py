@@ -44,7 +44,7 @@ def compare_meshes(deviations: Deviations, reference: Observation, observed: Obs
                 diagonal = float(np.linalg.norm(np.subtract(expected[1], expected[0])))
                 deviations.off(off, f"{side} box of link '{a.name}'", "m", diagonal)
             elif expected is not None:
-                deviations.untold.append(f"{side} boxes")
+                deviations.unreported.append(f"{side} boxes")
             _compare_boxes(deviations, side, a.name, getattr(a, f"{side}s"), getattr(b, f"{side}s"))
 
 
@@ -211,12 +211,12 @@ def _compare_actuator(deviations: Deviations, a: ObservedActuator, b: ObservedAc
         elif name != "gear" and expected:  # formats without gears have gains, too, and 0 may be left out
             deviations.equal(False, f"{who}: no {name}", expected=f"{expected}")
         elif name != "gear" and seen is not None:
-            deviations.untold.append(name)
+            deviations.unreported.append(name)
     for name in ("control", "force"):
         bounds, found = getattr(a, name), getattr(b, name)
         if bounds is None or found is None:
             if bounds is not None and any(map(isfinite, bounds)):
-                deviations.untold.append(f"{name} range")
+                deviations.unreported.append(f"{name} range")
             continue
         ranges = _both_or_none(bounds, _at_joint(a, name)), _both_or_none(found, _at_joint(b, name))
         for side, wanted, given in zip(("lowest", "highest"), *ranges, strict=True):
@@ -250,4 +250,4 @@ def _compare_sensor(deviations: Deviations, a: ObservedSensor, b: ObservedSensor
         if expected is not None and found is not None:
             deviations.near(found, expected, f"{name} of {who}", unit, abs(expected) if isfinite(expected) else 0.0)
         elif expected:
-            deviations.untold.append(name)
+            deviations.unreported.append(name)

@@ -4,7 +4,7 @@ import re
 from dataclasses import replace
 
 from stepbot.robot.model import Robot
-from stepbot.robot.renaming import renamed
+from stepbot.robot.renaming import KINDS, renamed
 
 from ...lowering.masses import massless_bodies
 from ...xml import Element, document, element, root
@@ -125,16 +125,7 @@ def _control(macro: Element, robot: Robot) -> None:
 
 def with_prefix(robot: Robot) -> Robot:
     """The robot with the prefix before all names of links, joints, shapes, actuators and sensors."""
-    prefixed = renamed(
-        robot,
-        link=_prefixed,
-        joint=_prefixed,
-        actuator=_prefixed,
-        sensor=_prefixed,
-        visual=_prefixed,
-        collision=_prefixed,
-    )
-    return replace(prefixed, name=_prefixed(robot.name))
+    return replace(renamed(robot, **dict.fromkeys(KINDS, _prefixed)), name=_prefixed(robot.name))
 
 
 def _prefixed(name: str) -> str:
