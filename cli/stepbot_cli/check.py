@@ -13,7 +13,7 @@ from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import counted, printable
 from .machine_output import output_format_option
 from .progress import progress_bar
-from .reading import description_options, reading_options, reject_descriptions, say_trouble, variant_option
+from .reading import description_options, reading_options, reject_descriptions, report_trouble, variant_option
 from .table import show_joint_rows, show_joint_table, write_filled
 from .terminal import Display, show_diagnostics, write_document, write_result
 
@@ -127,7 +127,7 @@ def command(
                     of_one.make_strict()
                 failed |= {label} if of_one.has_errors else set()
                 _add(of_one, variant, found)
-    say_trouble(options.cache, found)
+    report_trouble(options.cache, found)
     if display.json:
         from stepbot.report.words import joint_table_document
 

@@ -13,7 +13,7 @@ from .columns import table_lines
 from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import counted, printable
 from .progress import progress_bar
-from .reading import package_path_option, reading_options, say_trouble
+from .reading import package_path_option, reading_options, report_trouble
 from .terminal import Display, show_diagnostics_of_use, write_document, write_result
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def command(
     if robot is not None and robot.self_collision is not None and srdf is not None and not found.has_errors:
         content = srdf_of(robot.name, robot.self_collision, robot.source, excluded=robot.excluded_contacts)
         write_file(srdf, content, found)
-    say_trouble(options.cache, found)
+    report_trouble(options.cache, found)
     searched = None if robot is None else robot.self_collision
     if display.json:
         pairs: dict[str, Any] | None = None if searched is None else self_collision_document(searched)

@@ -21,8 +21,8 @@ from .reading import (
     metadata_options,
     reading_options,
     reject_descriptions,
+    report_trouble,
     require_option,
-    say_trouble,
     variant_option,
 )
 from .table import show_joint_rows, show_joint_table, show_table, write_filled
@@ -260,7 +260,7 @@ def run_conversion(
         folder = written_to(conversion, options.output)  # before the drive tests: their findings move no file
         if drive and not conversion.diagnostics.has_errors:
             driven = _driven(conversion, options, progress)
-    say_trouble(options.cache, conversion.diagnostics)
+    report_trouble(options.cache, conversion.diagnostics)
     if junit is not None:
         write_junit(junit, [_suite(sidecar, conversion)])
     if display.json:

@@ -10,7 +10,7 @@ from stepbot.diagnostics import Diagnostics
 
 from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import printable
-from .reading import package_path_option, reading_options, say_trouble
+from .reading import package_path_option, reading_options, report_trouble
 from .terminal import Display, show_diagnostics_of_use, write_document, write_result
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def command(options: "Options", target: Path, display: Display) -> int:
         sheet = None if read is None else data_sheet(read[0])
     except StepbotError as error:
         found.extend(error.diagnostics)
-    say_trouble(options.cache, found)
+    report_trouble(options.cache, found)
     if display.json:
         from stepbot.report.plain import plain
 

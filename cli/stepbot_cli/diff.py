@@ -16,7 +16,7 @@ from .command import PATH, Command, display_options
 from .diagnostic_text import counted, paint, printable
 from .machine_output import output_format_option
 from .progress import progress_bar
-from .reading import package_path_option, reading_options, say_trouble
+from .reading import package_path_option, reading_options, report_trouble
 from .terminal import Display, screen_width, show_diagnostics, wants_color, write_document, write_result
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def command(options: "Options", old: Path, new: Path, markdown: bool, display: D
     with progress_bar(("read",), options) as progress:
         progress("read")
         differences = _compared(kind, old, new, options, found)
-    say_trouble(options.cache, found)
+    report_trouble(options.cache, found)
     exit_code = _exit_code(differences, found)
     if display.json:
         rows = [] if differences is None else [_record(row) for row in map(asdict, differences.rows)]

@@ -14,7 +14,7 @@ from stepbot.driving.plan import ENGINES, TESTS
 from .command import PATH, Command, display_options, names_option
 from .diagnostic_text import counted, printable
 from .progress import progress_bar
-from .reading import package_path_option, reading_options, say_trouble, variant_option
+from .reading import package_path_option, reading_options, report_trouble, variant_option
 from .table import filled, status_lines
 from .terminal import Display, screen_width, show_diagnostics_of_use, wants_color, write_document, write_result
 
@@ -160,7 +160,7 @@ def command(
     found = Diagnostics()
     with progress_bar(("read", "build", "write", "drive"), options) as progress:
         driven = drive(target, options, chosen, found, progress)
-    say_trouble(options.cache, found)
+    report_trouble(options.cache, found)
     drawn = _draw(driven, plots) if driven is not None and plots is not None else []
     if display.json:
         document = driven_json(driven) if driven is not None else _NOTHING

@@ -17,11 +17,11 @@ from .command import PATH, Command, display_options
 from .convert import default_output
 from .diagnostic_text import counted, printable
 from .progress import progress_bar
-from .reading import package_path_option, reading_options, say_trouble
+from .reading import package_path_option, reading_options, report_trouble
 from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
-    from stepbot.draft.draft import Draft, DraftClosure, DraftJoint
+    from stepbot.draft.draft import Alternative, Draft, DraftClosure, DraftJoint, Question
     from stepbot.draft.questions import Dialogue
     from stepbot.pipeline.conversion import Options
 
@@ -100,26 +100,10 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
         "joints": joints,
         "closures": closures,
         "fused": [
-            {
-                "part": one.moving,
-                "with": one.a if one.moving == one.b else one.b,
-                "link": names.links[one.link],
-                "freed": name,
-                **picked(one, "held_by=held type point direction"),
-                **_confidence(one),
-                "line": _line_of(f"# {name}:", text),
-            }
+            _fused_document(one, name, names.links[one.link], text)
             for one, name in zip(draft.fused, names.freed, strict=True)
         ],
-        "questions": [
-            picked(
-                one,
-                "name text decides options drafted",
-                options=[picked(option, "value text") for option in one.options],
-                drafted=one.drafted.value,
-            )
-            for one in draft.questions
-        ],
+        "questions": [_question_document(one) for one in draft.questions],
         "answers": dict(draft.answers),
         "offered": [
             {**picked(one, "parts type point direction", parts=[one.a, one.b]), **_confidence(one)}
@@ -130,6 +114,28 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
         "limits_to_fill_in": _todo(draft),
         "notes": list(draft.notes),
     }
+
+
+def _fused_document(one: "Alternative", name: str, link: str, text: str) -> dict[str, Any]:
+    """A part that looks movable and was fused, and the line of the sidecar's ``text`` that frees it."""
+    from stepbot.report.plain import picked
+
+    return {
+        "part": one.moving,
+        "with": one.a if one.moving == one.b else one.b,
+        "link": link,
+        "freed": name,
+        **picked(one, "held_by=held type point direction"),
+        **_confidence(one),
+        "line": next((n for n, line in enumerate(text.splitlines(), 1) if line.strip().startswith(f"# {name}:")), 0),
+    }
+
+
+def _question_document(one: "Question") -> dict[str, Any]:
+    from stepbot.report.plain import picked
+
+    options = [picked(option, "value text") for option in one.options]
+    return picked(one, "name text decides options drafted", options=options, drafted=one.drafted.value)
 
 
 def _confidence(one: Any) -> dict[str, Any]:
@@ -180,11 +186,6 @@ def _asked(draft: "Draft") -> list[str]:
         others = ", ".join(option.value for option in one.options if option is not one.drafted)
         lines.append(f"    {printable(one.text)} drafted: {printable(one.drafted.value)}; or {printable(others)}")
     return lines
-
-
-def _line_of(start: str, text: str) -> int:
-    """Number of the first line that starts so, from 1; 0 if there is none."""
-    return next((n for n, line in enumerate(text.splitlines(), 1) if line.strip().startswith(start)), 0)
 
 
 def _counts(draft: "Draft") -> str:
@@ -331,7 +332,7 @@ def command(
     if draft is not None:
         draft = replace(draft, robot=default_output(sidecar).name)
         text = write_draft(draft, sidecar, step, options.encoding, found)
-    say_trouble(options.cache, found)
+    report_trouble(options.cache, found)
     return _show_result(draft, text, sidecar, step, found, display)
 
 

@@ -8,7 +8,7 @@ import click
 
 from .command import PATH, Command, display_options
 from .progress import progress_bar
-from .reading import reading_options, say_trouble, variant_option
+from .reading import reading_options, report_trouble, variant_option
 from .render import checked_picture_name, picture_lines, require_packages, write_picture
 from .terminal import Display, screen_width, show_diagnostics, write_document, write_result
 
@@ -98,7 +98,7 @@ def command(
         if picture is not None and inspection.assembly is not None:
             progress("render")
             drawn = _exploded_view(inspection.assembly, Choice(depth, glob, folded=False), not unfold, picture, found)
-    say_trouble(options.cache, found)
+    report_trouble(options.cache, found)
     if display.json:
         document = _document(inspection, between, features)
         if picture is not None:

@@ -12,7 +12,7 @@ from stepbot.runtime.file import is_folder, resolved
 from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import counted, printable
 from .progress import progress_bar
-from .reading import reading_options, reject_descriptions, say_trouble, variant_option
+from .reading import reading_options, reject_descriptions, report_trouble, variant_option
 from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ def command(
                 if not writing.has_errors:
                     written[path] = locked
                 found.extend(writing)
-    say_trouble(options.cache, found)
+    report_trouble(options.cache, found)
     if display.json:
         files = [{"lock": path.as_posix(), **_counts(taken)} for path, taken in written.items()]
         return write_document({"files": files}, found)

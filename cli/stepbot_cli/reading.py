@@ -71,7 +71,7 @@ def opened(folder: Path | None, off: bool = False) -> Cache | None:
     return Cache(folder or default_folder(), limit)
 
 
-def say_trouble(cache: Cache | None, found: Diagnostics) -> None:
+def report_trouble(cache: Cache | None, found: Diagnostics) -> None:
     """Add a note if results could not be cached."""
     if cache is not None and cache.trouble:
         found.add("SB006", cache.trouble, Span("stepbot"), help=["choose another folder with `--cache DIR`"])

@@ -14,7 +14,7 @@ from stepbot.runtime.file import replace_file
 from .command import PATH, Command, display_options
 from .diagnostic_text import printable
 from .progress import progress_bar
-from .reading import package_path_option, reading_options, say_trouble, variant_option
+from .reading import package_path_option, reading_options, report_trouble, variant_option
 from .terminal import Display, show_diagnostics_of_use, write_document, write_result
 
 if TYPE_CHECKING:
@@ -309,7 +309,7 @@ def _report(
     options: "Options",
     display: Display,
 ) -> int:
-    say_trouble(options.cache, found)
+    report_trouble(options.cache, found)
     written = picture is not None and not found.has_errors
     if display.json:
         document = {

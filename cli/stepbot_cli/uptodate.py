@@ -21,7 +21,7 @@ from .convert import (
 )
 from .machine_output import output_format_option
 from .progress import progress_bar
-from .reading import description_options, metadata_options, reading_options, say_trouble
+from .reading import description_options, metadata_options, reading_options, report_trouble
 from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ def command(
                 asked = options._replace(output=folder, gazebo=model, variant=variant)
                 check_up_to_date(path, asked, found, exclude=exclude, progress=progress)
                 compared += 1
-    say_trouble(options.cache, found)
+    report_trouble(options.cache, found)
     if display.json:
         return write_document({"files": [path.as_posix() for path in paths]}, found)
     show_diagnostics(found, display, as_result=True)

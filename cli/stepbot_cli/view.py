@@ -17,7 +17,7 @@ from .convert import default_output
 from .diagnostic_text import printable, summary
 from .limits import interruptible
 from .progress import progress_bar
-from .reading import package_path_option, reading_options, say_trouble, variant_option
+from .reading import package_path_option, reading_options, report_trouble, variant_option
 from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
@@ -75,13 +75,13 @@ def command(
         target, drafted = _editable(target, options, found)
         _check_writable(target, found)
     if found.has_errors:
-        return _say(found, "", display)
+        return _announce(found, "", display)
     try:
         output = default_output(target, options.variant)
         session = Session(target, options._replace(output=output), port=port, edits=edit)
     except OSError as error:
         found.add("SB019", f"port {port}: {error.strerror}", Span("stepbot"))
-        return _say(found, "", display)
+        return _announce(found, "", display)
     is_served = False
     try:
         with ExitStack() as running:
@@ -93,11 +93,11 @@ def command(
                 progress("read")
                 shown = session.load()
             found.extend(shown.diagnostics)
-            say_trouble(options.cache, found)
+            report_trouble(options.cache, found)
             if shown.scene is None:
-                return _say(found, "", display)
+                return _announce(found, "", display)
             session.server.start()
-            _say(found, session.server.url, display, drafted)
+            _announce(found, session.server.url, display, drafted)
             is_served = True
             if not no_open:
                 webbrowser.open(session.server.url)
@@ -164,7 +164,7 @@ def _check_writable(sidecar: Path, found: Diagnostics) -> None:
         )
 
 
-def _say(found: Diagnostics, url: str, display: Display, drafted: str = "") -> int:
+def _announce(found: Diagnostics, url: str, display: Display, drafted: str = "") -> int:
     """Print diagnostics and the address of the page; returns the exit code.
 
     Of a page that opens, warnings and notes are only counted: it lists them, each beside its place.

@@ -15,7 +15,7 @@ from .command import PATH, Command, display_options
 from .diagnostic_text import printable
 from .limits import interruptible
 from .progress import progress_bar
-from .reading import say_trouble, working_options
+from .reading import report_trouble, working_options
 from .terminal import Display, show_diagnostics, write_document, write_json, write_result
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def command(
                     progress(str(session.target))
                     found.extend(session.load().diagnostics)
                     session.server.start()
-            say_trouble(options.cache, found)
+            report_trouble(options.cache, found)
             _announce(sessions, found, display)
             for session in sessions:
                 prover.ask(session)
