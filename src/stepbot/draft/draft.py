@@ -7,11 +7,10 @@ component paths, as `inspect` prints them.
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
-from math import inf
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import ZERO3, Vector3
-from stepbot.robot.model import Base, Frame, JointDynamics, JointKind, Mimic
+from stepbot.robot.model import Base, Frame, JointDynamics, JointKind, Limit, Mimic
 from stepbot.sidecar.contact import ContactMaterial
 from stepbot.step.features.ground import Standing
 
@@ -64,22 +63,6 @@ class OriginSnippet:
     """Position [m], if ``form`` is ``xyz``."""
     rpy: Vector3 = ZERO3
     """Roll, pitch and yaw [rad], if ``form`` is ``xyz``."""
-
-
-@dataclass(frozen=True)
-class DraftLimits:
-    """Limits of a joint and the reason for them; infinite where there is none."""
-
-    lower: float
-    """[rad] or [m]."""
-    upper: float
-    """[rad] or [m]."""
-    why: str
-    """Empty where the reason is that of the joint."""
-    velocity: float = inf
-    """[rad/s] or [m/s]."""
-    effort: float = inf
-    """[N m] or [N]."""
 
 
 @dataclass(frozen=True)
@@ -196,7 +179,9 @@ class DraftJoint(DraftConnection):
     """Second axis of a universal joint, as ``axis``."""
     direction2: Vector3 | None = None
     """The same in the assembly."""
-    limits: DraftLimits | None = None
+    limits: Limit | None = None
+    limits_from: str = ""
+    """Where the limits are stated; empty where the joint itself is."""
     zero: float = 0.0
     """Position [rad] or [m] as drawn, if the file states it."""
     pitch: float | None = None

@@ -16,13 +16,12 @@ from stepbot.draft.draft import (
     Draft,
     DraftClosure,
     DraftJoint,
-    DraftLimits,
     DraftLink,
     OriginForm,
     OriginSnippet,
 )
 from stepbot.geometry.spatial import Array, Pose, Vector3, angle_between, unit, vector3
-from stepbot.robot.model import JointKind
+from stepbot.robot.model import JointKind, Limit
 from stepbot.step.assembly import Assembly
 from stepbot.step.exchange.mechanisms import KinematicLink, KinematicPair, Mechanism
 from stepbot.step.structure.paths import plain_name
@@ -150,6 +149,7 @@ def _joint(
         parent=names[parent],
         child=names[child],
         limits=limits,
+        limits_from="stated in the STEP",
         zero=zero,
         pitch=None if pair.pitch is None else pair.pitch * scale,
     )
@@ -271,12 +271,12 @@ def _drawn_position(kind: JointKind, axis: Array, drawn: Pose) -> float:
     return round(atan2(float(turned @ np.cross(axis, u)), float(turned @ u)), 9) + 0.0
 
 
-def _limits(pair: KinematicPair, kind: JointKind, scale: float) -> DraftLimits | None:
+def _limits(pair: KinematicPair, kind: JointKind, scale: float) -> Limit | None:
     low, high = pair.bounds
     if not kind.bounded or low is None or high is None or low >= high:
         return None
     factor = scale if kind is JointKind.PRISMATIC else 1.0
-    return DraftLimits(low * factor, high * factor, "stated in the STEP")
+    return Limit(low * factor, high * factor)
 
 
 def _letter(axis: Array) -> str | Vector3:

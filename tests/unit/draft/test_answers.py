@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from stepbot.draft.answers import Facts, known_fixed, known_joint, rerooted
-from stepbot.draft.draft import Alternative, Confidence, Draft, DraftLimits, DraftLink, OriginForm, OriginSnippet
+from stepbot.draft.draft import Alternative, Confidence, Draft, DraftLink, OriginForm, OriginSnippet
 from stepbot.geometry.spatial import Vector3
 from stepbot.robot.kinematics import link_poses
-from stepbot.robot.model import JointKind
+from stepbot.robot.model import JointKind, Limit
 from tests.unit.assemble.workshop import Workshop, at
 from tests.unit.draft.test_sidecar_text import HINGE, built
 
@@ -30,7 +30,7 @@ def chain(elbow: JointKind = JointKind.REVOLUTE, axes: tuple[str | Vector3, str 
             axis=axes[0],
             axis2=axes[1],
             origin=OriginSnippet(OriginForm.XYZ, xyz=(0.01 * i, 0.0, 0.02)),
-            limits=None if child == "arm" and elbow is JointKind.UNIVERSAL else DraftLimits(-1.0, 1.5, ""),
+            limits=None if child == "arm" and elbow is JointKind.UNIVERSAL else Limit(-1.0, 1.5),
         )
         for i, (parent, child) in enumerate((("base", "arm"), ("arm", "hand"), ("base", "lamp")))
     ]

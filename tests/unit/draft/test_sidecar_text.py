@@ -13,7 +13,6 @@ from stepbot.draft.draft import (
     Draft,
     DraftClosure,
     DraftJoint,
-    DraftLimits,
     DraftLink,
     Option,
     OriginForm,
@@ -21,7 +20,7 @@ from stepbot.draft.draft import (
     Question,
 )
 from stepbot.draft.text.sidecar_text import sidecar_text
-from stepbot.robot.model import JointKind, Robot
+from stepbot.robot.model import JointKind, Limit, Robot
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import load_sidecar, parse_sidecar
 from stepbot.sidecar.located import Sidecar
@@ -224,7 +223,7 @@ def test_every_kind_of_joint_is_valid(tmp_path: Path) -> None:
 
 def test_limits_and_drawn_position_are_written_in_their_units(tmp_path: Path) -> None:
     """Limits stated in the file are degrees or millimetres, beside the drawn position."""
-    turning = replace(HINGE, limits=DraftLimits(-1.5707963267948966, 0.5, "stated in the STEP"), zero=0.25)
+    turning = replace(HINGE, limits=Limit(-1.5707963267948966, 0.5), limits_from="stated in the STEP", zero=0.25)
     text = sidecar_text(replace(DRAFT, joints=(turning,)), "robot.step")
     assert "limits: {lower: -90 deg, upper: 28.64788976 deg}" in text
     robot, found = built(replace(DRAFT, joints=(turning,)), tmp_path)
@@ -232,7 +231,7 @@ def test_limits_and_drawn_position_are_written_in_their_units(tmp_path: Path) ->
     assert (limit.lower, limit.upper) == pytest.approx((-1.5707963267948966, 0.5), abs=1e-9)
     assert robot.joints[0].drawn_position == pytest.approx(0.25, abs=1e-9)
     assert [one.code for one in found] == ["SB522"]
-    sliding = replace(turning, type=JointKind.PRISMATIC, limits=DraftLimits(-0.02, 0.0315, ""), zero=0.0)
+    sliding = replace(turning, type=JointKind.PRISMATIC, limits=Limit(-0.02, 0.0315), limits_from="", zero=0.0)
     assert "{lower: -20 mm, upper: 31.5 mm}" in sidecar_text(replace(DRAFT, joints=(sliding,)), "robot.step")
 
 

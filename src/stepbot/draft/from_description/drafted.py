@@ -11,7 +11,6 @@ from stepbot.draft.draft import (
     Draft,
     DraftClosure,
     DraftJoint,
-    DraftLimits,
     DraftLink,
     OriginForm,
     OriginSnippet,
@@ -29,7 +28,7 @@ from stepbot.draft.text.values import number, position
 from stepbot.engines.description import Description
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Array, Pose, Vector3, perpendicular_frame, unit, vector3
-from stepbot.robot.model import Joint, JointKind
+from stepbot.robot.model import Joint, JointKind, Limit
 from stepbot.step.assembly import Assembly
 
 _KNOWN, _PLACED, _GUESSED = 0.95, 0.85, 0.6
@@ -245,13 +244,13 @@ def _letter(axis: Vector3) -> str | Vector3:
     return vector3(rounded)
 
 
-def _limits(joint: Joint) -> DraftLimits | None:
+def _limits(joint: Joint) -> Limit | None:
     """The value of the description, if it has one."""
     given = joint.limit
     values = given.lower, given.upper, given.velocity, given.effort
     if joint.kind is JointKind.FIXED or not any(map(isfinite, values)):
         return None
-    return DraftLimits(given.lower, given.upper, "", velocity=given.velocity, effort=given.effort)
+    return given
 
 
 def _rates(joint: Joint) -> tuple[tuple[str, float], ...]:

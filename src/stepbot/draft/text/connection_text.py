@@ -142,8 +142,8 @@ def _evidence(one: DraftConnection, names: DraftNames) -> list[str]:
     """The evidence for it, and what to review."""
     facts = "; ".join(one.confidence.evidence)
     lines = comment(f"score {one.confidence.score:.2f}{': ' if facts else ''}{facts}", 2)
-    if isinstance(one, DraftJoint) and one.limits is not None and one.limits.why:
-        lines += comment(f"limits: {one.limits.why}", 2)
+    if isinstance(one, DraftJoint) and one.limits is not None and one.limits_from:
+        lines += comment(f"limits: {one.limits_from}", 2)
     if isinstance(one, DraftJoint):
         lines += [line for stop in one.stops for line in comment(_stop_text(one, stop), 2)]
     if isinstance(one, DraftJoint) and one.stops_skipped:
