@@ -9,7 +9,7 @@ https://control.ros.org/rolling/doc, http://wiki.ros.org/urdf/XML/Transmission
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import inf, isnan
 from pathlib import Path
 
@@ -108,9 +108,9 @@ def _sensors(top: Element) -> Iterator[ObservedSensor]:
         for element in block.findall("sensor"):
             sensor = _in_block(element, on, joints, top)
             state = states.pop(sensor.name, None)
-            yield in_gazebo_alone(sensor) if state is None else state.beside(sensor)
+            yield in_gazebo_alone(sensor) if state is None else in_both(state, sensor)
     for state in states.values():
-        yield state.alone()
+        yield in_ros2_control_alone(state)
 
 
 def _in_block(element: Element, on: str, joints: dict[str, Element], top: Element) -> ObservedSensor:
@@ -152,26 +152,19 @@ _WITH_STATES = (SensorKind.IMU.value, SensorKind.FORCE_TORQUE.value)
 """Kinds of sensors for which ros2_control has broadcasters."""
 
 
-@dataclass(frozen=True)
-class State:
-    """A sensor in `<ros2_control>`."""
+def in_both(state: ObservedSensor, sensor: ObservedSensor) -> ObservedSensor:
+    """The sensor of a Gazebo block with one of its name in ros2_control, if both agree."""
+    if state.kind != sensor.kind:
+        return replace(sensor, kind=f"{sensor.kind} in <gazebo>, {state.kind} in <ros2_control>")
+    if sensor.joint is not None and state.joint != sensor.joint:
+        return replace(sensor, joint=f"{sensor.joint} in <gazebo>, {state.joint} in <ros2_control>")
+    return sensor
 
-    name: str
-    kind: str
-    joint: str | None
 
-    def beside(self, sensor: ObservedSensor) -> ObservedSensor:
-        """The sensor of the same name in a Gazebo block, if both agree."""
-        if self.kind != sensor.kind:
-            return replace(sensor, kind=f"{sensor.kind} in <gazebo>, {self.kind} in <ros2_control>")
-        if sensor.joint is not None and self.joint != sensor.joint:
-            return replace(sensor, joint=f"{sensor.joint} in <gazebo>, {self.joint} in <ros2_control>")
-        return sensor
-
-    def alone(self) -> ObservedSensor:
-        """The sensor, which is in no Gazebo block."""
-        kind = self.kind if self.kind not in _WITH_STATES else f"{self.kind} in <ros2_control> alone"
-        return ObservedSensor(self.name, kind, joint=self.joint or "")
+def in_ros2_control_alone(state: ObservedSensor) -> ObservedSensor:
+    """A sensor of ros2_control without a Gazebo counterpart."""
+    kind = state.kind if state.kind not in _WITH_STATES else f"{state.kind} in <ros2_control> alone"
+    return replace(state, kind=kind, joint=state.joint or "")
 
 
 def in_gazebo_alone(sensor: ObservedSensor) -> ObservedSensor:
@@ -179,14 +172,14 @@ def in_gazebo_alone(sensor: ObservedSensor) -> ObservedSensor:
     return replace(sensor, kind=f"{sensor.kind} in <gazebo> alone") if sensor.kind in _WITH_STATES else sensor
 
 
-def state_sensors(top: Element) -> dict[str, State]:
+def state_sensors(top: Element) -> dict[str, ObservedSensor]:
     """The sensors of ros2_control, by name."""
     found = {}
     for element in top.findall("ros2_control/sensor"):
         readings = frozenset(one.get("name", "") for one in element.findall("state_interface"))
         kind = _READINGS.get(readings)
         name, joint = element.get("name", ""), _parameter(element, "joint")
-        found[name] = State(name, kind.value if kind else " and ".join(sorted(readings)), joint)
+        found[name] = ObservedSensor(name, kind.value if kind else " and ".join(sorted(readings)), joint=joint)
     return found
 
 
