@@ -19,7 +19,8 @@ def package_named(name: str) -> str:
         ValueError: It is not.
     """
     if not _NAME.fullmatch(name):
-        raise ValueError(f"'{name}' is not the name of a ROS package: lower-case letters, digits and _, a letter first")
+        needed = "two or more lower-case letters, digits and _, a letter first"
+        raise ValueError(f"'{name}' is not the name of a ROS package: {needed}")
     return name
 
 
