@@ -48,7 +48,7 @@ def test_example_runs(example: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
         r"^(?:\$ )?(stepbot .*)$", "\n".join(blocks("(?:sh|console)") + blocks("sh", COMMANDS)), re.MULTILINE
     )
     names = [command.split()[1] for command in commands]
-    assert names == ["library", "check", "convert", "batch", "uptodate"]
+    assert names == ["library", "init", "check", "convert", "batch", "uptodate"]
     shown = {command: lines for command, *lines in (block.splitlines() for block in blocks("console"))}
     assert len(shown) == 2
     monkeypatch.setenv("COLUMNS", "100")
