@@ -103,7 +103,7 @@ def build_robot(
     binder = Binder(assembly, sidecar, found, revised)
     root, order = tree_order(document)
     materials = assign_materials(binder)
-    claims = claim(binder, materials.of)
+    claims = claim(binder, materials)
     frames = Frames(binder, claims, root)
     joints = build_joints(binder, frames, order)
     closures = build_closures(binder, frames)
@@ -113,10 +113,10 @@ def build_robot(
     sensors = build_sensors(binder, frames)
 
     bodies = measured_bodies(assembly, measures(), document.mass)
-    fitted = FittedCollisions(binder, claims, materials.of, bodies, cache, process)
+    fitted = FittedCollisions(binder, claims, materials, bodies, cache, process)
     weighed = masses(binder, materials, bodies)
     report_unlike_motors(binder, weighed)
-    links = Links(binder, claims, materials.of, weighed, bodies, fitted)
+    links = Links(binder, claims, materials, weighed, bodies, fitted)
     links.report_unknown_masses()
     _report_bodies(binder, claims, bodies)
     binder.report_fragile()
@@ -159,7 +159,7 @@ def build_robot(
 def link_components(assembly: Assembly, sidecar: Sidecar, found: Diagnostics) -> dict[str, tuple[int, ...]]:
     """Indices of the components with bodies of each link; unresolved paths are reported in ``found``."""
     binder = Binder(assembly, sidecar, found)
-    claims = claim(binder, assign_materials(binder).of)
+    claims = claim(binder, assign_materials(binder))
     return {link: claims.parts_of(link) for link in sidecar.document.links}
 
 

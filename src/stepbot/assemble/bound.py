@@ -59,7 +59,7 @@ def bind(
     """
     binder = Binder(assembly, sidecar, Diagnostics(), revised)
     materials = assign_materials(binder)
-    claims = claim(binder, materials.of)
+    claims = claim(binder, materials)
     weighed = masses(binder, materials, measured_bodies(assembly, measures, sidecar.document.mass))
     return Bound(claims, weighed, placed_joints(binder, Frames(binder, claims, tree_order(sidecar.document)[0])))
 

@@ -25,7 +25,7 @@ from stepbot.step.structure.paths import subtree_ends
 
 from .binder import Binder
 from .claims import Claims
-from .material_assignment import GivenMass, MaterialAssignments
+from .material_assignment import GivenMass, MaterialAssignment
 
 MASS_TOLERANCE = 1e-3
 """Relative deviation from the exact mass properties up to which a mesh counts as equal."""
@@ -58,11 +58,13 @@ def _tolerance(section: MeshSection, inherited: MeshTolerance) -> MeshTolerance:
 _EQUAL = 1e-9
 
 
-def masses(binder: Binder, materials: MaterialAssignments, bodies: Sequence[MeasuredBody]) -> dict[int, ComponentMass]:
+def masses(
+    binder: Binder, materials: Sequence[MaterialAssignment], bodies: Sequence[MeasuredBody]
+) -> dict[int, ComponentMass]:
     """Mass of every component that has a volume and is not ignored, by index."""
     computed: dict[int, ComponentMass] = {}
     for component in binder.assembly.components:
-        assignment = materials.of[component.index]
+        assignment = materials[component.index]
         body = bodies[component.body] if component.body >= 0 else None
         if body is not None and body.used is not None and not assignment.ignored:
             volume, density = body.used.mass, assignment.density
@@ -81,14 +83,20 @@ def masses(binder: Binder, materials: MaterialAssignments, bodies: Sequence[Meas
 class _Sharing:
     """Divides given masses among the components below them."""
 
-    def __init__(self, binder: Binder, materials: MaterialAssignments, computed: dict[int, ComponentMass]) -> None:
+    def __init__(
+        self, binder: Binder, materials: Sequence[MaterialAssignment], computed: dict[int, ComponentMass]
+    ) -> None:
         self._binder = binder
         self._materials = materials
         self._computed = computed
         self._ends = subtree_ends(binder.assembly.components)
         self._empty: dict[str, int] = {}
         self._heavy: set[str] = set()
-        self._given = {index: given for index, given in sorted(materials.given.items()) if self._has_volume(index)}
+        self._given = {
+            index: one.given
+            for index, one in enumerate(materials)
+            if one.given is not None and self._has_volume(index, one.given)
+        }
         self._indices = list(self._given)
         self._result = dict(computed)
 
@@ -139,20 +147,20 @@ class _Sharing:
                 top.append(index)
         return top
 
-    def _has_volume(self, index: int) -> bool:
+    def _has_volume(self, index: int, given: GivenMass) -> bool:
         """Whether any component below can receive a mass; reports an error if one should."""
         below = range(index, self._ends[index])
         if any(i in self._computed for i in below):
             return True
-        if any(self._binder.assembly.components[i].body >= 0 and not self._materials.of[i].ignored for i in below):
-            pattern = self._materials.given[index].pattern
+        if any(self._binder.assembly.components[i].body >= 0 and not self._materials[i].ignored for i in below):
+            pattern = given.pattern
             if index < self._empty.get(pattern, 0):
                 return False  # an enclosing component has reported it
             self._empty[pattern] = self._ends[index]
             self._binder.report(
                 "SB503",
-                self._materials.given[index].keys,
-                f"'{self._binder.path(index)}' has no volume for its mass of {self._materials.given[index].mass:g} kg",
+                given.keys,
+                f"'{self._binder.path(index)}' has no volume for its mass of {given.mass:g} kg",
                 help=(
                     "give its link an `inertial` with mass, com and inertia, or set `mass` on a component with solids",
                 ),

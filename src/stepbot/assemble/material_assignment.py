@@ -6,7 +6,7 @@ density comes from the sidecar's ``materials``.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -73,26 +73,6 @@ PLACEHOLDER = "defaults: todo"
 
 
 @dataclass(frozen=True)
-class MaterialAssignment:
-    """The material, colour and geometry settings of one component."""
-
-    ignored: bool = False
-    density: float | None = None
-    """[kg/m^3]; None if no source gives one."""
-    density_origin: str = ""
-    """``parts rule '**/Cover'``, ``STEP``, ``material 'pla' in the STEP``, ``defaults``; empty without a density."""
-    material: str = ""
-    """The material whose density this is, in the sidecar or the STEP; empty if none is named."""
-    color: Rgba | None = None
-    """Colour that overrides the STEP's."""
-    visual: bool | None = None
-    collision: Derived | None = None
-    """How its collision geometry is made; None if no rule sets it."""
-    contact: Contact | None = None
-    """Its contact properties; None if no rule sets them."""
-
-
-@dataclass(frozen=True)
 class GivenMass:
     """A mass that the sidecar gives to a component and everything below it."""
 
@@ -115,16 +95,28 @@ class GivenMass:
 
 
 @dataclass(frozen=True)
-class MaterialAssignments:
-    """The sidecar's settings for all components."""
+class MaterialAssignment:
+    """The material, colour and geometry settings of one component."""
 
-    of: tuple[MaterialAssignment, ...]
-    """One per component."""
-    given: dict[int, GivenMass]
-    """Given masses by component; a component and its ancestor may both have one."""
+    ignored: bool = False
+    density: float | None = None
+    """[kg/m^3]; None if no source gives one."""
+    density_origin: str = ""
+    """``parts rule '**/Cover'``, ``STEP``, ``material 'pla' in the STEP``, ``defaults``; empty without a density."""
+    material: str = ""
+    """The material whose density this is, in the sidecar or the STEP; empty if none is named."""
+    color: Rgba | None = None
+    """Colour that overrides the STEP's."""
+    visual: bool | None = None
+    collision: Derived | None = None
+    """How its collision geometry is made; None if no rule sets it."""
+    contact: Contact | None = None
+    """Its contact properties; None if no rule sets them."""
+    given: GivenMass | None = None
+    """The mass of it and everything below it; its ancestors may have one as well."""
 
 
-def assign_materials(binder: Binder) -> MaterialAssignments:
+def assign_materials(binder: Binder) -> tuple[MaterialAssignment, ...]:
     """Apply every rule of ``parts`` to the components that it matches."""
     document, components = binder.document, binder.assembly.components
     rules = list(document.parts.items())
@@ -155,7 +147,7 @@ def assign_materials(binder: Binder) -> MaterialAssignments:
     _give_motor_masses(binder, found, given)
     _warn_of_uniform_density(binder, found)
     _note_unlisted_materials(binder, found)
-    return MaterialAssignments(found, given)
+    return tuple(replace(one, given=given[i]) if i in given else one for i, one in enumerate(found))
 
 
 def _give_motor_masses(binder: Binder, found: Sequence[MaterialAssignment], given: dict[int, GivenMass]) -> None:

@@ -41,7 +41,7 @@ def _overlaps(shop: Workshop, folder: Path, text: str, max_faces: int = 10**6) -
     found = Diagnostics()
     binder = Binder(shop.assembly, sidecar(folder, text), found)
     materials = assign_materials(binder)
-    claims = claim(binder, materials.of)
+    claims = claim(binder, materials)
     weighed = masses(binder, materials, measured_bodies(shop.assembly, shop.measures, binder.document.mass))
     (overlaps,) = OverlapSearch(shop.assembly, {"base": claims.parts_of("base")}, weighed, max_faces).result().values()
     return overlaps
@@ -220,7 +220,7 @@ def test_unchecked_pairs_are_reported(tmp_path: Path, found: ReadDiagnostics) ->
     binder = Binder(shop.assembly, sidecar(tmp_path, WATER + ONE), found)
     materials = assign_materials(binder)
     weighed = masses(binder, materials, measured_bodies(shop.assembly, shop.measures, binder.document.mass))
-    DoubleCounting(binder, claim(binder, materials.of), weighed, max_faces=0).report()
+    DoubleCounting(binder, claim(binder, materials), weighed, max_faces=0).report()
     (note,) = found
     assert (note.code, note.severity) == ("SB514", "note")
     assert "2 pairs of solids were not checked" in note.message
@@ -258,7 +258,7 @@ def test_what_was_found_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         shop.box("b", X_PC=at(x, 0, 0))
         binder = Binder(shop.assembly, sidecar(tmp_path, text), Diagnostics())
         materials = assign_materials(binder)
-        claims = claim(binder, materials.of)
+        claims = claim(binder, materials)
         weighed = masses(binder, materials, measured_bodies(shop.assembly, shop.measures, binder.document.mass))
         parts = {link: claims.parts_of(link) for link in binder.document.links}
         return OverlapSearch(shop.assembly, parts, weighed, cache=cache).result()
@@ -277,7 +277,7 @@ def _search(shop: Workshop, folder: Path, found: Diagnostics, process: Worker) -
     binder = Binder(shop.assembly, sidecar(folder, WATER + ONE), found)
     materials = assign_materials(binder)
     weighed = masses(binder, materials, measured_bodies(shop.assembly, shop.measures, binder.document.mass))
-    return DoubleCounting(binder, claim(binder, materials.of), weighed, process=process)
+    return DoubleCounting(binder, claim(binder, materials), weighed, process=process)
 
 
 def _row_of_blocks(count: int) -> Workshop:
