@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 
-from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.diagnostics import Diagnostics, did_you_mean, listed
 from stepbot.robot.kinematics import within_limits
 from stepbot.robot.model import Module, Robot
 from stepbot.robot.posing import NotReached, coordinates, leader_of, posed
@@ -180,17 +180,17 @@ class Parts:
         span = self._sidecar.key_span("modules", name)
         threads = [joint.name for joint in robot.joints if joint.pitch]
         if threads:
-            message = f"module '{name}': mirrored threads are left-handed: {_listed(threads)}"
+            message = f"module '{name}': mirrored threads are left-handed: {listed(threads, _MOST_LISTED)}"
             help = ["describe the joint in the composing file if the spindle is a bought one"]
             self._found.add("SB158:thread", message, span, help=help)
         names = [*robot.link_by_name, *robot.joint_by_name]
         sided = [one for one in names if any(side in one.lower() for side in _SIDES)]
         if sided:
-            message = f"module '{name}': names of a mirrored module contain a side: {_listed(sided)}"
+            message = f"module '{name}': names of a mirrored module contain a side: {listed(sided, _MOST_LISTED)}"
             self._found.add("SB158:side-name", message, span, help=["name them without a side in the module's file"])
         parts = unsymmetric(robot, image)
         if parts:
-            message = f"module '{name}': not their own mirror image: {_listed(parts)}"
+            message = f"module '{name}': not their own mirror image: {listed(parts, _MOST_LISTED)}"
             self._found.add("SB168:shape", message, span)
         return image
 
@@ -203,7 +203,7 @@ class Parts:
         self._found.add("SB160", f"module '{name}': home: {what}", place, help=help)
 
     def _unknown(self, name: str, keys: tuple[str | int, ...], one: str, what: str, known: list[str]) -> None:
-        near = did_you_mean(one, known) or (f"known: {_listed(known)}",)
+        near = did_you_mean(one, known) or (f"known: {listed(known, _MOST_LISTED)}",)
         message = f"module '{name}': {keys[0]}: '{one}': {what} in '{self._robots_file(name)}'"
         self._found.add("SB160", message, self._sidecar.span("modules", name, *keys), help=near)
 
@@ -244,8 +244,3 @@ def module_record(name: str, part: Part, at: str) -> tuple[Module, ...]:
     links = tuple(link.name for link in part.robot.links)
     own = Module(name, part.file, part.prefix, links, at, part.mirror)
     return own, *(replace(one, name=f"{name}/{one.name}") for one in part.robot.modules)
-
-
-def _listed(names: "list[str] | tuple[str, ...]") -> str:
-    shown = ", ".join(f"'{name}'" for name in names[:_MOST_LISTED])
-    return shown + (f" and {len(names) - _MOST_LISTED} more" if len(names) > _MOST_LISTED else "")

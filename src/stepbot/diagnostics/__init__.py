@@ -6,7 +6,7 @@ stage with errors; any other exception is a bug and keeps its traceback. All cod
 """
 
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Literal, NamedTuple
 
@@ -199,6 +199,17 @@ class StepbotError(Exception):
 def one_line(text: str) -> str:
     """``text`` with line breaks and control characters as escapes: names in files may hold any character."""
     return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
+
+
+def listed(names: Sequence[str], most: int) -> str:
+    """The first names, quoted, and the number of the others: ``'a', 'b' and 3 more``."""
+    shown = ", ".join(f"'{name}'" for name in names[:most])
+    return f"{shown} and {len(names) - most} more" if len(names) > most else shown
+
+
+def cut(notes: Sequence[str], most: int) -> list[str]:
+    """The first notes, and the number of the others as the last one."""
+    return [*notes[:most], *([f"and {len(notes) - most} more"] if len(notes) > most else [])]
 
 
 def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:

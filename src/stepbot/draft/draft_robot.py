@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stepbot.assemble.axis_evidence import doubt, face_words, faces_of_radius
+from stepbot.diagnostics import listed
 from stepbot.draft.answers import NO_FACTS, STATED, Facts
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.draft import (
@@ -198,7 +199,7 @@ class _Drafting:
         if not moved:
             return ()
         far = max(length(survey.moved[i].apply(survey.parts[i].com) - survey.parts[i].com) for i in moved)
-        paths = _first_of([f"'{survey.parts[i].path}'" for i in moved])
+        paths = listed([survey.parts[i].path for i in moved], _NAMED)
         return (f"drawn up to {1e3 * far:.2g} mm off what they fit, and compared as if in place: {paths}",)
 
     def _rolls(self, tree: Sequence[TreeJoint]) -> bool:
@@ -246,8 +247,8 @@ class _Drafting:
         about: dict[str, list[str]] = defaultdict(list)
         for i in members:
             if i in self._found.guesses:
-                about[self._found.guesses[i]].append(f"'{self._assembly.components[i].path}'")
-        return tuple(f"{why}: {_first_of(paths)}" for why, paths in about.items())
+                about[self._found.guesses[i]].append(self._assembly.components[i].path)
+        return tuple(f"{why}: {listed(paths, _NAMED)}" for why, paths in about.items())
 
     def _joint(self, arc: TreeJoint) -> DraftJoint:
         joint = self._moving_joint(arc)
@@ -357,11 +358,6 @@ class _Drafting:
                 name = f"{base}_{count}"
             names.append(name)
         return names
-
-
-def _first_of(paths: Sequence[str]) -> str:
-    shown = ", ".join(paths[:_NAMED])
-    return f"{shown} and {len(paths) - _NAMED} more" if len(paths) > _NAMED else shown
 
 
 def _distinct(hinges: Sequence[JointEvidence], known: Sequence[JointEvidence]) -> list[JointEvidence]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from stepbot.assemble import Built
 from stepbot.compose.parts import named
-from stepbot.diagnostics import Diagnostics, did_you_mean
+from stepbot.diagnostics import Diagnostics, cut, did_you_mean
 from stepbot.draft.stops.stops import Question, Shapes, Stop, find_stops
 from stepbot.draft.text.values import position
 from stepbot.geometry.fixed_point import exact_sum
@@ -119,13 +119,11 @@ class _Comparison:
         if found.alone:
             notes = [
                 f"{_named(one)}: {one.mass:.3g} kg at {axis} = {1e3 * float(one.center[k]):+.4g} mm"
-                for one in found.alone[:_MOST]
+                for one in found.alone
             ]
-            if len(found.alone) > _MOST:
-                notes.append(f"and {len(found.alone) - _MOST} more")
             count = len(found.alone)
             text = f"{count} part{'s' if count > 1 else ''} without a twin beyond the plane {axis} = 0"
-            self._report(keys, text, ASYMMETRIC, notes)
+            self._report(keys, text, ASYMMETRIC, cut(notes, _MOST))
         if found.size and abs(found.offset) > _OFF * found.size:
             share = abs(found.offset) / found.size
             text = f"com is {1e3 * found.offset:+.3g} mm off the plane {axis} = 0, {share:.1%} of the size"

@@ -4,10 +4,10 @@ Engines must not read files with entities, includes from other folders, pipes or
 in its own way, or not at all, so that meshes are found here.
 """
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+from stepbot.diagnostics import Diagnostics, Span, cut, did_you_mean, listed
 from stepbot.engines.description.statements import Statement
 from stepbot.engines.examination import Examined
 from stepbot.engines.file_references import openable
@@ -76,20 +76,15 @@ def is_robot_file(path: Path, found: Diagnostics) -> bool:
             found.add("SB814", f"{source}, not a robot description", span, help=[_FROM_SIDECAR])
         return not source
     if is_folder(path):
-        inside = _listed(main_files(path))
+        inside = listed([one.as_posix() for one in main_files(path)], _SHOWN)
         help = f"use a file in it: {inside}" if inside else "it contains no robot file; `stepbot convert` writes them"
         found.add("SB001", "is a folder, not a file", span, help=[help])
         return False
-    beside = main_files(path.parent)
-    near = did_you_mean(path.name, (file.name for file in beside))
-    listed = [f"robot files in '{path.parent.as_posix()}': {_listed(beside)}"] if beside else []
-    found.add("SB001", "file not found", span, help=near or listed)
+    beside = [one.as_posix() for one in main_files(path.parent)]
+    near = did_you_mean(path.name, (Path(one).name for one in beside))
+    others = [f"robot files in '{path.parent.as_posix()}': {listed(beside, _SHOWN)}"] if beside else []
+    found.add("SB001", "file not found", span, help=near or others)
     return False
-
-
-def _listed(files: Sequence[Path]) -> str:
-    more = len(files) - _SHOWN
-    return ", ".join(f"'{path.as_posix()}'" for path in files[:_SHOWN]) + (f" and {more} more" if more > 0 else "")
 
 
 _EXAMINE = "stepbot.engines.examination:examine"
@@ -165,10 +160,7 @@ def _report_missing(path: Path, missing: tuple[MissingMesh, ...], found: Diagnos
     """Report meshes that a file names and that do not exist (SB861)."""
     first, *others = missing
     more = f" and {len(others)} more" if others else ""
-    notes = [f"also missing: '{one.uri}'" for one in others[:_MOST_NOTES]]
-    left = len(others) - len(notes)
-    if left > 0:
-        notes.append(f"and {left} more")
+    notes = cut([f"also missing: '{one.uri}'" for one in others], _MOST_NOTES)
     remedy = "put the meshes where the file names them"
     if any("://" in one.uri for one in missing):
         remedy = "name the folder of the package: `--package-path DIR`"

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from stepbot.diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostics, Span, cut
 from stepbot.engines import engine_of, own_parsers
 from stepbot.engines.description.statements import Statement
 from stepbot.engines.observation import Quantity, Request
@@ -94,11 +94,8 @@ def report_failure(subject: Subject, compared: Compared, warning_code: str, foun
     if not failures or compared.not_run:
         return
     code = warning_code if compared.quantity is Quantity.WARNINGS else _CODES.get(compared.quantity, _OTHER_ROBOT)
-    notes = [str(deviation) for deviation in failures[1 : 1 + MOST_NOTES]]
-    if len(failures) > 1 + MOST_NOTES:
-        notes.append(f"and {len(failures) - 1 - MOST_NOTES} more")
     message = f"{subject.words}: {compared.quantity.value}: {failures[0]}"
-    found.add(code, message, Span(subject.file), notes=notes)
+    found.add(code, message, Span(subject.file), notes=cut([*map(str, failures[1:])], MOST_NOTES))
 
 
 def report_unread(file: str, outcomes: Sequence[Outcome], found: Diagnostics) -> None:

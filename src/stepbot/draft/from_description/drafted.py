@@ -5,6 +5,7 @@ from math import isfinite
 
 import numpy as np
 
+from stepbot.diagnostics import listed
 from stepbot.draft.draft import (
     SURE,
     Confidence,
@@ -266,5 +267,4 @@ def _rounded(inertial: MassProperties) -> MassProperties:
 
 
 def _some(paths: Iterable[str]) -> str:
-    listed = list(paths)
-    return ", ".join(f"'{path}'" for path in listed[:3]) + (f" and {len(listed) - 3} more" if len(listed) > 3 else "")
+    return listed(list(paths), 3)

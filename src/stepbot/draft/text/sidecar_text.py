@@ -8,7 +8,7 @@ import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from stepbot.diagnostics import one_line
+from stepbot.diagnostics import cut, one_line
 from stepbot.draft.draft import Alternative, Draft, DraftJoint, DraftLink, Models
 from stepbot.draft.text.connection_text import closure_lines, fused_lines, inertial_lines, joint_lines
 from stepbot.draft.text.densities import typical_density
@@ -123,8 +123,7 @@ def _overview(draft: Draft, names: DraftNames) -> list[str]:
         "fused part that may move": len(draft.fused),
     }
     words = [f"{count} {_plural(what) if count > 1 else what}" for what, count in counts.items() if count]
-    more = [f"and {len(tree) - _OVERVIEW} more"] if len(tree) > _OVERVIEW else []
-    lines = [f"Found: {', '.join(words)}", *(f"  {line}" for line in (*tree[:_OVERVIEW], *more))]
+    lines = [f"Found: {', '.join(words)}", *(f"  {line}" for line in cut(tree, _OVERVIEW))]
     return ["#", *(f"# {one_line(line)}" for line in lines), "#"]
 
 

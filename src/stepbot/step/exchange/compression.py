@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, cast
 
+from stepbot.diagnostics import listed
 from stepbot.robot.step_names import is_step_name
 from stepbot.runtime.file import open_regular
 
@@ -116,9 +117,8 @@ def _member(archive: "zipfile.ZipFile") -> "zipfile.ZipInfo":
     files = [one for one in archive.infolist() if not one.is_dir()]
     steps = [one for one in files if is_step_name(one.filename)]
     if len(steps) != 1 and len(files) != 1:
-        shown = ", ".join(f"'{one.filename}'" for one in steps[:_SHOWN])
-        more = f" and {len(steps) - _SHOWN} more" if len(steps) > _SHOWN else ""
-        reason = f"it contains {len(steps)} STEP files: {shown}{more}" if steps else "it contains no STEP file"
+        shown = listed([one.filename for one in steps], _SHOWN)
+        reason = f"it contains {len(steps)} STEP files: {shown}" if steps else "it contains no STEP file"
         raise ArchiveFault(reason, "unpack it and pass the STEP file of the assembly")
     (member,) = steps if len(steps) == 1 else files
     if member.flag_bits & 1:

@@ -32,7 +32,7 @@ from OCP.StepShape import (
     StepShape_TopologicalRepresentationItem,
 )
 
-from stepbot.diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostics, Span, cut
 from stepbot.runtime.file import read_regular
 
 from .statements import Statement, duplicates, find_statements
@@ -223,8 +223,6 @@ def _report(code: str, message: str, faults: Sequence[_Fault], place: str, found
     if not faults:
         return
     ordered = sorted(dict.fromkeys(faults))
-    notes = [f"line {fault.line}: {fault.text}" if fault.line else fault.text for fault in ordered[:_SHOWN]]
-    if len(ordered) > _SHOWN:
-        notes.append(f"and {len(ordered) - _SHOWN} more")
+    notes = cut([f"line {fault.line}: {fault.text}" if fault.line else fault.text for fault in ordered], _SHOWN)
     line = ordered[0].line
     found.add(code, message, Span(place, line, 1) if line else Span(place), help=_REMEDY, notes=notes)

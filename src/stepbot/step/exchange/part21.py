@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+from stepbot.diagnostics import Diagnostics, Span, did_you_mean, listed
 from stepbot.robot.step_names import is_step_name
 from stepbot.runtime.file import is_folder
 
@@ -215,7 +215,7 @@ def _has_geometry(
     names = list(dict.fromkeys(reference.name for reference in elsewhere))
     found.add(
         "SB203",
-        f"{'parts of the' if is_complete else 'all'} geometry is in files that are not STEP: {_listed(names)}",
+        f"{'parts of the' if is_complete else 'all'} geometry is in files that are not STEP: {listed(names, 5)}",
         Span(place, elsewhere[0].line, 1),
         help=["export the assembly as one STEP file, or its parts as STEP files beside it"],
     )
@@ -260,8 +260,3 @@ def _text(argument: bytes | list[bytes], encoding: str) -> str:
 def _decoded(raw: bytes, encoding: str) -> str:
     """The content of a string between its quotes, in any encoding."""
     return decode_string(raw, encoding) if encoding else decode_string(raw, FALLBACK, "replace")
-
-
-def _listed(names: list[str]) -> str:
-    shown = ", ".join(f"'{name}'" for name in names[:5])
-    return f"{shown} and {len(names) - 5} more" if len(names) > 5 else shown

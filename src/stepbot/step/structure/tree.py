@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from stepbot.diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostics, Span, listed
 from stepbot.geometry.poses import Poses
 from stepbot.geometry.spatial import Array, Pose, cross, dot, matrix_product
 from stepbot.robot.model import Rgba
@@ -245,6 +245,5 @@ def _report(growing: _Growing, skewed: Sequence[int], place: str, found: Diagnos
         )
     if growing.empty:
         paths = [components[index].path for index in growing.empty]
-        shown = ", ".join(f"'{path}'" for path in paths[:3]) + (f" and {len(paths) - 3} more" if len(paths) > 3 else "")
         count = f"{len(paths)} components have" if len(paths) > 1 else "one component has"
-        found.add("SB216", f"{count} no geometry: {shown}", Span(place))
+        found.add("SB216", f"{count} no geometry: {listed(paths, 3)}", Span(place))

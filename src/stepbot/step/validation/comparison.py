@@ -9,7 +9,7 @@ from math import dist, inf, isnan, sqrt
 
 import numpy as np
 
-from stepbot.diagnostics import Diagnostics, Span
+from stepbot.diagnostics import Diagnostics, Span, cut
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
 from stepbot.step.structure.source import NONE, Definition
@@ -133,16 +133,13 @@ def _report(
     differing = [validation for validation in validations if not validation.agrees]
     if differing:
         described = dict.fromkeys(f"'{components[v.component].path}': {_described(v)}" for v in differing)
-        notes = list(described)[:_SHOWN]
         differ = "differ" if len(differing) > 1 else "differs"
-        if len(described) > _SHOWN:
-            notes.append(f"and {len(described) - _SHOWN} more")
         found.add(
             "SB226",
             f"{len(differing)} of {len(validations)} validation properties in the file {differ} from the geometry read",
             Span(place),
             help=["compare these parts with the CAD: the export may have lost or changed geometry"],
-            notes=notes,
+            notes=cut(list(described), _SHOWN),
         )
     if left_out:
         count = f"{left_out} validation properties" if left_out > 1 else "one validation property"
