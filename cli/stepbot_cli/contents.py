@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.poses import Poses, bounds_at
-from stepbot.geometry.spatial import ZERO3, Array, Pose, Vector3
+from stepbot.geometry.spatial import ZERO3, Array, Pose, Vector3, vector3
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.pipeline.stages import Inspection
 from stepbot.report.plain import picked
@@ -104,12 +104,12 @@ def _slacks(body: Body, poses: Sequence[Pose], tolerance: MeshTolerance) -> Iter
     if body.kind is BodyKind.TESSELLATED or not len(body.mesh.faces):
         yield from [(ZERO3, ZERO3)] * len(poses)
         return
-    deviation = tolerance.absolute or tolerance.relative * float(np.linalg.norm(np.ptp(body.mesh.vertices, axis=0)))
+    deviation = tolerance.absolute or tolerance.relative * body.mesh.diagonal
     known: dict[object, Box] = {}
     for pose in poses:
         if pose.rotation not in known:
             flat = _flat_ends(body.mesh, pose)
-            low, high = (_vector(np.where(ends, 0.0, deviation)) for ends in flat)
+            low, high = (vector3(np.where(ends, 0.0, deviation)) for ends in flat)
             known[pose.rotation] = low, high
         yield known[pose.rotation]
 
@@ -125,11 +125,6 @@ def _flat_ends(mesh: TriMesh, X: Pose) -> tuple[NDArray[np.bool_], NDArray[np.bo
         (corners.max(axis=1) <= low + _IN_PLANE).any(axis=0),
         (corners.min(axis=1) >= high - _IN_PLANE).any(axis=0),
     )
-
-
-def _vector(row: Array) -> Vector3:
-    x, y, z = row.tolist()
-    return (x, y, z)
 
 
 def _joined_slack(one: Contents, box: Box, slack: Box) -> Box:

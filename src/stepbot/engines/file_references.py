@@ -14,7 +14,7 @@ from math import prod
 from pathlib import Path
 from typing import Any
 
-from stepbot.runtime.file import exists, is_file, is_folder, open_regular, read_regular, resolved
+from stepbot.runtime.file import exists, is_file, is_folder, is_unicode, open_regular, read_regular, resolved
 from stepbot.runtime.temporary import run_folder
 
 from .resources import candidates
@@ -251,31 +251,23 @@ def openable(path: Path) -> Path:
         OSError: There cannot be a symbolic link.
     """
     absolute = resolved(path)  # not cached: what a relative path refers to changes with the current folder
-    return absolute if _is_utf8(absolute) else _linked(absolute)
+    return absolute if is_unicode(absolute) else _linked(absolute)
 
 
 @cache
 def _linked(path: Path) -> Path:
     """Another path of a file, by symbolic links; the same one on each call."""
     place = Path(tempfile.mkdtemp(dir=run_folder()))
-    if _is_utf8(Path(path.name)):
-        folder = next(folder for folder in path.parents if not _is_utf8(Path(folder.name)))
+    if is_unicode(Path(path.name)):
+        folder = next(folder for folder in path.parents if not is_unicode(Path(folder.name)))
         (place / "folder").symlink_to(folder, target_is_directory=True)
         return place / "folder" / path.relative_to(folder)
     for beside in path.parent.iterdir():
-        if _is_utf8(Path(beside.name)):
+        if is_unicode(Path(beside.name)):
             (place / beside.name).symlink_to(beside, target_is_directory=is_folder(beside))
-    description = place / f"{place.name}{path.suffix if _is_utf8(Path(path.suffix)) else ''}"
+    description = place / f"{place.name}{path.suffix if is_unicode(Path(path.suffix)) else ''}"
     description.symlink_to(path)
     return description
-
-
-def _is_utf8(path: Path) -> bool:
-    try:
-        str(path).encode("utf-8")
-    except UnicodeEncodeError:  # it has bytes that are not, as surrogates
-        return False
-    return True
 
 
 _MOST_LAYERS = 1000

@@ -50,6 +50,11 @@ class TriMesh:
         """Lowest and highest corner [m] of the vertices."""
         return bounds(self.vertices)
 
+    @property
+    def diagonal(self) -> float:
+        """That of the bounding box [m]; 0 without vertices."""
+        return float(np.linalg.norm(np.ptp(self.vertices, axis=0))) if len(self.vertices) else 0.0
+
     def moved(self, X_AB: Pose) -> "TriMesh":
         """This mesh, given in B, expressed in A."""
         return TriMesh.of(X_AB.apply(self.vertices), self.faces)

@@ -40,7 +40,7 @@ def is_flat(mesh: TriMesh) -> bool:
     if len(mesh.vertices) < 4:
         return True
     normals, areas = _normals(mesh)
-    extent = _diagonal(mesh)
+    extent = mesh.diagonal
     if extent == 0.0 or not len(areas) or not areas.max():
         return True
     return float(np.ptp(mesh.vertices @ normals[int(areas.argmax())])) <= FLATNESS * extent
@@ -63,7 +63,7 @@ def is_convex(mesh: TriMesh, dent: float) -> bool:
     a, b, c = _corners(mesh)
     longest = np.max([np.linalg.norm(edge, axis=1) for edge in (b - a, c - b, a - c)], axis=0)
     # The thinner a triangle, the more rounding tilts its plane.
-    rounding = _ROUNDED * _diagonal(mesh) * np.divide(longest, areas, out=np.zeros_like(areas), where=areas > 0.0)
+    rounding = _ROUNDED * mesh.diagonal * np.divide(longest, areas, out=np.zeros_like(areas), where=areas > 0.0)
     judge, judged = _across_edges(mesh, areas)
     in_front = np.einsum("ij,ij->i", mesh.vertices[judged] - a[judge], normals[judge])
     reflex = distinct(judge[in_front > _ROUNDED])
@@ -98,8 +98,3 @@ def _normals(mesh: TriMesh) -> tuple[Array, Array]:
     normals = np.cross(b - a, c - a)
     areas = np.linalg.norm(normals, axis=1)
     return normals / np.where(areas > 0.0, areas, 1.0)[:, None], areas
-
-
-def _diagonal(mesh: TriMesh) -> float:
-    """Diagonal [m] of the bounding box."""
-    return float(np.linalg.norm(np.subtract(*mesh.bounds)))

@@ -267,7 +267,7 @@ def simplified(budget: TriangleBudget) -> Simplified:
     """Collapse edges of all units with the same limit of error, which increases until the budget is met."""
     states = [_started(unit) for unit in budget.units]
     counts = [unit.count for unit in budget.units]
-    largest = max((_diagonal(state.original) for state in states), default=0.0)
+    largest = max((state.original.diagonal for state in states), default=0.0)
     error = _FIRST * largest
     while _drawn(states, counts) > budget.max_triangles and error <= _LAST * largest:
         # Largest first: the last ones may stay finer.
@@ -299,7 +299,3 @@ def _started(unit: Unit) -> Simplification:
 
 def _drawn(states: Sequence[Simplification], counts: Sequence[int]) -> int:
     return sum(len(state.faces) * count for state, count in zip(states, counts, strict=True))
-
-
-def _diagonal(mesh: TriMesh) -> float:
-    return float(np.linalg.norm(np.ptp(mesh.vertices, axis=0))) if len(mesh.vertices) else 0.0

@@ -42,6 +42,15 @@ def resolved(path: Path) -> Path:
         return Path(os.path.abspath(path))
 
 
+def is_unicode(path: Path) -> bool:
+    """Whether a path is text; other bytes of it are surrogates, and neither kernel nor engines open such a file."""
+    try:
+        str(path).encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
+
+
 def open_regular(path: Path, *, follow_links: bool = True) -> BufferedReader:
     """Open a regular file for reading, without waiting for a pipe or a device.
 

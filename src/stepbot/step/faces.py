@@ -8,7 +8,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, Vector3
+from stepbot.geometry.spatial import Array, Vector3, vector3
 
 
 class FaceKind(StrEnum):
@@ -49,15 +49,10 @@ class Face:
         corners = np.sort(np.array(self.box) * factors, axis=0)
         return replace(
             self,
-            point=_vector(np.array(self.point) * factors),
-            direction=_vector(np.array(self.direction) * factors / scale),
-            box=(_vector(corners[0]), _vector(corners[1])),
+            point=vector3(np.array(self.point) * factors),
+            direction=vector3(np.array(self.direction) * factors / scale),
+            box=(vector3(corners[0]), vector3(corners[1])),
             radius=self.radius * scale,
             length=self.length * scale,
             rings=tuple(ring * factors for ring in self.rings),
         )
-
-
-def _vector(values: Array) -> Vector3:
-    x, y, z = values.tolist()
-    return x, y, z

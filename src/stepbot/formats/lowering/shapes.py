@@ -4,9 +4,6 @@ from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Any, TypeVar
 
-import numpy as np
-
-from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.predicates import is_convex, is_flat
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import Capsule, Collision, Cylinder, Link, MeshFormat, MeshRef, Robot, Sphere, Visual
@@ -87,7 +84,8 @@ def concave_collisions(robot: Robot) -> list[str]:
 
 def concave_meshes(robot: Robot) -> set[str]:
     """Names of the meshes of collisions that are not convex, or not closed."""
-    return {name for name in _touched(robot) if not _is_convex(robot.mesh_by_name[name].mesh)}
+    meshes = {name: robot.mesh_by_name[name].mesh for name in _touched(robot)}
+    return {name for name, mesh in meshes.items() if not is_convex(mesh, DENT * mesh.diagonal)}
 
 
 def _split(shape: _Shape) -> tuple[_Shape, ...]:
@@ -116,10 +114,6 @@ def _flat_meshes(robot: Robot) -> set[str]:
 def _touched(robot: Robot) -> set[str]:
     touching = (shape.geometry for shape in robot.distinct_shapes if isinstance(shape, Collision))
     return {geometry.name for geometry in touching if isinstance(geometry, MeshRef)}
-
-
-def _is_convex(mesh: TriMesh) -> bool:
-    return is_convex(mesh, DENT * float(np.linalg.norm(np.subtract(*mesh.bounds))))
 
 
 def excluded_pairs(robot: Robot) -> list[str]:

@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.runtime.file import is_unicode
 
 from .compression import ARCHIVES, decompressed, starts_with
 
@@ -91,15 +92,6 @@ def _check_declared(data: Text, declared: str, is_utf8: bool, place: str, found:
     return declared
 
 
-def _is_unicode(path: Path) -> bool:
-    """Whether the kernel, which expects names in UTF-8, can open a file by its name."""
-    try:
-        str(path).encode("utf-8")
-    except UnicodeEncodeError:
-        return False
-    return True
-
-
 @contextmanager
 def as_utf8(path: Path, encoding: str) -> Iterator[Path]:
     """The path of a file with the same text in UTF-8; the same file if it is already UTF-8, including its name.
@@ -107,7 +99,7 @@ def as_utf8(path: Path, encoding: str) -> Iterator[Path]:
     Args:
         encoding: From :func:`check_encoding`.
     """
-    if encoding in _PLAIN and _is_unicode(path) and not starts_with(path, (*ARCHIVES, BYTE_ORDER_MARK)):
+    if encoding in _PLAIN and is_unicode(path) and not starts_with(path, (*ARCHIVES, BYTE_ORDER_MARK)):
         yield path
         return
     # The kernel's own tables have few code pages, and interpret the backslash in the second byte of a GBK character as

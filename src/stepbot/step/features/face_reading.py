@@ -15,7 +15,7 @@ from OCP.TopAbs import TopAbs_Orientation, TopAbs_ShapeEnum
 from OCP.TopExp import TopExp_Explorer
 from OCP.TopoDS import TopoDS
 
-from stepbot.geometry.spatial import Array, Vector3, dot
+from stepbot.geometry.spatial import Array, Vector3, dot, vector3
 from stepbot.step.kernel import evaluated
 
 from ..faces import Face, FaceKind
@@ -52,7 +52,7 @@ def _read_face(face: Any) -> Face | None:
         point, direction = _metres(torus.Location()), _xyz(torus.Axis().Direction())
         radius = torus.MajorRadius() / MILLIMETRES_PER_METRE
         return Face(FaceKind.TORUS, point, direction, box, radius, span=_span(surface))
-    middle = _vector(0.5 * (np.array(box[0]) + np.array(box[1])))
+    middle = vector3(0.5 * (np.array(box[0]) + np.array(box[1])))
     return Face(FaceKind.OTHER, middle, _NO_AXIS, box)
 
 
@@ -78,7 +78,7 @@ def _plane(face: Any, surface: Any, plane: gp_Pln, box: tuple[Vector3, Vector3])
     # A point in the middle of the face's box keeps coordinates small.
     middle = 0.5 * (np.array(box[0]) + np.array(box[1]))
     point = middle - normal * float(dot(middle - np.array(_metres(plane.Location())), normal))
-    return Face(FaceKind.PLANE, _vector(point), _vector(normal), box, rings=_rings(face))
+    return Face(FaceKind.PLANE, vector3(point), vector3(normal), box, rings=_rings(face))
 
 
 def _revolved(face: Any, surface: Any, quadric: Any, box: tuple[Vector3, Vector3]) -> Face | None:
@@ -95,7 +95,7 @@ def _revolved(face: Any, surface: Any, quadric: Any, box: tuple[Vector3, Vector3
     direction = np.array(_xyz(axis.Direction()))
     point = np.array(_metres(axis.Location())) + direction * (0.5 * (low + high) / MILLIMETRES_PER_METRE)
     return Face(
-        *(kind, _vector(point), _vector(direction), box, radius / MILLIMETRES_PER_METRE),
+        *(kind, vector3(point), vector3(direction), box, radius / MILLIMETRES_PER_METRE),
         *((high - low) / MILLIMETRES_PER_METRE, is_bore(face, surface, axis), _span(surface)),
     )
 
@@ -146,7 +146,7 @@ def _edge_box(face: Any) -> tuple[Vector3, Vector3]:
     if not rings:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
     points = np.concatenate(rings)
-    return _vector(points.min(axis=0)), _vector(points.max(axis=0))
+    return vector3(points.min(axis=0)), vector3(points.max(axis=0))
 
 
 def _rings(face: Any) -> tuple[Array, ...]:
@@ -195,8 +195,3 @@ def _xyz(p: Any) -> Vector3:
 
 def _metres(p: Any) -> Vector3:
     return p.X() / MILLIMETRES_PER_METRE, p.Y() / MILLIMETRES_PER_METRE, p.Z() / MILLIMETRES_PER_METRE
-
-
-def _vector(values: Array) -> Vector3:
-    x, y, z = values.tolist()
-    return x, y, z

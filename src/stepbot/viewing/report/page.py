@@ -114,13 +114,13 @@ def reduced(robot: Robot, budget: int = BUDGET) -> Reduced:
     """The robot with meshes that fit a page; unchanged ones if they do."""
     meshes = [asset.mesh for asset in robot.meshes]
     faces = sum(len(mesh.faces) for mesh in meshes)
-    largest = max((_diagonal(mesh) for mesh in meshes), default=0.0)
+    largest = max((mesh.diagonal for mesh in meshes), default=0.0)
     cell, deviation, displayed = 0.0, 0.0, meshes
     while _size(displayed) > budget and cell < largest:
         cell = cell * 2**0.5 or largest * _FINEST
         pairs = [clustered(mesh, cell) for mesh in meshes]
         displayed, deviation = [mesh for mesh, _ in pairs], max(moved for _, moved in pairs)
-    rounding = max((0.5 * _diagonal(mesh) / STEPS for mesh in displayed), default=0.0)
+    rounding = max((0.5 * mesh.diagonal / STEPS for mesh in displayed), default=0.0)
     assets = tuple(replace(asset, mesh=mesh) for asset, mesh in zip(robot.meshes, displayed, strict=True))
     shown = sum(len(mesh.faces) for mesh in displayed)
     return Reduced(replace(robot, meshes=assets), deviation + rounding, faces, shown)
@@ -142,7 +142,7 @@ def clustered(mesh: TriMesh, cell: float) -> tuple[TriMesh, float]:
     if not kept.any():  # smaller than a cell: a triangle remains, so that the part does not disappear
         kept = np.zeros(len(faces), dtype=bool)
         kept[int(_areas(mesh).argmax())] = True
-        return mesh.subset(kept), float(_diagonal(mesh))
+        return mesh.subset(kept), mesh.diagonal
     used, renumbered = np.unique(faces[kept], return_inverse=True)
     triangles = renumbered.reshape(-1, 3)
     unique, _ = distinct_rows(np.sort(triangles, axis=1))
@@ -153,10 +153,6 @@ def _size(meshes: list[TriMesh]) -> int:
     vertices = sum(len(mesh.vertices) for mesh in meshes)
     faces = sum(len(mesh.faces) for mesh in meshes)
     return _PER_VERTEX * vertices + _PER_FACE * faces
-
-
-def _diagonal(mesh: TriMesh) -> float:
-    return float(np.linalg.norm(np.ptp(mesh.vertices, axis=0))) if len(mesh.vertices) else 0.0
 
 
 def _areas(mesh: TriMesh) -> Array:
