@@ -49,7 +49,7 @@ def meshes_as(kind: type[Visual | Collision], *formats: MeshFormat) -> Callable[
         if getattr(robot.mesh_formats, role) not in formats:
             return []
         meshes = {shape.geometry for shape in robot.distinct_shapes if isinstance(shape, kind)}
-        count = sum(isinstance(geometry, MeshRef) for geometry in meshes)
+        count = len([geometry for geometry in meshes if isinstance(geometry, MeshRef)])
         return [f"{count} {role} mesh{'es' if count > 1 else ''}"] if count else []
 
     return affected
