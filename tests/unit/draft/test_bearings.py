@@ -1,5 +1,9 @@
 """Joints at named bearings: what is in the bore turns in what is around the ring."""
 
+from math import cos, pi, sin
+
+import pytest
+
 from stepbot.robot.model import JointKind
 from tests.assembled import Node, group, inferred, joints, links, part
 from tests.solids import Solid, box, cylinder
@@ -48,3 +52,38 @@ def test_bearing_screwed_on_by_its_bore_turns_what_the_screw_holds() -> None:
     found = inferred(group("swing", part("arm", SEAT), part("ball bearing", RING)), group("link", lever), screw)
     assert [arc.evidence.type for arc in found.arcs] == [JointKind.REVOLUTE]
     assert {"swing/arm", "swing/ball bearing"} in links(found)
+
+
+def holed(solid: Solid, away: float, radius: float, turn: float) -> Solid:
+    """A solid above z = 0 with six holes in a circle."""
+    for k in range(6):
+        angle = turn + k * pi / 3
+        solid -= cylinder(radius, 14).at(away * cos(angle), away * sin(angle), 0)
+    return solid
+
+
+@pytest.mark.parametrize("gap", [0.3, 1.2])
+def test_rings_across_a_gap_turn_if_each_is_bolted_to_a_part(gap: float) -> None:
+    """A slewing ring: the outer one on a base, the inner one, between which balls run, below a table."""
+    outer = holed(cylinder(66, 14) - cylinder(52, 14), 60, 2.5, 0.0)
+    inner = holed(cylinder(52 - gap, 14) - cylinder(36, 14), 43, 2.1, 0.5)
+    table = holed(box(150, 150, 14).at(0, 0, 7), 43, 2.2, 0.5)
+    nodes = [part("plate", holed(box(160, 160, 14).at(0, 0, 7), 60, 2.7, 0.0), z=-14), part("table", table, z=15)]
+    found = inferred(*nodes, group("ring", part("a", outer), part("b", inner, z=1)))
+    assert joints(found) == [("revolute", "plate", "table")]
+    assert {frozenset(link) for link in links(found)} == {
+        frozenset({"plate", "ring/a"}),
+        frozenset({"table", "ring/b"}),
+    }
+
+
+def test_rings_of_one_bearing_turn_on_each_other() -> None:
+    """Rings drawn as two parts of what is named a bearing, a shaft in one and a seat around the other, are no link."""
+    rings = [part("in", cylinder(5.6, 7) - cylinder(4, 7)), part("out", cylinder(11, 7) - cylinder(9.3, 7))]
+    shaft = cylinder(4, 60).at(0, 0, -30) + box(80, 80, 10).at(0, 0, -35)
+    found = inferred(part("stand", shaft), part("arm", SEAT), group("608ZZ", *rings))
+    assert joints(found) == [("revolute", "arm", "stand")]
+    assert {frozenset(link) for link in links(found)} == {
+        frozenset({"stand", "608ZZ/in"}),
+        frozenset({"arm", "608ZZ/out"}),
+    }

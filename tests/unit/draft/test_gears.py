@@ -272,3 +272,19 @@ def test_equal_gears_are_searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
         counts.append(len(searched))
     assert counts[0] > 0
     assert counts[1] == counts[0]
+
+
+@pytest.mark.parametrize("clearance", [0.05, 0.3])
+def test_a_rack_with_clearance_on_all_sides_slides_on_what_its_pinion_turns_in(clearance: float) -> None:
+    """Two jaws whose racks touch nothing slide along their teeth; a pinion without a crank turns."""
+    plate = box(220, 140, 10).at(0, 0, -5) - cylinder(4.1, 10).at(0, 0, -10)
+    pinion = fused(toothed(16, 1.5, 6), less=cylinder(2.5, 20).shape)
+    shaft = cylinder(4, 9.8).at(0, 0, -9.9) + cylinder(2.5, 8).at(0, 0, -0.1)
+    jaw = rack(9, 1.5, 6)
+    nodes = [part("a1", plate), part("a2", pinion, z=0.3), part("a3", shaft)]
+    nodes += [part("a4", jaw, 4, 12, clearance), part("a5", jaw, -4, -12, clearance, (0, 0, pi))]
+    draft = infer(assembled(*nodes), "gripper")
+    kinds = sorted((joint.type.value, joint.parent) for joint in draft.joints)
+    assert kinds[:2] == [("prismatic", "a1")] * 2
+    assert kinds[2][0] == "revolute"
+    assert all(abs(joint.direction[0]) == pytest.approx(1.0) for joint in draft.joints if joint.type == "prismatic")

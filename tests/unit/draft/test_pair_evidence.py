@@ -131,3 +131,15 @@ def test_a_strap_clamps_what_lies_in_a_cradle(has_strap: bool) -> None:
     cradle, strap = cut(box(30, 60, 30).at(0, 0, -15), bore), cut(box(30, 60, 30).at(0, 0, 15), bore)
     nodes = [part("cradle", cradle), part("case", case), *([part("strap", strap)] if has_strap else [])]
     assert len(joints(inferred(*nodes, sources=BARE))) == (0 if has_strap else 1)
+
+
+@pytest.mark.parametrize("size", [0.5, 1.0, 4.0])
+def test_a_rim_on_its_hub_turns_with_it_on_the_axle(size: float) -> None:
+    """Of two fits on one line the one with play turns: a rim as wide as its hub is fixed to it."""
+    s = size
+    axle = box(60 * s, 60 * s, 60 * s).at(0, 0, -30 * s) + cylinder(7.5 * s, 50 * s)
+    hub = cylinder(30 * s, 34 * s) - cylinder(7.6 * s, 34 * s)
+    rim = cylinder(60 * s, 8 * s) - cylinder(30 * s, 8 * s)
+    found = inferred(part("a", axle), part("b", hub, z=10 * s), part("c", rim, z=25 * s))
+    assert joints(found) == [("revolute", "a", "b")]
+    assert found.links == [[1], [2, 3]]

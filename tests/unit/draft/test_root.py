@@ -117,3 +117,14 @@ def test_base_drawn_in_pieces_is_one_link() -> None:
     found = inferred(*pieces, part("arm", BORED))
     assert links(found)[found.root] == {"ground", "far ground"}
     assert "named a base, as the root is" in found.guesses.values()
+
+
+@pytest.mark.parametrize("names", [("a", "b", "c"), ("1", "2", "3")])
+def test_one_of_two_equal_limbs_is_no_root(names: tuple[str, str, str]) -> None:
+    """What two equal levers turn on is the root, though each of them is larger."""
+    middle = box(300, 40, 20).at(0, 0, 10) - cylinder(10, 20).at(-120, 0, 0) - cylinder(10, 20).at(120, 0, 0)
+    lever = box(60, 300, 60).at(0, 80, 30) + cylinder(9.95, 20).at(0, 0, -20)
+    nodes = [part(names[0], lever, -120, 0, 20.2), part(names[1], middle), part(names[2], lever, 120, 0, 20.2)]
+    found = inferred(*nodes)
+    assert len(found.links) == 3
+    assert links(found)[found.root] == {names[1]}

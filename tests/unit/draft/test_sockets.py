@@ -5,7 +5,7 @@ import pytest
 from stepbot.draft.contacts.contacts import Socket
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.robot.model import JointKind
-from tests.assembled import assembled, group, inferred, part
+from tests.assembled import assembled, cut, group, inferred, joints, links, part
 from tests.solids import Solid, box, cylinder, sphere
 
 
@@ -36,3 +36,24 @@ def test_joint_is_a_ball_about_the_centre() -> None:
     (arc,) = inference.arcs
     assert arc.evidence.type == JointKind.BALL
     assert arc.evidence.axis.point == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("s", [0.5, 1.0, 3.0])
+def test_the_ball_of_a_rod_end_is_bolted_on(s: float, side: float) -> None:
+    """A bored ball in the eye of a rod, on one screw and a spacer beside a lever, is of the lever."""
+    bore = cylinder(2.5 * s, 60 * s).at(0, 0, -30 * s)
+    above = box(40 * s, 40 * s, 10 * s)
+    ball = cut(sphere(6.45 * s), above.at(0, 0, 9.5 * s), above.at(0, 0, -9.5 * s), bore)
+    eye = cut(box(80 * s, 18 * s, 6 * s).at(30 * s, 0, 0), sphere(6.5 * s))
+    spacer = cylinder(4 * s, 1.5 * s) - cylinder(2.5 * s, 1.5 * s)
+    lever = box(80 * s, 20 * s, 10 * s).at(-30 * s, 0, 0) - cylinder(2.5 * s, 10 * s).at(0, 0, -5 * s)
+    found = inferred(
+        part("lever", lever),
+        part("rod", eye, z=side * 11 * s),
+        part("ball", ball, z=side * 11 * s),
+        part("spacer", spacer, z=5 * s if side > 0 else -6.5 * s),
+        part("M5x40 screw", cylinder(2.5 * s, 40 * s).at(0, 0, -20 * s) + cylinder(4.5 * s, 4 * s).at(0, 0, 20 * s)),
+    )
+    assert joints(found) == [("ball", "lever", "rod")]
+    assert any({"lever", "ball"} <= link for link in links(found))

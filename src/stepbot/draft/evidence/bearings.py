@@ -12,10 +12,14 @@ from stepbot.robot.model import JointKind
 
 _RINGS = 0.93
 """Score of two rings that are each bolted to another part: above that of a bearing in its seat."""
+_SEATED = 0.87
+"""Score of a joint at a bearing."""
 _DISC, _REVIEW = 0.79, "no bolts of the disc are drawn in line with holes of what it carries"
 """Score and review of a disc in the end of a bolted part, with another part on its face alone."""
 _CAGED = 4.0
 """How far a bearing with drawn balls may be from symmetric."""
+_BESIDE = 0.5
+"""Share of the narrower ring's width that is inside of the wider one."""
 _BOLTS, _SAME_AXIS, _EXACT = 3, 5e-5, 1e-6
 """Fewest holes in a circle; distance [m] up to which its axis is that of the rings; difference of radii [m] of a press
 fit.
@@ -41,13 +45,37 @@ def bearing_evidence(survey: Survey, found: Evidence) -> None:
 def ring_evidence(survey: Survey, found: Evidence) -> None:
     """Two rings in each other, of which each is bolted to another part about their axis, turn: a slewing ring."""
     for (a, b), r in survey.pairs():
-        if r.via == Via.PIN and r.axis is not None and _are_bolted(survey, a, _Seat(b, r, r.length)):
+        are_rings = r.via == Via.BOLT and not r.patches and _is_around(survey, r)
+        if r.axis is None or not (are_rings or r.via == Via.PIN):
+            continue
+        if _are_bolted(survey, a, _Seat(b, r, r.length)):
             why = "rings in each other, each bolted to another part"
             found.joint(JointEvidence(_RINGS, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True))
-        elif r.via == Via.PIN and r.axis is not None and (carried := _carried(survey, r, r.axis)) >= 0:
+        elif are_rings and (path := _bearing_of(survey, r)):
+            why = f"rings of the bearing '{path}'"
+            found.joint(JointEvidence(_SEATED, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True))
+            for ring in (a, b):
+                for other, s in survey.around(ring):
+                    if s.via == Via.PIN and s.axis is not None and s.axis.same(r.axis):
+                        found.weld(_RINGS, ring, other, "ring of a bearing in its seat")
+        elif r.via == Via.PIN and (carried := _carried(survey, r, r.axis)) >= 0:
             why = "a disc with play in the end of what is bolted to another part"
             found.joint(JointEvidence(_DISC, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True, review=_REVIEW))
             found.weld(_DISC, max(r.shafts, key=lambda f: f.length).shaft, carried, "on the face of a disc that turns")
+
+
+def _is_around(survey: Survey, r: Relation) -> bool:
+    """Whether one of two coaxial parts is around the other across a gap, as the rings of a bearing with balls are."""
+    assert r.axis is not None
+    (low, high), (low2, high2) = (survey.scene.span(i, r.axis.d) for i in (r.a, r.b))
+    return min(high, high2) - max(low, low2) > _BESIDE * min(high - low, high2 - low2)
+
+
+def _bearing_of(survey: Survey, r: Relation) -> str:
+    """The path of the subassembly that two parts are in, if it is named a bearing; else empty."""
+    one, two = (survey.assembly.components[i].parent for i in (r.a, r.b))
+    is_one = survey.sources.tree and one == two and one > 0 and Role.BEARING in survey.node_roles(one)
+    return survey.assembly.components[one].path if is_one else ""
 
 
 def _carried(survey: Survey, r: Relation, axis: Axis) -> int:
@@ -89,7 +117,9 @@ def _say(survey: Survey, bearing: int, found: Evidence) -> None:
         path, is_named = survey.parts[bearing].path, Role.BEARING in survey.parts[bearing].roles
         why = f"the bearing '{path}' is between them" if is_named else f"'{path}' has the dimensions of a bearing"
         review = "" if is_named else "not named as a bearing"
-        hinge = JointEvidence(0.87, a, b, JointKind.REVOLUTE, axis, why, held.relation, by_role=is_named, review=review)
+        hinge = JointEvidence(
+            _SEATED, a, b, JointKind.REVOLUTE, axis, why, held.relation, by_role=is_named, review=review
+        )
         hinge.through = bearing
         found.joint(hinge)
 

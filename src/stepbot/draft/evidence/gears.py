@@ -51,13 +51,26 @@ def gear_evidence(survey: Survey, found: Evidence) -> None:
 
 
 def _guide(survey: Survey, mesh: RackMesh) -> int | None:
-    """The part that a rack lies on, and that nothing but faces along its teeth holds; the one with most area."""
+    """The part that a rack lies on, and that nothing but faces along its teeth holds; the one with most area.
+
+    Of a rack that touches nothing else, what its gear turns in.
+    """
     along, ranked = mesh.rack.along, []
     for other, r in survey.around(mesh.part):
         is_free = all(abs(float(patch.normal @ along)) < _ALONG for patch in r.patches) and not r.sockets
         if other != mesh.gear.part and r.patches and is_free and all(fit.axis.is_along(along) for fit in r.fits):
             ranked.append((-round(r.area, 9), other))
+    if not ranked and all(other == mesh.gear.part for other, _ in survey.around(mesh.part)):
+        # Drawn with clearance on all sides: what its gear turns in guides it.
+        shafts = {mesh.gear.part} | set(_on_axis(survey, mesh.gear.part, mesh.gear.axis))
+        hosts = {k for i in shafts for k in _on_axis(survey, i, mesh.gear.axis)} - shafts
+        ranked = [(-survey.parts[k].volume, k) for k in hosts or shafts - {mesh.gear.part}]
     return min(ranked)[-1] if ranked else None
+
+
+def _on_axis(survey: Survey, part: int, axis: Axis) -> list[int]:
+    """The larger parts that touch a part about a line."""
+    return [other for other, r in survey.around(part) if r.turns is not None and r.turns.same(axis, SAME_GEAR)]
 
 
 def _fix_to_shafts(survey: Survey, found: Evidence) -> None:

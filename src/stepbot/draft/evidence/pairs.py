@@ -7,6 +7,7 @@ from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure, is_guide
+from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
 from stepbot.robot.model import JointKind
 
@@ -22,8 +23,14 @@ _DOME, _SEATED = 0.4, 0.55
 """Ratio of the radius of a sphere and the size of a part, from which it is no ball, half of which has 1 / 3; score of
 a weld there.
 """
+_BORED = 0.86
+"""Score of the weld of a bored ball and what is bolted through it."""
+_SERIES = 0.86
+"""Score of the weld of an exact fit, if one of its sides turns with play about its axis."""
 _CLAMPED = 0.74
 """Score of the weld of a round body in a clamp."""
+_MIDDLE = 1e-4
+"""Distance [m] from the middle of a ball up to which a bore is through it."""
 _EXACT = 1e-6
 """Difference of radii [m] up to which a shaft fills its bore."""
 
@@ -76,6 +83,21 @@ class PairEvidence:
             return
         score = 0.8 if self._structure.are_together(r.a, r.b) else 0.9
         self._joint(r, score, JointKind.BALL, f"ball of r {_mm(r.radius)} in a socket")
+        for ball in (r.a, r.b):
+            for other in self._bolted_through(ball, r):
+                self._found.weld(_BORED, ball, other, "the ball of a rod end, and what is bolted through it")
+
+    def _bolted_through(self, ball: int, socket: Relation) -> set[int]:
+        """The larger parts that a shaft or screw through the middle of a ball is, or is in."""
+        survey, found = self._survey, set[int]()
+        for r in survey.near.get(ball, ()):
+            through = [fit.axis for fit in r.shafts if fit.shaft == r.other(ball) and _is_through(fit.axis, socket)]
+            if through and r.other(ball) not in survey.small:
+                found.add(r.other(ball))
+            elif through:
+                on = (t for t in survey.near.get(r.other(ball), ()) if any(f.axis.same(through[0]) for f in t.shafts))
+                found |= {t.other(r.other(ball)) for t in on} - survey.small
+        return found - {socket.a, socket.b}
 
     def _slide(self, r: Relation) -> None:
         if all(fit.length < SPIGOT * fit.radius for fit in r.shafts):
@@ -116,11 +138,22 @@ class PairEvidence:
         if not across and r.axis is not None and self._survey.has_screw_at(r.axis):
             score -= 0.25
             self._weld(r, 0.51, "clamped by a screw on its axis")
-        if not across and self._draws_play and is_exact and (r.a, r.b) not in self._pivots:
+        if is_exact and self._turns_with(r):
+            score -= 0.3
+            self._weld(r, _SERIES, "as thick as its bore, and on a line with what turns with play")
+        elif not across and self._draws_play and is_exact and (r.a, r.b) not in self._pivots:
             self._weld(r, 0.74, "shaft as thick as its bore, where others have play")
         shoulder = " with a shoulder" if r.freedom.kind == FreedomKind.REVOLUTE else ""
         review = _REVIEW_BEARING if Role.BEARING in roles else ""
         self._joint(r, score, JointKind.REVOLUTE, f"{_engaged(r)}{shoulder}", review)
+
+    def _turns_with(self, r: Relation) -> bool:
+        """Whether one of two parts turns with play on a third, about the same line: a rim on its hub turns with it."""
+        return any(
+            s is not r and s.journals and s.turns is not None and r.axis is not None and s.turns.same(r.axis)
+            for i in (r.a, r.b)
+            for _, s in self._survey.around(i)
+        )
 
     def _is_clamped(self, r: Relation) -> bool:
         """Whether a round body lies in half a bore of two parts that touch each other, as a cradle and its strap."""
@@ -206,6 +239,10 @@ def several_axes(structure: Structure, found: Evidence) -> None:
             for h in hinges:
                 h.score = min(h.score, 0.45)
                 found.weld(0.74, h.a, h.b, "several axes between two subassemblies")
+
+
+def _is_through(axis: Axis, socket: Relation) -> bool:
+    return socket.axis is not None and axis.distance(socket.axis.point) < _MIDDLE
 
 
 def _engaged(r: Relation) -> str:

@@ -269,6 +269,8 @@ class Mechanism:
         volume = self._survey.total_volume(members)
         if axis.direction is None or not 0.0 < volume <= _SPINNER * self._survey.volume:
             return False
+        if any(pair.gear.part in members for pair in self._survey.rack_meshes):
+            return False  # it moves a rack
         parts = [self._survey.parts[i] for i in members if i not in self._survey.small]
         return all(part.is_balanced(axis) for part in parts if part.volume > _TRIFLE * volume)
 

@@ -190,6 +190,8 @@ _GROUND, _RIVAL, _ON_GROUND = 0.08, 0.5, 2.0
 """Share of the footprint from which a flat side is the ground, that of another side up to which it is the only one,
 and what standing on it counts.
 """
+_TWIN = 1e-5
+"""Share of a volume up to which the largest parts of two clusters, but motors, are equal, or mirror images."""
 _BRANCHES, _TRUNK = 3, 1.6
 """Number of joints from which a cluster is a trunk, and what that counts: more joints do not count more, since the
 platform of a parallel robot has as many as its base, and a hand as many as a torso.
@@ -209,12 +211,18 @@ def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], mot
     groups = made.clusters.groups()
     volumes = {root: made.survey.total_volume(members) for root, members in groups.items()}
     largest = max(volumes.values(), default=0.0) or 1.0
+    mains = {
+        root: max((made.survey.parts[i].volume for i in members if i not in cases), default=0.0)
+        for root, members in groups.items()
+    }
     ranked = []
     for root, members in groups.items():
         share = volumes[root] / made.survey.volume
         if not degree or root in degree or share >= _LOOSE:
             one = _Candidate(members, share, volumes[root] / largest, degree[root], holds[root])
             rank = _rank(made.survey, structure, one, up)
+            if any(other != root and abs(mains[other] - mains[root]) < _TWIN * mains[root] for other in groups):
+                rank -= _TRUNK  # one of several equal limbs
             rank += _ON_GROUND * exact_sum(stands.get(i, 0.0) for i in members)
             ranked.append((round(rank, 9), -members[0], root))
     return max(ranked)[-1] if ranked else next(iter(groups))

@@ -73,8 +73,18 @@ def is_spoken(name: str) -> bool:
 
 def plain(name: str) -> str:
     """A name normalized for matching: composed, words separated, without the version and counter that CAD appends."""
-    name = _VERSION.sub("", unicodedata.normalize("NFC", name))
+    name = _VERSION.sub("", unicodedata.normalize("NFC", _encoded_once(name)))
     return _CAMEL.sub(" ", _COUNTER.sub("", name))
+
+
+def _encoded_once(name: str) -> str:
+    """A name that was written as UTF-8 twice, as exporters without wide characters do, read as it was meant."""
+    if name.isascii():
+        return name
+    try:
+        return name.encode("latin-1").decode("utf-8")
+    except UnicodeError:
+        return name
 
 
 def portable(name: str) -> str:
