@@ -33,6 +33,8 @@ def test_what_is_left_to_decide(page: Page, edited: Callable[[str], Session], ca
     assert page.text("#todo .progress") == "0 of 2 decided"
     page.element("#todo [data-kind=axis] .place").click()
     assert page.text("#card h2") == "crank_turn"
+    page.element("#todo [data-kind=axis] [data-decide=other]").click()
+    assert page.run("return document.activeElement === document.querySelector('#card [data-edit=type]')")
     page.element("#todo [data-kind=axis] [data-decide=right]").click()
     page.wait("return document.querySelectorAll('#todo .decision').length === 1")
     assert page.text("#todo .progress") == "1 of 2 decided"

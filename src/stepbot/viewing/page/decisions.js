@@ -68,7 +68,12 @@ function answers(one) {
     return [
       act("right", many ? `right,${many}` : "right", () => edit("all", async () => ({ edits: await Promise.all(one.keys.map(confirmed)) }))),
       one.keys[0][0] === "joints" ? act("merge", many ? `they do not move,${many}` : "it does not move", () => all(one, ([, joint]) => ({ action: "merge", joint }))) : null,
-      act("other", "another axis or type", () => state.select(subject(one.keys[0]))),
+      act("other", "another axis or type", () => {
+        state.select(subject(one.keys[0]));
+        const type = document.querySelector("#card select"); // the axis is below it
+        type?.focus({ preventScroll: true });
+        type?.scrollIntoView({ block: "start" });
+      }),
     ];
   }
   if (one.kind === "motor") {
