@@ -198,9 +198,9 @@ TOP = "hit.triangle.every(corner => Math.abs(corner[2] - hit.triangle[0][2]) < 1
 """Of a hit on a face that is level in the frame of its part."""
 
 
-def test_the_rim_of_a_hole_is_its_axis(page: Page, edited: Callable[[str], Session]) -> None:
-    """A click on the flat face beside a bolt hole, on the hole's edge, gives the axis of the hole."""
-    edited(BARE)
+def test_the_rim_of_a_hole_is_its_axis(page: Page, edited: Callable[[str], Session], cache: Path) -> None:
+    """A click on the flat face beside a bolt hole, on the hole's edge, gives the hole's axis; a sensor goes there."""
+    session = edited(BARE)
     page.run("stepbot.view.camera.look(-0.9, 1.2); stepbot.view.fit()")
     page.click(edge_pixel(page, "frame/base", f"hit => hit.edge.isCurved && {TOP}"))
     page.wait("return document.querySelector('#origin')")
@@ -210,6 +210,16 @@ def test_the_rim_of_a_hole_is_its_axis(page: Page, edited: Callable[[str], Sessi
     half = [BASE[0] / 2 - BOLT_INSET, BASE[1] / 2 - BOLT_INSET]
     centre = [abs(1e3 * near[i] - offset) for i, offset in enumerate(placed_centre(page))]
     assert centre == pytest.approx(half, abs=1e-3)
+    assert page.run("return document.querySelector(\"#card [data-set='frames..origin']\").value") in origin
+    page.run(
+        "document.querySelector(\"#card [data-set='sensors..type']\").value = 'imu';"
+        "document.querySelector('#card [data-group=\"new sensors\"]').open = true;"
+        "document.querySelector('#card [data-add=sensors]').click()"
+    )
+    page.wait("return stepbot.state.scene.sensors.length === 1")
+    place = origin.replace('"', "")
+    assert f"\nsensors:\n  sensor: {{type: imu, link: ground, {place}}}\n" in text_of(session, cache)
+    assert page.run("return document.querySelector('#card [data-new=sensors]').value") == "sensor_2"
 
 
 def placed_centre(page: Page) -> list[float]:

@@ -34,6 +34,8 @@ TURNED = (
 )
 """Joints of the follower that its truth turns the other way."""
 
+FRICTION = "#todo [data-kind=review]:not(:has(~ [data-kind=review])) [data-decide=right]"
+"""The answer to the last mark, which is that of friction."""
 LISTED = "return stepbot.state.writtenOf === stepbot.state.scene"
 """The list of decisions is that of the robot that is shown."""
 
@@ -213,7 +215,7 @@ def test_pimouse(drafting: Callable[[Path, str], Drafting], corpus: Path) -> Non
 def test_so101(drafting: Callable[[Path, str], Drafting], corpus: Path) -> None:
     """Its draft has all links; limits, motors and a density are typed, and three joints turned."""
     one = drafting(corpus / "so101_assembly.step", "so101")
-    one.click("#todo [data-kind=review] [data-decide=right]")
+    one.click(FRICTION)
     names = one.page.run("return stepbot.state.scene.connections.map(one => one.name)")
     one.type_in(f"#todo [data-limits='{names[0]} lower']", TAB.join(["-3 rad", "3 rad"] * len(names)) + TAB)
     one.page.tab("joints")
@@ -237,7 +239,7 @@ def test_follower(drafting: Callable[[Path, str], Drafting], corpus: Path) -> No
     """Five parts move to their links, three axes turn, motors get their mass, and the rest is of plastic."""
     one = drafting(corpus / "low_cost_robot_follower.step", "follower")
     page = one.page
-    one.click("#todo [data-kind=review] [data-decide=right]")
+    one.click(FRICTION)
     for _ in range(2):
         one.click("#todo [data-kind=axis] [data-decide=right]")
     limits = {"rotation_connector_joint": (-150, 150), "XL430_to_XL330_new_connector_joint": (-60, 100)}

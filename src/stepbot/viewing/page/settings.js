@@ -130,7 +130,7 @@ export function sheet(keys, except) {
 }
 
 // What a new element of a section must have, or is made for.
-const FIRST = { actuators: ["joint", "motor", "kind", "gains"], materials: ["density"], parts: ["density"], joint_defaults: [] };
+const FIRST = { actuators: ["joint", "motor", "kind", "gains"], sensors: ["link", "joint", "origin"], materials: ["density"], parts: ["density"], joint_defaults: [] };
 
 // A form that adds an element to a section; `given` fills in its fields.
 export function adding(section, given = {}, done = () => {}) {
@@ -221,7 +221,7 @@ export function selectedSheets(selection) {
       const { node, update } = sheet(keys, except);
       return { update, node: element("details", { "data-group": `selected ${keys[0]}`, open: keys[0] === "parts" || keys[0] === "actuators" }, element("summary", {}, words ?? "all settings"), node) };
     });
-    const more = selection.connection ? newActuator(selection, wanted) : selection.component ? [...ruleChoice(selection), ...sheets.map(({ node }) => node), frame(selection, place)] : place ? [frame(selection, place)] : [];
+    const more = selection.connection ? newActuator(selection, wanted) : selection.component ? [...ruleChoice(selection), ...sheets.map(({ node }) => node)] : [];
     current = {
       about,
       nodes: selection.component ? more : [...sheets.map(({ node }) => node), ...more],
@@ -229,10 +229,21 @@ export function selectedSheets(selection) {
     };
   }
   current.update();
-  return current.nodes;
+  return selection.component || (place && !selection.connection) ? [...current.nodes, ...placed(selection.link, place)] : current.nodes;
 }
 
-const frame = ({ link }, origin) => adding("frames", { link, name: state.free("frame"), origin });
+let placing = { about: "", nodes: [] };
+
+// Forms for a frame and a sensor where a face was clicked.
+function placed(link, origin) {
+  const given = [["frames", "frame"], ["sensors", "sensor"]].map(([section, noun]) => [section, { link, origin, name: state.free(noun) }]);
+  const about = JSON.stringify(given);
+  if (placing.about !== about) {
+    const nodes = given.map(([section, values], i) => Object.assign(adding(section, values), { open: Boolean(placing.nodes[i]?.open) }));
+    placing = { about, nodes };
+  }
+  return placing.nodes;
+}
 
 function ofConnection(selection) {
   const one = state.find(selection);

@@ -57,9 +57,9 @@ export class State {
     return owner?.link ?? links[0].name;
   }
 
-  // A name that no link, joint or frame has.
+  // A name that no link, joint, frame or sensor has.
   free(name) {
-    const taken = new Set([...this.scene.links, ...this.scene.connections, ...this.scene.frames].map((one) => one.name));
+    const taken = new Set([...this.scene.links, ...this.scene.connections, ...this.scene.frames, ...this.scene.sensors].map((one) => one.name));
     let found = name;
     for (let i = 2; taken.has(found); i++) found = `${name}_${i}`;
     return found;
