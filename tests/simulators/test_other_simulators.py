@@ -74,6 +74,22 @@ def seen(file, q):
         model.body(i).name: [float(masses[i]), places[i].tolist(), turns[i].tolist()] for i in range(1, model.nbody)
     }
 """
+WARP_STEPS = """
+import mujoco
+import mujoco_warp
+import numpy as np
+
+def seen(file, q):
+    model = mujoco.MjModel.from_xml_path(file)
+    data = mujoco.MjData(model)
+    if model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+    theirs, moved = mujoco_warp.put_model(model), mujoco_warp.put_data(model, data)
+    for _ in range(10):
+        mujoco_warp.step(theirs, moved)
+        mujoco.mj_step(model, data)
+    return float(np.abs(moved.qpos.numpy()[0] - data.qpos).max())
+"""
 SAPIEN = """
 import json, re, sys
 from pathlib import Path
@@ -235,6 +251,20 @@ def test_mjx_has_no_contacts_of_cylinders(written: Mapping[str, Written]) -> Non
 def test_mujoco_warp(written: Mapping[str, Written]) -> None:
     """MuJoCo Warp: masses and poses of the MJCF."""
     compare("mujoco_warp", "mjcf", WARP + EACH, written)
+
+
+def test_mujoco_warp_steps(for_mjx: Mapping[str, Written]) -> None:
+    """Ten steps from home take every robot of the library, with shapes for MJX, where MuJoCo's take it."""
+    if importlib.util.find_spec("mujoco_warp") is None:
+        pytest.skip("mujoco_warp is not installed")
+    jobs = {name: (str(one.folder / f"{one.robot.name}.xml"), {}) for name, one in for_mjx.items()}
+    program = "import json, sys" + WARP_STEPS + EACH
+    command = [sys.executable, "-c", program]
+    run = subprocess.run(command, input=json.dumps(jobs), capture_output=True, text=True, check=False, timeout=1200)
+    assert run.returncode == 0, run.stderr[-2000:]
+    apart: dict[str, float] = json.loads(run.stdout.rstrip().rpartition("\n")[2])
+    assert {name: off for name, off in apart.items() if not off < SINGLE} == {}
+    assert apart.keys() == for_mjx.keys()
 
 
 def test_sapien(written: Mapping[str, Written]) -> None:
