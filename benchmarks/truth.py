@@ -58,7 +58,7 @@ def read_truth(path: Path, assembly: Assembly) -> Truth:
     binder = Binder(assembly, sidecar, found)
     document = binder.document
     root, _ = tree_order(document)
-    claims = claim(binder, assign_materials(binder).of)
+    claims = claim(binder, assign_materials(binder))
     frames = Frames(binder, claims, root)
     parts = {link: claims.parts_of(link) for link in document.links}
     joints = []
