@@ -1,8 +1,9 @@
 """The comparison: what it detects, what it tolerates, and that missing values never count as agreement."""
 
 import math
-from collections.abc import Callable
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import fields, is_dataclass, replace
 
 import numpy as np
 import pytest
@@ -505,3 +506,40 @@ def test_names_with_braces_are_names(name: str) -> None:
     frames = tuple(replace(one, link=name) if one.link == link.name else one for one in robot.frames)
     observed = seen(replace(robot, links=(replace(link, name=name), *others), joints=joints, frames=frames))
     assert not [one for one in compare(observed, observed) if one.deviations.failures]
+
+
+def _changed(value: object, change: Callable[[float], float | None]) -> Iterator[tuple[str, object]]:
+    """A value with each of its numbers changed, one at a time, and where that is."""
+    if isinstance(value, float) and math.isfinite(value):
+        yield "", change(value)
+    elif isinstance(value, Pose):
+        yield "p", Pose.of(value.R, (change(0.0) or 0.0, *value.position[1:]))
+    elif is_dataclass(value) and not isinstance(value, type):
+        for field in fields(value):
+            for place, other in _changed(getattr(value, field.name), change):
+                yield f"{field.name} {place}".strip(), replace(value, **{field.name: other})
+    elif isinstance(value, dict):
+        for key, one in value.items():
+            yield from ((place, {**value, key: other}) for place, other in _changed(one, change))
+    elif isinstance(value, tuple):
+        for index, one in enumerate(value):
+            for place, other in _changed(one, change):
+                yield place, (*value[:index], other, *value[index + 1 :])
+
+
+@pytest.mark.parametrize("name", ["equipped", "universal", "screw", "gripper_with_mimic", "four_bar"])
+def test_each_number_is_compared(name: str) -> None:
+    """Two observations that differ in any one number differ; where one lacks a number, nothing breaks."""
+    observation, tried = seen(ROBOTS[name]()), Counter[str]()
+    for place, other in _changed(observation, lambda value: 1.01 * value + 0.013):
+        tried[place] += 1
+        along = place in ("joints axis", "joints axis2")  # a number of an axis along x, y or z changes its length alone
+        if tried[place] <= 2 and place != "joints anchor" and not along:  # poses tell anchors apart
+            assert isinstance(other, Observation)
+            assert failed(observation, other), place
+    for place, bare in _changed(observation, lambda _: None):
+        *_, last = place.split()
+        if last in ("pitch", "gear", "kp", "kv", "fov", "rate", "nearest", "farthest", "mass", "gravity_compensation"):
+            assert isinstance(bare, Observation)
+            statuses(observation, bare)
+            statuses(bare, observation)
