@@ -42,9 +42,11 @@ def staged() -> None:
         for path in ROOT.glob(kind):
             if path.suffix != ".py":
                 _copy(path)
-    for kind in ("README.md", "preview.png", "robots.png", "drive.svg", "*.robot.yaml", "*.step"):
+    for kind in ("README.md", "preview.png", "drive.svg", "*.robot.yaml", "*.step"):
         for path in ROOT.glob(f"robot_library/*/{kind}"):
             _copy(path)
+    for path in ROOT.glob("robot_library/composed/*.png"):
+        _copy(path)
     for path in (ROOT / "schemas").rglob("*.json"):
         _copy(path)
     decisions = sorted((ROOT / "docs" / "decisions").glob("*.md"))

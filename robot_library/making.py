@@ -121,10 +121,11 @@ def _own_mass(folder: Path) -> dict[str, "MassProperties"]:
 
 def fresh_gallery() -> str:
     """The library's README with pictures and table of all robots, from their pages."""
-    from stepbot.runtime.robot_library import LibraryRobot
+    from stepbot.runtime.robot_library import LibraryRobot, library_robots
 
     robots = [LibraryRobot(folder, next(folder.glob("*.robot.yaml"))) for folder in folders()]
-    return pages.with_part((LIBRARY / _PAGE).read_text(encoding="utf-8"), pages.gallery(robots))
+    composed = [robot for robot in library_robots() if robot.is_composed and robot.picture.is_file()]
+    return pages.with_part((LIBRARY / _PAGE).read_text(encoding="utf-8"), pages.gallery(robots, composed))
 
 
 def gallery_is_stale() -> bool:

@@ -60,13 +60,20 @@ def made_from(page: str) -> tuple[str, str] | None:
     return None if found is None else (found[1], found[2])
 
 
-def gallery(robots: Sequence["LibraryRobot"]) -> str:
-    """The generated part of the library's README, from the robots' pages: pictures and verification results."""
+def gallery(robots: Sequence["LibraryRobot"], composed: Sequence["LibraryRobot"] = ()) -> str:
+    """The generated part of the library's README, from the robots' pages: pictures and verification results.
+
+    Args:
+        robots: Those that are drawn.
+        composed: Those that are composed of them and have a picture.
+    """
     lines = [START, "", "<table>"]
-    for first in range(0, len(robots), _COLUMNS):
+    shown = [*robots, *composed]
+    for first in range(0, len(shown), _COLUMNS):
         lines.append("<tr>")
-        for robot in robots[first : first + _COLUMNS]:
-            picture = f'<a href="{robot.name}"><img src="{robot.name}/preview.png" alt="{robot.name}" width="300"></a>'
+        for robot in shown[first : first + _COLUMNS]:
+            place = robot.picture.relative_to(robot.folder.parent).as_posix()
+            picture = f'<a href="{robot.folder.name}"><img src="{place}" alt="{robot.name}" width="300"></a>'
             lines.append(f'<td align="center">{picture}<br><b>{robot.name}</b><br>{robot.summary()}</td>')
         lines.append("</tr>")
     results = {robot.name: _results(robot) for robot in robots}

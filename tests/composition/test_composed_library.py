@@ -26,6 +26,7 @@ def test_page_and_files(robot: LibraryRobot, tmp_path: Path, cache: Cache) -> No
     assert made.robot is not None
     assert robot.facts() == _facts(made.robot, made.files["report.json"])
     assert robot.summary().endswith(".")
+    assert robot.picture.is_file() != robot.name.endswith(("_leg", "_arm"))
     page = robot.page.read_text(encoding="utf-8").partition(f"\n## {robot.name}\n")[2].partition("\n## ")[0]
     shown = re.search("```yaml\n(.*?)```", page, re.DOTALL)
     text = robot.sidecar.read_text(encoding="utf-8")

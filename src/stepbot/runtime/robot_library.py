@@ -54,6 +54,11 @@ class LibraryRobot:
         return self.folder / f"{self.short_name}.step"
 
     @property
+    def picture(self) -> Path:
+        """Its picture; a part of a composed robot has none."""
+        return self.folder / (f"{self.short_name}.png" if self.is_composed else "preview.png")
+
+    @property
     def page(self) -> Path:
         """Its page: sources of its numbers, licence, joints, links, verification; Markdown."""
         return self.folder / "README.md"
