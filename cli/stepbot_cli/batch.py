@@ -99,17 +99,19 @@ def command(
         from stepbot.jobs.batch.summary import suites
 
         write_junit(junit, suites(outcomes))
-    if options.html and not found.has_errors:
-        _write_index(output, outcomes, found)
+    if not found.has_errors:
+        _write_overviews(output, outcomes, found, html=options.html)
     return _report(found, outcomes, output, display)
 
 
-def _write_index(output: Path, outcomes: "Sequence[Outcome]", found: Diagnostics) -> None:
-    """Write the page of the batch; SB004 if that is impossible."""
-    from stepbot.jobs.batch.summary import write_index
+def _write_overviews(output: Path, outcomes: "Sequence[Outcome]", found: Diagnostics, *, html: bool) -> None:
+    """Write the variant sets of OpenUSD, and the page of the batch; SB004 if that is impossible."""
+    from stepbot.jobs.batch.summary import write_index, write_variant_sets
 
     try:
-        write_index(output, outcomes)
+        write_variant_sets(output, outcomes)
+        if html:
+            write_index(output, outcomes)
     except OSError as error:
         place = Span(str(error.filename or output))
         found.add("SB004", f"cannot write: {error.strerror or error}", place, help=["choose another folder with -o"])

@@ -173,6 +173,11 @@ MISTAKES: Mapping[str, tuple[tuple[str, ...], str, str]] = {
         "",
         "",
     ),
+    "SB154 8:88 joint 'wrist': 'hand_f1' moves relative to the root link of its part": (
+        (ARM_ALONE, FREE_HAND, "image: {mirror_of: hand}"),
+        f"joints: {{wrist: {{{WRIST}, child: hand/f1}}}}\n",
+        "",
+    ),
     "SB137 5:25 module 'arm': 'offset' without 'at'": (
         ("arm: {file: arm.urdf, offset: {xyz: [0, 0, 1]}}",),
         "",

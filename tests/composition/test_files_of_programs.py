@@ -1,5 +1,6 @@
 """What ROS, Gazebo and Drake get of two arms with one gripper each: names, blocks and groups of each module."""
 
+import json
 import subprocess
 import sys
 from pathlib import Path
@@ -93,13 +94,16 @@ def test_groups_are_the_modules(folder: Path) -> None:
 def test_computed_gains_follow_the_load(tmp_path: Path, cache: Cache) -> None:
     """`gains: auto` of the last joints grow with the gripper on them; its own given numbers stay bit for bit."""
     arm, hand = 'arm: {file: "library:ur5e", prefix: ""}', 'hand: {file: "library:2f85", prefix: "", at: arm/tool0}'
-    gains = []
+    gains, alone_in_report = [], []
     for modules in ((arm,), (arm, hand), (hand.replace(", at: arm/tool0", ""),)):
         (tmp_path / "r.robot.yaml").write_text(composing(*modules), encoding="utf-8")
         made = convert(tmp_path / "r.robot.yaml", Options(tmp_path / "out", ("mjcf",), verify=False, cache=cache))
         assert made.robot is not None
         gains.append({one.name: (one.kp, one.kv) for one in made.robot.actuators})
+        reported = json.loads(made.files["report.json"])["robot"]["modules"][0]["gains_alone"]
+        alone_in_report.append({one["actuator"]: (one["kp"], one["kv"]) for one in reported})
     alone, together, gripper = gains
     for drive in ("elbow_drive", "wrist_1_drive", "wrist_2_drive", "wrist_3_drive"):
         assert together[drive] > alone[drive], drive
     assert gripper.items() <= together.items()
+    assert alone_in_report[1] == alone == alone_in_report[0]

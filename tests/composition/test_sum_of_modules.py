@@ -2,14 +2,18 @@
 
 import json
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from textwrap import dedent
+from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.geometry.spatial import Pose
+from stepbot.pipeline.composing import Composed, compose
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.loading import Geometry, _GeometryCache
 from stepbot.pipeline.stages import produce
@@ -227,12 +231,18 @@ def test_each_module_is_in_the_report(tmp_path: Path) -> None:
     assert run.code == 0, run.err
     assert "module 'right' alone" in run.out
     checks = json.loads((tmp_path / "out/report.json").read_text())["checks"]
-    of_modules = {(one["against"], one["quantity"]): one for one in checks if one["against"].startswith("module")}
+    of_all = [one for one in checks if one["against"].startswith("module")]
+    of_modules = {(one["against"], one["quantity"]): one for one in of_all if one["engine"] == "stepbot"}
+    seen = {(one["engine"], one["against"]) for one in of_all if one["quantity"] == "poses"}
+    assert {
+        (engine, f"module '{name}' alone") for engine in ("mujoco", "pybullet") for name in ("left", "right")
+    } < seen
     quantities = ("poses", "mass", "inertia", "settings")
     assert list(of_modules) == [(f"module '{name}' alone", one) for name in ("left", "right") for one in quantities]
-    assert {one["status"] for one in of_modules.values()} == {"passed"}
+    assert {one["status"] for one in of_all} == {"passed"}
     assert all(one["deviation"] <= one["tolerance"] == 1e-9 for (_, q), one in of_modules.items() if q != "settings")
-    assert (tmp_path / "j.xml").read_text().count("classname=\"whole.module 'right' alone\"") == 4
+    cases = (tmp_path / "j.xml").read_text().count("classname=\"whole.module 'right' alone\"")
+    assert cases == sum(one["against"] == "module 'right' alone" for one in of_all)
 
 
 def test_a_changed_step_of_a_module_is_read_alone(
@@ -259,3 +269,59 @@ def test_a_changed_step_of_a_module_is_read_alone(
     after = produce(tmp_path / "r.robot.yaml", options)
     assert read[2:] == ["hand.step"]
     assert before.geometry != after.geometry
+
+
+OTHERS: dict[str, Callable[[Robot], Robot]] = {
+    "mass": lambda robot: _with_link(robot, mass=1.001),
+    "com": lambda robot: _with_link(robot, com=(0.01, 0.02, 0.030001)),
+    "limits": lambda robot: _with_joint(robot, limit=replace(robot.joints[0].limit, upper=0.9)),
+    "axes": lambda robot: _with_joint(robot, axis=(0.0, -1.0, 0.0)),
+    "poses": lambda robot: _with_joint(robot, X_PC=Pose.from_xyz_rpy((0.1, 0.2, 0.30001), (0.0, 0.0, 0.0))),
+    "dynamics": lambda robot: _with_joint(robot, dynamics=replace(robot.joints[0].dynamics, damping=0.1)),
+}
+
+
+def _with_link(robot: Robot, **changes: Any) -> Robot:
+    *others, tip = robot.links
+    return replace(robot, links=(*others, replace(tip, mass_properties=replace(tip.mass_properties, **changes))))
+
+
+def _with_joint(robot: Robot, **changes: Any) -> Robot:
+    return replace(robot, joints=(replace(robot.joints[0], **changes),))
+
+
+@pytest.mark.parametrize("quantity", OTHERS)
+@pytest.mark.parametrize("module", ["left", "right"])
+def test_engines_are_compared_with_the_module_alone(
+    module: str, quantity: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Each engine reports a module, mirrored and reversed or not, as it is alone; any other number is an error."""
+    (tmp_path / "arm.urdf").write_text(ARM_URDF)
+    modules = (
+        "left: {file: arm.urdf, prefix: ''}",  # a name of the first is one of the second without its prefix
+        "right: {mirror_of: left, at: left/tip, flip: [lift]}",
+    )
+    (tmp_path / "r.robot.yaml").write_text(composing(*modules))
+
+    def tampered(*arguments: Any) -> Composed:
+        made = compose(*arguments)
+        alone = (
+            one._replace(robot=OTHERS[quantity](one.robot)) if one.module.name == module else one
+            for one in made.modules
+        )
+        return replace(made, modules=tuple(alone))
+
+    monkeypatch.setattr("stepbot.pipeline.composing.compose", tampered)
+    made = produce(tmp_path / "r.robot.yaml", Options(tmp_path / "out", ("urdf", "mjcf")))
+    assert made.report is not None
+    failed = {
+        (check.engine, check.against, check.quantity) for check in made.report.checks if check.status.value == "failed"
+    }
+    against = f"module '{module}' alone"
+    assert failed >= {
+        ("mujoco", against, quantity),
+        ("yourdfpy" if quantity == "dynamics" else "pybullet", against, quantity),
+    }
+    assert {one for _, one, _ in failed} == {against}
+    assert {named for *_, named in failed} <= {quantity, "poses"}  # with another axis there are other poses
+    assert "SB803" in {one.code for one in made.diagnostics}

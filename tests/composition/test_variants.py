@@ -4,6 +4,7 @@ import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from textwrap import dedent
+from typing import Any
 
 import pytest
 
@@ -211,3 +212,41 @@ def test_a_variant_has_its_own_results_in_the_cache(tmp_path: Path, write: Calla
         seen.append({path.name: path.read_bytes() for path in (tmp_path / name).glob("whole*")})
     assert seen[0] == seen[2] != seen[1] == seen[3]
     assert "whole_bare.urdf" in seen[1]
+
+
+def test_variants_are_a_variant_set_of_openusd(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> None:
+    """Each selection is the stage of that variant's own file; a variant that fails is not in the set."""
+    from pxr import Usd
+
+    write({**FILES, "whole.robot.yaml": dedent(WHOLE).replace("base: floating", "base: floating, sensors: {imu: 3}")})
+    options = ("-f", "usd", "--no-verify", "--no-cache", "--json", "-j", "1")
+    assert stepbot("batch", "whole.robot.yaml", "-o", "out", *options, cwd=tmp_path).code == 1
+    stage = Usd.Stage.Open(str(tmp_path / "out/whole.usda"))
+    robot = stage.GetDefaultPrim()
+    chosen = robot.GetVariantSet("configuration")
+    names = {"default": "whole", "bare": "whole_bare", "strong": "whole_strong", "strong_named": "whole_strong_named"}
+    assert set(chosen.GetVariantNames()) == set(names)
+    assert chosen.GetVariantSelection() == "default"
+    for variant, folder in names.items():
+        assert chosen.SetVariantSelection(variant)
+        (file,) = (one for one in (tmp_path / "out" / folder).glob("*.usda") if ".scene." not in one.name)
+        own = Usd.Stage.Open(str(file))
+        alone = own.GetDefaultPrim()
+        seen, expected = (
+            {_below(top, prim): _values(top, prim) for prim in Usd.PrimRange(top)} for top in (robot, alone)
+        )
+        assert seen == expected
+        assert sum("PhysicsArticulationRootAPI" in prim.GetAppliedSchemas() for prim in Usd.PrimRange(robot)) == 1
+
+
+def _below(top: Any, prim: Any) -> str:
+    return str(prim.GetPath()).removeprefix(str(top.GetPath()))
+
+
+def _values(top: Any, prim: Any) -> tuple[Any, ...]:
+    """Its type, attributes and targets, relative to the robot."""
+    targets = {
+        one.GetName(): [str(path).replace(str(top.GetPath()), "", 1) for path in one.GetTargets()]
+        for one in prim.GetRelationships()
+    }
+    return prim.GetTypeName(), {one.GetName(): one.Get() for one in prim.GetAttributes()}, targets

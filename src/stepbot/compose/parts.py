@@ -242,5 +242,6 @@ def image_name(joint: str, of: str, name: str) -> str:
 def module_record(name: str, part: Part, at: str) -> tuple[Module, ...]:
     """What the composed robot records of a part, and of the modules in it."""
     links = tuple(link.name for link in part.robot.links)
-    own = Module(name, part.file, part.prefix, links, at, part.mirror)
-    return own, *(replace(one, name=f"{name}/{one.name}") for one in part.robot.modules)
+    gains = tuple((one.name, one.kp, one.kv) for one in part.robot.actuators if one.tuning is not None)
+    own = Module(name, part.file, part.prefix, links, at, part.mirror, gains)
+    return own, *(replace(one, name=f"{name}/{one.name}", gains_alone=()) for one in part.robot.modules)

@@ -67,6 +67,7 @@ class Places:
         robots = [part.robot for part in parts.values()] + ([own] if own is not None else [])
         self._taken = {one.name for robot in robots for kind in elements(robot).values() for one in kind}
         self._taken |= {name for section in ELEMENTS for name in getattr(sidecar.document, section)}
+        self._reported: set[tuple[str, ...]] = set()
         self.mounts: dict[str, Mount] = {}
         """The joint above each root link that has one, by the link, in the order of the sidecar."""
         self.world = ""
@@ -194,6 +195,9 @@ class Places:
         root, X_RL = self._ports.rigid(port.link)
         if root in self._of_root or root in self._own_roots:
             return X_RL @ port.X_LP
+        if keys in self._reported:  # the image of what moves moves, too
+            return None
+        self._reported.add(keys)
         message = f"{who}: '{port.link}' moves relative to the root link of its part"
         help = ["attach it by a port that is fixed to its root link, or close the loop by a closure"]
         self._found.add("SB154", message, self._sidecar.span(*keys), help=help)

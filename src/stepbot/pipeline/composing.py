@@ -56,6 +56,8 @@ class Composed:
     """The same, and the lock files that do not exist."""
     content: str
     """Hash of all of them; empty if one changed while it was read."""
+    modules: tuple[Alone, ...]
+    """Its modules, each with its robot alone."""
     checks: tuple[Check, ...]
     """The comparison of each module with the module alone."""
 
@@ -82,7 +84,7 @@ def compose(sidecar: Sidecar, options: Options, found: Diagnostics) -> Composed:
     read = tuple(path for path, digest in files.read.items() if digest is not None)
     is_unchanged = all(file_digest(path) == digest for path, digest in files.read.items())
     content = files_digest(files.read) if is_unchanged else ""
-    return Composed(robot, read, tuple(files.read), content, tuple(files.checks))
+    return Composed(robot, read, tuple(files.read), content, tuple(files.alone), tuple(files.checks))
 
 
 def _places(sidecar: Sidecar, robot: Robot) -> dict[str, Span]:
@@ -108,6 +110,7 @@ class _Files:
         self._modules = 0
         self.read: dict[Path, str | None] = {}
         """Hash of each file before it was read."""
+        self.alone: list[Alone] = []
         self.checks: list[Check] = []
 
     def _note(self, *paths: Path) -> None:
@@ -130,7 +133,8 @@ class _Files:
         robot = composed(sidecar, own, robots, found)
         found.raise_if_errors()
         assert robot is not None  # a missing robot always has an error
-        self.checks = _compared(sidecar, robot, robots, found)  # last those of the file that composes all
+        self.alone = _modules_alone(sidecar, robot, robots)
+        self.checks = _compared(sidecar, robot, self.alone, found)  # last those of the file that composes all
         check_robot(robot, found, sidecar.span(), massless_between=True, places=lambda: _places(sidecar, robot))
         found.raise_if_errors()
         return robot
@@ -232,9 +236,8 @@ class _Files:
         return self._from_step(sidecar, named_step(sidecar, found), found)
 
 
-def _compared(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot], found: Diagnostics) -> list[Check]:
-    """Compare each module with its robot alone; report SB803 if they differ."""
-    checks: list[Check] = []
+def _modules_alone(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot]) -> list[Alone]:
+    """The modules of a composed robot, each with its robot alone."""
     sections = sidecar.document.modules
     modules = []
     for module in robot.modules:  # a module of a module was compared where that was composed
@@ -242,6 +245,12 @@ def _compared(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot], fo
             section = sections[module.name]
             of = alone[section.mirror_of or module.name]
             modules.append(Alone(module, of, _flips(of, section, sections)))
+    return modules
+
+
+def _compared(sidecar: Sidecar, robot: Robot, modules: list[Alone], found: Diagnostics) -> list[Check]:
+    """Compare each module with its robot alone; report SB803 if they differ."""
+    checks: list[Check] = []
     for (module, *_), seen in zip(modules, module_deviations(robot, modules), strict=True):
         parts = f"poses {seen.pose:.3g} m, masses {seen.mass:.3g}, inertias {seen.inertia:.3g}"
         if seen.largest <= ALLOWED:

@@ -135,7 +135,7 @@ def _produce(
         found.raise_if_errors()
 
         progress("verify")
-        report = proven(written, provers, options, found)
+        report = proven(written, provers, options, found, composed.modules if loading is None else ())
     report_unused(found, _JUDGED_BY_BUILD + judged_by_files(options))
     motors = {one.name: one.motor for one in robot.actuators if one.motor is not None}
     report = replace(

@@ -31,6 +31,7 @@ from .prestart import started_server
 
 if TYPE_CHECKING:
     from stepbot.verification.conversion import Provers
+    from stepbot.verification.modules import Alone
 
 _NEVER_UNUSED = ("SB31", "SB465")
 """Codes of CAD changes, which come with a change and go with the next lock file, and one of `check --step` alone."""
@@ -125,18 +126,30 @@ def started_provers(formats: Sequence[Format], options: Options, server: ForkSer
     return Provers(names, memory_limit=options.memory_limit, server=server or started_server(options))
 
 
-def proven(written: Rendered, provers: "Provers | None", options: Options, found: Diagnostics) -> Report:
-    """The report on the files; without engines, on the robot alone."""
+def proven(
+    written: Rendered,
+    provers: "Provers | None",
+    options: Options,
+    found: Diagnostics,
+    modules: "Sequence[Alone]" = (),
+) -> Report:
+    """The report on the files; without engines, on the robot alone.
+
+    Args:
+        modules: What the robot is composed of.
+    """
     robot = written.robot
     if provers is not None:
-        report = _verified(written, provers, options, found)
+        report = _verified(written, provers, options, found, modules)
     else:
         driven = driven_joints(robot) if robot.closures else ()
         report = Report(robot=robot, degrees_of_freedom=degrees_of_freedom(robot), driven=driven)
     return replace(report, files=written.listed, names=_sources(written))
 
 
-def _verified(written: Rendered, provers: "Provers", options: Options, found: Diagnostics) -> Report:
+def _verified(
+    written: Rendered, provers: "Provers", options: Options, found: Diagnostics, modules: "Sequence[Alone]"
+) -> Report:
     """Verify the files in a temporary folder, before anything in the output folder is changed."""
     from stepbot.engines.workers import ObservationCache
     from stepbot.verification.conversion import Written, verify
@@ -145,7 +158,8 @@ def _verified(written: Rendered, provers: "Provers", options: Options, found: Di
         place = Path(folder) / (options.package or options.gazebo)  # where `package://` and `model://` find the meshes
         write_atomically(joined(written.by_format), place)
         files = {
-            name: Written(place / next(iter(written.by_format[name])), one) for name, one in written.lowered.items()
+            name: Written(place / next(iter(written.by_format[name])), one, _lowered(modules, name))
+            for name, one in written.lowered.items()
         }
         contents = {name: content_digest(of_format) for name, of_format in written.by_format.items()}
         for name, one in written.lowered.items():
@@ -155,6 +169,13 @@ def _verified(written: Rendered, provers: "Provers", options: Options, found: Di
         observations = ObservationCache(options.cache, contents)
         require, timeout = options.require, options.timeout
         return verify(written.robot, files, provers, found, require=require, timeout=timeout, observations=observations)
+
+
+def _lowered(modules: "Sequence[Alone]", name: str) -> "tuple[tuple[Alone, Robot], ...]":
+    """Modules with their robots as a format expresses them; its losses are reported for the whole robot."""
+    robots = {id(one.robot): one.robot for one in modules}
+    lowered = {key: lower(robot, format_named(name), Diagnostics()) for key, robot in robots.items()}
+    return tuple((one, lowered[id(one.robot)]) for one in modules)
 
 
 def _sources(written: Rendered) -> dict[str, str]:

@@ -137,6 +137,7 @@ def _module(robot: Robot, module: Module) -> Json:
         "mass": exact_sum(robot.link_by_name[link].mass_properties.mass for link in module.links),
         "links": list(module.links),
         "joints": [joint.name for joint in robot.joints if joint.child in links and joint.parent in links],
+        "gains_alone": [{"actuator": name, "kp": kp, "kv": kv} for name, kp, kv in module.gains_alone],
     }
 
 

@@ -325,6 +325,9 @@ class Module:
     mirror: str = ""
     """Normals of the planes of its root link's frame that it is mirrored through: x, y or z; two for the image of an
     image; empty if it is not."""
+    gains_alone: tuple[tuple[str, float, float], ...] = ()
+    """Name, kp and kv of each actuator whose gains are computed, as they are where the module is a robot alone; those
+    of a module of a module are with the module that contains it."""
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,12 @@
 """Compares written files with the robot that they were written from."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import engine_of
-from stepbot.engines.observation import Observation, Quantity
+from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.engines.reference import Reference
 from stepbot.engines.workers import Engines, Fate, ObservationCache, Outcome, check_required, check_started
 from stepbot.report.robot import Check, Report, Status
@@ -19,6 +19,7 @@ from stepbot.runtime.worker import RemoteError, WorkerDied
 from .compare import compare
 from .expectation import mechanism, requests
 from .judging import Subject, checks_without_observation, judged, report_of, report_unread
+from .modules import Alone, as_alone
 from .self_collision.search import Overlap
 from .self_collision.shapes import available
 from .self_collision.worker import Collider
@@ -35,6 +36,8 @@ class Written:
     path: Path
     robot: Robot
     """The robot as the format expresses it, from :func:`stepbot.formats.lowering.lower`."""
+    modules: tuple[tuple[Alone, Robot], ...] = ()
+    """The modules that the robot is composed of, and the robot of each, alone, as the format expresses it."""
 
 
 class Provers:
@@ -111,6 +114,7 @@ def verify(
     for outcome in provers.engines.results(timeout):  # compared while the other engines are still running
         subject = Subject(written[outcome.key].path.name, outcome.format, outcome.engine)
         checks += _checks(subject, expected[outcome.key], outcome, differences)
+        checks += _checks_of_modules(subject, written[outcome.key], asked[outcome.key], reference, outcome, differences)
         outcomes.append(outcome)
     check_started(required, outcomes, found)
     for key, one in written.items():
@@ -166,6 +170,23 @@ def _checks(subject: Subject, expected: Observation, outcome: Outcome, found: Di
         quantities = [compared.quantity for compared in compare(expected, expected)]
         return checks_without_observation(subject, outcome, quantities, found)
     return [judged(subject, one, found, ENGINE_WARNING) for one in compare(expected, outcome.observation)]
+
+
+def _checks_of_modules(
+    subject: Subject,
+    written: Written,
+    request: Request,
+    reference: Reference,
+    outcome: Outcome,
+    found: Diagnostics,
+) -> Iterator[Check]:
+    """What an engine reports of each module, against the module alone."""
+    if outcome.observation is None:
+        return
+    for one, lowered in written.modules:
+        of_module = replace(subject, against=one.against)
+        for compared in as_alone(one, lowered, written.robot, outcome.observation, request, reference):
+            yield judged(of_module, compared, found)
 
 
 def _self_collision(

@@ -1,15 +1,22 @@
 """Compares each module of a composed robot with the module alone; shares no code with the composition."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
-from stepbot.geometry.spatial import Array, Pose
+from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity, Request
+from stepbot.engines.reference import Reference
+from stepbot.geometry.spatial import Array, Pose, matrix3, vector3
 from stepbot.report.robot import Check, Status
-from stepbot.robot.kinematics import link_poses
+from stepbot.robot.bounding_boxes import Bounds
+from stepbot.robot.kinematics import link_poses, moving_joints
 from stepbot.robot.model import Actuator, Joint, JointKind, Module, Robot
+
+from .compare import Compared, compare
+from .counterparts import Renaming
+from .deviation import EQUAL, Deviations
 
 _CONFIGURATIONS = 4
 _REACH = 0.4
@@ -25,6 +32,11 @@ class Alone(NamedTuple):
     """Its robot alone."""
     flips: Collection[str] = ()
     """Joints, by their names in ``robot``, whose positive direction is reversed."""
+
+    @property
+    def against(self) -> str:
+        """What its checks are against."""
+        return f"module '{self.module.name}' alone"
 
 
 @dataclass(frozen=True)
@@ -174,3 +186,166 @@ def _configurations(robot: Robot) -> list[dict[str, float]]:
 
 def _image(X: Pose, M: Array) -> Pose:
     return Pose.of(M @ X.R @ M, M @ X.p)
+
+
+_OF_MODULES = (
+    Quantity.LINKS,
+    Quantity.JOINTS,
+    Quantity.AXES,
+    Quantity.LIMITS,
+    Quantity.DYNAMICS,
+    Quantity.MIMIC,
+    Quantity.MASS,
+    Quantity.COM,
+    Quantity.INERTIA,
+    Quantity.POSES,
+    Quantity.MESHES,
+    Quantity.ACTUATORS,
+)
+"""Quantities of a module that do not depend on what it is attached to."""
+_SAME_COORDINATES = (
+    JointKind.FIXED,
+    JointKind.REVOLUTE,
+    JointKind.CONTINUOUS,
+    JointKind.PRISMATIC,
+    JointKind.UNIVERSAL,
+)
+"""Joints whose positions are those of their mirror images, however a format represents them."""
+_CHAINS = frozenset(suffix for kind in JointKind for suffix in kind.chain)
+"""What the names of coordinates add to those of their joints."""
+
+
+def as_alone(
+    one: Alone, lowered: Robot, whole: Robot, observed: Observation, request: Request, reference: Reference
+) -> Iterator[Compared]:
+    """Compare what an engine reports of a module in a composed robot with the module alone.
+
+    The frame of a module's root link may be moved onto the axis of the joint that it hangs on, so that link is left out
+    below a joint. Computed gains depend on the whole robot, and drives of reversed joints are left out.
+
+    Args:
+        lowered: The module's robot as the file's format expresses it.
+        whole: The composed robot, likewise.
+        observed: The engine's observation of the file.
+        request: What the engine was asked.
+    """
+    module, alone, flips = one
+    if module.mirror and any(joint.kind not in _SAME_COORDINATES for joint in alone.joints):
+        why = "its joints of several degrees of freedom have other coordinates than their mirror images"
+        yield Compared(Quantity.POSES, Deviations(EQUAL), why)
+        return
+    added = {joint.parent for joint in lowered.joints} - set(alone.link_by_name)  # within joints of several steps
+    links = {name: name.removeprefix(module.prefix) for name in module.links}
+    links |= {name: link for link in added if (name := module.prefix + link) in whole.link_by_name}
+    above, root = {joint.child: joint.name for joint in whole.joints}, module.links[0]
+    joints = {above[name]: "" for name in links if name != root and name in above}
+    joints |= {
+        above[name]: joint.name
+        for joint in lowered.joints
+        if (name := module.prefix + joint.child) in above and above[name] in joints
+    }
+    is_moved = not module.at and root != whole.root.name
+    kept = {name: link for name, link in links.items() if not (is_moved and name == root)}
+    if not kept:
+        return
+    moving = [joint.name for joint in moving_joints(lowered)]
+    names = {name: _coordinate(name, joints) for name in (request.configurations or ({},))[0]}
+    q = tuple(
+        {
+            names[name]: -value if names[name] in flips else value
+            for name, value in each.items()
+            if names[name] in moving
+        }
+        for each in request.configurations
+    )
+    asked = replace(request, configurations=q, rates=(), closures=(), ways=(), driven=())
+    given = {each.joint: each.name for each in lowered.actuators if each.tuning is None and each.joint not in flips}
+    expected = _part(reference.observe(lowered, asked, dynamics=False), list(kept.values()), lowered.root.name, given)
+    for normal in module.mirror:
+        expected = _reflected(expected, np.diag(_NORMALS[normal]))
+    expected = replace(expected, joints=tuple(_reversed(joint, flips) for joint in expected.joints))
+    driven = {name: module.prefix + given[of] for name, of in joints.items() if of in given}
+    seen = Renaming(links, joints).seen(_part(observed, list(kept), root, driven))
+    drives = tuple(replace(each, name=each.name and given[each.joint]) for each in seen.actuators or ())
+    for compared in compare(expected, replace(seen, actuators=None if seen.actuators is None else drives)):
+        if compared.quantity in _OF_MODULES and not compared.not_run:
+            yield compared
+
+
+def _coordinate(name: str, joints: Mapping[str, str]) -> str:
+    """The name of a joint, or of a coordinate that is named after its joint, in the module alone."""
+    if name in joints:
+        return joints[name]
+    whole = next((one for one in joints if name.startswith(one) and name.removeprefix(one) in _CHAINS), "")
+    return joints[whole] + name.removeprefix(whole) if whole else ""
+
+
+def _part(seen: Observation, links: Sequence[str], root: str, drives: Mapping[str, str]) -> Observation:
+    """What an observation has of some links, the joints between them and their drives; poses relative to the first.
+
+    Args:
+        root: The module's root, whose joint is not a part of it.
+        drives: The names of drives by their joints.
+    """
+    inside, first = set(links), links[0]
+    poses = []
+    for each in seen.poses:
+        X_FW = each[first].inverse() if first in each else None
+        poses.append({} if X_FW is None else {name: X_FW @ X for name, X in each.items() if name in inside})
+    return Observation(
+        seen.engine,
+        seen.version,
+        seen.format,
+        links=tuple(link for link in seen.links if link.name in inside),
+        joints=tuple(joint for joint in seen.joints if joint.child in inside and joint.child != root),
+        poses=tuple(poses),
+        actuators=seen.actuators
+        and tuple(each for each in seen.actuators if each.joint in drives and each.name in ("", drives[each.joint])),
+        not_run=seen.not_run,
+    )
+
+
+def _reflected(seen: Observation, M: Array) -> Observation:
+    """The mirror image of a part, each frame mirrored in its own coordinates."""
+
+    def box(bounds: Bounds | None) -> Bounds | None:
+        if bounds is None:
+            return None
+        ends = np.array(bounds) @ M
+        return vector3(ends.min(axis=0)), vector3(ends.max(axis=0))
+
+    def shapes(ones: tuple[ObservedShape, ...] | None) -> tuple[ObservedShape, ...] | None:
+        return ones and tuple(replace(each, bounds=box(each.bounds), oblique=None) for each in ones)
+
+    def link(each: ObservedLink) -> ObservedLink:
+        return replace(
+            each,
+            com=each.com and vector3(M @ np.array(each.com)),
+            inertia=each.inertia and matrix3(M @ np.array(each.inertia) @ M),
+            visual_bounds=box(each.visual_bounds),
+            collision_bounds=box(each.collision_bounds),
+            visuals=shapes(each.visuals),
+            collisions=shapes(each.collisions),
+        )
+
+    def joint(each: ObservedJoint) -> ObservedJoint:
+        sign = 1.0 if each.kind == JointKind.PRISMATIC else -1.0  # an axis of rotation is a pseudovector
+        axes = [axis and vector3(sign * (M @ np.array(axis))) for axis in (each.axis, each.axis2)]
+        return replace(each, axis=axes[0], axis2=axes[1])
+
+    poses = tuple({name: _image(X, M) for name, X in each.items()} for each in seen.poses)
+    return replace(seen, links=tuple(map(link, seen.links)), joints=tuple(map(joint, seen.joints)), poses=poses)
+
+
+def _reversed(joint: ObservedJoint, flips: Collection[str]) -> ObservedJoint:
+    """A joint with its positive direction reversed if it is one of some, and following those that are."""
+    turned, limit, dynamics, mimic = joint.name in flips, joint.limit, joint.dynamics, joint.mimic
+    if mimic is not None:
+        sign = -1.0 if turned != (mimic.joint in flips) else 1.0
+        mimic = replace(mimic, multiplier=sign * mimic.multiplier, offset=-mimic.offset if turned else mimic.offset)
+    if not turned:
+        return replace(joint, mimic=mimic)
+    limit = limit and replace(limit, lower=-limit.upper, upper=-limit.lower)
+    dynamics = dynamics and replace(dynamics, spring_reference=-dynamics.spring_reference)
+    axis = joint.axis and vector3(-np.array(joint.axis))
+    return replace(joint, axis=axis, limit=limit, dynamics=dynamics, mimic=mimic)

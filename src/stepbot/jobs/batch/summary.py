@@ -1,6 +1,8 @@
 """Results of a batch, for programs: JSON, and suites for JUnit."""
 
 import json
+import os
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -75,6 +77,73 @@ def write_index(folder: Path, outcomes: Sequence[Outcome]) -> None:
     """
     folder.mkdir(parents=True, exist_ok=True)
     replace_file(folder / INDEX, index_page([_entry(folder, outcome) for outcome in outcomes]))
+
+
+_PRIM = re.compile(rb'^ *defaultPrim = "(\w+)"', re.MULTILINE)
+_AS_IS = "default"
+"""Name in OpenUSD of the sidecar as it is, beside its variants."""
+
+
+def write_variant_sets(folder: Path, outcomes: Sequence[Outcome]) -> list[Path]:
+    """Write an OpenUSD file for each sidecar with variants: a variant set `configuration` of references to its robots.
+
+    Args:
+        folder: The output folder of the batch.
+
+    Returns:
+        The files.
+
+    Raises:
+        OSError: One cannot be written.
+    """
+    robots = dict[Path, dict[str, Path]]()
+    for outcome in outcomes:
+        usd = None if outcome.status is Status.FAILED else _usd(outcome.task.output)
+        if usd is not None:
+            robots.setdefault(outcome.task.sidecar, {})[outcome.task.variant or _AS_IS] = usd
+    named = {outcome.task.sidecar: outcome.task.name for outcome in outcomes if not outcome.task.variant}
+    written = []
+    for sidecar, by_variant in robots.items():
+        if set(by_variant) - {_AS_IS}:
+            path = folder / f"{named[sidecar]}.usda"
+            replace_file(path, _variant_set(folder, by_variant))
+            written.append(path)
+    return written
+
+
+def _usd(output: Path) -> Path | None:
+    """The OpenUSD file of a robot in its output folder; None if it has none."""
+    try:
+        files = json.loads(read_regular(output / REPORT))["files"]
+    except (OSError, ValueError, KeyError):
+        return None
+    return next((output / one["path"] for one in files if (one["format"], one["content"]) == ("usd", "robot")), None)
+
+
+def _variant_set(folder: Path, robots: Mapping[str, Path]) -> bytes:
+    first = next(iter(robots))
+    prim = _PRIM.search(read_regular(robots[first]))
+    assert prim is not None  # each file of the writer has one
+    lines = [
+        "#usda 1.0",
+        "(",
+        f'    defaultPrim = "{prim[1].decode()}"',
+        "    kilogramsPerUnit = 1",
+        "    metersPerUnit = 1",
+    ]
+    lines += ['    upAxis = "Z"', ")", "", f'def "{prim[1].decode()}" (', "    variants = {"]
+    lines += [
+        f'        string configuration = "{first}"',
+        "    }",
+        '    prepend variantSets = "configuration"',
+        ")",
+        "{",
+    ]
+    lines += ['    variantSet "configuration" = {']
+    for name, path in robots.items():
+        place = Path(os.path.relpath(path, folder)).as_posix()
+        lines += [f'        "{name}" (', f"            prepend references = @./{place}@", "        ) {", "        }"]
+    return "\n".join([*lines, "    }", "}", ""]).encode()
 
 
 def _entry(folder: Path, outcome: Outcome) -> Entry:
