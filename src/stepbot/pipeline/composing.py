@@ -28,7 +28,8 @@ from stepbot.sidecar.starter import robot_name
 from stepbot.sidecar.tree import Mapping, child, way
 from stepbot.sidecar.variants import merged
 from stepbot.verification.joint_rows import joint_rows_of
-from stepbot.verification.modules import ALLOWED, Alone, module_checks, module_deviations
+from stepbot.verification.judging import MOST_NOTES, Subject, check_of
+from stepbot.verification.modules import Alone, in_model
 
 from .building import built_of, places
 from .conversion import Options, is_description
@@ -251,14 +252,16 @@ def _modules_alone(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot
 def _compared(sidecar: Sidecar, robot: Robot, modules: list[Alone], found: Diagnostics) -> list[Check]:
     """Compare each module with its robot alone; report SB803 if they differ."""
     checks: list[Check] = []
-    for (module, *_), seen in zip(modules, module_deviations(robot, modules), strict=True):
-        parts = f"poses {seen.pose:.3g} m, masses {seen.mass:.3g}, inertias {seen.inertia:.3g}"
-        if seen.largest <= ALLOWED:
-            parts = ", ".join(f"settings of '{name}'" for name in seen.settings)
-        if seen.largest > ALLOWED or seen.settings:
-            message = f"module '{module.name}': differs from '{module.file}' alone: {parts}"
-            found.add("SB803", message, sidecar.key_span("modules", module.name))
-        checks += module_checks(module, seen)
+    wrong: dict[str, list[str]] = {}
+    for one, compared in in_model(robot, modules):
+        checks.append(check_of(Subject("", "", "stepbot", one.against), compared))
+        faults = [f"{compared.quantity.value}: {fault}" for fault in compared.deviations.failures]
+        if faults:
+            wrong.setdefault(one.module.name, []).extend(faults)
+    for module in (one.module for one in modules if one.module.name in wrong):
+        first, *others = wrong[module.name]
+        message = f"module '{module.name}': differs from '{module.file}' alone: {first}"
+        found.add("SB803", message, sidecar.key_span("modules", module.name), notes=others[:MOST_NOTES])
     return checks
 
 
