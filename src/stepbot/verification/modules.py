@@ -88,7 +88,7 @@ def as_alone(
     """Compare what an engine reports of a module in a composed robot with the module alone.
 
     The frame of a module's root link may be moved onto the axis of the joint that it hangs on, so only the mass of that
-    link is compared below a joint. Computed gains depend on the whole robot, and drives of reversed joints are left out.
+    link is compared below a joint. Drives with computed gains and those of reversed joints are left out.
 
     Args:
         lowered: The module's robot as the file's format expresses it.
