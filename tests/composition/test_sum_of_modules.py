@@ -1,6 +1,7 @@
 """A composed robot is the sum of its modules: mass matrix, files and names, against each module converted alone."""
 
 import json
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -227,7 +228,8 @@ def test_each_module_is_in_the_report(tmp_path: Path) -> None:
     (tmp_path / "arm.urdf").write_text(ARM_URDF)
     modules = ("left: {file: arm.urdf}", "right: {mirror_of: left, at: left/tip, flip: [lift]}")
     (tmp_path / "r.robot.yaml").write_text(composing(*modules))
-    run = stepbot("convert", "r.robot.yaml", "-f", "urdf", "-v", "-o", "out", "--junit", "j.xml", cwd=tmp_path)
+    options = ("-f", "urdf", "-v", "-o", "out", "--junit", "j.xml", "--html")
+    run = stepbot("convert", "r.robot.yaml", *options, cwd=tmp_path)
     assert run.code == 0, run.err
     assert "module 'right' alone" in run.out
     checks = json.loads((tmp_path / "out/report.json").read_text())["checks"]
@@ -242,6 +244,12 @@ def test_each_module_is_in_the_report(tmp_path: Path) -> None:
     assert {quantity for _, quantity in of_modules} >= quantities
     assert {one["status"] for one in of_all} == {"passed"}
     assert all(one["deviation"] <= 1e-9 for one in of_modules.values() if one["deviation"] is not None)
+    page = (tmp_path / "out/report.html").read_text(encoding="utf-8")
+    rows = re.findall(
+        r"<tr><th>(\w+)</th><td>arm.urdf</td><td>[\w–]+</td><td>([y–])</td>.*?<td>(\d+) checks passed", page
+    )
+    passed = [sum(one["against"] == f"module '{name}' alone" for one in of_all) for name in ("left", "right")]
+    assert rows == [("left", "–", str(passed[0])), ("right", "y", str(passed[1]))]
     cases = (tmp_path / "j.xml").read_text().count("classname=\"whole.module 'right' alone\"")
     assert cases == sum(one["against"] == "module 'right' alone" for one in of_all)
 

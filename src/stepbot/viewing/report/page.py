@@ -29,6 +29,7 @@ from .robot_tables import (
     joints_section,
     mass_text,
     masses_section,
+    modules_section,
     motors_section,
     table,
     table_row,
@@ -176,6 +177,7 @@ def report_page(robot: Robot, report: Report, found: Sequence[Diagnostic], lines
     sections = element(
         "div",
         _summary(robot, report, found),
+        modules_section(robot, report),
         joints_section(robot, report.joint_table),
         masses_section(robot),
         motors_section(robot),

@@ -9,7 +9,7 @@ from html import escape
 from math import degrees, floor, isfinite
 
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.report.robot import LinkCollision, MeasuredBody
+from stepbot.report.robot import LinkCollision, MeasuredBody, Report, Status
 from stepbot.report.words import (
     direction_words,
     evidence_words,
@@ -101,6 +101,27 @@ def table(headings: Iterable[str], rows: Iterable[Markup]) -> Markup:
     """A table that scrolls sideways where the page is narrow."""
     head = element("thead", element("tr", (element("th", heading) for heading in headings)))
     return element("div.scroll", element("table", head, element("tbody", rows)))
+
+
+def modules_section(robot: Robot, report: Report) -> Markup | None:
+    """The robots that this one is composed of, and what each was compared with; None without modules."""
+    headings = ("module", "file", "on link", "mirrored", "links", "mass", "compared with the file alone")
+    rows = []
+    for module in robot.modules:
+        checks = [check for check in report.checks if check.against == f"module '{module.name}' alone"]
+        ran = [check for check in checks if check.status is not Status.NOT_RUN]
+        failed = sum(check.status is Status.FAILED for check in ran)
+        engines = ", ".join(dict.fromkeys("model" if check.engine == "stepbot" else check.engine for check in ran))
+        words = f"{failed} of {len(ran)} checks failed" if failed else f"{len(ran)} checks passed"
+        mass = exact_sum(robot.link_by_name[link].mass_properties.mass for link in module.links)
+        count = element("td.number", len(module.links))
+        proof = f"{words}: {engines}" if ran else "as a part of its module" if "/" in module.name else "–"
+        rows.append(
+            table_row(
+                module.name, module.file, module.at or "–", module.mirror or "–", count, cell(mass, mass_text), proof
+            )
+        )
+    return section("Modules", table(headings, rows), name="modules") if rows else None
 
 
 def joints_section(robot: Robot, rows: Iterable[JointRow]) -> Markup:
