@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -111,16 +112,18 @@ def as_alone(
         for joint in lowered.joints
         if (name := module.prefix + joint.child) in above and above[name] in joints
     }
-    is_moved = not module.at and root != whole.root.name
+    mount = next((joint for joint in whole.joints if joint.child == root), None)
+    is_moved = mount is not None and mount.kind not in (JointKind.FIXED, JointKind.FLOATING)
     moving = [joint.name for joint in moving_joints(lowered)]
-    names = {name: _coordinate(name, joints) for name in (request.configurations or ({},))[0]}
+    configurations = [*request.configurations, *request.closed]  # as in the poses of an observation
+    names = {name: _coordinate(name, joints) for name in dict.fromkeys(chain.from_iterable(configurations))}
     q = tuple(
         {
             names[name]: -value if names[name] in flips else value
             for name, value in each.items()
             if names[name] in moving
         }
-        for each in request.configurations
+        for each in configurations
     )
     asked = replace(request, configurations=q, rates=(), closures=(), ways=(), driven=())
     given = {each.joint: each.name for each in lowered.actuators if each.tuning is None and each.joint not in flips}
