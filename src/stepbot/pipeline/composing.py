@@ -8,7 +8,7 @@ from pathlib import Path
 
 from stepbot.compose.changing import changed, with_names
 from stepbot.compose.joining import composed
-from stepbot.diagnostics import Diagnostics, Span, StepbotError, did_you_mean
+from stepbot.diagnostics import Diagnostics, Span, StepbotError, cut, did_you_mean
 from stepbot.report.robot import Check
 from stepbot.revisions import lock_path
 from stepbot.robot.joint_table import JointRow
@@ -261,7 +261,7 @@ def _compared(sidecar: Sidecar, robot: Robot, modules: list[Alone], found: Diagn
     for module in (one.module for one in modules if one.module.name in wrong):
         first, *others = wrong[module.name]
         message = f"module '{module.name}': differs from '{module.file}' alone: {first}"
-        found.add("SB803", message, sidecar.key_span("modules", module.name), notes=others[:MOST_NOTES])
+        found.add("SB803", message, sidecar.key_span("modules", module.name), notes=cut(others, MOST_NOTES))
     return checks
 
 

@@ -13,9 +13,10 @@ from stepbot.geometry.spatial import Array, Pose, matrix3, vector3
 from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.kinematics import moving_joints
 from stepbot.robot.model import JointKind, Module, Robot
+from stepbot.robot.renaming import NewNames
 
 from .compare import Compared, compare
-from .counterparts import Renaming
+from .counterparts import with_new_names
 from .deviation import EQUAL, Deviations
 
 _CONFIGURATIONS = 4
@@ -132,7 +133,7 @@ def as_alone(
         expected = _reflected(expected, np.diag(_NORMALS[normal]))
     expected = replace(expected, joints=tuple(_reversed(joint, flips) for joint in expected.joints))
     driven = {name: module.prefix + given[of] for name, of in joints.items() if of in given}
-    seen = Renaming(links, joints).seen(_part(observed, tuple(links), driven, is_moved=is_moved))
+    seen = with_new_names(_part(observed, tuple(links), driven, is_moved=is_moved), NewNames(links, joints))
     drives = tuple(replace(each, name=each.name and given[each.joint]) for each in seen.actuators or ())
     for compared in compare(expected, replace(seen, actuators=None if seen.actuators is None else drives)):
         if compared.quantity in _OF_MODULES and not compared.not_run:
