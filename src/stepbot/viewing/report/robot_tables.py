@@ -110,7 +110,7 @@ def modules_section(robot: Robot, report: Report) -> Markup | None:
     for module in robot.modules:
         checks = [check for check in report.checks if check.against == f"module '{module.name}' alone"]
         ran = [check for check in checks if check.status is not Status.NOT_RUN]
-        failed = sum(check.status is Status.FAILED for check in ran)
+        failed = [check.status for check in ran].count(Status.FAILED)
         engines = ", ".join(dict.fromkeys("model" if check.engine == "stepbot" else check.engine for check in ran))
         words = f"{failed} of {len(ran)} checks failed" if failed else f"{len(ran)} checks passed"
         mass = exact_sum(robot.link_by_name[link].mass_properties.mass for link in module.links)
