@@ -127,13 +127,14 @@ def as_alone(
         for each in configurations
     )
     asked = replace(request, configurations=q, rates=(), closures=(), ways=(), driven=())
-    given = {each.joint: each.name for each in lowered.actuators if each.tuning is None and each.joint not in flips}
+    driven = set(joints.values()) - set(flips)  # without what is left out
+    given = {each.joint: each.name for each in lowered.actuators if each.tuning is None and each.joint in driven}
     expected = _part(reference.observe(lowered, asked, dynamics=False), tuple(links.values()), given, is_moved=is_moved)
     for normal in module.mirror:
         expected = _reflected(expected, np.diag(_NORMALS[normal]))
     expected = replace(expected, joints=tuple(_reversed(joint, flips) for joint in expected.joints))
-    driven = {name: module.prefix + given[of] for name, of in joints.items() if of in given}
-    seen = with_new_names(_part(observed, tuple(links), driven, is_moved=is_moved), NewNames(links, joints))
+    drives_here = {name: module.prefix + given[of] for name, of in joints.items() if of in given}
+    seen = with_new_names(_part(observed, tuple(links), drives_here, is_moved=is_moved), NewNames(links, joints))
     drives = tuple(replace(each, name=each.name and given[each.joint]) for each in seen.actuators or ())
     for compared in compare(expected, replace(seen, actuators=None if seen.actuators is None else drives)):
         if compared.quantity in _OF_MODULES and not compared.not_run:
