@@ -10,7 +10,7 @@ from stepbot.api import check
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.pipeline.conversion import Options
 from stepbot_cli.terminal import Display
-from stepbot_cli.view import _check_writable, _editable, _say
+from stepbot_cli.view import _announce, _check_writable, _editable
 from tests.parts import write_hinge
 
 
@@ -71,10 +71,10 @@ def test_warnings_are_counted_where_the_page_lists_them(capsys: pytest.CaptureFi
     for name in ("a", "b"):
         found.add("SB305", f"part '{name}'", Span("arm.step"))
     found.add("SB001", "file not found", Span("arm.robot.yaml"))
-    _say(found, "http://127.0.0.1:1/x/", display=Display())
+    _announce(found, "http://127.0.0.1:1/x/", display=Display())
     out, err = capsys.readouterr()
     assert "SB001" in err
     assert "SB305" not in err
     assert out.splitlines() == ["2 warnings in the page, under Findings", "http://127.0.0.1:1/x/"]
-    _say(found, "", display=Display())
+    _announce(found, "", display=Display())
     assert "SB305" in capsys.readouterr().err
