@@ -72,10 +72,14 @@ def _is_around(survey: Survey, r: Relation) -> bool:
 
 
 def _bearing_of(survey: Survey, r: Relation) -> str:
-    """The path of the subassembly that two parts are in, if it is named a bearing; else empty."""
-    one, two = (survey.assembly.components[i].parent for i in (r.a, r.b))
-    is_one = survey.sources.tree and one == two and one > 0 and Role.BEARING in survey.node_roles(one)
-    return survey.assembly.components[one].path if is_one else ""
+    """The path of the subassembly that two parts are in, if it is named a bearing; else empty.
+
+    Empty also for bodies of one part, which are welded to each other.
+    """
+    one, two = (survey.assembly.components[i] for i in (r.a, r.b))
+    is_one = survey.sources.tree and one.parent == two.parent > 0 and bool(one.product and two.product)
+    is_bearing = is_one and Role.BEARING in survey.node_roles(one.parent)
+    return survey.assembly.components[one.parent].path if is_bearing else ""
 
 
 def _carried(survey: Survey, r: Relation, axis: Axis) -> int:

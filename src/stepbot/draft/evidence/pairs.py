@@ -148,11 +148,21 @@ class PairEvidence:
         self._joint(r, score, JointKind.REVOLUTE, f"{_engaged(r)}{shoulder}", review)
 
     def _turns_with(self, r: Relation) -> bool:
-        """Whether one of two parts turns with play on a third, about the same line: a rim on its hub turns with it."""
+        """Whether one of two parts turns with play on a third, about the same line: a rim on its hub turns with it.
+
+        No part is a bearing, whose seats turn though they are exact.
+        """
+        parts = self._survey.parts
+        if r.axis is None or any(Role.BEARING in parts[i].roles for i in (r.a, r.b)):
+            return False
         return any(
-            s is not r and s.journals and s.turns is not None and r.axis is not None and s.turns.same(r.axis)
+            s is not r
+            and s.journals
+            and s.turns is not None
+            and s.turns.same(r.axis)
+            and Role.BEARING not in parts[other].roles
             for i in (r.a, r.b)
-            for _, s in self._survey.around(i)
+            for other, s in self._survey.around(i)
         )
 
     def _is_clamped(self, r: Relation) -> bool:
