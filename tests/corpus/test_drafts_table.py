@@ -13,7 +13,11 @@ ROW = re.compile(r"^\| \[(\w+)\]\(\S+\): [^|]+\| (.*) \|$", re.MULTILINE)
 
 @pytest.mark.parametrize(
     "name",
-    ["hex", *(pytest.param(name, marks=pytest.mark.long) for name in ("pimouse", "reconcycle_arm", "shrey", "fcg"))],
+    [
+        "hex",
+        "str_wrist",
+        *(pytest.param(name, marks=pytest.mark.long) for name in ("pimouse", "reconcycle_arm", "shrey", "fcg")),
+    ],
 )
 def test_the_row_of_an_assembly_is_its_score(name: str, corpus: Path) -> None:
     """After a change of a rule, `python -m benchmarks drafts --write` writes the tables again."""
