@@ -1,5 +1,6 @@
 """Check the keys of actuators and sensors, and the joints and links to which they refer."""
 
+from dataclasses import replace
 from math import pi
 
 from stepbot.diagnostics import Diagnostics
@@ -13,6 +14,7 @@ from .motion import LimitsSection
 from .unit_rules import check_unit
 from .units import RATIO
 
+_GEAR = replace(RATIO, example="50")
 _GAINS = {ActuatorKind.POSITION: ("kp", "kv"), ActuatorKind.VELOCITY: ("kv",), ActuatorKind.MOTOR: ()}
 _NEEDED_GAIN = {ActuatorKind.POSITION: "kp", ActuatorKind.VELOCITY: "kv"}
 _BOUNDS = {
@@ -84,7 +86,7 @@ def _check_units(sidecar: Sidecar, name: str, actuator: ActuatorSection, kind: J
     for key, value, field in (("kp", actuator.kp, "stiffness"), ("kv", actuator.kv, "damping")):
         check_unit(sidecar, who, kind, value.dimension, known[field], ("actuators", name, key), found)
     if kind is not JointKind.PRISMATIC:
-        check_unit(sidecar, who, kind, actuator.gear.dimension, RATIO, ("actuators", name, "gear"), found)
+        check_unit(sidecar, who, kind, actuator.gear.dimension, _GEAR, ("actuators", name, "gear"), found)
     for field in LimitsSection.model_fields:
         bound = getattr(actuator.limits, field)
         if bound is not None and field in known:

@@ -9,7 +9,7 @@ would cost every run more than half a second.)
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -30,7 +30,7 @@ class Dimension:
     """The SI unit, as printed."""
     powers: tuple[Powers, ...]
     """Accepted exponents; several if radians may be omitted."""
-    example: str
+    example: str = field(compare=False)
 
 
 LENGTH = Dimension("length", "m", ((0, 1, 0, 0),), "12 mm")
