@@ -19,7 +19,7 @@ from ruamel.yaml import YAML
 from stepbot.draft import inference
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
 from stepbot.draft.draft_robot import infer
-from stepbot.geometry.spatial import IDENTITY, Array, Pose, rotation_about
+from stepbot.geometry.spatial import IDENTITY, Array, Pose, rotation_about, unit
 from stepbot.step.assembly import Assembly
 from stepbot_cli.init import draft_document
 
@@ -69,7 +69,7 @@ def total(of: Cases, sources: Sources = ALL_SOURCES, moves: Moves = as_drawn) ->
 def _moved_about(rng: np.random.Generator, middle: Array, far: float) -> Pose:
     """A random motion by ``far`` [m], and by 5 mrad per millimetre of it about a point; normal, for each axis."""
     turn, shift = rng.normal(size=(2, 3)) * far
-    R = rotation_about(turn, 5.0 * float(np.linalg.norm(turn)))
+    R = rotation_about(unit(turn), 5.0 * float(np.linalg.norm(turn)))
     return Pose.of(R, middle - R @ middle + shift)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from stepbot.diagnostics import Diagnostics, StepbotError
+from stepbot.formats.usd.asset import configurations
 from stepbot.pipeline.composing import compose
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.sidecars import load
@@ -237,6 +238,24 @@ def test_variants_are_a_variant_set_of_openusd(tmp_path: Path, write: Callable[[
         )
         assert seen == expected
         assert sum("PhysicsArticulationRootAPI" in prim.GetAppliedSchemas() for prim in Usd.PrimRange(robot)) == 1
+
+
+def test_variants_of_openusd_have_identifiers(tmp_path: Path) -> None:
+    """One that has the name of the robot without a variant is not lost, nor one with a point in its name."""
+    from pxr import Usd
+
+    files = {"": "a.usda", "default": "b.usda", "1.5 m": "c.usda"}
+    for file in files.values():
+        stage = Usd.Stage.CreateNew(str(tmp_path / file))
+        stage.SetDefaultPrim(stage.DefinePrim("/robot"))
+        stage.Save()
+    (tmp_path / "arm.usda").write_bytes(configurations("arm-2", files))
+    stage = Usd.Stage.Open(str(tmp_path / "arm.usda"))
+    robot = stage.GetDefaultPrim()
+    chosen = robot.GetVariantSet("configuration")
+    assert robot.GetName() == "arm_2"
+    assert chosen.GetVariantSelection() == "default"
+    assert sorted(chosen.GetVariantNames()) == ["_1_5_m", "default", "default_"]
 
 
 def _below(top: Any, prim: Any) -> str:

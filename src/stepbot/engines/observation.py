@@ -320,6 +320,8 @@ class Request:
     """For each universal joint, its coordinates: about the first axis, about the second."""
     rates: tuple[Rates, ...] = ()
     """For each configuration, the velocities and accelerations for inverse dynamics."""
+    compiled: bool = False
+    """Whether to hash what the engine makes of the file, to compare it with another file of its format."""
 
     @property
     def closed(self) -> tuple[Mapping[str, float], ...]:

@@ -270,6 +270,7 @@ def ask(
             simulate=seconds,
             balls=names.balls,
             universals=names.universals,
+            compiled=list(formats.values()).count(name) > 1,
         )
     table = next((joint_rows(one.seen) for one in probed.values()), ())
     return Asked(requests, {_key(path): one for path, one in by.items()}, drawn, table)

@@ -243,7 +243,7 @@ def observe_model(compiled: Compiled, request: Request) -> Observation:
         excluded_pairs=excluded_pairs(compiled) if mjcf else None,
         not_run=_NOT_RUN[request.format],
         settings=settings(compiled) if mjcf else {},
-        compiled=content_hash(compiled) if mjcf else "",
+        compiled=content_hash(compiled) if mjcf and request.compiled else "",
     )
 
 

@@ -8,6 +8,7 @@ the expectation for engines that read the file.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import inf, isfinite
+from typing import TypeVar
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.robot import multi_dof
@@ -17,6 +18,8 @@ from stepbot.robot.sensors import Sensor, SensorKind
 from ..features import Feature, Level
 from ..format import Format
 from . import devices, joints, masses, names, rerooted_loops, shapes
+
+T = TypeVar("T")
 
 
 def _unchanged(robot: Robot) -> Robot:
@@ -71,19 +74,27 @@ def _given(*names: str) -> Callable[[Robot], list[str]]:
     ]
 
 
+def _each(
+    affected: Callable[[Robot], list[str]],
+    each: Callable[[Callable[[T], T]], Callable[[Robot], Robot]],
+    condition: Callable[[T], bool],
+    rewrite: Callable[[T], T] | None,
+    leave_out: Callable[[T], T] | None,
+) -> _Handling:
+    """The elements that satisfy a condition; each of them is changed on its own."""
+
+    def changed(change: Callable[[T], T]) -> Callable[[Robot], Robot]:
+        return each(lambda one: change(one) if condition(one) else one)
+
+    return _Handling(affected, changed(rewrite) if rewrite else _unchanged, changed(leave_out) if leave_out else None)
+
+
 def _joints(
     condition: Callable[[Joint], bool],
     rewrite: Callable[[Joint], Joint] | None = None,
     leave_out: Callable[[Joint], Joint] | None = None,
 ) -> _Handling:
-    """The joints that satisfy a condition; each of them is changed on its own."""
-
-    def each(change: Callable[[Joint], Joint]) -> Callable[[Robot], Robot]:
-        return joints.each_joint(lambda joint: change(joint) if condition(joint) else joint)
-
-    return _Handling(
-        joints.joints_where(condition), each(rewrite) if rewrite else _unchanged, each(leave_out) if leave_out else None
-    )
+    return _each(joints.joints_where(condition), joints.each_joint, condition, rewrite, leave_out)
 
 
 def _unfolded(kind: JointKind, rewrite: Callable[[Robot], Robot]) -> _Handling:
@@ -95,16 +106,7 @@ def _sensors(
     rewrite: Callable[[Sensor], Sensor] | None = None,
     leave_out: Callable[[Sensor], Sensor] | None = None,
 ) -> _Handling:
-    """The sensors that satisfy a condition; each of them is changed on its own."""
-
-    def each(change: Callable[[Sensor], Sensor]) -> Callable[[Robot], Robot]:
-        return lambda robot: replace(robot, sensors=tuple(change(s) if condition(s) else s for s in robot.sensors))
-
-    return _Handling(
-        devices.sensors_where(condition),
-        each(rewrite) if rewrite else _unchanged,
-        each(leave_out) if leave_out else None,
-    )
+    return _each(devices.sensors_where(condition), devices.each_sensor, condition, rewrite, leave_out)
 
 
 def _sensor_kind(kind: SensorKind) -> _Handling:

@@ -30,6 +30,11 @@ def sensors_where(condition: Callable[[Sensor], bool]) -> Callable[[Robot], list
     ]
 
 
+def each_sensor(rewrite: Callable[[Sensor], Sensor]) -> Callable[[Robot], Robot]:
+    """The robot with every sensor rewritten."""
+    return lambda robot: replace(robot, sensors=tuple(map(rewrite, robot.sensors)))
+
+
 def actuators_where(condition: Callable[[Robot, Actuator], bool]) -> Callable[[Robot], list[str]]:
     """Names of the actuators that satisfy a condition, and their joints."""
     return lambda robot: [

@@ -6,7 +6,7 @@ variant of the robot's prim loads: armature, passive forces, velocity limits and
 Newton, PhysX or MuJoCo. https://nvidia.github.io/simready-foundation/ has the rules.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from math import isfinite
 
@@ -64,6 +64,23 @@ def asset_files(robot: Robot) -> dict[str, bytes]:
     if (content := meshes.content()) is not None:
         files |= {f"payloads/{_INSTANCES}": layer(meshes.instances(instances), doc), f"payloads/{_GEOMETRIES}": content}
     return files
+
+
+def configurations(name: str, files: Mapping[str, str]) -> bytes:
+    """A layer with one robot of several files, which its variant set ``configuration`` selects: the first one at first.
+
+    Args:
+        name: Name of the prim; those of the files are their default ones.
+        files: Paths relative to the layer, by the names of the variants, which become identifiers; ``default`` is that
+            of the robot without a variant.
+    """
+    identifiers = Names()
+    variants = [(quoted(identifiers.of(one or "default")), asset_path(f"./{path}")) for one, path in files.items()]
+    selected = f"{INDENT}string configuration = {variants[0][0]}"
+    metadata = ['prepend variantSets = "configuration"', "variants = {", selected, "}"]
+    options = (f"{INDENT}{one} (prepend references = {path}) {{ }}" for one, path in variants)
+    properties = ['variantSet "configuration" = {', *options, "}"]
+    return layer(Prim("", Names().of(name), metadata=metadata, properties=properties))
 
 
 def _interface(top: Prim, engines: tuple[str, ...], doc: str) -> bytes:

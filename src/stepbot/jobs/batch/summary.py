@@ -2,12 +2,13 @@
 
 import json
 import os
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from stepbot.formats import FORMATS
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE
 from stepbot.report.document import Suite
 from stepbot.runtime.file import is_file, read_regular, replace_file
@@ -79,71 +80,35 @@ def write_index(folder: Path, outcomes: Sequence[Outcome]) -> None:
     replace_file(folder / INDEX, index_page([_entry(folder, outcome) for outcome in outcomes]))
 
 
-_PRIM = re.compile(rb'^ *defaultPrim = "(\w+)"', re.MULTILINE)
-_AS_IS = "default"
-"""Name in OpenUSD of the sidecar as it is, beside its variants."""
-
-
-def write_variant_sets(folder: Path, outcomes: Sequence[Outcome]) -> list[Path]:
+def write_variant_sets(folder: Path, outcomes: Sequence[Outcome]) -> None:
     """Write an OpenUSD file for each sidecar with variants: a variant set `configuration` of references to its robots.
 
     Args:
         folder: The output folder of the batch.
 
-    Returns:
-        The files.
-
     Raises:
         OSError: One cannot be written.
     """
-    robots = dict[Path, dict[str, Path]]()
+    robots = dict[Path, dict[str, str]]()
+    named: dict[Path, str] = {}
     for outcome in outcomes:
-        usd = None if outcome.status is Status.FAILED else _usd(outcome.task.output)
+        task = outcome.task
+        if not task.variant:
+            named[task.sidecar] = task.name
+        usd = None if outcome.status is Status.FAILED else _usd(task.output)
         if usd is not None:
-            robots.setdefault(outcome.task.sidecar, {})[outcome.task.variant or _AS_IS] = usd
-    named = {outcome.task.sidecar: outcome.task.name for outcome in outcomes if not outcome.task.variant}
-    written = []
+            place = Path(os.path.relpath(usd, folder)).as_posix()
+            robots.setdefault(task.sidecar, {})[task.variant] = place
     for sidecar, by_variant in robots.items():
-        if set(by_variant) - {_AS_IS}:
-            path = folder / f"{named[sidecar]}.usda"
-            replace_file(path, _variant_set(folder, by_variant))
-            written.append(path)
-    return written
+        if any(by_variant):
+            asset = import_module(f"{FORMATS['usd'].package}.asset")  # nothing else imports OpenUSD's rooms
+            replace_file(folder / f"{named[sidecar]}.usda", asset.configurations(named[sidecar], by_variant))
 
 
 def _usd(output: Path) -> Path | None:
-    """The OpenUSD file of a robot in its output folder; None if it has none."""
-    try:
-        files = json.loads(read_regular(output / REPORT))["files"]
-    except (OSError, ValueError, KeyError):
-        return None
+    """The OpenUSD file of a converted robot in its output folder; None if it has none."""
+    files = json.loads(read_regular(output / REPORT))["files"]
     return next((output / one["path"] for one in files if (one["format"], one["content"]) == ("usd", "robot")), None)
-
-
-def _variant_set(folder: Path, robots: Mapping[str, Path]) -> bytes:
-    first = next(iter(robots))
-    prim = _PRIM.search(read_regular(robots[first]))
-    assert prim is not None  # each file of the writer has one
-    lines = [
-        "#usda 1.0",
-        "(",
-        f'    defaultPrim = "{prim[1].decode()}"',
-        "    kilogramsPerUnit = 1",
-        "    metersPerUnit = 1",
-    ]
-    lines += ['    upAxis = "Z"', ")", "", f'def "{prim[1].decode()}" (', "    variants = {"]
-    lines += [
-        f'        string configuration = "{first}"',
-        "    }",
-        '    prepend variantSets = "configuration"',
-        ")",
-        "{",
-    ]
-    lines += ['    variantSet "configuration" = {']
-    for name, path in robots.items():
-        place = Path(os.path.relpath(path, folder)).as_posix()
-        lines += [f'        "{name}" (', f"            prepend references = @./{place}@", "        ) {", "        }"]
-    return "\n".join([*lines, "    }", "}", ""]).encode()
 
 
 def _entry(folder: Path, outcome: Outcome) -> Entry:
