@@ -5,6 +5,7 @@ Only click is imported for `--version` and `--help`. The module of a command is 
 
 import gc
 import importlib
+import signal
 import sys
 from collections.abc import Sequence
 from io import TextIOWrapper
@@ -121,6 +122,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: Arguments without the program name; default ``sys.argv[1:]``.
     """
     open_closed_streams()
+    if argv is None:
+        _end_by_exit()
     gc.set_threshold(100_000, 20, 20)  # a command creates objects that stay: modules, a robot
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):  # a name in Cyrillic must not raise an exception if the locale is ASCII
@@ -145,3 +148,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 
         return show_exception(error, as_json=False)
     return result if isinstance(result, int) else 0
+
+
+def _end_by_exit() -> None:
+    """Have requests to end raise SystemExit until the process ends: the system's way leaves temporary files."""
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is signal.SIG_DFL:  # one that is ignored stays ignored
+            signal.signal(number, lambda received, _: sys.exit(128 + received))

@@ -239,19 +239,18 @@ _GIVEN = (
 
 @pytest.mark.mujoco
 def test_a_stated_default_of_mjcf_is_no_difference(tmp_path: Path, stepbot: Stepbot) -> None:
-    """MuJoCo compiles both files: what it cannot tell apart is the same, and each other value is a difference."""
+    """MuJoCo compiles both files: what it cannot tell apart is the same, and each other value alone is a difference."""
     skip_without("mujoco")
-    nothing = [""] * len(_STATED)
-    files = {
-        "bare": nothing,
-        "stated": _STATED,
-        **{f"given{n}": [*nothing[:n], one, *nothing[n + 1 :]] for n, one in enumerate(_GIVEN) if one},
-    }
-    for name, words in files.items():
-        (tmp_path / f"{name}.xml").write_text(_PLAIN.format(*words), encoding="utf-8")
-    for name in list(files)[1:]:
-        code, _ = _diff(stepbot, str(tmp_path / "bare.xml"), str(tmp_path / f"{name}.xml"))
-        assert code == (0 if name == "stated" else 1), name
+    bare = tmp_path / "bare.xml"
+    bare.write_text(_PLAIN.format(*[""] * len(_STATED)), encoding="utf-8")
+    for number, given in enumerate(_GIVEN):
+        stated = tmp_path / f"{number}.xml"
+        stated.write_text(_PLAIN.format(*_STATED[:number], given, *_STATED[number + 1 :]), encoding="utf-8")
+        code, rows = _diff(stepbot, str(bare), str(stated))
+        attribute = given.partition("=")[0].strip()
+        assert code == (1 if given else 0), given
+        texts = [str(row["name"]) for row in rows if row["kind"] == "text"]
+        assert [attribute in text for text in texts] == [True] * bool(given), rows
 
 
 def test_a_stated_default_of_sdformat_is_no_difference(tmp_path: Path, stepbot: Stepbot) -> None:
@@ -306,3 +305,22 @@ def test_surroundings_are_no_robot(command: str, tmp_path: Path, stepbot: Stepbo
     assert run.code in (1, 2)
     assert "the file has no bodies" in run.err
     assert "SB901" not in run.err
+
+
+@pytest.mark.mujoco
+def test_an_engine_that_crashes_ends_no_comparison(tmp_path: Path, stepbot: Stepbot) -> None:
+    """PyBullet ends in an abort over a joint limited by its defaults and without range; MuJoCo reports all of both."""
+    skip_without("mujoco")
+    skip_without("pybullet")
+    text = """<mujoco><default><joint limited="true" range="-9 9"/></default><worldbody><body name="a">
+      <geom size="0.1"/><body name="b"><joint name="j"/><geom size="0.1" mass="{}"/></body></body></worldbody>
+      </mujoco>"""
+    old, new = tmp_path / "old.xml", tmp_path / "new.xml"
+    for path, mass in ((old, 1), (new, 2)):
+        path.write_text(text.format(mass), encoding="utf-8")
+    for other, code in ((old, 0), (new, 1)):
+        run = stepbot("diff", str(old), str(other))
+        assert run.code == code
+        assert "SB815" in run.err
+        assert "not compared in pybullet, only in mujoco" in run.err
+        assert ("mass of link 'b'" in run.out) == (other is new)

@@ -273,6 +273,8 @@ class Observation:
     """Numbers that two files of the format are compared in, and no other quantity has, by the words for their place."""
     compiled: str = ""
     """A hash of all that the engine has made of an MJCF, file names apart: if equal, it cannot tell two files apart."""
+    stated_defaults: tuple[str, ...] = ()
+    """Places in an MJCF of attributes that state what the engine takes without them, of those that no model has."""
     missing_meshes: tuple[str, ...] = ()
     simulation_finite: bool | None = None
     """Whether one second of passive simulation from the initial pose stayed finite."""

@@ -8,8 +8,10 @@ removed by the next one: a run holds a lock on its folder, which the system rele
 import atexit
 import os
 import shutil
+import signal
 import sys
 import tempfile
+import threading
 import time
 from functools import cache
 from pathlib import Path
@@ -95,5 +97,10 @@ def _remove_unlocked(folder: Path) -> None:
 
 
 def _remove(folder: Path, owner: int) -> None:
-    if os.getpid() == owner:  # not in a forked process
-        shutil.rmtree(folder, ignore_errors=True)
+    if os.getpid() != owner:  # a forked process
+        return
+    if threading.current_thread() is threading.main_thread():
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):  # they ask for what is being done
+            if hasattr(signal, name):
+                signal.signal(getattr(signal, name), signal.SIG_IGN)
+    shutil.rmtree(folder, ignore_errors=True)

@@ -13,12 +13,12 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.engines import Engine
+from stepbot.engines import Engine, engine_of
 from stepbot.engines.description.statements import Statement
 from stepbot.engines.file_references import first_element, openable
 from stepbot.engines.observation import Observation, Quantity, Request
 from stepbot.engines.prestart import started_engine_server
-from stepbot.engines.workers import Engines, Outcome, check_required, check_started
+from stepbot.engines.workers import Engines, Fate, Outcome, check_required, check_started
 from stepbot.formats import FORMATS
 from stepbot.report.robot import Report
 from stepbot.robot.joint_table import JointRow
@@ -99,12 +99,18 @@ def compare_two(
 
     Args:
         found: Receives the errors of files that cannot be read, and of engines that cannot read one of them; SB815 for
-            a file that no engine reads.
+            a file that no engine reads, or that only an engine that reports more reads.
         packages: Folders of the packages that the files name, or the folders that contain them.
     """
     reported = Diagnostics()
     asked, outcomes = observed((old, new), reported, workers, count=1, seconds=0.0, packages=tuple(packages))
     of_file = {_key(path): [outcome for outcome in outcomes if outcome.key == _key(path)] for path in (old, new)}
+    for outcome in outcomes:
+        if outcome.fate in (Fate.REFUSED, Fate.DIED) and (witness := _witness(outcome, of_file)):
+            of_file[outcome.key].remove(outcome)
+            message = f"not compared in {outcome.engine}, only in {witness}: {outcome.reason}"
+            help = f"`stepbot verify {outcome.key}` lists what each engine reports"
+            found.add("SB815", message, Span(outcome.key), help=[help])
     for key, some in of_file.items():
         list(checks_within(key, some, reported))
     seen = [seen_by for path in (old, new) if (seen_by := ranked(of_file[_key(path)]))]
@@ -120,17 +126,27 @@ def compare_two(
     return (*results, *_of_one_alone(ours, theirs)) if ours.format == theirs.format else results
 
 
+def _witness(failed: Outcome, of_file: Mapping[str, Sequence[Outcome]]) -> str:
+    """An engine that reports more than one that failed, and has loaded both files; empty if there is none."""
+    loaded = [{one.engine for one in some if one.fate is Fate.OBSERVED} for some in of_file.values()]
+    both = (engine_of(name) for name in set[str].intersection(*loaded))
+    able = [one for one in both if not one.own_parser and one.order < engine_of(failed.engine).order]
+    return min(able, key=lambda one: one.order).name if able else ""
+
+
 def _of_one_alone(ours: Gathered, theirs: Gathered) -> tuple[Compared, ...]:
-    """What one of two files of a format has alone: named frames, sizes of shapes."""
+    """What one of two files of a format has alone: named frames, sizes of shapes, where engines report both's."""
     frames, sizes = (Deviations(TOLERANCES[one]) for one in (Quantity.FRAMES, Quantity.MESHES))
-    names = [list(one.observation.frames or ()) for one in (ours, theirs)]
-    for name in dict.fromkeys((*names[0], *names[1])):
-        wrong = f"frame '{name}' is {'missing' if name in names[0] else 'not in the robot'}"
-        frames.equal(name in names[0] and name in names[1], wrong)
-    for a, b in link_pairs(ours.observation, theirs.observation):
+    a, b = ours.observation, theirs.observation
+    if a.frames is not None and b.frames is not None:
+        for name in dict.fromkeys((*a.frames, *b.frames)):
+            wrong = f"frame '{name}' is {'missing' if name in a.frames else 'not in the robot'}"
+            frames.equal(name in a.frames and name in b.frames, wrong)
+    for one, other in link_pairs(a, b) if a.engine == b.engine else ():
         for side in ("visual", "collision"):
-            has = [getattr(link, f"{side}_bounds") is not None for link in (a, b)]
-            sizes.equal(has[0] == has[1], f"size of the {side} of link '{a.name}' is {'missing' if has[0] else 'new'}")
+            has = [getattr(link, f"{side}_bounds") is not None for link in (one, other)]
+            wrong = f"size of the {side} of link '{one.name}' is {'missing' if has[0] else 'new'}"
+            sizes.equal(has[0] == has[1], wrong)
     return Compared(Quantity.FRAMES, frames), Compared(Quantity.MESHES, sizes)
 
 

@@ -261,7 +261,8 @@ def _compared_across(
         equal = not any(one.deviations.failures for one in results if not one.not_run and one.quantity not in _OWN)
         texts = [asked.texts.get(key, ()) for key in (ours.key, theirs.key)]
         compiled = bool(ours.observation.compiled) and ours.observation.compiled == theirs.observation.compiled
-        text = compare_text(*texts, equal=equal, whole=whole, compiled=compiled)
+        defaults = {place for one in (ours, theirs) for place in one.observation.stated_defaults}
+        text = compare_text(*texts, equal=equal, whole=whole, compiled=compiled, defaults=defaults)
         results = results if text is None else (*results, text)
         if whole and equal and text is None and all(texts):
             results = (*results, Compared(Quantity.TEXT, compare_settings(*(one.settings for one in pair))))

@@ -1,7 +1,7 @@
 """Compares the texts of two files of one format: what no engine reports is not taken as equal."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 from math import isfinite
 
 from stepbot.engines.description.statements import Statement
@@ -45,7 +45,13 @@ _SAME_WORDS = {"1": "true", "0": "false"}
 
 
 def compare_text(
-    ours: Sequence[Statement], theirs: Sequence[Statement], *, equal: bool, whole: bool, compiled: bool = False
+    ours: Sequence[Statement],
+    theirs: Sequence[Statement],
+    *,
+    equal: bool,
+    whole: bool,
+    compiled: bool = False,
+    defaults: Container[str] = (),
 ) -> Compared | None:
     """What differs between the texts of two files; None if nothing does.
 
@@ -53,6 +59,7 @@ def compare_text(
         equal: Whether engines see the same robot in both; otherwise only what they cannot see is compared.
         whole: Whether what is not read differs, too, where it is words, or where one file has it alone.
         compiled: Whether an engine makes the same of both in all that it has: what one file has alone is a default.
+        defaults: Places that state what an engine takes where a file has nothing.
     """
     deviations = Deviations(_EQUAL)
     a, b = (_by_place(side, (*ours, *theirs)) for side in (ours, theirs))
@@ -68,7 +75,7 @@ def compare_text(
         _compare(deviations, one, other, words=words)
     for place in (*a, *b) if whole and not compiled else ():
         one = a.get(place) or b[place]
-        if not one.read and not (place in a and place in b) and not _is_default(one):
+        if not (one.read or (place in a and place in b) or place in defaults or _is_default(one)):
             deviations.equal(False, f"{place} is {'missing' if place in a else 'not in the robot'}")
     plain = [{_NUMBER.sub("", one.place) for one in side} for side in (ours, theirs)]
     for one in (*ours, *theirs) if whole and equal else ():

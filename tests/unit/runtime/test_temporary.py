@@ -14,7 +14,7 @@ from stepbot.runtime.worker import call_isolated
 posix = pytest.mark.skipif(os.name == "nt", reason="no file locks and no SIGKILL on Windows")
 
 RUN = """
-import sys, time
+import os, shutil, signal, sys, time
 from pathlib import Path
 from stepbot.runtime.temporary import run_folder
 (run_folder() / "model.sdf").write_text("x")
@@ -23,6 +23,9 @@ if sys.argv[1] == "wait":
     time.sleep(100.0)
 if sys.argv[1] == "fail":
     raise RuntimeError
+if sys.argv[1] == "late":
+    remove = shutil.rmtree
+    shutil.rmtree = lambda *given, **more: (os.kill(os.getpid(), signal.SIGTERM), remove(*given, **more))
 """
 
 
@@ -45,9 +48,9 @@ def end(process: "subprocess.Popen[bytes]") -> None:
     process.stdout.close()
 
 
-@pytest.mark.parametrize("how", ["end", "fail"])
+@pytest.mark.parametrize("how", ["end", "fail", pytest.param("late", marks=posix)])
 def test_folder_goes_with_its_run(tmp_path: Path, how: str) -> None:
-    """The folder is removed when the run ends, also by an exception."""
+    """The folder is removed when the run ends, also by an exception, and also if it is asked to end meanwhile."""
     start(how, tmp_path).communicate()
     assert list(tmp_path.iterdir()) == []
 

@@ -36,7 +36,7 @@ from .compiled import Compiled, excluded_pairs
 from .devices import observed_actuators, observed_frames, observed_sensors
 from .joints import observed_joints
 from .model import collected_warnings
-from .settings import content_hash, settings
+from .settings import content_hash, settings, stated_defaults
 from .shapes import collides, observed_shapes, stray_mesh
 
 _URDF_COMPILER = {"fusestatic": "false", "discardvisual": "false", "strippath": "false"}
@@ -244,6 +244,7 @@ def observe_model(compiled: Compiled, request: Request) -> Observation:
         not_run=_NOT_RUN[request.format],
         settings=settings(compiled) if mjcf else {},
         compiled=content_hash(compiled) if mjcf and request.compiled else "",
+        stated_defaults=stated_defaults(compiled, Path(request.file)) if mjcf and request.compiled else (),
     )
 
 

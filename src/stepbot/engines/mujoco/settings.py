@@ -3,13 +3,17 @@
 Numbers that depend on how a file describes a pose are left out: those that remain are equal in all words for one robot.
 """
 
+import re
 from collections.abc import Iterator, Mapping
 from hashlib import sha256
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
 from stepbot.geometry.spatial import Array
 
+from ..description.statements import statements
 from .compiled import Compiled
 
 _KINDS = {
@@ -32,6 +36,9 @@ _OPTIONS = (
     "cone density disableflags enableflags impratio integrator iterations jacobian ls_iterations ls_tolerance magnetic "
     "o_friction o_margin o_solimp o_solref solver timestep tolerance viscosity wind"
 )
+_ACTUATORS = re.compile(r"/(?:motor|position|velocity|intvelocity|damper|cylinder|muscle|adhesion)(?=[^/]*$)")
+_ALWAYS_THERE = ("mujoco/option", "mujoco/size", "mujoco/statistic", "mujoco/visual")
+"""Elements without which a file has the same settings by default."""
 
 
 def settings(compiled: Compiled) -> Mapping[str, tuple[float, ...]]:
@@ -62,6 +69,26 @@ def content_hash(compiled: Compiled) -> str:
         elif not callable(value):
             waiting += [(f"{place}.{one}", getattr(value, one)) for one in dir(value) if _is_content(one)]
     return whole.hexdigest()
+
+
+def stated_defaults(compiled: Compiled, file: Path) -> tuple[str, ...]:
+    """The places of attributes that MuJoCo leaves out where it saves the file that it has read last.
+
+    They state what it takes without them. Settings of the compiler are not among them: they are applied, not saved.
+    """
+    with TemporaryDirectory() as folder:
+        saved = Path(folder) / "saved.xml"
+        compiled.engine.mj_saveLastXML(str(saved), compiled.model)
+        kept = {_as_saved(one.place) for one in statements(saved, "mjcf")}
+    elements = {place.rpartition("@")[0] for place in kept}
+    places = (one.place for one in statements(file, "mjcf") if "@" in one.place and _as_saved(one.place) not in kept)
+    unsaved = ((place, _as_saved(place).rpartition("@")[0]) for place in places)
+    return tuple(place for place, element in unsaved if element in elements or element.startswith(_ALWAYS_THERE))
+
+
+def _as_saved(place: str) -> str:
+    """A place in a file as MuJoCo saves it, with one tag for all actuators."""
+    return _ACTUATORS.sub("/general", place)
 
 
 def _turn_positive(quaternions: Array) -> None:
