@@ -154,7 +154,8 @@ def test_ambient_colour_of_its_own(tmp_path: Path) -> None:
     assert told(conversion, "SB860") == ["<ambient> in <material>: not converted"]
 
 
-BALL = '<worldbody><body name="a"><geom size=".1"/><joint name="j" type="ball" range="0 60"/></body></worldbody>'
+BALL = '<worldbody><body name="a"><geom size=".1"/><joint name="a" type="ball" range="0 60"/></body></worldbody>'
+"""A joint with the name of its body has another one in SDFormat, and so have its coordinates."""
 ROUND = '<worldbody><body name="a"><geom type="ellipsoid" size=".1 .2 .3"/><joint name="j"/></body></worldbody>'
 STRONG = """<worldbody><body name="a"><geom size=".1"/><joint name="j" range="-1 1"/></body></worldbody>
   <actuator><position name="m" joint="j" kp="1e12" kv="1e10" ctrlrange="-1 1"/></actuator>"""
@@ -163,7 +164,7 @@ STRONG = """<worldbody><body name="a"><geom size=".1"/><joint name="j" range="-1
 @pytest.mark.parametrize(
     ("content", "lost"),
     [
-        (BALL, ["joint 'j': the cone of 1.0472 rad that limits it: not converted"]),
+        (BALL, ["joint 'a': the cone of 1.0472 rad that limits it: not converted"]),
         (ROUND, [f"link 'a': {kind} with an ellipsoid: approximated by a mesh" for kind in ("visual", "collision")]),
         (STRONG, []),
     ],

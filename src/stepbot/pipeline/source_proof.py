@@ -19,7 +19,7 @@ from stepbot.formats.mjcf import FORMAT as MJCF
 from stepbot.formats.rendering import joined
 from stepbot.report.robot import Report
 from stepbot.robot.model import Joint, JointKind, Robot
-from stepbot.robot.multi_dof import steps_by_child, unfolded
+from stepbot.robot.multi_dof import ball_coordinates, steps_by_child, unfolded, universal_coordinates
 from stepbot.robot.renaming import NewNames
 from stepbot.runtime.output import write_atomically
 from stepbot.runtime.temporary import run_folder
@@ -109,7 +109,7 @@ def compared_with_source(
 
 
 def _given_names(robot: Robot, lowered: Robot) -> NewNames:
-    """The model's names of the joints that a format needs other names for."""
+    """The model's names of the joints that a format needs other names for, and of their coordinates."""
     whole = {joint.child: (joint,) for joint in robot.joints}
     known = whole, steps_by_child(robot), _chains_in(unfolded(robot), robot.joints)
     changed = {}
@@ -117,6 +117,10 @@ def _given_names(robot: Robot, lowered: Robot) -> NewNames:
         same = next((names[child] for names in known if len(names[child]) == len(chain)), None)
         if same is not None:
             changed.update({new.name: old.name for new, old in zip(chain, same, strict=True)})
+    for coordinates in (ball_coordinates, universal_coordinates):
+        given, needed = coordinates(robot), coordinates(lowered)
+        for new in needed.keys() & changed.keys():
+            changed.update(zip(needed[new], given[changed[new]], strict=True))
     return NewNames(joints={new: old for new, old in changed.items() if new != old})
 
 

@@ -21,13 +21,17 @@ def with_old_names(request: Request, names: NewNames) -> Request:
     old = {new: name for name, new in names.joints.items()}
     if not old:
         return request
+
+    def to(name: str) -> str:
+        return old.get(name, name)
+
     return replace(
         request,
         configurations=tuple(_keys(q, old) for q in request.configurations),
         rates=tuple((_keys(v, old), _keys(a, old)) for v, a in request.rates),
         initial=_keys(request.initial, old),
-        balls=_keys(request.balls, old),
-        universals=_keys(request.universals, old),
+        balls={to(name): (to(yaw), to(pitch), to(roll)) for name, (yaw, pitch, roll) in request.balls.items()},
+        universals={to(name): (to(first), to(second)) for name, (first, second) in request.universals.items()},
     )
 
 
