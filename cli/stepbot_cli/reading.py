@@ -249,7 +249,7 @@ folders_option = click.option(
     multiple=True,
     type=PATH,
     metavar="DIR",
-    help="Folder of a package, or of packages, that a description names in package:// or model://; may be repeated.",
+    help="Folder of packages that a description names in package:// or model://, or of files that an MJCF includes.",
 )
 
 

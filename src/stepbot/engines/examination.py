@@ -30,8 +30,9 @@ def examine(file: str, written_in: str, opened: str, copy: str, packages: Iterab
         file: Path of the description, for messages.
         opened: Its path in UTF-8.
         copy: Path of the copy with absolute paths of meshes; empty to look for no meshes.
+        packages: Folders of packages, or those that contain them; an MJCF may include files of these.
     """
-    refused = refusals(file, written_in)
+    refused = refusals(file, written_in, packages)
     if refused or not copy:
         return Examined(refused)
     missing = located_copy(opened, copy, packages) if written_in in _WITH_PACKAGES else ()

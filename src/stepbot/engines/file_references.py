@@ -7,7 +7,7 @@ may be anywhere, since descriptions share them.
 
 import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from math import prod
@@ -102,15 +102,18 @@ class Refusal:
     line: int = 0
 
 
-def refusals(file: str, written_in: str) -> tuple[Refusal, ...]:
+def refusals(file: str, written_in: str, folders: Iterable[Path] = ()) -> tuple[Refusal, ...]:
     """Why engines must not read a file; empty if they may.
 
     A file that is no well-formed XML is refused: parsers of engines are more lenient, and would open what it names.
+
+    Args:
+        folders: Those, in addition to its own, from which an MJCF may include files.
     """
     given, main = Path(file), resolved(Path(file))  # engines resolve symbolic links
     found = _layer_refusals(main) if written_in == "usd" else ()
     if written_in in _XML:
-        found = _refusals(main, written_in == "mjcf")
+        found = _refusals(main, written_in == "mjcf", [main.parent, *map(resolved, folders)])
     return tuple(replace(one, file=_shown(one.file, main, given)) for one in found)
 
 
@@ -161,7 +164,7 @@ def declares_entities(root: Element) -> bool:
     return declared is not None and next(iter(declared.iterentities()), None) is not None
 
 
-def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
+def _refusals(main: Path, has_includes: bool, allowed: Sequence[Path]) -> Iterator[Refusal]:
     from lxml import etree
 
     pending, seen = [main], {main}
@@ -190,7 +193,7 @@ def _refusals(main: Path, has_includes: bool) -> Iterator[Refusal]:
             if not name:
                 continue
             included = main.parent / name
-            if not resolved(included).is_relative_to(resolved(main.parent)):
+            if not any(map(resolved(included).is_relative_to, allowed)):
                 message = f"includes '{name}', which is outside the folder of {main.name}"
                 yield Refusal(UNSAFE, message, str(path), element.sourceline or 0)
             elif _is_irregular(included):

@@ -45,7 +45,7 @@ def read_description(path: Path, options: Options, found: Diagnostics) -> Descri
     written_in = format_of(path, found)
     if written_in is None:
         return None
-    if not admitted({path: written_in}, found, options.workers):
+    if not admitted({path: written_in}, found, options.workers, options.package_path):
         return None
     if has_macros(path):
         return _expanded(path, options, found)

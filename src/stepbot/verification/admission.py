@@ -91,13 +91,17 @@ _EXAMINE = "stepbot.engines.examination:examine"
 _MOST_NOTES = 5
 
 
-def admitted(formats: Mapping[Path, str], found: Diagnostics, workers: Workers) -> dict[Path, str]:
+def admitted(
+    formats: Mapping[Path, str], found: Diagnostics, workers: Workers, packages: Iterable[Path] = ()
+) -> dict[Path, str]:
     """The files that engines may read, each with its format.
 
     Args:
         found: Receives SB820 for rejected files.
     """
-    return {path: formats[path] for path, _ in _examined(formats, dict.fromkeys(formats), (), found, workers)}
+    return {
+        path: formats[path] for path, _ in _examined(formats, dict.fromkeys(formats), tuple(packages), found, workers)
+    }
 
 
 def located(

@@ -43,6 +43,7 @@ def test_includes_stay_in_the_folder(tmp_path: Path) -> None:
     assert including("missing.xml") == []
     assert including("../outside.xml") == ["SB820"]
     assert including(str(tmp_path / "outside.xml")) == ["SB820"]
+    assert refusals(str(inside / "scene.xml"), "mjcf", [tmp_path]) == ()  # the user names the folder
     assert including("parts/far.xml") == ["SB820"]
 
 
