@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from fnmatch import fnmatch
-from math import inf
+from math import inf, pi
 from pathlib import Path
 
 import mujoco
@@ -16,7 +16,7 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.stages import convert, produce
 from stepbot.robot.kinematics import link_poses
-from stepbot.robot.model import Joint, JointKind, Limit, Robot
+from stepbot.robot.model import JointKind, Robot
 from stepbot.robot.posing import posed
 from stepbot.runtime.cache import Cache
 
@@ -278,12 +278,22 @@ def test_flipped_twice_is_the_robot(composed: Compose) -> None:
     assert flipped(once, ["*_roll"]) == robot
 
 
-def test_a_mirrored_screw_advances_as_the_image(tmp_path: Path) -> None:
-    """Its pitch is negated: the same angle moves the image by the same way."""
-    screw = Joint("lift", JointKind.SCREW, "a", "b", axis=(0.0, 1.0, 0.0), limit=Limit(-9.0, 9.0), pitch=0.002)
-    robot = Robot("r", (), (screw,))
-    (image,) = mirrored(robot, "y").joints
-    assert (image.pitch, image.axis) == (-0.002, (0.0, 1.0, 0.0))
+def test_a_mirrored_screw_advances_as_the_image(composed: Compose) -> None:
+    """Its pitch is negated: the same angle moves the image by the same way. The comparison with the module agrees."""
+    inertial = "<inertial><mass>1</mass><inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz></inertia></inertial>"
+    links = f"<link name='a'>{inertial}</link><link name='b'><pose>0 1 0 0 0 0</pose>{inertial}</link>"
+    pitch = 0.002
+    screw = f"""<joint name="lift" type="screw"><parent>a</parent><child>b</child><axis><xyz>0 1 0</xyz></axis>
+      <screw_thread_pitch>{2 * pi * pitch}</screw_thread_pitch></joint>"""
+    files = {
+        "r.robot.yaml": composing("left: {file: lift.sdf}", "right: {mirror_of: left, at: left/a}"),
+        "lift.sdf": f'<sdf version="1.10"><model name="m">{links}{screw}</model></sdf>',
+    }
+    robot = composed(files, Diagnostics())
+    pitches = {one.name: one.pitch for one in robot.joints if one.kind is JointKind.SCREW}
+    assert pitches == pytest.approx({"left_lift": pitch, "right_lift": -pitch})
+    poses = link_poses(robot, dict.fromkeys(pitches, 0.7))
+    assert np.allclose(poses["right_b"].matrix, image_of(poses["left_b"].matrix), rtol=0.0, atol=1e-12)
 
 
 @pytest.fixture(scope="module")

@@ -107,6 +107,7 @@ def test_angles_are_in_degrees() -> None:
     limits = UsdPhysics.RevoluteJoint(joint)
     assert limits.GetLowerLimitAttr().Get() == pytest.approx(-60.0, rel=1e-7)
     drive = UsdPhysics.DriveAPI(joint, "angular")
+    assert drive.GetTypeAttr().Get() == "force"  # the gains are of forces, not of accelerations
     assert drive.GetStiffnessAttr().Get() == pytest.approx(radians(100.0), rel=1e-7)
     assert drive.GetMaxForceAttr().Get() == 12.5
     assert joint.GetAttribute("newton:velocityLimit").Get() == pytest.approx(180.0, rel=1e-7)

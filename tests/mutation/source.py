@@ -41,6 +41,8 @@ _BROAD = {
     "draft": ("tests/unit/draft", "tests/cli/test_init.py"),
 }
 """For each room, the tests that run all of it; those that name a module come before."""
+_THROUGH = {"stepbot.verification.modules": ("tests/composition/test_mirror_images.py",)}
+"""Tests that reach a module by a command, without its name."""
 _MOST_NAMED = 12
 """Files of tests that name a module directly: those of models and diagnostics are in all."""
 _TIME = 420.0
@@ -100,7 +102,8 @@ def selected(path: str, root: Path = ROOT) -> list[str]:
     named = [test for test, text in _test_texts(root) if naming.search(text)]
     same = [test for test, _ in _test_texts(root) if Path(test).stem == f"test_{name}"]
     first = sorted({*named, *same}, key=lambda test: (test not in same, "unit" not in test, test))
-    return list(dict.fromkeys((*first[:_MOST_NAMED], *_BROAD[module.split(".")[1]])))
+    broad = _BROAD[module.split(".")[1]]
+    return list(dict.fromkeys((*first[:_MOST_NAMED], *_THROUGH.get(module, ()), *broad)))
 
 
 @cache

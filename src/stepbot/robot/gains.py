@@ -223,12 +223,12 @@ def _tuned(
     stiffened = braked = False
     if actuator.kind is ActuatorKind.POSITION:
         line = line_damping(actuator, joint)
-        kp = inertia * w**2
+        kp = wanted = inertia * w**2
         if tuning.at_least:
             heaviest = round(float(driven.heaviest[index]), _RESIDUE)
             slow = (passive + line) * w / (2.0 * tuning.damping_ratio)
             kp = max(kp, slow, _holding_stiffness(joint, heaviest))
-        stiffened = kp > inertia * w**2
+        stiffened = kp > wanted
         damping = 2.0 * tuning.damping_ratio * sqrt(kp * inertia)
         if tuning.at_least:
             damping = max(damping, passive + line)

@@ -16,7 +16,6 @@ class NotReached(ValueError):
 
     def __init__(self, reached: Mapping[str, float]) -> None:
         self.reached = dict(reached)
-        super().__init__("the loops do not close at the given positions")
 
 
 def coordinates(robot: Robot) -> dict[str, Joint]:

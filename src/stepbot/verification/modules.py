@@ -205,8 +205,7 @@ def _reflected(seen: Observation, M: Array) -> Observation:
             return replace(each, axis=None)
         sign = 1.0 if each.kind == JointKind.PRISMATIC else -1.0  # an axis of rotation is a pseudovector
         axes = [axis and vector3(sign * (M @ np.array(axis))) for axis in (each.axis, each.axis2)]
-        pitch = -each.pitch if each.pitch is not None and each.kind == JointKind.SCREW else each.pitch
-        return replace(each, axis=axes[0], axis2=axes[1], pitch=pitch)
+        return replace(each, axis=axes[0], axis2=axes[1], pitch=each.pitch and -each.pitch)
 
     poses = tuple({name: _image(X, M) for name, X in each.items()} for each in seen.poses)
     return replace(seen, links=tuple(map(link, seen.links)), joints=tuple(map(joint, seen.joints)), poses=poses)

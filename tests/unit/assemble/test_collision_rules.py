@@ -181,13 +181,19 @@ def test_for_mjx_there_are_no_cylinders_and_no_hulls_of_many_faces(rule: str, tm
 
 
 def test_error_of_a_bounded_hull_is_reported(tmp_path: Path) -> None:
-    """The report has the largest distance of a bounded hull from the solid, here of a box's edge from its cylinder."""
+    """The report has the largest distance of a bounded hull from the solid, here of a box's edge from its cylinder.
+
+    A hull and a mesh are counted as what they are.
+    """
     shop = Workshop()
     shop.rod("pin", radius=5.0, length=10.0, sides=64)
-    text = "    defaults: {density: 1000, collision: {shape: hull, max_vertices: 8}}\n" + REST
+    shop.box("cube", X_PC=at(50, 0, 0))
+    links = "    links: {base: {rest: true}, cube: {parts: [cube], collision: mesh}}\n"
+    text = f"    defaults: {{density: 1000, collision: {{shape: hull, max_vertices: 8}}}}\n{links}{FIXED}"
     made = build_robot(shop.assembly, sidecar(tmp_path, text), lambda: shop.measures, ReadDiagnostics())
     assert made is not None
-    (score,) = made.collisions.result()
+    score, cube = made.collisions.result()
+    assert [dict(one.shapes) for one in (score, cube)] == [{"hull": 1}, {"mesh": 1}]
     assert score.overshoot == pytest.approx(0.005 * (sqrt(2.0) - 1.0), abs=1e-4)
     assert score.iou == pytest.approx(pi / 4.0, abs=5e-3)
 

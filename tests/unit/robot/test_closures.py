@@ -14,6 +14,7 @@ from stepbot.robot.closures import (
     closure_gap,
     degrees_of_freedom,
     driven_joints,
+    held_by_a_point,
     loop_ways,
 )
 from stepbot.robot.kinematics import complete, configurations, initial_configuration, link_poses, within_limits
@@ -120,6 +121,22 @@ def test_a_closure_holds_what_its_kind_holds() -> None:
     for kind, rank in expected.items():
         closure = LoopClosure("c", kind, "base", Pose.of(position=(0.1, 0, 0)), above, Pose.of(position=(0.1, 0, 0)))
         assert degrees_of_freedom(Robot("r", links, tuple(joints), (closure,))) == 6 - rank
+
+
+def test_a_point_holds_a_pin_in_a_plane_alone() -> None:
+    """A four-bar moves alike on a pin and on a ball; a link on a ball that a pin holds still turns about two balls."""
+    assert held_by_a_point(four_bar()) == (four_bar().closures[0].name,)
+    links = ("base", "yaw", "pitch", "roll")
+    axes = ((0.0, 0.0, 1.0), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0))
+    joints = tuple(
+        Joint(child, JointKind.CONTINUOUS, parent, child, axis=axis)
+        for parent, child, axis in zip(links, links[1:], axes, strict=False)
+    )
+    pin = LoopClosure("c", JointKind.REVOLUTE, "base", Pose.of(position=(1, 0, 0)), "roll", Pose.of(position=(1, 0, 0)))
+    held = Robot("held", tuple(map(Link, links)), joints, (pin,))
+    ball = replace(held, closures=(replace(pin, kind=JointKind.BALL),))
+    assert [degrees_of_freedom(one) for one in (held, ball)] == [0, 1]
+    assert held_by_a_point(held) == ()
 
 
 @pytest.mark.parametrize("kind", [JointKind.BALL, JointKind.REVOLUTE, JointKind.PRISMATIC, JointKind.FIXED])

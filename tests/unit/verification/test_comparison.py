@@ -12,7 +12,7 @@ from stepbot.engines.engine import Tolerance
 from stepbot.engines.observation import Dynamics, Observation, ObservedJoint, Quantity, Request
 from stepbot.engines.reference import observe_robot
 from stepbot.engines.workers import Fate, Outcome
-from stepbot.geometry.spatial import Pose, rotation_about
+from stepbot.geometry.spatial import Pose, rotation_about, vector3
 from stepbot.report.robot import Status
 from stepbot.robot.closures import loop_ways
 from stepbot.robot.kinematics import configurations, initial_configuration
@@ -20,6 +20,7 @@ from stepbot.robot.model import ActuatorKind, JointDynamics, Limit, Mimic, Robot
 from stepbot.verification.compare import compare
 from stepbot.verification.deviation import TOLERANCES, Deviations, tolerance
 from stepbot.verification.judging import Subject, check_of, checks_without_observation, report_failure
+from stepbot.verification.merged_observation import gather
 from stepbot.verification.normalized import normalized
 from tests.conftest import ReadDiagnostics
 from tests.robots import ROBOTS, four_bar, gripper_with_mimic, primitives, two_link_arm
@@ -263,6 +264,37 @@ def test_a_quantity_with_a_reason_is_not_run_even_if_reported() -> None:
     results = {one.quantity: one for one in compare(ARM, on_link("base", mass=0.0)(silent))}
     assert results[Quantity.MASS].not_run == "it lies"
     assert check_of(Subject("f", "mjcf", "e"), results[Quantity.MASS]).status is Status.NOT_RUN
+
+
+def test_a_pitch_that_an_engine_lacks_is_not_compared() -> None:
+    """The pitch of a screw is part of its axis, for engines that report it."""
+    elbow = on_joint("elbow", lambda j: replace(j, kind="screw", pitch=0.002))(ARM)
+    expected = {None: set(), 0.002: set(), 0.0021: {Quantity.AXES}}
+    for pitch, fails in expected.items():
+        assert failed(elbow, on_joint("elbow", lambda j, p=pitch: replace(j, pitch=p))(elbow)) == fails
+
+
+def test_boxes_are_as_exact_as_the_engine() -> None:
+    """PyBullet's collision boxes are exact to a share of their diagonal, MuJoCo's to a micrometre."""
+    arm = next(link for link in ARM.links if link.name == "upper_arm")
+    assert arm.collision_bounds is not None
+    low, high = map(np.array, arm.collision_bounds)
+    off = 1e-4 * float(np.linalg.norm(high - low))
+    assert off > 1e-6
+    larger = on_link("upper_arm", collision_bounds=(vector3(low), vector3(high + np.array([off, 0.0, 0.0]))))(ARM)
+    assert failed(ARM, replace(larger, engine="pybullet")) == set()
+    assert failed(ARM, replace(larger, engine="mujoco")) == {Quantity.MESHES}
+
+
+def test_an_engine_fills_the_gaps_of_one_that_reports_more() -> None:
+    """What the first engine does not report comes from the next one that does, and is named after it."""
+    first = replace(ARM, engine="mujoco", frames=None, not_run={Quantity.FRAMES: "not in a URDF"})
+    second = replace(on_link("upper_arm", mass=7.0)(ARM), engine="pybullet", actuators=None)
+    whole = gather([Outcome("file", "urdf", one.engine, Fate.OBSERVED, one) for one in (first, second)])
+    both = whole.observation
+    assert (both.frames, both.actuators, both.links, both.not_run) == (ARM.frames, ARM.actuators, ARM.links, {})
+    engines = [whole.engine(one) for one in (Quantity.FRAMES, Quantity.ACTUATORS, Quantity.MASS)]
+    assert engines == ["pybullet", "mujoco", "mujoco"]
 
 
 def test_missing_fields_are_named() -> None:
