@@ -157,6 +157,10 @@ def test_ambient_colour_of_its_own(tmp_path: Path) -> None:
 BALL = '<worldbody><body name="a"><geom size=".1"/><joint name="a" type="ball" range="0 60"/></body></worldbody>'
 """A joint with the name of its body has another one in SDFormat, and so have its coordinates."""
 ROUND = '<worldbody><body name="a"><geom type="ellipsoid" size=".1 .2 .3"/><joint name="j"/></body></worldbody>'
+LED = """<worldbody><body name="led" mocap="true"/><body name="base"><geom size=".1"/><body name="hand" pos="0 0 .3">
+  <joint name="j" axis="0 1 0" range="10 60"/><geom size=".05" contype="0" conaffinity="0"/></body></body></worldbody>
+  <equality><weld body1="led" body2="hand"/></equality>"""
+"""A hand that programs lead by a body: it moves on its joint, whose limits exclude the pose that the file has."""
 STRONG = """<worldbody><body name="a"><geom size=".1"/><joint name="j" range="-1 1"/></body></worldbody>
   <actuator><position name="m" joint="j" kp="1e12" kv="1e10" ctrlrange="-1 1"/></actuator>"""
 
@@ -166,6 +170,7 @@ STRONG = """<worldbody><body name="a"><geom size=".1"/><joint name="j" range="-1
     [
         (BALL, ["joint 'a': the cone of 1.0472 rad that limits it: not converted"]),
         (ROUND, [f"link 'a': {kind} with an ellipsoid: approximated by a mesh" for kind in ("visual", "collision")]),
+        (LED, ["attribute 'mocap' of <body>: not converted", "equality constraint of a mocap body: not converted"]),
         (STRONG, []),
     ],
 )

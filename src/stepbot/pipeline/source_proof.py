@@ -12,6 +12,7 @@ from stepbot.described.finding import LOST
 from stepbot.described.robot import Described
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
+from stepbot.engines.description.mjcf_vocabulary import LED
 from stepbot.engines.file_references import openable
 from stepbot.engines.observation import Quantity
 from stepbot.engines.source_copy import ChainNames
@@ -162,6 +163,8 @@ def _lost(described: Described, description: Description) -> dict[Quantity, str]
     lost = {quantity: f"a loss is declared ({one.code})" for one in described.findings for quantity in one.differs}
     if any(one.what.endswith(" in <geometry>") for one in description.lost):
         lost |= dict.fromkeys((Quantity.SHAPES, Quantity.MESHES), f"a loss is declared ({LOST})")
+    if any(one.what == LED for one in description.lost):
+        lost[Quantity.CLOSURES] = f"a loss is declared ({LOST})"
     if seen.gravity or any(link.gravity_compensation for link in seen.links):
         lost[Quantity.GRAVITY_SETTINGS] = f"a loss is declared ({LOST})"
     return lost

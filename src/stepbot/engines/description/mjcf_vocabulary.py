@@ -40,6 +40,8 @@ _DEFAULTS = {
     "equality": "active",
 }
 del _DEFAULTS["*"]
+LED = "equality constraint of a mocap body"
+"""By it programs lead a robot in a simulation: it closes no loop of the robot."""
 _CONTACT = "contact friction and stiffness are those of the formats' defaults"
 
 MJCF = Vocabulary(
@@ -94,7 +96,7 @@ MJCF = Vocabulary(
         "solimplimit": "how soft a limit is, is that of the engines' defaults",
         "solreffriction": "how soft friction is, is that of the engines' defaults",
         "gravcomp": "gravity acts on the whole weight of the body",
-        "mocap": "the body is fixed",
+        "mocap": "the body is fixed, and leads nothing",
         "tendon": "what tendons pull, measure and limit is not converted",
         "texture": "visuals have their plain colours",
         "geom": "only the robot is converted, not its surroundings",

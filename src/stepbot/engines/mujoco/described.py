@@ -17,7 +17,7 @@ from stepbot.robot.tuning import Integrator, Simulation
 from stepbot.runtime.file import is_file
 
 from ..description.description import DescribedShape, Description
-from ..description.mjcf_vocabulary import MJCF, unread_of_mjcf
+from ..description.mjcf_vocabulary import LED, MJCF, unread_of_mjcf
 from ..description.vocabulary import Unread
 from ..observation import EngineRefused, Observation, Request
 from ..xml import xml_root
@@ -50,7 +50,10 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         raise EngineRefused("the file has no bodies")
     compiled = Compiled(engine, model, {})
     request = Request(file, "mjcf", configurations=({},), simulate=0.0)
-    observation = replace(observe_model(compiled, request), closures=close_by_newton(compiled, request))
+    led = {compiled.name("BODY", body) for body in np.flatnonzero(model.body_mocapid >= 0).tolist()}
+    closures = close_by_newton(compiled, request)
+    kept = tuple(one for one in closures if not led & {one.link_a, one.link_b})
+    observation = replace(observe_model(compiled, request), closures=kept)
     poses = observation.poses[0]
     X_PC = {
         joint.child: poses[joint.parent].inverse() @ poses[joint.child]
@@ -65,7 +68,11 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         X_PC,
         shapes,
         tuple(sorted({*unread, *meshes.files.unread})),
-        (*(lost for root, name, at in roots for lost in unread_of_mjcf(root, name, at)), *_direct(compiled)),
+        (
+            *(lost for root, name, at in roots for lost in unread_of_mjcf(root, name, at)),
+            *_direct(compiled),
+            *((Unread(LED, len(closures) - len(kept), 0, effect=MJCF.effects["mocap"]),) if kept != closures else ()),
+        ),
         (*(path.parent / name for _, name, _ in roots if name), *meshes.files.files),
         X_WR=compiled.X_WB(compiled.data({}), first) if first else Pose(),
         free_roots=tuple(_free(compiled)),
