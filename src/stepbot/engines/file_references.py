@@ -18,6 +18,7 @@ from stepbot.runtime.file import exists, is_file, is_folder, is_unicode, open_re
 from stepbot.runtime.temporary import run_folder
 
 from .resources import candidates
+from .xml import parsed
 
 _MOST = {
     "hfield": (("nrow", "ncol"), 1 << 24),
@@ -216,13 +217,10 @@ def _parsed(path: Path) -> Element:
         XMLSyntaxError: The file is not XML.
         OSError: It cannot be read.
     """
-    from lxml import etree
-
     first = first_element(path)
     if declares_entities(first):
         return first
-    parser = etree.XMLParser(resolve_entities=False, no_network=True, huge_tree=True)
-    return etree.fromstring(read_regular(path), parser)
+    return parsed(read_regular(path))
 
 
 def _folders(root: Element) -> list[str]:

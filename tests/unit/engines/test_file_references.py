@@ -8,6 +8,7 @@ import pytest
 from stepbot.engines.file_references import refusals
 from stepbot.engines.observation import EngineCannotRead
 from stepbot.engines.sdformat_reader.tree import read_model
+from stepbot.engines.xml import xml_root
 
 pipes = pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
 
@@ -72,11 +73,14 @@ def test_file_that_our_parser_reads_otherwise_reaches_no_engine(text: bytes, tmp
 
 
 def test_latin_1_and_deep_trees_are_read(tmp_path: Path) -> None:
-    """Encodings of which ASCII is a part are read, and trees of a thousand bodies, deeper than lxml's limit."""
+    """Encodings of which ASCII is a part, trees deeper than lxml's limit, and prefixes without a namespace are read."""
     path = tmp_path / "latin.xml"
     path.write_bytes("<?xml version='1.0' encoding='ISO-8859-1'?><mujoco model='Fuß'/>".encode("latin-1"))
     assert refusals(str(path), "mjcf") == ()
     assert codes(tmp_path / "deep.xml", "<mujoco>" + 1000 * "<body>" + 1000 * "</body>" + "</mujoco>", "mjcf") == []
+    assert codes(tmp_path / "drake.urdf", '<robot name="r"><link name="a"/><drake:joint/></robot>', "urdf") == []
+    assert xml_root(tmp_path / "drake.urdf")[1].tag == "drake:joint"
+    assert codes(tmp_path / "open.urdf", '<robot name="r"><link name="a"/><drake:joint></robot>', "urdf") == ["SB814"]
 
 
 def test_link_out_of_the_folder_is_no_way_around(tmp_path: Path) -> None:

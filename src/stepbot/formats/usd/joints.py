@@ -134,7 +134,6 @@ def _drive(prim: Prim, joint: Joint, actuator: Actuator | None, drawn: float) ->
         return
     drive = "linear" if joint.kind is JointKind.PRISMATIC else "angular"
     prim.schemas.append(f"PhysicsDriveAPI:{drive}")
-    prim.set(f"uniform token drive:{drive}:physics:type", '"force"')
     if isfinite(effort):
         prim.set(f"float drive:{drive}:physics:maxForce", single(effort))
     if actuator is None:
