@@ -1,15 +1,21 @@
 """URDF files read by yourdfpy and PyBullet, against the written robot."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from lxml import etree
 
+from stepbot.diagnostics import Diagnostics
+from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import configurations, link_poses
 from stepbot.robot.model import JointKind
+from stepbot.robot.sensors import SensorKind
 from stepbot.runtime.worker import call_isolated
 from tests.conformance.conftest import Write
+from tests.devices import equipped
 from tests.robots import ROBOTS, every_robot
 
 
@@ -113,3 +119,15 @@ def test_no_link_is_the_world(write: Write) -> None:
         children = {child.get("link") for child in top.iter("child")}
         roots = [link.get("name") for link in top.findall("link") if link.get("name") not in children]
         assert roots == [robot.root.name]
+
+
+@pytest.mark.parametrize("kind", [SensorKind.FORCE_TORQUE, SensorKind.CONTACT, SensorKind.IMU])
+def test_gazebo_keeps_fixed_joints_with_sensors(kind: SensorKind) -> None:
+    """It merges others: a cell measures at its joint, and a contact sensor names shapes of the link below."""
+    robot = equipped()
+    robot = replace(robot, sensors=tuple(sensor for sensor in robot.sensors if sensor.kind is kind))
+    top = etree.fromstring(render(robot, "urdf", Diagnostics())["equipped.urdf"])
+    kept = [block.get("reference") for block in top.findall("gazebo") if block.findtext("preserveFixedJoint") == "true"]
+    assert [name for name in kept if name in robot.joint_by_name] == ["flange"] * (kind is not SensorKind.IMU)
+    springs = [block.get("reference") for block in top.findall("gazebo") if block.find("springStiffness") is not None]
+    assert springs == ["shoulder"]

@@ -288,13 +288,13 @@ def test_boxes_are_as_exact_as_the_engine() -> None:
 
 def test_an_engine_fills_the_gaps_of_one_that_reports_more() -> None:
     """What the first engine does not report comes from the next one that does, and is named after it."""
-    first = replace(ARM, engine="mujoco", frames=None, not_run={Quantity.FRAMES: "not in a URDF"})
-    second = replace(on_link("upper_arm", mass=7.0)(ARM), engine="pybullet", actuators=None)
+    first = replace(ARM, engine="mujoco", frames=None, initial=None, not_run={Quantity.FRAMES: "not in a URDF"})
+    second = replace(on_link("upper_arm", mass=7.0)(ARM), engine="pybullet", actuators=None, initial=None)
     whole = gather([Outcome("file", "urdf", one.engine, Fate.OBSERVED, one) for one in (first, second)])
     both = whole.observation
     assert (both.frames, both.actuators, both.links, both.not_run) == (ARM.frames, ARM.actuators, ARM.links, {})
-    engines = [whole.engine(one) for one in (Quantity.FRAMES, Quantity.ACTUATORS, Quantity.MASS)]
-    assert engines == ["pybullet", "mujoco", "mujoco"]
+    engines = [whole.engine(one) for one in (Quantity.FRAMES, Quantity.ACTUATORS, Quantity.MASS, Quantity.INITIAL)]
+    assert engines == ["pybullet", "mujoco", "mujoco", "mujoco"]
 
 
 def test_missing_fields_are_named() -> None:
