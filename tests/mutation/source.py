@@ -95,12 +95,13 @@ def _all_changes(root: Path) -> list[Change]:
 
 
 def selected(path: str, root: Path = ROOT) -> list[str]:
-    """The tests of a module, those that name it first: they are more likely to fail, and soon."""
+    """The tests of a module, those named after it or its folder and those that name it first: they may fail soon."""
     module = path.removeprefix("src/").removesuffix(".py").removesuffix("/__init__").replace("/", ".")
     package, _, name = module.rpartition(".")
     naming = re.compile(rf"\b{re.escape(module)}\b|from {re.escape(package)} import [^\n]*\b{name}\b")
     named = [test for test, text in _test_texts(root) if naming.search(text)]
-    same = [test for test, _ in _test_texts(root) if Path(test).stem == f"test_{name}"]
+    folders = {f"test_{part}" for part in module.split(".")[2:]}
+    same = [test for test, _ in _test_texts(root) if Path(test).stem in folders]
     first = sorted({*named, *same}, key=lambda test: (test not in same, "unit" not in test, test))
     broad = _BROAD[module.split(".")[1]]
     return list(dict.fromkeys((*first[:_MOST_NAMED], *_THROUGH.get(module, ()), *broad)))
