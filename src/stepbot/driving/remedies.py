@@ -29,6 +29,8 @@ _HOLLOW = ("auto", "decompose", "given")
 """Rules of collision shapes that keep links hollow, or that are not stepbot's."""
 _TURNED = 0.9
 """Angle of a wheel, relative to the one asked for, from which its motor is not what holds the base up."""
+_FEW = 3
+"""Number of links that are named."""
 _STRONG = 0.9
 """Effort, relative to its limit, from which a larger kp gains nothing."""
 
@@ -69,18 +71,21 @@ def spin_words(spin: Spin, *, gains: bool) -> tuple[str, str]:
         spin: The wheel that turned least.
         gains: Whether the motor has the gains of the file, as in MuJoCo; URDF has none.
     """
+    names = " and ".join(f"'{one}'" for one in spin.standing[:_FEW])
+    drags = f"; {names} touch{'es' * (len(spin.standing) == 1)} the floor, too" if names else ""
     turned = f"the wheel of '{spin.joint}' turned {100.0 * spin.share:.0f} % of what was asked for"
     if spin.share > _TURNED:
-        slips = "the wheels turned as asked for, and slipped or lost the floor"
         return (
-            slips,
+            f"the wheels turned as asked for, and slipped or lost the floor{drags}",
             "let only wheels and casters touch the floor, with the weight on the wheels and friction under them",
         )
     if spin.effort is not None and spin.effort >= _STRONG:
-        return f"{turned}, at its effort limit", "raise the effort limit, or look for a link that brakes on the floor"
+        brakes = "raise the effort limit, or look for a link that brakes on the floor"
+        return f"{turned}, at its effort limit{drags}", brakes
     if gains:
-        return f"{turned}: its kv of {spin.kv:.2g} is too weak", "raise kv, or let stepbot compute it: `gains: auto`"
-    return turned, "look for friction or damping of the joint, and for a link that brakes on the floor"
+        weak = f"{turned}: its kv of {spin.kv:.2g} is too weak{drags}"
+        return weak, "raise kv, or let stepbot compute it: `gains: auto`"
+    return turned + drags, "look for friction or damping of the joint, and for a link that brakes on the floor"
 
 
 def fate(grip: Grip) -> str:

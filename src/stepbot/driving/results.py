@@ -60,6 +60,8 @@ class Spin:
     """Gain of its motor in the file."""
     effort: float | None
     """Largest effort of its motor, relative to its limit; None without a limit."""
+    standing: tuple[str, ...] = ()
+    """Links that touched the floor while the wheels turned, other than wheels and their rollers."""
 
 
 @dataclass(frozen=True)

@@ -141,6 +141,9 @@ class Simulation(Protocol):
     def penetration(self) -> float:
         """Largest depth [m] of a contact; 0 without contact."""
 
+    def standing(self) -> frozenset[str]:
+        """The links that touch the floor."""
+
     def place_cube(self, X_WC: Pose) -> None:
         """Place the cube at rest, without weight."""
 

@@ -36,6 +36,13 @@ def test_the_remedy_of_an_open_loop_is_one_that_the_sidecar_allows() -> None:
         ),
         (Spin("left", 0.4, 0.02, 1.0), "mujoco", "turned 40 % of what was asked for, at its effort limit", "raise the"),
         (Spin("left", 0.4, 0.0, None), "pybullet", "wheel of 'left' turned 40 % of what was asked for", "brakes on"),
+        (
+            Spin("left", 0.4, 0.02, 1.0, ("base", "tail")),
+            "mujoco",
+            "; 'base' and 'tail' touch the floor, too",
+            "raise the",
+        ),
+        (Spin("left", 0.99, 0.02, 0.3, ("base",)), "mujoco", "the floor; 'base' touches the floor, too", "only wheels"),
         (Spin("left", 0.99, 0.02, 0.3), "mujoco", "the wheels turned as asked for, and slipped", "only wheels and"),
     ],
 )

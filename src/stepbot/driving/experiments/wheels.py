@@ -24,6 +24,8 @@ _SPEED = 0.3
 """Speed [m/s] of the base at its wheels; less if they cannot turn so fast."""
 _SHARE = 0.5
 """Largest speed of a wheel, relative to its velocity limit: what corrects it needs a margin."""
+_LOOK = 25
+"""Number of steps from one look at the contacts to the next."""
 _TILTS = 64
 """Number of tilts of a roller's axis, from level to where the next roller carries."""
 _RAMP = 0.5
@@ -87,9 +89,18 @@ class _Turned:
         self._motors = {stage.motor(name): spin * seconds for name, spin in spins.items() if spin}
         self._start = simulation.positions()
         self._efforts = dict.fromkeys(self._motors, 0.0)
+        assert stage.wheels is not None
+        rolling = {wheel.link for wheel in stage.wheels.wheels}
+        joints = stage.mechanism.robot.joint_by_name
+        self._rolling = rolling | {joints[name].child for names in stage.wheels.rollers for name in names}
+        self._standing: set[str] = set()
+        self._steps = 0
 
     def measure(self) -> None:
-        """Look at the efforts after a step."""
+        """Look at the efforts after a step, and now and then at what touches the floor."""
+        self._steps += 1
+        if self._steps % _LOOK == 0:
+            self._standing |= self._simulation.standing() - self._rolling
         for motor in self._efforts:
             self._efforts[motor] = max(self._efforts[motor], abs(self._simulation.effort(motor.joint)))
 
@@ -101,7 +112,7 @@ class _Turned:
             return None
         motor = min(shares, key=lambda one: shares[one])
         effort = self._efforts[motor] / motor.limit.effort if isfinite(motor.limit.effort) else None
-        return Spin(motor.joint, shares[motor], motor.kv, effort)
+        return Spin(motor.joint, shares[motor], motor.kv, effort, tuple(sorted(self._standing)))
 
 
 def _ramped(stage: Stage, simulation: Simulation, spins: Mapping[str, float], seconds: float) -> Iterator[float]:

@@ -229,6 +229,11 @@ class MujocoSimulation:
     def penetration(self) -> float:  # noqa: D102
         return max(0.0, *self._depths(), 0.0)
 
+    def standing(self) -> frozenset[str]:  # noqa: D102
+        pairs = [(int(one.geom1), int(one.geom2)) for one in self.data.contact[: self.data.ncon]]
+        own = [a if a in self._own else b for a, b in pairs if (a in self._own) != (b in self._own)]
+        return frozenset(self.model.body(int(self.model.geom_bodyid[geom])).name for geom in own)
+
     def place_cube(self, X_WC: Pose) -> None:  # noqa: D102
         body = self._id("BODY", _CUBE)
         start = int(self.model.jnt_qposadr[self.model.body_jntadr[body]])

@@ -287,6 +287,10 @@ class PybulletSimulation:
     def penetration(self) -> float:  # noqa: D102
         return max(0.0, *self._depths(), 0.0)
 
+    def standing(self) -> frozenset[str]:  # noqa: D102
+        contacts = self._engine.getContactPoints(self._body.id, self._floor)
+        return frozenset(self._body.links[int(contact[3]) + 1] for contact in contacts)
+
     def place_cube(self, X_WC: Pose) -> None:  # noqa: D102
         self._engine.resetBasePositionAndOrientation(self._cube, X_WC.position, _xyzw(X_WC))
         self._engine.resetBaseVelocity(self._cube, [0, 0, 0], [0, 0, 0])
