@@ -5,6 +5,7 @@ editing the sidecar renames no mesh.
 """
 
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -79,7 +80,7 @@ class MeshAssets:
         """The convex hull of a body, or one that encloses it with fewer vertices; None if the body is flat."""
         key = ("hull", body, max_vertices, max_faces)
         if key not in self._made:
-            mesh = _bounded(convex_hull(self._assembly.bodies[body].mesh.vertices), max_vertices, max_faces)
+            mesh = _bounded(_hull_of(self._assembly.bodies[body].mesh), max_vertices, max_faces)
             self._made[key] = (
                 None if mesh is None else self._named(f"{self._bases[body]}_hull", mesh, self._source(body))
             )
@@ -145,6 +146,16 @@ class MeshAssets:
         if name != BODY:
             return ascii_name(name)
         return self._product_name(self._assembly.components[component.parent]) if component.parent >= 0 else FALLBACK
+
+
+_HULLS: WeakKeyDictionary[TriMesh, TriMesh | None] = WeakKeyDictionary()
+"""Hulls of the meshes that are in memory: a page builds the same bodies again after each edit."""
+
+
+def _hull_of(mesh: TriMesh) -> TriMesh | None:
+    if mesh not in _HULLS:
+        _HULLS[mesh] = convex_hull(mesh.vertices)
+    return _HULLS[mesh]
 
 
 def _bounded(hull: TriMesh | None, max_vertices: int | None, max_faces: int | None) -> TriMesh | None:

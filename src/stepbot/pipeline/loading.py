@@ -8,6 +8,7 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from threading import Event
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.geometry.mesh_worker import MESH_WORKER, report_death
@@ -170,6 +171,16 @@ class Loading:
         return geometry
 
 
+_held: dict[str, Geometry] = {}
+"""The geometry read last, by its key in the cache, if it is kept in memory."""
+_holding = Event()
+
+
+def hold_geometry() -> None:
+    """Keep the geometry that is read last in memory from now on: a page shows the same files again and again."""
+    _holding.set()
+
+
 class _GeometryCache:
     """The cache entry of one file with one set of read options."""
 
@@ -187,7 +198,12 @@ class _GeometryCache:
         return self._content if _state(self._step) == self._state else ""
 
     def get(self) -> Geometry | None:
-        kept = self._results.get(self._key) if self._key else None
+        kept = _held.get(self._key)
+        if kept is None and self._key:
+            kept = self._results.get(self._key)
+            if kept is not None and _holding.is_set():
+                _held.clear()
+                _held[self._key] = kept
         return _renamed(kept, self._names(kept)) if kept is not None else None
 
     def put(self, geometry: Geometry) -> None:

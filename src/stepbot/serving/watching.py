@@ -17,7 +17,7 @@ from .session import Session
 
 QUIET = 40
 """Milliseconds without a further change after which files count as saved."""
-LOOK = 0.04
+LOOK = 0.02
 """Seconds between two looks at the files of a page that edits."""
 LONGEST = 400
 """Milliseconds after which changes count as saved although files still change."""
@@ -70,7 +70,7 @@ class Prover:
 def follow(session: Session, changed: Callable[[Shown], None], ended: Event) -> None:
     """Show a session's target again when another program saves one of its files, until ``ended`` is set.
 
-    It looks at the files 25 times a second, without `watchfiles`; the page's own edits are shown already.
+    It looks at the files 50 times a second, without `watchfiles`; the page's own edits are shown already.
 
     Args:
         changed: Called after each reading.
