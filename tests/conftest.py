@@ -34,6 +34,10 @@ PYBULLET_ABSENT = (
     f"PyBullet is not installed: it has no wheel for Python {sys.version_info[0]}.{sys.version_info[1]} on this system"
 )
 PAGE_ABSENT = "no page is tested: it needs Chromium, ChromeDriver and `pip install stepbot[browser,view]`"
+FIREFOX_ABSENT = (
+    "no page is tested in Firefox: it needs `apt-get install firefox-esr xvfb`, "
+    "`cargo install geckodriver` and `pip install stepbot[browser,view]`"
+)
 
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # as in the background of a script; processes would inherit it
     signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -163,7 +167,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
         for report in terminalreporter.getreports("skipped")
         if isinstance(report.longrepr, tuple)
     ]
-    for reason in (CORPUS_ABSENT, PYBULLET_ABSENT, PAGE_ABSENT):
+    for reason in (CORPUS_ABSENT, PYBULLET_ABSENT, PAGE_ABSENT, FIREFOX_ABSENT):
         if count := sum(reason in one for one in reported):
             terminalreporter.section("not tested", yellow=True)
             terminalreporter.line(f"{count} tests skipped: {reason}", yellow=True)

@@ -1,8 +1,14 @@
-"""The page in headless Chromium, or with PAGE_BROWSER=firefox in Firefox, whose WebGL needs a display, such as Xvfb."""
+"""The page in headless Chromium; or in Firefox, whose WebGL needs a display, on a virtual one.
+
+Sessions run in both (`test_sessions.py`); with PAGE_BROWSER=firefox all tests of the page do. `cargo install
+geckodriver` gives its driver.
+"""
 
 import os
 import shutil
+import subprocess
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -11,15 +17,15 @@ import pytest
 from stepbot.pipeline.conversion import Options
 from stepbot.runtime.cache import Cache
 from stepbot.serving.session import Session
-from tests.conftest import PAGE_ABSENT
+from tests.conftest import FIREFOX_ABSENT, PAGE_ABSENT
 
 from .page import Page
 
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 DRIVER = shutil.which("chromedriver")
 FIREFOX = next(filter(None, map(shutil.which, ("firefox-esr", "firefox"))), None)
-GECKODRIVER = shutil.which("geckodriver")
-IN_FIREFOX = os.environ.get("PAGE_BROWSER") == "firefox"
+GECKODRIVER = shutil.which("geckodriver") or shutil.which("geckodriver", path=Path.home() / ".cargo" / "bin")
+BROWSER = os.environ.get("PAGE_BROWSER", "chromium")
 _FLAGS = (
     "--headless",
     "--no-sandbox",
@@ -44,20 +50,21 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 @pytest.fixture(scope="session")
-def driver() -> Iterator[Any]:
-    """The browser, for all tests."""
+def driver(request: pytest.FixtureRequest) -> Iterator[Any]:
+    """The browser, for all tests; its name is the parameter, if there is one."""
     try:
         from selenium import webdriver
-        from selenium.webdriver.chrome.service import Service
     except ImportError:
         pytest.skip(PAGE_ABSENT)
-    if IN_FIREFOX:
-        if FIREFOX is None or GECKODRIVER is None or "DISPLAY" not in os.environ:
-            pytest.skip("no page is tested in Firefox: it needs Firefox, geckodriver and a display")
-        browser = _firefox(webdriver)
+    started = _firefox if getattr(request, "param", BROWSER) == "firefox" else _chromium
+    with started(webdriver) as browser:
+        browser.set_script_timeout(60)
         yield browser
         browser.quit()
-        return
+
+
+@contextmanager
+def _chromium(webdriver: Any) -> Iterator[Any]:
     if CHROMIUM is None or DRIVER is None:
         pytest.skip(PAGE_ABSENT)
     options = webdriver.ChromeOptions()
@@ -65,19 +72,26 @@ def driver() -> Iterator[Any]:
     for flag in _FLAGS:
         options.add_argument(flag)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    browser = webdriver.Chrome(options=options, service=Service(DRIVER))
-    browser.set_script_timeout(60)
-    yield browser
-    browser.quit()
+    yield webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
 
 
-def _firefox(webdriver: Any) -> Any:
+@contextmanager
+def _firefox(webdriver: Any) -> Iterator[Any]:
+    if FIREFOX is None or GECKODRIVER is None or shutil.which("Xvfb") is None:
+        pytest.skip(FIREFOX_ABSENT)
     options = webdriver.FirefoxOptions()
     options.binary_location = FIREFOX
     options.set_preference("webgl.force-enabled", True)
-    browser = webdriver.Firefox(options=options, service=webdriver.FirefoxService(GECKODRIVER))
-    browser.set_script_timeout(60)
-    return browser
+    reading, writing = os.pipe()
+    command = ["Xvfb", "-displayfd", str(writing), "-screen", "0", "1600x1200x24"]
+    with subprocess.Popen(command, pass_fds=[writing], stderr=subprocess.DEVNULL) as screen:
+        os.close(writing)
+        try:
+            with os.fdopen(reading) as number:
+                display = {**os.environ, "DISPLAY": f":{number.readline().strip()}"}
+            yield webdriver.Firefox(options=options, service=webdriver.FirefoxService(GECKODRIVER, env=display))
+        finally:
+            screen.terminate()
 
 
 @pytest.fixture

@@ -5,8 +5,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from stepbot.viewing.page import page_html
 
+NARROWEST = 500
 CONTROL = "\ue009"
 """The key in WebDriver."""
 PATIENCE = 20.0
@@ -59,6 +62,8 @@ class Page:
             metrics = {"width": width, "height": height, "deviceScaleFactor": 0.5, "mobile": False}
             self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
             return
+        if width < NARROWEST:
+            pytest.skip(f"a window of Firefox is at least {NARROWEST} pixels wide")
         borders = self.run("return [outerWidth - innerWidth, outerHeight - innerHeight]")
         self.driver.set_window_size(width + borders[0], height + borders[1])
 

@@ -98,7 +98,7 @@ def test_axis_and_limits(page: Page, edited: Callable[[str], Session], robot_lib
 
 
 def test_parts_to_links(page: Page, edited: Callable[[str], Session], robot_library: Path, cache: Path) -> None:
-    """A part moves to another link; the card shows its new link and its mass; no link can be made without a joint."""
+    """A part moves to another link, as the card shows; a new link gets a joint."""
     good = (robot_library / "stepbot_four_bar" / "four_bar.robot.yaml").read_text(encoding="utf-8")
     session = edited(good)
     path = component(page, "pillar")
@@ -106,7 +106,7 @@ def test_parts_to_links(page: Page, edited: Callable[[str], Session], robot_libr
     target = "rocker"
     assert former != target
     page.run("stepbot.state.select({link: arguments[0], component: arguments[1]})", former, path)
-    assert not page.run("return document.querySelector('#card [data-edit=new-link]')")
+    assert not page.element("#card [data-edit=new-link]").is_displayed()
     press(page, "assign")
     page.wait("return document.querySelector('#notice').textContent.includes('already')")
     page.run("document.querySelector('#card [data-edit=link]').value = arguments[0]", target)
@@ -118,6 +118,17 @@ def test_parts_to_links(page: Page, edited: Callable[[str], Session], robot_libr
     assert "mass\n" in card
     assert page.run("return document.querySelector('#card [data-edit=link]').value") == target
     assert path in text_of(session, cache)
+    page.run(
+        "const link = document.querySelector('#card [data-edit=link]'); link.value = '';"
+        "link.dispatchEvent(new Event('change'));"
+    )
+    page.element("#card [data-edit=new-link]").clear()
+    page.element("#card [data-edit=new-link]").send_keys("post")
+    press(page, "assign")
+    page.wait("return stepbot.state.selection.connection === 'post_joint'")
+    assert f'\n  post: {{parts: ["{path}"]}}\n' in text_of(session, cache)
+    assert "\n  post_joint: {type: fixed, parent: rocker, child: post}\n" in text_of(session, cache)
+    assert page.element("#card [data-edit=aim]").is_displayed()
 
 
 def test_line_ends_and_other_editors(page: Page, edited: Callable[[str], Session], robot_library: Path) -> None:

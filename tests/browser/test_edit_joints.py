@@ -146,7 +146,7 @@ def test_typed_positions(page: Page, edited: Callable[[str], Session]) -> None:
 
     def typed(text: str) -> tuple[float, str, str]:
         box.send_keys(CONTROL, "a")
-        box.send_keys(text + "\n")
+        box.send_keys(text + "\ue007")
         page.wait("return document.querySelector('[data-value=crank_turn]').value.endsWith('°')")
         why = page.run("return document.querySelector('[data-joint=crank_turn] .why').textContent")
         return page.positions()["crank_turn"], str(box.get_property("value")), str(why)

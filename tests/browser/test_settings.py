@@ -8,7 +8,7 @@ from stepbot.serving.session import Session
 from .page import Page
 from .test_edit import press, text_of
 from .test_edit_joints import PARTS_OF_THE_ROOT
-from .test_edit_panel import ENTER, settled
+from .test_edit_panel import TAB, settled
 
 UNDECIDED = PARTS_OF_THE_ROOT.replace("{density: 2700 kg/m^3}", "{density: todo}  # REVIEW: weigh one")
 
@@ -22,7 +22,7 @@ def typed(page: Page, place: str, text: str, keys: str) -> None:
         place,
         keys,
     )
-    page.element(f"{place} [data-set='{keys}']").send_keys(text + ENTER)
+    page.element(f"{place} [data-set='{keys}']").send_keys(text + TAB)  # Enter would add an unfinished element
     settled(page)
 
 
@@ -98,7 +98,10 @@ def test_convert(page: Page, edited: Callable[[str], Session], robot_library: Pa
     page.element("#convert").click()
     page.wait("return document.querySelector('#converted').textContent.includes('Converted and proven')")
     assert (folder / "four_bar.urdf").is_file()
-    assert f'mujoco.viewer --mjcf="{folder.as_posix()}/four_bar.xml"' in page.text("#converted")
+    assert f'mujoco.viewer --mjcf="{folder.as_posix()}/four_bar.scene.xml"' in page.text("#converted")
+    assert page.text("#converted").count("gz sim ") == page.text("#converted").count('four_bar.world.sdf"') == 1
+    assert (folder / "report.html").is_file()
+    assert page.element("#converted a[target=_blank]").text == "report.html"
     link = page.element("#converted a[download='four_bar.urdf']").get_attribute("href")
     loaded = page.driver.execute_async_script(
         "fetch(arguments[0]).then(answer => answer.text()).then(arguments[1])", link

@@ -43,9 +43,11 @@ def test_click_a_part_and_copy_its_path(page: Page, four_bar: Session) -> None:
     page.wait(FACE_KNOWN)
     assert page.text("#path") == f'"{component}"'
     assert "crank" in page.text("#card")
-    page.run("navigator.clipboard.writeText = text => { globalThis.copied = text; return Promise.resolve(); }")
+    page.run(
+        "navigator.clipboard.writeText = text => { document.body.dataset.copied = text; return Promise.resolve(); }"
+    )
     page.element("#card .copy button").click()
-    assert page.run("return copied") == f'"{component}"'
+    assert page.run("return document.body.dataset.copied") == f'"{component}"'
     page.element("#card .close").click()
     assert not page.element("#card").is_displayed()
 

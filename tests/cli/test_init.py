@@ -10,6 +10,10 @@ from robot_library.step_file import Assembly, Occurrence, Part, write_step
 from stepbot import draft as draft_in_python
 from stepbot.draft.draft import Confidence, Draft, DraftLink
 from stepbot.draft.text.sidecar_text import sidecar_text
+from stepbot.pipeline.conversion import Options
+from stepbot.serving.decisions import decisions
+from stepbot.serving.editor import Editor
+from stepbot.serving.local_server import Refused
 from stepbot_cli.init import draft_document
 from tests import parts
 from tests.separate_files import write_separately
@@ -199,6 +203,36 @@ def test_answers_are_kept_for_the_next_draft(chain: Path, stepbot: Stepbot) -> N
     assert (len(in_python.joints), [one.name for one in in_python.questions]) == (1, [asked[1]["name"]])
     (chain / "answers.json").write_text("[1]")
     assert stepbot("init", "chain.step", "--force", "--answers", "answers.json").code == 2
+
+
+def test_the_page_asks_what_init_asks(chain: Path, stepbot: Stepbot) -> None:
+    """`view --edit` lists the questions of `init --interactive`; their answers draft the same sidecar, or keep it."""
+    sidecar = chain / "chain.robot.yaml"
+    asked = json.loads(stepbot("init", "chain.step", "--json").out)["questions"]
+    drafted = sidecar.read_text(encoding="utf-8")
+    editor = Editor(sidecar, Options(output=chain), lambda shown: None)
+    (listed,) = [one for one in decisions(editor.sidecar().sidecar, {}) if one["kind"] == "question"]
+    assert len(asked) == len(listed["questions"]) == 2
+    for one, other in zip(asked, listed["questions"], strict=True):
+        assert (one["name"], one["text"], one["drafted"]) == (other["name"], other["text"], other["drafted"])
+        assert {option["value"] for option in one["options"]} == {other["drafted"], *other["others"]}
+    with pytest.raises(Refused, match="no such question"):
+        editor.edit({"action": "answer", "name": asked[0]["name"], "value": "ball"})
+    editor.edit({"action": "answer", "name": asked[0]["name"], "value": "fixed"})
+    again = sidecar.read_text(encoding="utf-8")
+    (chain / "answers.json").write_text(json.dumps({asked[0]["name"]: "fixed"}))
+    assert stepbot("init", "chain.step", "--force", "--answers", "answers.json").code == 0
+    assert sidecar.read_text(encoding="utf-8") == again != drafted
+    editor.undo({})
+    assert sidecar.read_text(encoding="utf-8") == drafted
+    editor.edit({"action": "keep_draft"})
+    kept = sidecar.read_text(encoding="utf-8")
+    assert [line for line in drafted.split("\n") if line not in kept.split("\n")][:2] == [
+        "# What decides most: uncomment a line with your answer and run `stepbot init --force`, or run `init -i`.",
+        "# answers:",
+    ]
+    assert len(drafted.split("\n")) == len(kept.split("\n")) + 7
+    assert not [one for one in decisions(editor.sidecar().sidecar, {}) if one["kind"] == "question"]
 
 
 def test_pairs_of_a_referenced_file_are_noted(

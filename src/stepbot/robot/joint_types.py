@@ -66,6 +66,11 @@ class JointKind(StrEnum):
         return self.about == "line" and not self.slides
 
     @property
+    def needs(self) -> str:
+        """The key beside its axis without which a joint of this type does not move: "" for none."""
+        return {"screw": "pitch", "universal": "axis2"}.get(self.value, "")
+
+    @property
     def is_pair(self) -> bool:
         """Whether it is a hinge or a slide: what every format and engine has."""
         return self.is_hinge or (self.slides and not self.about)

@@ -16,7 +16,7 @@ from stepbot.draft.text.densities import typical_densities
 from stepbot.pipeline.conversion import is_description
 from stepbot.pipeline.sidecars import LIBRARY
 from stepbot.robot.model import Module, Robot
-from stepbot.sidecar.draft_comments import drafted_actuators, reviews
+from stepbot.sidecar.draft_comments import drafted_actuators, drafted_questions, reviews
 from stepbot.sidecar.editing import Annotate, Append, Change, Put, Remove, Rename
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.motors import catalogue_names
@@ -181,7 +181,7 @@ _PLACEHOLDERS = ("SB463", "SB522")
 _AXIS = "SB407"
 _PLACES = {"root": 1, "base": 1, "links": 3, "joints": 4, "closures": 4, "actuators": 5, "defaults": 6, "parts": 6}
 """What is decided before what: which link stands, which parts move as one, how they move, what they weigh."""
-_FRICTION, _LATER = 7, 8
+_FIRST, _FRICTION, _LATER = 0, 7, 8
 _CONTACT = re.compile(r"\bcontact: \S")
 
 
@@ -202,10 +202,11 @@ def decisions(sidecar: Sidecar, scene: Json) -> list[Json]:
     """What is left to decide; what is asked of several elements alike is one decision with several places.
 
     Each is ``{kind, keys, text, help, code, rank}``: ``keys`` lists the places of all elements that it is about.
-    ``kind`` is ``axis`` for a joint on weak evidence, ``review`` for another mark of the draft, ``todo`` for a
-    placeholder, ``motor`` for actuators in comments of the draft, ``finding`` for a diagnostic.
+    ``kind`` is ``question`` for those of `init --interactive`, ``axis`` for a joint on weak evidence, ``review`` for
+    another mark of the draft, ``todo`` for a placeholder, ``motor`` for actuators in comments of the draft, ``finding``
+    for a diagnostic.
     """
-    found = [*_axes(scene)]
+    found = [*_questions(sidecar), *_axes(scene)]
     about = {tuple(keys) for one in found for keys in one["keys"]}
     found += _marks(sidecar, about)
     about |= {tuple(keys) for one in found for keys in one["keys"]}
@@ -235,6 +236,15 @@ def decisions(sidecar: Sidecar, scene: Json) -> list[Json]:
             first["text"] += f"\n{one['message']}"
             first["keys"] += [list(keys)] if keys and list(keys) not in first["keys"] else []
     return sorted(found, key=lambda one: (one["rank"], one["kind"] == "todo", -len(one["keys"])))
+
+
+def _questions(sidecar: Sidecar) -> Iterator[Json]:
+    """The questions of the draft, which decide most: all of them are one decision, with the answer of the draft."""
+    if asked := drafted_questions(sidecar.text):
+        questions = [
+            {"name": one.name, "text": one.text, "drafted": one.drafted, "others": one.others} for one in asked
+        ]
+        yield {**_decision("question", [], "", rank=_FIRST), "questions": questions}
 
 
 def _axes(scene: Json) -> Iterator[Json]:

@@ -5,15 +5,20 @@ every byte outside the change stays.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from threading import Lock
 from typing import Any
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, StepbotError
+from stepbot.draft.text.sidecar_text import sidecar_text
 from stepbot.pipeline.conversion import Options
+from stepbot.pipeline.drafting import draft_step
 from stepbot.pipeline.scenes import Shown, show_text
+from stepbot.pipeline.sidecars import named_step
 from stepbot.robot.model import Robot
 from stepbot.runtime.file import read_regular, write_file
+from stepbot.sidecar.draft_comments import drafted_questions
 from stepbot.sidecar.editing import CannotEdit, edited
 from stepbot.sidecar.load import parse_sidecar
 from stepbot.sidecar.located import Sidecar
@@ -21,6 +26,7 @@ from stepbot.sidecar.located import Sidecar
 from .decisions import Edited, edited_view, in_file, require_fit, require_own
 from .edits import changes_of
 from .local_server import Refused
+from .questions import text as text_of
 
 Json = dict[str, Any]
 _BYTE_ORDER_MARK = b"\xef\xbb\xbf"
@@ -63,11 +69,8 @@ class Editor:
             text, newline = _lines(before)
             try:
                 actual = self._parsed(text)
-                view = edited_view(actual, self._robot())
-                require_fit(view, question)
-                require_own(view.sidecar, self._robot(), question)
-                changes = in_file(actual, view, changes_of(view.sidecar, question), question)
-                changed = edited(text, changes, self._sidecar)
+                again = question.get("action") == "answer"
+                changed = self._drafted_again(actual, question) if again else self._changed(actual, question)
             except CannotEdit as error:
                 raise Refused(str(error)) from error
             mark = _BYTE_ORDER_MARK if before.startswith(_BYTE_ORDER_MARK) else b""
@@ -118,6 +121,31 @@ class Editor:
             given.append(taken.pop())
             self._show(shown)
             return self.state()
+
+    def _changed(self, sidecar: Sidecar, question: Json) -> str:
+        """The text with the change that a question asks for."""
+        view = edited_view(sidecar, self._robot())
+        require_fit(view, question)
+        require_own(view.sidecar, self._robot(), question)
+        changes = in_file(sidecar, view, changes_of(view.sidecar, question), question)
+        return edited(sidecar.text, changes, self._sidecar)
+
+    def _drafted_again(self, sidecar: Sidecar, question: Json) -> str:
+        """``{name, value}``: the text of the draft with another answer to a question of the draft."""
+        name, value = text_of(question, "name"), text_of(question, "value")
+        document = sidecar.document
+        if not any(one.name == name and value in one.others for one in drafted_questions(sidecar.text)):
+            raise Refused("the draft has no such question")
+        try:
+            step = named_step(sidecar, Diagnostics())
+        except StepbotError as error:
+            raise Refused(_reasons(error.diagnostics, "the STEP cannot be read")) from error
+        encoding = document.step_encoding or ""
+        options = self._options._replace(encoding=encoding)
+        drafting = draft_step(step, options, answers={**document.answers, name: value})
+        if drafting.draft is None:
+            raise Refused(_reasons(drafting.diagnostics, "it cannot be drafted again"))
+        return sidecar_text(replace(drafting.draft, robot=document.robot), document.step, encoding=encoding)
 
     def _parsed(self, text: str) -> Sidecar:
         sidecar = parse_sidecar(text, self._sidecar, found := Diagnostics())

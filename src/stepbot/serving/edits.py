@@ -8,12 +8,17 @@ from typing import Any
 
 from stepbot.robot.joint_types import kinds_with
 from stepbot.sidecar.document import Document
-from stepbot.sidecar.draft_comments import drafted_actuators, without_actuators, without_reviews
+from stepbot.sidecar.draft_comments import (
+    drafted_actuators,
+    without_actuators,
+    without_questions,
+    without_reviews,
+)
 from stepbot.sidecar.editing import Annotate, Append, CannotEdit, Change, Put, Remove, value_of
 from stepbot.sidecar.ignored import KEY as IGNORED
 from stepbot.sidecar.ignored import can_ignore
 from stepbot.sidecar.located import Sidecar
-from stepbot.sidecar.tree import ELEMENTS, Keys, Mapping, way
+from stepbot.sidecar.tree import ELEMENTS, Keys, Mapping, plain_data, way
 
 from .joint_edits import KINDS, WITH_LIMITS, change_type, choose_line, confirm, flip, set_limits, stops_gone
 from .local_server import Refused
@@ -35,6 +40,8 @@ _LONGEST = 4000
 """Characters of a value."""
 _DEEPEST = 8
 """Keys on the way to a value."""
+_OF_MASS = ("density", "mass", "material")
+"""What a part or a default has one of."""
 _DECIDED = ("defaults", "root")
 """Sections whose REVIEW comments a new value answers."""
 
@@ -62,7 +69,15 @@ def set_value(sidecar: Sidecar, question: Json) -> list[Change]:
         for key in reversed(keys[last:]):
             value = {str(key): value}
         keys = keys[:last]
-    return [Put(keys, value), *reviewed, *(stops_gone(sidecar, str(keys[1])) if keys[2:] == ("origin",) else [])]
+    # A density that is not known yet gives way to what is known, and so does a material or mass.
+    waiting = [(*keys[:-1], key) for key in _OF_MASS if keys[-1] in _OF_MASS and key != keys[-1]]
+    answered = [Remove(one) for one in waiting if _is_open(sidecar, one)]
+    return [
+        Put(keys, value),
+        *answered,
+        *reviewed,
+        *(stops_gone(sidecar, str(keys[1])) if keys[2:] == ("origin",) else []),
+    ]
 
 
 def append(sidecar: Sidecar, question: Json) -> list[Change]:  # noqa: ARG001 - every action gets it
@@ -83,6 +98,11 @@ def ignore(sidecar: Sidecar, question: Json) -> list[Change]:  # noqa: ARG001
     keys, code = keys_of(question), text(question, "code")
     place: Keys = (*keys[:2], IGNORED) if can_ignore(keys) else (IGNORED,)
     return [Append(place, code)]
+
+
+def keep_draft(sidecar: Sidecar, question: Json) -> list[Change]:  # noqa: ARG001
+    """The robot stays as drafted: the questions in comments go."""
+    return [Annotate((), without_questions)]
 
 
 def drive(sidecar: Sidecar, question: Json) -> list[Change]:
@@ -108,6 +128,12 @@ def keys_of(question: Json) -> Keys:
     if not all(isinstance(key, str | int) and not isinstance(key, bool) and key != "" for key in keys):
         raise Refused("a key is a name or an index")
     return tuple(keys)
+
+
+def _is_open(sidecar: Sidecar, keys: Keys) -> bool:
+    """Whether the value at keys is the placeholder."""
+    values = way(sidecar.root, keys)
+    return len(values) == len(keys) + 1 and plain_data(values[-1]) == "todo"
 
 
 def _has_other(sidecar: Sidecar, keys: Keys) -> bool:
@@ -303,4 +329,5 @@ _ACTIONS: dict[str, Callable[[Sidecar, Json], list[Change]]] = {
     "settle": confirm_marks,
     "ignore": ignore,
     "drive": drive,
+    "keep_draft": keep_draft,
 }

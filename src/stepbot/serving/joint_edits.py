@@ -13,7 +13,7 @@ from .local_server import Refused
 from .questions import Json, axis, limits, selectors, text
 
 WITH_LIMITS = kinds_with(bounded=True)
-KINDS = (*kinds_with(is_pair=True), JointKind.FIXED)
+KINDS = kinds_with(needs="")
 _TURNING = kinds_with(is_hinge=True)
 _BOUNDS = ("lower", "upper")
 
@@ -73,7 +73,7 @@ def change_type(sidecar: Sidecar, question: Json) -> list[Change]:
         changes.append(Put((*place, "limits"), "todo"))
     elif bounds is not None:
         changes.append(Remove((*place, "limits")))
-    if kind == "fixed" and "axis" in written:
+    if not JointKind(kind).has_axis and "axis" in written:
         changes.append(Remove((*place, "axis")))
     return [*changes, *(stops_gone(sidecar, name) if "prismatic" in (kind, former) else [])]
 

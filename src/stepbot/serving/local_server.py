@@ -124,6 +124,9 @@ class _Server(ThreadingHTTPServer):
         super().__init__((ADDRESS, port), _Handler)
 
 
+_HTML = "text/html; charset=utf-8"
+
+
 class _Handler(BaseHTTPRequestHandler):
     """Answers requests below the token of the server's page."""
 
@@ -141,7 +144,7 @@ class _Handler(BaseHTTPRequestHandler):
     def do_GET(self) -> None:
         match self._place():
             case "":
-                self._send(self.server.local._page().encode(), "text/html; charset=utf-8")
+                self._send(self.server.local._page().encode(), _HTML)
             case "scene":
                 self._send(self.server.local._scene(), "application/json")
             case "events":
@@ -149,7 +152,7 @@ class _Handler(BaseHTTPRequestHandler):
             case None:
                 self._refuse(HTTPStatus.FORBIDDEN)
             case place if (made := self.server.local._made().get(unquote(place.removeprefix("files/")))) is not None:
-                self._send(made, "application/octet-stream")
+                self._send(made, _HTML if place.endswith(".html") else "application/octet-stream")
             case _:
                 self._refuse(HTTPStatus.NOT_FOUND)
 

@@ -6,9 +6,10 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, source_lines
 from stepbot.jobs.incremental import convert, produce
 from stepbot.pipeline.conversion import Conversion, Options
+from stepbot.pipeline.loading import hold_geometry
 from stepbot.pipeline.scenes import Shown, guessed, show
 from stepbot.runtime.file import resolved
 from stepbot.runtime.output import failed_output
@@ -45,6 +46,7 @@ class Session:
         Raises:
             OSError: The port cannot be used.
         """
+        hold_geometry()
         self.target, self._options, self._writes = target, options, writes
         self.files: tuple[Path, ...] = (target,)
         """The files of the last reading, whether it succeeded or not."""
@@ -92,7 +94,7 @@ class Session:
         # A save while it was read is one to show: what was known before counts.
         self._seen = tuple(sorted({**dict(_signature(self.files)), **dict(before)}.items()))
         if shown.scene is None or (shown.diagnostics.has_errors and self._shown is not None):
-            self.server.send("findings", {"diagnostics": diagnostic_documents(shown.diagnostics)})
+            self.server.send("findings", {"diagnostics": _documents(shown.diagnostics)})
             return shown
         self._set(shown)
         return shown
@@ -150,7 +152,7 @@ class Session:
         shown = self._shown
         if shown is None or shown.sidecar is None or shown.diagnostics.has_errors:
             return None
-        documents = diagnostic_documents(shown.diagnostics)
+        documents = _documents(shown.diagnostics)
         self.server.send("proof", {"proof": None, "diagnostics": documents, "proving": True})
         conversion = (convert if self._writes else produce)(shown.sidecar, self._options)
         if shown is self._shown:
@@ -158,11 +160,11 @@ class Session:
         return conversion
 
     def _convert(self) -> Json:
-        """Do what `stepbot convert` does: ``{folder, files, written}``; the page hears of each stage."""
+        """Do what `stepbot convert --html` does: ``{folder, files, written}``; the page hears of each stage."""
         if not self._converting.acquire(blocking=False):
             raise Refused("a conversion is running")
         try:
-            options = self._options._replace(verify=True)
+            options = self._options._replace(verify=True, html=True)
             conversion = convert(self.target, options, lambda stage: self.server.send("converting", {"stage": stage}))
         finally:
             self._converting.release()
@@ -177,7 +179,7 @@ class Session:
     def _send_proof(self, conversion: Conversion) -> None:
         found: Diagnostics = conversion.diagnostics
         proof = None if conversion.report is None else proof_document(conversion.report)
-        self.server.send("proof", {"proof": proof, "diagnostics": diagnostic_documents(found), "proving": False})
+        self.server.send("proof", {"proof": proof, "diagnostics": _documents(found), "proving": False})
 
     def close(self) -> None:
         """End the server."""
@@ -205,6 +207,10 @@ class Session:
         line = {"component": question["component"], "point": face.point, "direction": face.direction}
         kind = "cone" if face.cone else "bore" if face.bore else "shaft"
         return {"kind": kind, "radius": face.radius, "origin": origin, "line": line}
+
+
+def _documents(found: Diagnostics) -> list[Json]:
+    return diagnostic_documents(found, source_lines(found))
 
 
 def _signature(files: Iterable[Path]) -> Signature:

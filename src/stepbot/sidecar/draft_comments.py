@@ -5,6 +5,9 @@ from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite, radians
 
+from ruamel.yaml import YAML
+from ruamel.yaml.error import YAMLError
+
 _EVIDENCE = re.compile(r" *# (score \d|limits: |stop found by collision |stops: |REVIEW: )")
 _CONTINUED = re.compile(r" *#   \S")
 _REVIEW = re.compile(r" *# REVIEW: (.*)")
@@ -15,6 +18,8 @@ _POSITION = re.compile(r"(\S+) (deg|rad|mm): (.*?)(?:; a limit may be closer)?$"
 _UNITS = {"deg": radians(1.0), "rad": 1.0, "mm": 1e-3}
 _NAME = r"\"[^\"]*\"|'[^']*'|[^,}]*"
 _ACTUATOR = re.compile(rf"#   (\S.*?): (\{{joint: ({_NAME})(?:, motor: ({_NAME}))?.*?\}})(?:  # REVIEW: (.*))?")
+_SCALAR = r"\"(?:[^\"\\]|\\.)*\"|[^\"\s].*?"
+_QUESTION = re.compile(rf"  # ({_SCALAR}): ({_SCALAR})  # as drafted; or (.*)")
 _SCORE = re.compile(r" *# score \d")
 _ENTRY = re.compile(r"  (\S.*?):(?: .*)?$")
 
@@ -91,6 +96,51 @@ def drafted_actuators(text: str) -> tuple[DraftedActuator, ...]:
     return tuple(found)
 
 
+@dataclass(frozen=True)
+class DraftedQuestion:
+    """A question that `stepbot init` left in comments."""
+
+    name: str
+    """By which the sidecar keeps the answer."""
+    text: str
+    drafted: str
+    """The answer that the draft has taken."""
+    others: tuple[str, ...]
+
+
+def drafted_questions(text: str) -> tuple[DraftedQuestion, ...]:
+    """The questions in comments: those of `init --interactive` that have no answer yet."""
+    found: list[DraftedQuestion] = []
+    words: list[str] = []
+    for line in text.split("\n"):
+        if (entry := _QUESTION.fullmatch(line)) and words:
+            others = tuple(entry[3].split(", "))
+            name, drafted = (_scalar(one) for one in (entry[1], entry[2]))
+            found.append(DraftedQuestion(name, " ".join(words), drafted, others))
+            words = []
+        elif line.startswith("  # "):
+            words = [*(words if line.startswith("  #   ") else ()), line[4:].strip()]
+        else:
+            words = []
+    return tuple(found)
+
+
+def without_questions(lines: Sequence[str]) -> Sequence[str | None]:
+    """A file without its questions, what is above them, and the empty line below if nothing else is there."""
+    gone: set[int] = set()
+    for at, line in enumerate(lines):
+        if line == "# answers:" or line.startswith("# What decides most: "):
+            gone.add(at)
+        elif _QUESTION.fullmatch(line):
+            start = at - 1
+            while lines[start].startswith("  #   "):
+                start -= 1
+            gone.update(range(start, at + 1))
+    if gone and not lines[min(gone) - 1] and lines[max(gone) + 1 : max(gone) + 2] == [""]:
+        gone.add(max(gone) + 1)
+    return [None if at in gone else line for at, line in enumerate(lines)]
+
+
 def without_actuators(joints: Container[str]) -> "Rewrite":
     """Removes the actuators of some joints from the comments of a file, and what is above them with the last one."""
 
@@ -105,6 +155,14 @@ def without_actuators(joints: Container[str]) -> "Rewrite":
         return [None if at in gone else line for at, line in enumerate(lines)]
 
     return rewrite
+
+
+def _scalar(text: str) -> str:
+    """A YAML scalar of a comment; a text that is none as it is."""
+    try:
+        return str(YAML(typ="safe", pure=True).load(text))
+    except YAMLError:
+        return text
 
 
 def _unquoted(name: str | None) -> str:

@@ -17,6 +17,7 @@ from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
 from stepbot.diagnostics import Diagnostics
 
 from .compose import TooMuchError, compose
+from .document import Document
 from .draft_comments import Rewrite, above, below
 from .load import parse_sidecar
 from .starter import scalar
@@ -119,7 +120,8 @@ def _values(text: str, path: Path) -> Any:
     found = Diagnostics()
     sidecar = parse_sidecar(text, path, found)
     if sidecar is None:
-        first = next((one.message for one in found if one.severity == "error"), "it cannot be read")
+        errors = ("; ".join((one.message, *one.help[:1])) for one in found if one.severity == "error")
+        first = next(errors, "it cannot be read")
         raise CannotEdit(f"the result would not be a sidecar: {first}")
     return plain_data(sidecar.root, shared=False)
 
@@ -207,9 +209,22 @@ def _with_entry(text: str, node: Node, keys: Keys, value: Any) -> str:
         return _into_flow(text, node, f"{scalar(str(keys[0]))}: {_flow(value)}")
     indent = node.value[0][0].start_mark.column if node.value else 0
     lines = _block(str(keys[0]), value, indent)
-    if indent == 0 and len(lines) > 1 and _SPACE.search(text, node.value[0][0].start_mark.index):
-        lines.insert(0, "")
-    return _as_lines(text, _end(node), lines)
+    if indent > 0:
+        return _as_lines(text, _end(node), lines, indent)
+    key, former = max(node.value, key=lambda entry: _rank(str(keys[0]), entry[0].value))
+    is_section = len(lines) > 1 or former.start_mark.line != key.start_mark.line
+    if is_section and _SPACE.search(text, node.value[0][0].start_mark.index):
+        lines = ["", *lines, ""]
+    return _as_lines(text, _end(former), lines, 1)
+
+
+_ORDER = {name: place for place, name in enumerate(Document.model_fields)}
+
+
+def _rank(new: str, key: str) -> int:
+    """How good it is to have a new key at the top below another one: the sidecar's keys have an order."""
+    place = _ORDER.get(key, 0)
+    return place if place < _ORDER.get(new, len(_ORDER)) else -1
 
 
 def _with_item(text: str, node: Node, value: Any) -> str:
@@ -218,7 +233,7 @@ def _with_item(text: str, node: Node, value: Any) -> str:
     if node.flow_style:
         return _into_flow(text, node, _flow(value))
     dash = node.start_mark.column
-    return _as_lines(text, _end(node), [f"{' ' * dash}- {_flow(value)}"])
+    return _as_lines(text, _end(node), [f"{' ' * dash}- {_flow(value)}"], dash + 1)
 
 
 def _into_flow(text: str, node: Node, entry: str) -> str:
@@ -230,11 +245,19 @@ def _into_flow(text: str, node: Node, entry: str) -> str:
     return f"{text[:at]}, {entry}{text[at:]}"
 
 
-def _as_lines(text: str, after: int, lines: Sequence[str]) -> str:
-    """Lines inserted below the line that holds a position."""
-    stop = text.find("\n", after)
-    head, tail = (text, "") if stop < 0 else (text[:stop], text[stop + 1 :])
-    return "\n".join([head, *lines, ""]) + tail
+def _as_lines(text: str, after: int, lines: Sequence[str], indent: int) -> str:
+    """Lines inserted below the line that holds a position and its comments: those that are indented so far.
+
+    An empty line at an end of ``lines`` is there once.
+    """
+    all_lines = text.split("\n")
+    at = text.count("\n", 0, after) + 1
+    while at < len(all_lines) and all_lines[at].lstrip(" ").startswith("#") and all_lines[at].find("#") >= indent:
+        at += 1
+    head, tail = all_lines[:at], all_lines[at:] or [""]
+    if not lines[-1] and not tail[0]:
+        lines = lines[:-1]
+    return "\n".join([*head, *lines, *tail])
 
 
 def _annotated(text: str, nodes: Sequence[Node], keys: Keys, rewrite: Rewrite) -> str:
@@ -290,7 +313,7 @@ def _block(key: str, value: Any, indent: int) -> list[str]:
     """An entry of a block mapping: its values in one line each, unless they fit into one line as a whole."""
     head = f"{' ' * indent}{scalar(key)}:"
     line = f"{head} {_flow(value)}"
-    if not isinstance(value, dict) or (len(line) <= _LONGEST_LINE and indent > 0):
+    if not isinstance(value, dict) or (len(line) <= _LONGEST_LINE and not (indent == 0 and key in SECTIONS)):
         return [line]
     return [head, *(part for name, one in value.items() for part in _block(name, one, indent + 2))]
 

@@ -27,7 +27,6 @@ _KINDS_WITH: dict[str, tuple[JointKind, ...]] = {
     "zero": ONE_FREEDOM,
     "mimic": ONE_FREEDOM,
 }
-_REQUIRED = {JointKind.SCREW: "pitch", JointKind.UNIVERSAL: "axis2"}
 _TOLERANCE = 1e-9
 """Tolerance [rad or m] for an assembled position that was rounded to a limit."""
 
@@ -68,8 +67,8 @@ def _check_keys(
             message = f"joint '{name}': '{keys}' is not valid for type {joint.type}"
             help = ["use `type: revolute` for a joint with limits"] if joint.type is JointKind.CONTINUOUS else []
             found.add("SB137", message, sidecar.key_span(*setting.keys), help=help)
-    required = _REQUIRED.get(joint.type)
-    if required is not None and getattr(joint, required) is None:
+    required = joint.type.needs
+    if required and getattr(joint, required) is None:
         example = {"pitch": "pitch: 2 mm/rev", "axis2": "axis2: x"}[required]
         message = f"joint '{name}': missing key '{required}', required for type {joint.type}"
         found.add("SB121", message, sidecar.key_span("joints", name), help=[f"example: `{example}`"])

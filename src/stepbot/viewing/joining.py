@@ -89,7 +89,7 @@ def _apart(line: AxisLine, face: AxisFace) -> float:
 _WORDS = {Basis.FIT: "shaft in bore", Basis.FLANGE: "equal bores", Basis.TOUCH: "faces touch", Basis.APART: "apart"}
 
 
-Form = Literal["mate", "auto", "axis_of"]
+Form = Literal["mate", "auto", "second", "first"]
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,7 @@ class SharedLine:
     """[m]."""
     direction: Vector3
     form: Form = "mate"
-    """How an origin refers to it: by both components, by the links of both, or by the first component alone."""
+    """How an origin refers to it: by both components, by the links of both, or by one component alone."""
 
 
 MOST_LINES = 40
@@ -122,7 +122,7 @@ def shared_lines(assembly: Assembly, a: int, b: int, link: Iterable[int] = ()) -
 
     Args:
         link: Components of the first one's link; if ``a`` and ``b`` share no line, those of the link and ``b``, or
-            else those of ``a`` alone.
+            else those of each alone, ``b`` first.
     """
     below = assembly.subtree(b)
     of_a, of_b = axis_faces(assembly, assembly.subtree(a)), axis_faces(assembly, below)
@@ -130,10 +130,14 @@ def shared_lines(assembly: Assembly, a: int, b: int, link: Iterable[int] = ()) -
     found = mates(of_a, of_b)
     if not found:
         form, found = "auto", mates(axis_faces(assembly, [index for index in link if index not in set(below)]), of_b)
-    if not found:
-        form, found = "axis_of", lines(of_a)
-    chosen, offered = choose(found).line, selectors(found)
-    pairs = list(zip(found, offered, strict=True))[:MOST_LINES]
+    if found:
+        return _offered(assembly, a, found, form)[:MOST_LINES]
+    return (*_offered(assembly, b, lines(of_b), "second"), *_offered(assembly, a, lines(of_a), "first"))[:MOST_LINES]
+
+
+def _offered(assembly: Assembly, a: int, found: Sequence[AxisLine], form: Form) -> tuple[SharedLine, ...]:
+    chosen = choose(found).line
+    pairs = zip(found, selectors(found), strict=True)
     return tuple(_shared(assembly, a, line, line is chosen, one, form) for line, one in pairs)
 
 

@@ -43,14 +43,15 @@ def proof_document(report: Results) -> Json:
     }
 
 
-def diagnostic_documents(found: Iterable[Diagnostic]) -> list[Json]:
-    """Diagnostics with places relative to the folders of their files."""
+def diagnostic_documents(found: Iterable[Diagnostic], lines: Mapping[tuple[str, int], str] | None = None) -> list[Json]:
+    """Diagnostics with places relative to the folders of their files, and their source lines as far as given."""
     return [
         picked(
             one,
             "code severity message file line help=remedies notes",
             file=PurePath(one.span.file).name,
             line=one.span.line,
+            source=(lines or {}).get((one.span.file, one.span.line), ""),
         )
         for one in found
     ]
@@ -114,7 +115,12 @@ def scene_document(
         "connections": connection_documents(robot, evidence or {}),
         "motion": motion_document(robot),
         "joint_types": {
-            kind.value: {"hinge": kind.is_hinge, "pair": kind.is_pair, "bounded": kind.bounded, "closes": kind.closes}
+            kind.value: {
+                "hinge": kind.is_hinge,
+                "complete": not kind.needs,
+                "bounded": kind.bounded,
+                "closes": kind.closes,
+            }
             for kind in JointKind
         },
         "frames": [

@@ -79,7 +79,7 @@ def difference(new: str) -> list[str]:
             ["-" + FOREARM, "+" + FOREARM.replace("[forearm, ", "[")],
         ),
         (Remove(("joints", "wrist", "limits")), ["-     limits: todo"]),
-        (Put(("defaults", "density"), "1240 kg/m^3"), ["+ ", "+ defaults:", "+   density: 1240 kg/m^3"]),
+        (Put(("defaults", "density"), "1240 kg/m^3"), ["+ defaults: {density: 1240 kg/m^3}"]),
     ],
 )
 def test_only_the_change_changes(change: Change, lines: list[str]) -> None:
@@ -105,6 +105,19 @@ def test_a_new_joint_is_below_the_others() -> None:
     )
     assert values(new)["joints"]["jaw_joint"] == joint  # type: ignore[index]
     assert new.index("jaw: {parts") < new.index("# Every axis")
+
+
+def test_new_sections_are_in_the_order_of_the_keys() -> None:
+    """Settings are in the head of the file, sections between the others, each with its comments kept below it."""
+    text = TEXT + "  # wrist: {type: fixed}  # alternative, score 0.3\n"
+    tool = Put(("frames", "tool"), {"link": "hand", "origin": "auto"})
+    new = edited(text, [Put(("root", "up"), "y"), tool, Put(("base",), "floating")])
+    assert "step: arm.step\nbase: floating\nroot: {up: y}\n\nlinks:\n" in new
+    assert new.endswith("score 0.3\n\nframes:\n  tool: {link: hand, origin: auto}\n")
+    loop = Put(("closures", "loop"), {"type": "ball", "link_a": "base", "link_b": "hand", "origin": "auto"})
+    new = edited(new, [loop, Put(("joints", "grip"), {"type": "fixed", "parent": "base", "child": "hand"})])
+    assert "score 0.3\n  grip: {type: fixed, parent: base, child: hand}\n\nclosures:\n  loop: {" in new
+    assert new.endswith("origin: auto}\n\nframes:\n  tool: {link: hand, origin: auto}\n")
 
 
 def test_a_list_that_becomes_empty_goes_with_its_key() -> None:

@@ -44,14 +44,15 @@ def test_the_line_that_both_share(tmp_path: Path) -> None:
     assert line.words == "shaft in bore, radius 10.05 and 10 mm, +y through [100, 11, 50] mm"
 
 
-def test_lines_of_the_first_part_where_none_is_shared(tmp_path: Path) -> None:
-    """Beside a bore that misses the pin, the axes of the first part remain."""
+def test_lines_of_each_part_where_none_is_shared(tmp_path: Path) -> None:
+    """Where a bore misses the pin, the axes of each part alone remain: first that of the part that moves."""
     write_hinge(tmp_path / "hinge.step", miss=1.0)
     hinge = read(tmp_path / "hinge.step")
     plate, arm = indices(hinge, "plate", "arm")
-    (line,) = shared_lines(hinge, plate, arm)
-    assert line.form == "axis_of"
-    assert distance(hinge, line, (0.1, 0.011, 0.05)) < 1e-9
+    moving, standing = shared_lines(hinge, plate, arm)
+    assert (moving.form, moving.component, standing.form, standing.component) == ("second", "arm", "first", "plate")
+    assert distance(hinge, standing, (0.1, 0.011, 0.05)) < 1e-9
+    assert distance(hinge, moving, (0.1, 0.011, 0.05)) == pytest.approx(1e-3)
 
 
 def test_lines_of_the_link_where_the_part_shares_none(robot_library: Path) -> None:

@@ -23,16 +23,17 @@ async function run() {
   state.tell("proof");
 }
 
-// How a file is loaded where most people load it.
+// How the robot is loaded where most people load it: a line for each program, with the file that it takes.
 function loading({ folder, files }) {
-  const lines = {
-    ".xml": (path) => `python -m mujoco.viewer --mjcf="${path}"`,
-    ".urdf": (path) => `pybullet.loadURDF("${path}")`,
-    ".sdf": (path) => `gz sim "${path}"`,
-  };
-  return files.filter((name) => !name.includes("/")).flatMap((name) => {
-    const kind = Object.keys(lines).find((suffix) => name.endsWith(suffix));
-    return kind ? [copyable(lines[kind](`${folder}/${name}`))] : [];
+  const lines = [
+    [[".scene.xml", ".xml"], (path) => `python -m mujoco.viewer --mjcf="${path}"`],
+    [[".urdf"], (path) => `pybullet.loadURDF("${path}")`],
+    [[".world.sdf"], (path) => `gz sim "${path}"`], // it opens no file without a world
+  ];
+  const plain = files.filter((name) => !name.includes("/"));
+  return lines.flatMap(([suffixes, line]) => {
+    const [name] = suffixes.flatMap((suffix) => plain.filter((one) => one.endsWith(suffix)));
+    return name ? [copyable(line(`${folder}/${name}`))] : [];
   });
 }
 
@@ -43,7 +44,7 @@ function outcome() {
   const { folder, files, written } = result;
   if (!files.length) return [element("p.bad", { role: "alert" }, "Nothing was written; Findings says why.")];
   const words = written ? ["p.good", "✓ Converted and proven; the files are in"] : ["p.bad", "✗ The proof failed; the files, for inspection, are in"];
-  const links = files.filter((name) => !name.includes("/")).flatMap((name) => [element("a", { href: `files/${encodeURIComponent(name)}`, download: name }, name), " "]);
+  const links = files.filter((name) => !name.includes("/")).flatMap((name) => [element("a", { href: `files/${encodeURIComponent(name)}`, ...(name.endsWith(".html") ? { target: "_blank" } : { download: name }) }, name), " "]);
   return [element(words[0], { role: "status" }, words[1]), copyable(folder), element("p", {}, links), ...(written ? loading(result) : [])];
 }
 

@@ -2,7 +2,7 @@
 
 import { edit } from "./changes.js";
 import { element, place } from "./dom.js";
-import { button, field } from "./form.js";
+import { button, field, submits } from "./form.js";
 import { limitLines } from "./limitlines.js";
 import { ask } from "./live.js";
 import { app } from "./main.js";
@@ -41,7 +41,26 @@ const kindOf = ({ keys: [[, name]] }) => state.find({ connection: name })?.kind;
 const isLimits = ({ kind, keys: [keys] }) => kind === "todo" && keys?.length === 3 && keys[0] === "joints" && keys[2] === "limits" && state.scene.joint_types[state.find({ connection: keys[1] })?.kind]?.bounded;
 
 
+// What decides most: the questions of `init --interactive`. Another answer drafts the robot again.
+function drafted({ questions }) {
+  const answer = (name, value) => act("answer", value, () => confirm("Draft the robot again? What was changed since the draft goes; Undo brings it back.") && edit("answer", { name, value }, () => "drafted again; Undo brings back what was changed before"));
+  return element("li.decision", { "data-kind": "question" },
+    element("div", {}, element("b", {}, "What decides most")),
+    questions.map(({ name, text, drafted, others }) => element("div", { "data-question": name },
+      element("p", {}, text, " ", meant(name, drafted)), element("p.quiet.hint", {}, `drafted: ${drafted}`), element("div.acts", {}, others.map((value) => answer(name, value))))),
+    element("p.quiet.hint", {}, "Another answer drafts the robot again: decide this first."),
+    element("div.acts", {}, act("keep", questions.length > 1 ? "all as drafted" : "as drafted", () => edit("keep_draft", {}))));
+}
+
+// The parts that a question is about, to select.
+function meant(name, drafted) {
+  const names = [...name.split(" + "), drafted];
+  const paths = state.scene.components.filter(({ path, product, link }) => link && (names.includes(path) || names.includes(product))).map(({ path }) => path);
+  return paths.length ? button("show", () => state.select({ link: state.linkOf(paths[0]), component: paths[0], picked: paths }), "button.place") : null;
+}
+
 function entry(one) {
+  if (one.kind === "question") return drafted(one);
   const places = one.keys.map((keys) => {
     const there = subject(keys);
     const label = keys.length > 1 && SECTIONS.has(keys[0]) ? keys[1] : keys[0];
@@ -80,7 +99,8 @@ function answers(one) {
     const models = element("datalist", { id: `models-${one.keys[0][1]}` }, one.models.map((value) => element("option", { value })));
     const motor = element("input", { type: "text", list: models.id, value: one.models.length === 1 ? one.models[0] : "", placeholder: one.models[0], "data-decide": "model" });
     const joints = one.keys.map(([, joint]) => joint);
-    return [field("motor", motor), models, act("drive", `drive${many || " it"}`, () => edit("drive", { joints, motor: motor.value.trim() })), act("drop", "no motor", () => edit("drive", { joints, drop: true }))];
+    const drive = act("drive", `drive${many || " it"}`, () => edit("drive", { joints, motor: motor.value.trim() }));
+    return [submits(field("motor", motor), drive), models, drive, act("drop", "no motor", () => edit("drive", { joints, drop: true }))];
   }
   if (one.kind === "review") return [asked(one).map(settingField), act("right", "right", () => all(one, (keys) => ({ action: "settle", keys }))), act("other", "change it", () => show(one.keys[0]))];
   if (one.kind === "todo") return one.keys.map(settingField);

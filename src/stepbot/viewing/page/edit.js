@@ -3,7 +3,7 @@
 import { edit, nextClick, say } from "./changes.js";
 import { byId, copyable, element } from "./dom.js";
 import { button, choice, field } from "./form.js";
-import { jointForm } from "./jointform.js";
+import { jointForm, nameOf } from "./jointform.js";
 import { jointTools, nameField } from "./jointtools.js";
 import { converted } from "./convert.js";
 import { app } from "./main.js";
@@ -51,13 +51,23 @@ function partTools(selection) {
 
 function assignForm(paths, selection) {
   const links = state.scene.links.map((link) => [link.name, link.name]);
-  const link = choice(links, selection.link, { "data-edit": "link" });
+  const link = choice([...links, ["", "a new link, fixed to this one"]], selection.link, { "data-edit": "link" });
+  const name = element("input", { type: "text", value: state.free(nameOf(paths[0])), "data-edit": "new-link" });
+  const nameLine = Object.assign(field("its name", name), { hidden: true });
+  link.addEventListener("change", () => (nameLine.hidden = link.value !== ""));
   const move = button("move to link", () => {
-    if (link.value === state.linkOf(paths[0])) say(`'${paths[0]}' is in link '${link.value}' already; choose another link.`);
+    if (link.value === "") split(paths, name.value.trim());
+    else if (link.value === state.linkOf(paths[0])) say(`'${paths[0]}' is in link '${link.value}' already; choose another link.`);
     else edit("assign", { paths, link: link.value });
   });
   move.dataset.edit = "assign";
-  return element("div.form", {}, field("link", link), move);
+  return element("div.form", {}, field("link", link), nameLine, move);
+}
+
+// Parts become a link of their own; the type and the axis of its joint are chosen there.
+async function split(paths, child) {
+  const name = state.free(`${child}_joint`);
+  if (await edit("add_joint", { name, kind: "fixed", parent: state.linkOf(paths[0]), child, paths })) state.select({ connection: name });
 }
 
 // What is selected after a click that adds to the parts picked before, as with Ctrl; a second one takes a part away.

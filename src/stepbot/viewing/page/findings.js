@@ -21,5 +21,6 @@ function finding(state, one) {
   return element("div.finding", { "data-code": one.code },
     element("div", {}, element("b." + TONES[one.severity], {}, `${one.severity} ${one.code}`), " ", element("span.quiet", {}, place)),
     about ? element("button.about", { type: "button", onclick: () => state.select(about) }, one.message) : element("div", {}, one.message),
+    one.source ? element("pre.yaml", {}, `${String(one.line).padStart(4)}  ${one.source}`) : null,
     one.help.map((text) => element("div.help", {}, text)));
 }

@@ -2,7 +2,7 @@
 
 import { edit, nextClick, say } from "./changes.js";
 import { element } from "./dom.js";
-import { button, field } from "./form.js";
+import { button, field, submits } from "./form.js";
 import { app } from "./main.js";
 import { unitOf } from "./numbers.js";
 
@@ -20,6 +20,8 @@ function ratio(text) {
 
 export function followTools(current) {
   const node = element("div.form", { hidden: true });
+  let set = null;
+  submits(node, { click: () => set?.click() });
   const pick = button("follow another joint", () => nextClick("Click the joint to follow, in the list, or its link on the robot. Esc ends it.", (clicked) => {
     const leader = jointOf(clicked);
     if (!leader || leader === current().name || state.find({ connection: leader }).coordinates.length !== 1) say("That is no other joint with one degree of freedom.");
@@ -34,7 +36,7 @@ export function followTools(current) {
     const [mine, other] = [moving(current().name), moving(leader)];
     const [alike, example] = [mine.turn === other.turn, mine.turn ? "0.5 rad/mm" : "2 mm/rad"];
     const times = element("input", { type: "text", "data-edit": "ratio", value: alike ? "1" : "", placeholder: alike ? "1, -1, 20/60" : example });
-    const set = button("follow", async () => {
+    set = button("follow", async () => {
       const multiplier = ratio(times.value.trim());
       const keys = ["joints", current().name, "mimic"];
       if (await edit("all", { edits: [{ action: "set", keys, text: "" }, { action: "set", keys: [...keys, "joint"], value: leader }, { action: "set", keys: [...keys, "multiplier"], text: multiplier }] })) node.hidden = true;
@@ -42,6 +44,7 @@ export function followTools(current) {
     set.dataset.edit = "follow-set";
     node.replaceChildren(element("p.quiet", {}, `For each ${unitOf(other)} of ${leader}, ${current().name} moves this many ${unitOf(mine)}:`), field("ratio", times), set);
     node.hidden = false;
+    times.select();
   }
 
   return {

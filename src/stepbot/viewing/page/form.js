@@ -5,6 +5,12 @@ import { element } from "./dom.js";
 export const button = (label, onclick, kind = "button.small") => element(kind, { type: "button", onclick }, label);
 export const field = (label, input) => element("label.field", {}, element("span", {}, label), input);
 
+// Enter in a field of a form presses its button.
+export function submits(node, press) {
+  node.addEventListener("keydown", ({ key, target }) => key === "Enter" && target.matches("input") && press.click());
+  return node;
+}
+
 export function options(select, entries, chosen) {
   select.replaceChildren(...entries.map(([value, label]) => element("option", { value }, label)));
   if (chosen !== undefined) select.value = chosen;

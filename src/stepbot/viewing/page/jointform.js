@@ -2,14 +2,15 @@
 
 import { edit, say } from "./changes.js";
 import { element } from "./dom.js";
-import { button, choice, field, mark, options } from "./form.js";
+import { button, choice, field, mark, options, submits } from "./form.js";
 import { ask } from "./live.js";
 import { app } from "./main.js";
 import { mistyped, parsed } from "./numbers.js";
 
 const { state } = app;
 
-const FORMS = { mate: (a, b) => ({ mate: [a, b] }), auto: () => ({ auto: true }), axis_of: (a) => ({ axis_of: a }) };
+const FORMS = { mate: (a, b) => ({ mate: [a, b] }), auto: () => ({ auto: true }), second: (a, b) => ({ axis_of: b }), first: (a) => ({ axis_of: a }) };
+const PARTS = { second: (a, b) => b, first: (a) => a };
 
 // Between the first picked part, on the parent link, and the second. That becomes a link of its own, or the joint
 // closes a loop to the link that it is in.
@@ -68,21 +69,22 @@ export function jointForm([a, b]) {
     if (made) state.select({ connection: name.value });
   }
 
+  const alone = ({ form }) => (form in PARTS ? `of ${nameOf(PARTS[form](a, b))} alone, ` : "");
   target.addEventListener("change", retarget);
   kind.addEventListener("change", retype);
   origin.addEventListener("change", draw);
   ask("between", { a, b }).then((found) => {
     lines = found.lines;
     const chosen = lines.findIndex((line) => line.chosen);
-    if (lines.length) options(origin, lines.map((line, i) => [String(i), line.form === "axis_of" ? `of ${nameOf(a)} alone, ${line.words}` : line.words]), String(Math.max(0, chosen)));
-    else options(origin, [["", `no axis: ${nameOf(a)} has no round face`]], "");
+    if (lines.length) options(origin, lines.map((line, i) => [String(i), `${alone(line)}${line.words}`]), String(Math.max(0, chosen)));
+    else options(origin, [["", "no axis: neither part has a round face"]], "");
     if (lines.length && chosen < 0) origin.before(element("span.warn", {}, "ambiguous: choose one"));
     draw();
   }).catch((error) => say(error.message));
   retarget();
-  return element("div.form", { id: "joint-form" }, title, element("p.quiet", {}, `from ${parent}`),
-    field("to", target), childField, field("name", name), field("type", kind), element("div.field", {}, element("span", {}, "axis"), element("div", {}, origin)), words, range, add);
+  return submits(element("div.form", { id: "joint-form" }, title, element("p.quiet", {}, `from ${parent}`),
+    field("to", target), childField, field("name", name), field("type", kind), element("div.field", {}, element("span", {}, "axis"), element("div", {}, origin)), words, range, add), add);
 }
 
 // The last name of a path, as a name of a link.
-const nameOf = (path) => path.split("/").pop().replace(/[^\w-]+/g, "_").replace(/^_+|_+$/g, "") || "part";
+export const nameOf = (path) => path.split("/").pop().replace(/[^\w-]+/g, "_").replace(/^_+|_+$/g, "") || "part";

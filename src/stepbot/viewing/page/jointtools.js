@@ -45,7 +45,7 @@ function jointPanel(first) {
   });
   const confirm = act("confirm", "", () => edit("confirm", async () => ({ joint: name(), ...(await axis.selectors()) })));
   const aim = act("aim", "axis from a click", () => nextClick("Click a bore, a shaft or an edge: its axis becomes that of the joint. Esc ends it.", (clicked) => {
-    take(name(), first.closes, clicked);
+    take(made.one, clicked);
     return state.selection;
   }));
   const acts = element("div.acts", {}, confirm, flip, aim, ...follow.acts, remove);
@@ -57,7 +57,7 @@ function jointPanel(first) {
       Object.assign(made, { one, selection });
       for (const { update } of [...fields, axis, follow]) update();
       flip.hidden = !one.axis;
-      aim.hidden = !one.axis || Boolean(state.written?.described);
+      aim.hidden = Boolean(state.written?.described);
       remove.hidden = Boolean(state.written?.described);
       confirm.hidden = !one.doubt;
       confirm.textContent = one.axis ? "axis is right" : "reviewed";
@@ -73,14 +73,15 @@ function jointPanel(first) {
 }
 
 // The axis of a face or edge becomes that of a joint.
-async function take(joint, isClosure, clicked) {
+async function take(joint, clicked) {
   if (!clicked.triangle) return say("That is no place on the robot; click a part in the 3D view.");
   const face = await faceOf(clicked).catch((error) => ({ why: error.message }));
   if (!face.origin) return say(face.why);
-  const keys = [isClosure ? "closures" : "joints", joint];
+  const keys = [joint.closes ? "closures" : "joints", joint.name];
   const former = valueAt([...keys, "axis"]) ?? "";
   const axis = face.axis ?? (/^-?z?$/.test(former) ? former : ""); // along a line of faces z is the axis, in either direction
-  return edit("all", { edits: [["origin", face.origin], ["axis", axis]].map(([key, text]) => ({ action: "set", keys: [...keys, key], text })) });
+  const values = [["origin", face.origin], ...(joint.axis ? [["axis", axis]] : [])]; // a fixed joint may get its type later
+  return edit("all", { edits: values.map(([key, text]) => ({ action: "set", keys: [...keys, key], text })) });
 }
 
 const hasLimits = ({ limits }) => limits && (limits.lower !== null || limits.upper !== null);

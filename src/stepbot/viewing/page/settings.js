@@ -2,12 +2,12 @@
 
 import { edit } from "./changes.js";
 import { element } from "./dom.js";
-import { bound, button, choice, field } from "./form.js";
+import { bound, button, choice, field, submits } from "./form.js";
 import { app } from "./main.js";
 import { excerpt, valueAt } from "./written.js";
 
 const { state } = app;
-const SHORT = /^[\w°%][\w .*/^°%+-]*$/; // texts that need no quotes in a field
+const SHORT = /^-?[\w°%][\w .*/^°%+-]*$/; // texts that need no quotes in a field
 
 // --- schema ---
 
@@ -148,12 +148,12 @@ export function adding(section, given = {}, done = () => {}) {
   });
   add.dataset.add = section;
   return element("details", { "data-group": `new ${section}` }, element("summary", {}, `new ${noun}`),
-    element("div.form", {}, field("name", name), fields.map(([, one]) => one.node), add));
+    submits(element("div.form", {}, field("name", name), fields.map(([, one]) => one.node), add), add));
 }
 
 // --- the robot as a whole ---
 
-const ELSEWHERE = ["version", "step", "links", "joints", "closures", "modules", "variants", "answers", "motors"];
+const ELSEWHERE = ["version", "step", "links", "joints", "closures", "modules", "variants", "answers"];
 const OF_STEP = ["root", "materials", "defaults", "parts", "mass", "step_density", "step_encoding"]; // a description has no parts
 
 export function robotPanel() {

@@ -2,7 +2,7 @@
 
 import { edit, say } from "./changes.js";
 import { byId, element } from "./dom.js";
-import { button } from "./form.js";
+import { button, submits } from "./form.js";
 import { app } from "./main.js";
 import { patternOf, valueField } from "./settings.js";
 
@@ -45,7 +45,7 @@ export function rulesForm(paths) {
     else edit("all", { edits: patterns.flatMap((pattern) => given.map((one) => ({ ...one, keys: ["parts", pattern, one.keys[2]] }))) });
   });
   set.dataset.edit = "rules";
-  return [element("h3", {}, "Density, or mass of each"), element("div.form", {}, fields.map(({ node }) => node), set)];
+  return [element("h3", {}, "Density, or mass of each"), submits(element("div.form", {}, fields.map(({ node }) => node), set), set)];
 }
 
 // A frame that is dragged selects the parts inside: with Ctrl, or after its button was pressed.
