@@ -10,7 +10,7 @@ import numpy as np
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
 from stepbot.robot.dynamics import GRAVITY
-from stepbot.robot.model import JointKind, LoopClosure
+from stepbot.robot.model import JointKind, LoopClosure, Mimic
 
 from ..observation import ObservedClosure, Request
 
@@ -30,6 +30,9 @@ SECOND_POINT = 0.05
 """Distance [m] along the axis of a revolute closure at which a second point is constrained, to keep axes aligned."""
 _HELD_BY_FRAMES = frozenset({JointKind.FIXED, JointKind.PRISMATIC})
 """Types of closures with a PyBullet constraint of their own; the others are constrained by points."""
+_GEAR_CORRECTION = 0.2
+"""Part of a mimic's error in position that each step corrects: without, the errors of all steps add up, and pull the
+loops apart that imply the same motion."""
 STRENGTH = 1e3
 """Maximum force [N], [N m] of motors and constraints, per newton of weight: enough to start at once, but not enough to
 jam a loop whose pins are not exactly parallel."""
@@ -41,7 +44,7 @@ def simulate(body: "Body", request: Request) -> bool:
     engine.setTimeStep(STEP)
     body.set(request.initial)
     release(body)
-    gears(body, request)
+    gears(body, request.mimics, strength(body))
     for _ in range(round(request.simulate / STEP)):
         engine.stepSimulation()
     states = [engine.getJointState(body.id, index)[:2] for index in body.coordinates.values()]
@@ -61,13 +64,13 @@ def release(body: "Body") -> None:
         body.engine.setJointMotorControl2(body.id, index, body.engine.VELOCITY_CONTROL, force=0.0)
 
 
-def gears(body: "Body", request: Request) -> None:
-    """Make mimicking joints follow, by a gear from the leader's link to theirs.
+def gears(body: "Body", mimics: Mapping[str, Mimic], force: float) -> None:
+    """Make mimicking joints follow, by a gear of a maximum force [N], [N m] from the leader's link to theirs.
 
     PyBullet's ratio has the opposite sign: leader + ratio * follower = const.
     """
     engine = body.engine
-    for name, mimic in request.mimics.items():
+    for name, mimic in mimics.items():
         follower, leader = body.coordinates[name], body.coordinates[mimic.joint]
         if mimic.multiplier == 0.0:
             continue
@@ -75,7 +78,13 @@ def gears(body: "Body", request: Request) -> None:
         gear = engine.createConstraint(
             body.id, leader, body.id, follower, engine.JOINT_GEAR, axis, [0, 0, 0], [0, 0, 0]
         )
-        engine.changeConstraint(gear, gearRatio=-1.0 / mimic.multiplier, maxForce=strength(body))
+        engine.changeConstraint(
+            gear,
+            gearRatio=-1.0 / mimic.multiplier,
+            relativePositionTarget=-mimic.offset / mimic.multiplier,
+            erp=_GEAR_CORRECTION,
+            maxForce=force,
+        )
 
 
 def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedClosure, ...], tuple[str, ...]]:
@@ -90,7 +99,7 @@ def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedC
     for index in body.coordinates.values():
         engine.changeDynamics(body.id, index, jointDamping=0.0)
     held = [_Held(body, closure, _points(closure, request)) for closure in request.closures]
-    gears(body, request)
+    gears(body, request.mimics, strength(body))
     deviation = 0.0
     for way in request.ways:
         body.set(way[0])

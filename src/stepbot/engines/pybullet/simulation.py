@@ -22,7 +22,7 @@ from ..observation import EngineRefused
 from ..simulation import DOWN, FRICTION, GRAVITY, HEIGHT, Mechanism, Motor, Setup
 from ..xml import xml_root
 from .body import Body, body_of, pose
-from .motion import release
+from .motion import gears, release
 
 FORMAT = "urdf"
 """The format that is driven."""
@@ -130,18 +130,12 @@ class PybulletSimulation:
 
     def _join(self) -> None:
         """Close the loops and add the gears of mimics."""
-        engine, body = self._engine, self._body
+        body = self._body
         add_constraints(body.id, self._mechanism.constraints)
-        for name, mimic in self._mechanism.mimics.items():
-            if mimic.multiplier == 0.0 or name not in self._joints or mimic.joint not in self._joints:
-                continue
-            follower, leader = self._joints[name], self._joints[mimic.joint]
-            axis = body.joints[follower][13]
-            gear = engine.createConstraint(
-                body.id, leader, body.id, follower, engine.JOINT_GEAR, axis, [0, 0, 0], [0, 0, 0]
-            )
-            # PyBullet's ratio has the opposite sign: leader + ratio * follower = const.
-            engine.changeConstraint(gear, gearRatio=-1.0 / mimic.multiplier, maxForce=_GEAR_FORCE)
+        joined = {
+            name: mimic for name, mimic in self._mechanism.mimics.items() if {name, mimic.joint} <= self._joints.keys()
+        }
+        gears(body, joined, _GEAR_FORCE)
 
     def reset(self, q: Mapping[str, float], X_WR: Pose | None = None) -> None:  # noqa: D102
         engine, body = self._engine, self._body
