@@ -118,15 +118,11 @@ class Loops:
 
     def __init__(self, robot: Robot) -> None:
         self.robot, self.tree = unfolded(robot), Tree(robot)
-        self._ends = [
-            (
-                self.tree.link_index[closure.link_a],
-                closure.X_AF.matrix,
-                self.tree.link_index[closure.link_b],
-                closure.X_BF.matrix,
-            )
-            for closure in robot.closures
-        ]
+        index = self.tree.link_index
+        self._pairs = [(index[closure.link_a], index[closure.link_b]) for closure in robot.closures]
+        self._ends = [a for a, _ in self._pairs] + [b for _, b in self._pairs]
+        poses = [c.X_AF.matrix for c in robot.closures] + [c.X_BF.matrix for c in robot.closures]
+        self._X_LF = np.array(poses).reshape(-1, 4, 4)
         reach = max((float(np.linalg.norm(X.p)) for c in robot.closures for X in (c.X_AF, c.X_BF)), default=0.0)
         self.per_length = 1.0 / (reach or 1.0)
         """Unit of lengths in residuals [1/m]: the inverse of the mechanism's own reach."""
@@ -137,7 +133,7 @@ class Loops:
     @property
     def involved(self) -> list[str]:
         """The independent joints that move the two sides of a closure relative to each other; no other opens a loop."""
-        moving = np.any([self.tree.between(a, b) for a, _, b, _ in self._ends], axis=0)
+        moving = np.any([self.tree.between(a, b) for a, b in self._pairs], axis=0)
         return [name for name, column in zip(self.tree.independent, self.tree.B.T, strict=True) if column[moving].any()]
 
     def constraints(self, u: Array) -> tuple[Array, Array]:
@@ -146,21 +142,22 @@ class Loops:
         Mimics are resolved. Lengths are in units of the mechanism's own reach, to weigh them equally with angles.
         """
         X = self.tree.frames(self.tree.follow(u))
-        many = u.shape[:-1]
+        many, count = u.shape[:-1], len(self.robot.closures)
         residuals, jacobians = [np.zeros((*many, 0))], [np.zeros((*many, 0, len(self.tree.joints)))]
-        for closure, (a, X_AF, b, X_BG) in zip(self.robot.closures, self._ends, strict=True):
-            X_WF, X_WG = X[..., a, :, :] @ X_AF, X[..., b, :, :] @ X_BG
-            R_FW = X_WF[..., :3, :3].swapaxes(-1, -2)
-            X_FG = np.zeros((*many, 4, 4))
-            X_FG[..., :3, :3] = R_FW @ X_WG[..., :3, :3]
-            X_FG[..., :3, 3:] = R_FW @ (X_WG - X_WF)[..., :3, 3:] * self.per_length
-            turn = np.zeros((*many, 6, 6))
-            turn[..., :3, :3], turn[..., 3:, 3:] = R_FW, R_FW * self.per_length
-            J_F = turn @ self.tree.jacobian(X, a, X_WF[..., :3, 3])
-            J_G = turn @ self.tree.jacobian(X, b, X_WG[..., :3, 3])
-            residual, J = constraint_rows(closure, X_FG, J_F, J_G)
+        X_WE = X[..., self._ends, :, :] @ self._X_LF
+        X_WF, X_WG = X_WE[..., :count, :, :], X_WE[..., count:, :, :]
+        R_FW = X_WF[..., :3, :3].swapaxes(-1, -2)
+        X_FG = np.zeros((*many, count, 4, 4))
+        X_FG[..., :3, :3] = R_FW @ X_WG[..., :3, :3]
+        X_FG[..., :3, 3:] = R_FW @ (X_WG - X_WF)[..., :3, 3:] * self.per_length
+        turn = np.zeros((*many, count, 6, 6))
+        turn[..., :3, :3], turn[..., 3:, 3:] = R_FW, R_FW * self.per_length
+        J = self.tree.jacobian(X, self._ends, X_WE[..., :3, 3])
+        J_F, J_G = turn @ J[..., :count, :, :], turn @ J[..., count:, :, :]
+        for i, closure in enumerate(self.robot.closures):
+            residual, rows = constraint_rows(closure, X_FG[..., i, :, :], J_F[..., i, :, :], J_G[..., i, :, :])
             residuals.append(residual)
-            jacobians.append(J)
+            jacobians.append(rows)
         return np.concatenate(residuals, axis=-1), np.concatenate(jacobians, axis=-2) @ self.tree.B
 
     def gaps(self, u: Array) -> dict[str, tuple[float, float]]:
@@ -168,7 +165,7 @@ class Loops:
         X = self.tree.frames(self.tree.follow(u))
         return {
             closure.name: closure_gap(closure, Pose.from_matrix(X[a]), Pose.from_matrix(X[b]))
-            for closure, (a, _, b, _) in zip(self.robot.closures, self._ends, strict=True)
+            for closure, (a, b) in zip(self.robot.closures, self._pairs, strict=True)
         }
 
     def closed(self, guess: Array, free: Sequence[int]) -> Array:

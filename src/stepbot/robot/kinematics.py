@@ -110,17 +110,22 @@ class Tree:
         self._K = np.array([cross_matrix(joint.axis) for joint in moving]).reshape(-1, 3, 3)
         self._KK = matrix_product(self._K, self._K)
         self._child = np.array([self.link_index[joint.child] for joint in moving], dtype=int)
-        self._parent = [0] * len(self.links)
-        self._column = [-1] * len(self.links)
-        self._X_PC = [np.eye(4)] * len(self.links)
         self._above = np.zeros((len(self.links), len(self.joints)), dtype=bool)
+        depth = {robot.root.name: 0}
+        at_depth: dict[int, list[Joint]] = {}
         for joint in robot.joints:
             child, parent = self.link_index[joint.child], self.link_index[joint.parent]
-            self._parent[child], self._X_PC[child] = parent, joint.X_PC.matrix
-            self._column[child] = column.get(joint.name, -1)
+            depth[joint.child] = depth[joint.parent] + 1
+            at_depth.setdefault(depth[joint.child], []).append(joint)
             self._above[child] = self._above[parent]
             if joint.name in column:
                 self._above[child, column[joint.name]] = True
+        self._levels = []
+        for level in at_depth.values():
+            links, parents = ([self.link_index[getattr(joint, end)] for joint in level] for end in ("child", "parent"))
+            moved = [i for i, joint in enumerate(level) if joint.name in column]
+            columns = [column[level[i].name] for i in moved]
+            self._levels.append((links, parents, np.array([joint.X_PC.matrix for joint in level]), moved, columns))
 
     def _lay_out_mimics(self, robot: Robot) -> None:
         column = {name: i for i, name in enumerate(self.independent)}
@@ -155,27 +160,29 @@ class Tree:
         motion[..., :3, 3] = self._axis * (self._advance * q)[..., None]
         X = np.empty((*q.shape[:-1], len(self.links), 4, 4))
         X[..., 0, :, :] = np.eye(4)
-        for i in range(1, len(self.links)):
-            X_WC = matrix_product(X[..., self._parent[i], :, :], self._X_PC[i])
-            column = self._column[i]
-            X[..., i, :, :] = matrix_product(X_WC, motion[..., column, :, :]) if column >= 0 else X_WC
+        for links, parents, X_PC, moved, columns in self._levels:
+            X_WC = matrix_product(X[..., parents, :, :], X_PC)
+            X_WC[..., moved, :, :] = matrix_product(X_WC[..., moved, :, :], motion[..., columns, :, :])
+            X[..., links, :, :] = X_WC
         return X
 
     def jacobian(self, X: Array, link: int | Sequence[int], p_WQ: Array) -> Array:
         """Jacobian of a point Q of a link over all joints, mimics not resolved.
 
         Args:
-            X: Homogeneous X_WL [m] of all links.
-            link: Index of the link; of several links (m,) at one configuration, each has a point.
-            p_WQ: The point [m] in the world, of each configuration of ``X`` or of each link.
+            X: Homogeneous X_WL [m] of all links, shape (..., links, 4, 4).
+            link: Index of the link, or those of several links (m,).
+            p_WQ: The point [m] in the world, shape (..., 3), or that of each link, (..., m, 3).
 
         Returns:
-            Shape (..., 6, n): angular velocity [rad/s], then velocity of Q [m/s], in the world, per unit speed of a
-                joint.
+            Shape (..., 6, n) or (..., m, 6, n): angular velocity [rad/s], then velocity of Q [m/s], in the world, per
+                unit speed of a joint.
         """
         frames = X[..., self._child, :, :]
-        a_W = np.einsum("...nij,nj->...ni", frames[..., :3, :3], self._axis)
-        arm = p_WQ[..., None, :] - frames[..., :3, 3]
+        a_W, p_WC = np.einsum("...nij,nj->...ni", frames[..., :3, :3], self._axis), frames[..., :3, 3]
+        if not isinstance(link, int):
+            a_W, p_WC = a_W[..., None, :, :], p_WC[..., None, :, :]
+        arm = p_WQ[..., None, :] - p_WC
         swept = cross(a_W, arm)
         turn, slide = self._turn[:, None], self._advance[:, None]
         turned = np.broadcast_to(turn * a_W, swept.shape)
