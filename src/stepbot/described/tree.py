@@ -83,7 +83,8 @@ class _Tree:
         name = free_name(f"{loose}_fixed", "_joint", self._taken)
         self._joints.append(Joint(name, JointKind.FIXED, root, loose, X_RL))
         if loose in self._free or root in self._free:
-            self._found.append(Finding(UNSUPPORTED, f"link '{loose}' is not connected to '{root}', and moves freely"))
+            text = f"link '{loose}' is not connected to '{root}', and moves freely: convert a file of the robot alone"
+            self._found.append(Finding(UNSUPPORTED, text))
         else:
             text = f"link '{loose}' is not connected to '{root}'; a fixed joint holds it in its place"
             code = TAKEN_AS_FIXED if self._are_loose_links_unknown else REARRANGED
