@@ -154,29 +154,25 @@ def test_ambient_colour_of_its_own(tmp_path: Path) -> None:
     assert told(conversion, "SB860") == ["<ambient> in <material>: not converted"]
 
 
-BALL = '<worldbody><body name="a"><geom size=".1"/><joint name="a" type="ball" range="0 60"/></body></worldbody>'
-"""A joint with the name of its body has another one in SDFormat, and so have its coordinates."""
-ROUND = '<worldbody><body name="a"><geom type="ellipsoid" size=".1 .2 .3"/><joint name="j"/></body></worldbody>'
-LED = """<worldbody><body name="led" mocap="true"/><body name="base"><geom size=".1"/><body name="hand" pos="0 0 .3">
-  <joint name="j" axis="0 1 0" range="10 60"/><geom size=".05" contype="0" conaffinity="0"/></body></body></worldbody>
-  <equality><weld body1="led" body2="hand"/></equality>"""
-"""A hand that programs lead by a body: it moves on its joint, whose limits exclude the pose that the file has."""
-STRONG = """<worldbody><body name="a"><geom size=".1"/><joint name="j" range="-1 1"/></body></worldbody>
-  <actuator><position name="m" joint="j" kp="1e12" kv="1e10" ctrlrange="-1 1"/></actuator>"""
+WORDLESS = """<mujoco><worldbody><body name="led" mocap="true"/><body name="base">
+  <body name="a"><geom size=".1"/><joint name="a" type="ball" range="0 60"/></body>
+  <body name="round" pos="1 0 0"><geom type="ellipsoid" size=".1 .2 .3"/><joint name="turn"/></body>
+  <body name="hand" pos="2 0 0"><geom size=".05"/><joint name="lift" axis="0 1 0" range="10 60"/></body>
+  <body name="strong" pos="3 0 0"><geom size=".1"/><joint name="j" range="-1 1"/></body></body></worldbody>
+  <equality><weld body1="led" body2="hand"/></equality>
+  <actuator><position name="m" joint="j" kp="1e12" kv="1e10" ctrlrange="-1 1"/></actuator></mujoco>"""
+"""A joint with the name of its body has another one in SDFormat, and so have its coordinates. Programs lead the hand by
+a body: it moves on its joint, whose limits exclude the pose that the file has."""
 
 
-@pytest.mark.parametrize(
-    ("content", "lost"),
-    [
-        (BALL, ["joint 'a': the cone of 1.0472 rad that limits it: not converted"]),
-        (ROUND, [f"link 'a': {kind} with an ellipsoid: approximated by a mesh" for kind in ("visual", "collision")]),
-        (LED, ["attribute 'mocap' of <body>: not converted", "equality constraint of a mocap body: not converted"]),
-        (STRONG, []),
-    ],
-)
-def test_what_formats_have_no_word_for(content: str, lost: list[str], tmp_path: Path) -> None:
-    """A cone of a ball joint and an ellipsoid are reported, and the rest is proven; stiff gains are written in full."""
-    assert told(proven(tmp_path, ".xml", f"<mujoco>{content}</mujoco>", "urdf", "sdf", "mjcf"), "SB860") == lost
+def test_what_formats_have_no_word_for(tmp_path: Path) -> None:
+    """Cones of ball joints, ellipsoids and leaders are reported, and the rest is proven; stiff gains are in full."""
+    assert sorted(told(proven(tmp_path, ".xml", WORDLESS, "urdf", "sdf", "mjcf"), "SB860")) == [
+        "attribute 'mocap' of <body>: not converted",
+        "equality constraint of a mocap body: not converted",
+        "joint 'a': the cone of 1.0472 rad that limits it: not converted",
+        *(f"link 'round': {kind} with an ellipsoid: approximated by a mesh" for kind in ("collision", "visual")),
+    ]
 
 
 SDF = '<sdf version="1.9"><model name="m"><link name="a">{}</link>{}</model></sdf>'
@@ -279,33 +275,72 @@ def test_only_files_beside_a_gltf_are_its_buffers(tmp_path: Path) -> None:
     assert content.buffers == ()
 
 
-@pytest.mark.parametrize("limit", ['effort="10" velocity="0"', 'effort="0" velocity="0"'])
-def test_limits_of_0_are_none(limit: str, tmp_path: Path) -> None:
-    """As the SolidWorks exporter states them: nothing would move, MuJoCo, PyBullet and MoveIt ignore them."""
-    servo = """<transmission name="servo"><type>transmission_interface/SimpleTransmission</type>
-      <joint name="turn"><hardwareInterface>hardware_interface/PositionJointInterface</hardwareInterface></joint>
-      <actuator name="servo"><mechanicalReduction>1</mechanicalReduction></actuator></transmission>"""
-    source = urdf(f'<link name="base">{_INERTIAL}</link>', servo).replace('effort="10" velocity="2"', limit)
-    conversion = proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf")
-    zero = "velocity and effort" if limit.startswith('effort="0"') else "velocity"
+_NO_LIMITS = {
+    "slow": 'lower="-1" upper="1" effort="10" velocity="0"',
+    "weak": 'lower="-1" upper="1" effort="0" velocity="0"',
+    "bare": 'lower="-1" upper="1"',
+    "strong": 'lower="-1" upper="1" effort="10"',
+    "rotor": 'lower="-1e16" upper="1e16" effort="0" velocity="0"',
+}
+"""Limits by joint: zeros as the SolidWorks exporter states them, none, and the stops of a rotor as Gazebo writes it."""
+
+
+def test_limits_that_are_none(tmp_path: Path) -> None:
+    """Nothing would move at limits of 0, which MuJoCo, PyBullet and MoveIt ignore; URDF requires the others.
+
+    Engines report no limit between endless stops. A servo has its inputs from what remains.
+    """
+    servo = """<transmission name="{0}"><type>transmission_interface/SimpleTransmission</type>
+      <joint name="{0}"><hardwareInterface>hardware_interface/PositionJointInterface</hardwareInterface></joint>
+      <actuator name="{0}"><mechanicalReduction>1</mechanicalReduction></actuator></transmission>"""
+    parts = [f'<link name="base">{_INERTIAL}</link>', servo.format("slow"), servo.format("weak")]
+    for name, limit in _NO_LIMITS.items():
+        turn = _TURN.replace("turn", name).replace('"arm"', f'"{name}_arm"')
+        parts.append(turn.replace('lower="-1" upper="1" effort="10" velocity="2"', limit))
+        parts.append(f'<link name="{name}_arm">{_INERTIAL}</link>')
+    conversion = proven(tmp_path, ".urdf", urdf(*parts), "urdf", "sdf", "mjcf")
+    zeros = {"slow": "velocity", "weak": "velocity and effort", "rotor": "velocity and effort"}
     assert told(conversion, "SB874:limit") == [
-        f"joint 'turn': {zero} limit of 0, at which nothing moves: read as unlimited"
+        f"joint '{name}': {zero} limit of 0, at which nothing moves: read as unlimited" for name, zero in zeros.items()
     ]
-    (limits,) = ET.parse(tmp_path / "out" / "robot.urdf").getroot().iter("limit")
-    assert float(limits.get("velocity", "")) >= 1e9
+    written = ET.parse(tmp_path / "out" / "robot.urdf").getroot()
+    joints = {one.get("name", ""): one for one in written.findall("joint")}
+    assert {name: joints[name].get("type") for name in _NO_LIMITS} == {
+        name: "continuous" if name == "rotor" else "revolute" for name in _NO_LIMITS
+    }
+    limits = [limit for name in _NO_LIMITS for limit in joints[name].iter("limit")]
+    assert all(float(limit.get("velocity", "")) >= 1e9 for limit in limits)
 
 
-def test_several_collisions_of_one_name(tmp_path: Path) -> None:
-    """URDF identifies collisions by their order; the written ones have names of their own, and the same places."""
-    shapes = "".join(
+def test_names_that_are_one_or_missing(tmp_path: Path) -> None:
+    """URDF identifies collisions by their order; the written ones have names of their own, and the same places.
+
+    Formats without capsules have three shapes for each, which together are one of the source. Of materials of one name
+    a colour of its own counts, and else the first of the name, as in ROS; PyBullet takes the last.
+    """
+    spheres = "".join(
         f'<collision name="c"><origin xyz="{x} 0 0"/><geometry><sphere radius="{r}"/></geometry></collision>'
         for x, r in ((0.1, 0.05), (0.3, 0.04), (0.6, 0.03))
     )
-    proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}{shapes}</link>'), "urdf", "sdf", "mjcf")
+    capsules = "".join(
+        f'<collision><origin xyz="{x} 0 0"/><geometry><capsule radius="0.07" length="0.1"/></geometry></collision>'
+        for x in (0.1, 0.4)
+    )
+    box = '<visual name="v{}"><origin xyz="0 0 {}"/><geometry><box size="0.1 0.1 0.1"/></geometry>{}</visual>'
+    own = '<material name="black"><color rgba="0 0 0 0.9"/></material>'
+    boxes = "".join(box.format(n, n, one) for n, one in enumerate(['<material name="black"/>', own]))
+    material = '<material name="black"><color rgba="0 0.1 0 1"/></material>'
+    source = urdf(material, f'<link name="base">{_INERTIAL}{boxes}{spheres}</link>')
+    proven(tmp_path, ".urdf", source.replace("</link>", f"{capsules}</link>", 1), "urdf", "sdf", "mjcf")
     written = ET.parse(tmp_path / "out" / "robot.urdf").getroot()
-    spheres = [float(sphere.get("radius", "")) for sphere in written.iter("sphere")]
-    assert spheres == [0.05, 0.04, 0.03]
-    assert len({one.get("name") for one in written.iter("collision")}) == 3
+    shapes = [shape for collision in written.iter("collision") for shape in collision.find("geometry") or ()]
+    radii = [float(shape.get("radius", "")) for shape in shapes if shape.tag == "sphere"]
+    assert sorted(radii) == [0.03, 0.04, 0.05, *[0.07] * 4]
+    assert Counter(shape.tag for shape in shapes) == {"cylinder": 2, "sphere": 7}
+    assert len({one.get("name") for one in written.iter("collision")}) == 9
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    colors = {model.geom(n).name: model.geom_rgba[n].tolist() for n in range(model.ngeom)}
+    assert [colors[name] for name in ("v0", "v1")] == [pytest.approx([0, 0.1, 0, 1]), pytest.approx([0, 0, 0, 0.9])]
 
 
 def test_light_link_far_from_a_heavy_root(tmp_path: Path) -> None:
@@ -398,27 +433,6 @@ def test_files_included_below_the_root(tmp_path: Path) -> None:
     assert not [message for _, message in lost if "include" in message or "<" in message[0]]
 
 
-@pytest.mark.parametrize("limit", ['lower="-1" upper="1"', 'lower="-1" upper="1" effort="10"'])
-def test_limits_without_effort_or_velocity(limit: str, tmp_path: Path) -> None:
-    """The written URDF has 1e9 for them, which its format requires, and is the robot of the source."""
-    joint = _TURN.replace('lower="-1" upper="1" effort="10" velocity="2"', limit)
-    assert joint != _TURN
-    source = urdf(f'<link name="base">{_INERTIAL}</link>').replace(_TURN, joint)
-    proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf")
-
-
-def test_capsules_without_names(tmp_path: Path) -> None:
-    """Formats without capsules have three shapes for each, which together are one of the source."""
-    capsules = "".join(
-        f'<collision><origin xyz="{x} 0 0"/><geometry><capsule radius="0.05" length="0.1"/></geometry></collision>'
-        for x in (0.1, 0.4)
-    )
-    proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}{capsules}</link>'), "urdf", "sdf", "mjcf")
-    written = ET.parse(tmp_path / "out" / "robot.urdf").getroot()
-    shapes = Counter(shape.tag for collision in written.iter("collision") for shape in collision.find("geometry") or ())
-    assert shapes == {"cylinder": 2, "sphere": 4}
-
-
 def _colored_mesh(path: Path) -> None:
     """Two boxes, red and blue, beside each other."""
     scene = trimesh.Scene()
@@ -451,28 +465,6 @@ def test_mesh_of_several_colours(suffix: str, tmp_path: Path) -> None:
     proven(tmp_path, suffix, text, "urdf", "sdf", "mjcf")
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
     assert model.ngeom == 2 * 3 + 2  # three meshes of two colours, two spheres
-
-
-def test_a_hinge_between_endless_stops_is_continuous(tmp_path: Path) -> None:
-    """As Gazebo writes rotors; engines report no limit there."""
-    turn = _TURN.replace(
-        'lower="-1" upper="1" effort="10" velocity="2"', 'lower="-1e16" upper="1e16" effort="0" velocity="0"'
-    )
-    source = urdf(f'<link name="base">{_INERTIAL}</link>').replace(_TURN, turn)
-    proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf")
-    (joint,) = ET.parse(tmp_path / "out" / "robot.urdf").getroot().iter("joint")
-    assert joint.get("type") == "continuous"
-
-
-def test_materials_of_one_name_and_two_colours(tmp_path: Path) -> None:
-    """A colour of its own counts, and else the first of the name, as in ROS; PyBullet takes the last."""
-    box = '<visual name="v{}"><origin xyz="0 0 {}"/><geometry><box size="0.1 0.1 0.1"/></geometry>{}</visual>'
-    own = '<material name="black"><color rgba="0 0 0 0.9"/></material>'
-    shapes = "".join(box.format(n, n, one) for n, one in enumerate(['<material name="black"/>', own]))
-    material = '<material name="black"><color rgba="0 0.1 0 1"/></material>'
-    proven(tmp_path, ".urdf", urdf(material, f'<link name="base">{_INERTIAL}{shapes}</link>'), "urdf", "sdf", "mjcf")
-    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
-    assert model.geom_rgba == pytest.approx(np.array([[0, 0.1, 0, 1], [0, 0, 0, 0.9]]))
 
 
 def test_several_frictions_on_one_link(tmp_path: Path) -> None:
