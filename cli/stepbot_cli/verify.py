@@ -40,13 +40,16 @@ def command(
 ) -> int:
     """Load URDF, SDFormat and MJCF files in every engine that supports them, and compare the loaded robots.
 
-    The files may come from any source. Several files must describe the same robot, and are compared with the first.
+    The files may come from any source. Several files must describe the same robot, and are compared with the first. A
+    folder stands for the files of the robot in it.
     """
     from stepbot.pipeline.verdict import compared_words
     from stepbot.report.document import Suite, report_document
     from stepbot.runtime.worker import Workers
+    from stepbot.verification.admission import robot_files
     from stepbot.verification.files import verify_files
 
+    files = tuple(one for path in files for one in robot_files(path))
     found = Diagnostics()
     found.ignore(Ignore(code, Span("stepbot")) for code in ignore)
     with progress_bar(("verify",)) as progress:

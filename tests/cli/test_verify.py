@@ -36,6 +36,19 @@ def test_same_robot_in_all_formats(files: list[str], stepbot: Stepbot) -> None:
     assert " 0 failed" in verbose.out
 
 
+@pytest.mark.usefixtures("brief")
+def test_a_folder_stands_for_the_files_of_its_robot(files: list[str], stepbot: Stepbot) -> None:
+    """All of its formats are compared; a folder of two robots is reported, since they need not be the same."""
+    run = stepbot("verify", ".")
+    assert run.code == 0, run.err
+    assert run.out.startswith(f"equal: {', '.join(files[:-1])} and {files[-1]} are the same robot")
+    Path("other.urdf").write_bytes(Path(files[0]).read_bytes())
+    two = stepbot("verify", ".")
+    assert two.code == 2
+    assert "SB001" in two.err
+    assert "other.urdf" in two.err
+
+
 @pytest.mark.slow
 @pytest.mark.usefixtures("brief")
 def test_other_mass_in_one_file(files: list[str], stepbot: Stepbot) -> None:

@@ -35,13 +35,18 @@ def main_files(folder: Path) -> list[Path]:
         return []
 
 
+def robot_files(target: Path) -> tuple[Path, ...]:
+    """The files of a folder with the files of one robot, as `stepbot convert` writes it; else the target itself."""
+    files = main_files(target) if is_folder(target) else []
+    return tuple(files) if len({path.stem for path in files}) == 1 else (target,)
+
+
 def robot_file(target: Path) -> Path:
     """The file to show of a folder with the files of one robot: the first that keeps loops; else the target itself."""
-    files = main_files(target) if is_folder(target) else []
-    if len({path.stem for path in files}) != 1:
-        return target
+    files = robot_files(target)
     formats = {written.suffix: written for written in FORMATS.values()}
-    loops = (path for path in files if formats[path.suffix].expresses[Feature.CLOSURE].level is Level.EXACT)
+    known = (path for path in files if path.suffix in formats)
+    loops = (path for path in known if formats[path.suffix].expresses[Feature.CLOSURE].level is Level.EXACT)
     return next(loops, files[0])
 
 
