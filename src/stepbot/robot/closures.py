@@ -168,8 +168,11 @@ class Loops:
             for closure, (a, b) in zip(self.robot.closures, self._pairs, strict=True)
         }
 
-    def closed(self, guess: Array, free: Sequence[int]) -> Array:
+    def closed(self, guess: Array, free: Sequence[int]) -> tuple[Array, Array]:
         """:func:`close_loops` over the independent joints (k,); those with indices in ``free`` move.
+
+        Returns:
+            The closed configuration (k,) and the Jacobian (m, k) there.
 
         Raises:
             DoesNotClose: The residual does not fall below the tolerance.
@@ -189,7 +192,7 @@ class Loops:
             if not (distance <= self.closed_distance and angle <= CLOSED_ANGLE):
                 raise DoesNotClose(name, distance, angle)
         u[list(free)] = np.round(u[list(free)], DECIMALS) + 0.0
-        return u
+        return u, J
 
     def closed_many(self, guess: Array, free: Sequence[int]) -> tuple[Array, Array, Array]:
         """Newton's method for many guesses (n, k) at once; joints with indices in ``free`` move.
@@ -212,7 +215,7 @@ class Loops:
         return u, residual, J
 
     def singular_many(self, J: Array, free: Sequence[int]) -> NDArray[np.bool_]:
-        """:meth:`singular` for Jacobians (n, m, k)."""
+        """Whether the joints with indices in ``free`` are near a singularity of the loops, by Jacobians (n, m, k)."""
         if not free:
             return np.zeros(len(J), dtype=bool)
         sizes = np.linalg.svd(J[..., free], compute_uv=False)
@@ -231,10 +234,6 @@ class Loops:
             if np.linalg.norm(new_residual) < np.linalg.norm(residual):
                 return moved, new_residual, J
         return None
-
-    def singular(self, u: Array, free: Sequence[int]) -> bool:
-        """Whether the joints with indices in ``free`` are close to a singularity of the loops at u (k,)."""
-        return bool(self.singular_many(self.constraints(u)[1][None], free)[0])
 
 
 def rank(J: Array) -> int:
@@ -292,7 +291,7 @@ def close_loops(robot: Robot, guess: Configuration, driven: Sequence[str]) -> di
     """
     loops = Loops(robot)
     free = following(loops.tree, driven)
-    return loops.tree.named(loops.closed(loops.tree.vector(guess), free))
+    return loops.tree.named(loops.closed(loops.tree.vector(guess), free)[0])
 
 
 def loop_ways(robot: Robot, n: int = 24, seed: int = 1) -> tuple[tuple[dict[str, float], ...], ...]:
@@ -313,8 +312,7 @@ def loop_ways(robot: Robot, n: int = 24, seed: int = 1) -> tuple[tuple[dict[str,
     loops = Loops(robot)
     driven = driven_joints(robot)
     free = following(loops.tree, driven)
-    start = loops.closed(loops.tree.vector(initial_configuration(robot)), free)
-    _, J = loops.constraints(start)
+    start, J = loops.closed(loops.tree.vector(initial_configuration(robot)), free)
     # Joints below which both sides of every loop are, such as those of an arm below a hand, have rounding errors alone.
     moved = np.abs(J).max(axis=0) > RANK_TOLERANCE
     in_loops = [name for i, name in enumerate(loops.tree.independent) if name in driven and moved[i]]
@@ -379,11 +377,11 @@ def walk(loops: Loops, start: Array, free: Sequence[int], target: Mapping[str, f
 def _next(loops: Loops, guess: Array, former: Array, free: Sequence[int]) -> Array | None:
     """The closed configuration at a guess; None if there is none on the same branch."""
     try:
-        closed = loops.closed(guess, free)
+        closed, J = loops.closed(guess, free)
     except DoesNotClose:
         return None
     jumped = float(np.abs(closed - former)[list(free)].max(initial=0.0)) > LARGEST_JUMP
-    if jumped or not within_limits(loops.robot, loops.tree.named(closed)) or loops.singular(closed, free):
+    if jumped or not within_limits(loops.robot, loops.tree.named(closed)) or loops.singular_many(J[None], free)[0]:
         return None
     return closed
 

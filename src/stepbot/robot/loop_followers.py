@@ -61,7 +61,7 @@ def _found(robot: Robot) -> list[Follower]:
     loops, driven = Loops(robot), driven_joints(robot)
     names, leading = loops.tree.independent, [name for name in loops.involved if name in driven]
     free = following(loops.tree, driven)
-    start = loops.closed(loops.tree.vector(initial_configuration(robot)), free)
+    start, _ = loops.closed(loops.tree.vector(initial_configuration(robot)), free)
     actuated = {actuator.joint for actuator in robot.actuators}
     passive = [i for i in free if names[i] in robot.joint_by_name and names[i] not in actuated]
     found: list[Follower] = []

@@ -55,7 +55,7 @@ class _Walks:
         tree = self._loops.tree
         names, driven = tree.independent, driven_joints(robot)
         self._free = following(tree, driven)
-        self._start = self._loops.closed(drawn, self._free)
+        self._start, _ = self._loops.closed(drawn, self._free)
         residual, J = self._loops.constraints(self._start)
         self._driven = [i for i, name in enumerate(names) if name in driven and J[:, i].any()]
         self._outside = [i for i, name in enumerate(names) if name in driven and not J[:, i].any()]
