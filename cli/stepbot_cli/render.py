@@ -216,6 +216,7 @@ def _view(context: click.Context, option: click.Parameter, text: str) -> "View":
     callback=_view,
     help=f"{', '.join(_VIEWS)}, or AZIMUTH,ELEVATION in degrees; the front is +x.",
 )
+@click.option("--module", metavar="NAME", help="Draw one module of a composed robot alone, where it is in the whole.")
 @click.option("--labels", is_flag=True, help="Name links and joints, or components, and draw the axes of joints.")
 @click.option(
     "--size", default="1200x900", show_default=True, metavar="WxH", callback=_size, help="Width and height in pixels."
@@ -238,6 +239,7 @@ def command(
     output: Path | None,
     joints: tuple[str, ...],
     view: "View",
+    module: str | None,
     labels: bool,
     size: tuple[int, int],
     samples: int,
@@ -256,7 +258,7 @@ def command(
     sheet = Sheet(*size, samples=samples, view=view, labels=labels)
     found, picture = Diagnostics(), None
     with progress_bar(("read", "build", "render"), options) as progress:
-        subject, positions = _subject(target, options, joints, found, progress)
+        subject, positions = _subject(target, options, joints, module, found, progress)
         progress("render")
         try:
             picture = draw(subject, sheet) if subject is not None else None
@@ -268,21 +270,30 @@ def command(
 
 
 def _subject(
-    target: Path, options: "Options", joints: tuple[str, ...], found: Diagnostics, progress: Any
+    target: Path,
+    options: "Options",
+    joints: tuple[str, ...],
+    module: str | None,
+    found: Diagnostics,
+    progress: Any,
 ) -> tuple["Subject | None", dict[str, str]]:
     """What to draw, and the positions of the joints in words; None after errors."""
     from stepbot.pipeline.picturing import assembly_to_draw, robot_to_draw
     from stepbot.robot.step_names import is_step_name
 
     if not is_step_name(target.name):
-        return _robot_subject(robot_to_draw(target, options, found, progress), joints)
+        return _robot_subject(robot_to_draw(target, options, found, progress), joints, module)
+    if module is not None:
+        raise click.BadParameter("a STEP file has no modules; give a sidecar", param_hint="--module")
     if joints:
         raise click.BadParameter("a STEP file has no joints; give a sidecar", param_hint="--joint")
     progress("read")
     return assembly_to_draw(target, options, found), {}
 
 
-def _robot_subject(robot: "Robot | None", joints: tuple[str, ...]) -> tuple["Subject | None", dict[str, str]]:
+def _robot_subject(
+    robot: "Robot | None", joints: tuple[str, ...], module: str | None
+) -> tuple["Subject | None", dict[str, str]]:
     from stepbot.pictures.scene import robot_subject
     from stepbot.robot.posing import NotReached, coordinates, posed
 
@@ -297,7 +308,17 @@ def _robot_subject(robot: "Robot | None", joints: tuple[str, ...]) -> tuple["Sub
             f"the loops or the limits of other joints stop the mechanism on its way there, at {ends}",
             param_hint="--joint",
         ) from None
-    return robot_subject(robot, q), {name: position_words(names[name], value) for name, value in q.items()}
+    links = None if module is None else _links_of_module(robot, module)
+    return robot_subject(robot, q, links), {name: position_words(names[name], value) for name, value in q.items()}
+
+
+def _links_of_module(robot: "Robot", name: str) -> tuple[str, ...]:
+    links = {module.name: module.links for module in robot.modules}
+    if name not in links:
+        near = "".join(did_you_mean(name, links)) or f"choose from {', '.join(links)}"
+        remedy = near if links else "the robot has no modules"
+        raise click.BadParameter(f"no module '{name}'; {remedy}", param_hint="--module")
+    return links[name]
 
 
 def _report(

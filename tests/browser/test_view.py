@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from stepbot.formats import FORMATS
 from stepbot.formats.rendering import render
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import link_poses
-from stepbot.robot.model import Cylinder, Link, Robot, Visual
+from stepbot.robot.model import Cylinder, Joint, JointKind, Limit, Link, Module, Robot, Visual
 from stepbot.serving.session import Session
 from stepbot.viewing.scene import scene_document
 from tests.robots import ROBOTS
@@ -329,3 +330,32 @@ def test_only_what_can_be_seen_is_drawn(page: Page, tmp_path: Path) -> None:
     for i, j in ((0, 0), (13, 7), (29, 29)):
         assert page.run(seen, [spacing * i, spacing * j, 0.03]) == f"part:{i}_{j}"
     assert page.run(seen, [spacing * 3.5, spacing * 3.5, 0.03]) is None
+
+
+def test_links_and_joints_are_listed_by_module(page: Page, tmp_path: Path) -> None:
+    """Under a heading for each module, the innermost; those of the composing file are above all headings."""
+    box = (Visual("v", Cylinder(0.1, 0.2)),)
+    names = ("base", "arm_upper", "arm_hand_palm", "arm_hand_finger")
+    joints = tuple(
+        Joint(
+            f"{child}_joint", JointKind.REVOLUTE, parent, child, Pose.from_xyz_rpy((0.0, 0.0, 0.3)), limit=Limit(-1, 1)
+        )
+        for parent, child in pairwise(names)
+    )
+    modules = (Module("arm", "arm.urdf", "arm_", names[1:]), Module("arm/hand", "hand.urdf", "arm_hand_", names[2:]))
+    robot = Robot("r", tuple(Link(name, visuals=box) for name in names), joints, modules=modules)
+    page.open_file(tmp_path, scene_document(robot))
+    rows = "return [...document.querySelectorAll(`#${arguments[0]} :is(h4.module, [data-${arguments[1]}])`)]"
+    texts = f"{rows}.map(one => one.dataset[arguments[1]] ?? one.textContent)"
+    page.tab("parts")
+    expected = ["base", "arm", "arm_upper", "arm/hand", "arm_hand_palm", "arm_hand_finger"]
+    assert page.run(texts, "parts", "link") == expected
+    page.tab("joints")
+    listed = page.run(texts, "joints", "slider")
+    assert [name for name in listed if name in ("arm", "arm/hand") or name.endswith("_joint")] == [
+        "arm",
+        "arm_upper_joint",
+        "arm/hand",
+        "arm_hand_palm_joint",
+        "arm_hand_finger_joint",
+    ]

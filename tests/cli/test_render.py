@@ -18,6 +18,7 @@ from stepbot.pictures import picture as pictures
 from stepbot_cli.render import read_positions
 from tests import parts
 from tests.cli.conftest import Stepbot
+from tests.composition.described import box, composing, joint, link, urdf
 from tests.robots import ROBOTS
 
 SMALL = ("--size", "200x150", "--samples", "1")
@@ -192,3 +193,23 @@ def test_an_exploded_view_names_the_listed_components(
     run = stepbot("inspect", str(tmp_path / "hinge.step"), "--picture", str(picture), "--depth", "0", "--json")
     assert json.loads(run.out)["picture"] == picture.as_posix()
     assert (np.asarray(Image.open(BytesIO(picture.read_bytes()))) != whole).any()
+
+
+def test_a_module_is_drawn_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot) -> None:
+    """Its links and the axes between them, without what it is attached to; other names are errors that list them."""
+    monkeypatch.chdir(tmp_path)
+    hand = urdf(
+        "hand",
+        link("palm", more=box(0.1, 0.1, 0.1)),
+        link("tip", more=box(0.1, 0.1, 0.1)),
+        joint("j", "palm", "tip", xyz="0 0 0.3"),
+    )
+    (tmp_path / "hand.urdf").write_text(hand, encoding="utf-8")
+    modules = ("a: {file: hand.urdf}", "b: {file: hand.urdf, at: a/tip, offset: {xyz: [0.5, 0, 0]}}")
+    (tmp_path / "r.robot.yaml").write_text(composing(*modules), encoding="utf-8")
+    document = rendered(stepbot, "r.robot.yaml", *SMALL, "--labels", "--module", "b")
+    assert set(document["places"]) == {"b_palm", "b_tip"}
+    assert {*document["hidden"], *document["unlabelled"]} <= {"b_palm", "b_tip", "b_j"}
+    run = stepbot("render", "r.robot.yaml", *SMALL, "--module", "c")
+    assert run.code == 2
+    assert "no module 'c'; choose from a, b" in run.err

@@ -14,7 +14,7 @@ from stepbot.pipeline.stages import convert
 from stepbot.runtime.cache import Cache
 from tests.command_line import stepbot
 
-from .described import composing
+from .described import composing, joint, link, urdf
 
 TWO = """
     version: 1
@@ -89,6 +89,34 @@ def test_groups_are_the_modules(folder: Path) -> None:
     assert set(ends.values()) <= groups
     assert all(one.get("base_link") in links and one.get("tip_link") in links for one in top.iter("chain"))
     assert all(one.get("name") in joints for one in top.iter("joint"))
+
+
+DRIVEN = urdf(
+    "arm",
+    link("base"),
+    link("tip"),
+    joint("lift", "base", "tip", axis="0 1 0"),
+    "<transmission name='t' type='SimpleTransmission'><joint name='lift'>"
+    "<hardwareInterface>hardware_interface/PositionJointInterface</hardwareInterface></joint>"
+    "<actuator name='m'/></transmission>",
+)
+
+
+def test_gains_that_a_description_lacks_are_those_of_the_whole(tmp_path: Path, cache: Cache) -> None:
+    """SB874:gains states what is written, for each instance, and not what the module alone would have."""
+    (tmp_path / "arm.urdf").write_text(DRIVEN, encoding="utf-8")
+    (tmp_path / "arm.robot.yaml").write_text(composing("arm: {file: arm.urdf, prefix: ''}"), encoding="utf-8")
+    modules = ("a: {file: arm.urdf}", "b: {file: arm.robot.yaml, at: a/tip, offset: {xyz: [0.3, 0, 0]}}")
+    (tmp_path / "r.robot.yaml").write_text(composing(*modules), encoding="utf-8")
+    made = convert(tmp_path / "r.robot.yaml", Options(tmp_path / "out", ("mjcf",), verify=False, cache=cache))
+    assert made.robot is not None
+    expected = [
+        f"actuator '{one.name}' on '{one.joint}': no gains in the file: kp = {one.kp:g}, kv = {one.kv:g} computed"
+        for one in made.robot.actuators
+    ]
+    found = [(one.message, one.span.line) for one in made.diagnostics if one.code == "SB874:gains"]
+    assert found == [(expected[0], 5), (expected[1], 6)]
+    assert made.robot.actuators[0].kp > made.robot.actuators[1].kp
 
 
 def test_computed_gains_follow_the_load(tmp_path: Path, cache: Cache) -> None:

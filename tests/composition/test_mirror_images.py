@@ -311,12 +311,36 @@ def test_mirrored_loops_close(gripper: Robot) -> None:
     for position in (0.05, 0.3, 0.55, 0.8):
         q = posed(image, {"finger_joint": position})
         assert q == pytest.approx(posed(gripper, {"finger_joint": position}), abs=1e-9)
-        poses, others = link_poses(image, q), link_poses(gripper, q)
-        for closure in image.closures:
-            a, b = poses[closure.link_a] @ closure.X_AF, poses[closure.link_b] @ closure.X_BF
-            assert a.distance_to(b)[0] < 1e-6
-        for name, pose in poses.items():
-            assert np.allclose(pose.matrix, image_of(others[name].matrix), rtol=0.0, atol=1e-9)
+        assert_image(gripper, image, q, q)
+
+
+def assert_image(robot: Robot, image: Robot, q: Mapping[str, float], q_image: Mapping[str, float]) -> None:
+    """The loops of the mirror image are closed, and its links are at the images of the robot's."""
+    poses, others = link_poses(image, q_image), link_poses(robot, q)
+    for closure in image.closures:
+        a, b = poses[closure.link_a] @ closure.X_AF, poses[closure.link_b] @ closure.X_BF
+        assert a.distance_to(b)[0] < 1e-6
+    for name, pose in poses.items():
+        assert np.allclose(pose.matrix, image_of(others[name].matrix), rtol=0.0, atol=1e-9), name
+
+
+def test_mirrored_loops_of_ball_joints_close(robot_library: Path, cache: Cache, tmp_path: Path) -> None:
+    """A delta, over the range of its shoulders: yaw and roll of the ball joint above the platform change signs."""
+    options = Options(tmp_path, formats=("mjcf",), verify=False, cache=cache)
+    delta = produce(robot_library / "stepbot_delta" / "delta.robot.yaml", options).robot
+    assert delta is not None
+    image = mirrored(delta, "y")
+    for shoulders in ((0.0, 0.0, 0.0), (0.3, 0.2, -0.1), (-0.2, 0.5, 0.4)):
+        q = posed(
+            delta,
+            {
+                f"shoulder_{i}": delta.joint_by_name[f"shoulder_{i}"].drawn_position + angle
+                for i, angle in enumerate(shoulders, 1)
+            },
+        )
+        assert max(abs(q[f"elbow_{i}_left_1"]) for i in (1, 2, 3)) > 0.0
+        turned = {name: -value if name.endswith(("_yaw", "_roll")) else value for name, value in q.items()}
+        assert_image(delta, image, q, turned)
 
 
 def test_files_of_a_mirrored_module(tmp_path: Path, cache: Cache, gripper: Robot) -> None:

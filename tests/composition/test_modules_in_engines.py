@@ -16,6 +16,8 @@ from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.stages import convert
 from stepbot.runtime.cache import Cache
 
+from .described import composing, link, urdf
+
 ARM, HAND = "stepbot_arm2/arm2", "robotiq_2f85/2f85"
 WHOLE = """
     version: 1
@@ -169,9 +171,24 @@ def test_nothing_touches_at_home(folder: Path) -> None:
     assert data.ncon == 0
 
 
+def gap_of_loops(model: mujoco.MjModel, data: mujoco.MjData, prefix: str) -> float:
+    """The largest distance [m] of the two ends of a closure, of those with a prefix."""
+    gaps = []
+    for i in np.flatnonzero(model.eq_type == mujoco.mjtEq.mjEQ_CONNECT):
+        assert model.eq_objtype[i] == mujoco.mjtObj.mjOBJ_SITE
+        sites = [data.site(int(ids[i])) for ids in (model.eq_obj1id, model.eq_obj2id)]
+        if sites[0].name.startswith(prefix):
+            gaps.append(float(np.linalg.norm(sites[0].xpos - sites[1].xpos)))
+    assert len(gaps) >= 2
+    return max(gaps)
+
+
 def test_a_gripper_on_an_arm_closes_as_alone(folder: Path) -> None:
-    """Opening and closing in a second: what follows the drive is at most as far off it as in the gripper's own file."""
-    errors = []
+    """Opening and closing in a second: what follows the drive is at most as far off it as in the gripper's own file.
+
+    So are its loops, within 5 um of alone.
+    """
+    errors, gaps = [], []
     for name, prefix in (("2f85", ""), ("both", "hand_")):
         model = mjcf(folder, name)
         data = mujoco.MjData(model)
@@ -180,10 +197,91 @@ def test_a_gripper_on_an_arm_closes_as_alone(folder: Path) -> None:
         leader, follower = (
             model.joint(f"{prefix}{joint}").qposadr[0] for joint in ("finger_joint", "right_outer_knuckle_joint")
         )
-        worst = 0.0
+        worst = widest = 0.0
         while data.time < 1.0:
             data.ctrl[drive] = 0.4 - 0.3 * np.cos(2.0 * np.pi * data.time)
             mujoco.mj_step(model, data)
             worst = max(worst, abs(abs(data.qpos[leader]) - abs(data.qpos[follower])))
+            widest = max(widest, gap_of_loops(model, data, prefix))
         errors.append(worst)
+        gaps.append(widest)
     assert errors[1] < max(1.5 * errors[0], 1e-4)
+    assert 0.0 < gaps[1] < gaps[0] + 5e-6
+
+
+INERTIAL = "inertial: {mass: 1, com: [0.01, 0.02, 0.03], inertia: {ixx: 0.01, iyy: 0.02, izz: 0.025, ixy: 0.003}}"
+ORIGIN = "origin: {xyz: [0.1, 0.2, 0.3], rpy: [0.3, 0.2, 0.1], relative_to: %s}"
+KINDS = {
+    "ball": "",
+    "universal": ", axis: [0.6, 0, 0.8], axis2: [0, 1, 0]",
+    "cylindrical": ", axis: [0.6, 0, 0.8]",
+    "planar": ", axis: [0.48, 0.6, 0.64]",
+    "screw": ", axis: [0.6, 0, 0.8], pitch: 10 mm/rev, limits: {lower: -3, upper: 3, effort: 1, velocity: 1}",
+}
+
+
+@pytest.fixture(scope="module")
+def mirrored_pair(tmp_path_factory: pytest.TempPathFactory) -> Conversion:
+    """A chain of joints of all kinds and its mirror image, proven in all engines that are installed."""
+    folder = tmp_path_factory.mktemp("kinds")
+    (folder / "palm.urdf").write_text(urdf("palm", link("palm")), encoding="utf-8")
+    links = "".join(f"  {kind}_link: {{{INERTIAL}}}\n" for kind in KINDS)
+    joints, above = "", "palm/palm"
+    for kind, settings in KINDS.items():
+        origin = f", {ORIGIN % above}" if "/" not in above else ""
+        joints += f"  {kind}: {{type: {kind}, parent: {above}, child: {kind}_link{origin}{settings}}}\n"
+        above = f"{kind}_link"
+    hand = composing("palm: {file: palm.urdf, prefix: ''}", more=f"links:\n{links}joints:\n{joints}")
+    (folder / "hand.robot.yaml").write_text(hand, encoding="utf-8")
+    pair = composing("left: {file: hand.robot.yaml}", "right: {mirror_of: left, at: left/palm, flip: [screw]}")
+    (folder / "pair.robot.yaml").write_text(pair, encoding="utf-8")
+    made = convert(folder / "pair.robot.yaml", Options(folder / "out", ("urdf", "sdf", "mjcf")))
+    assert not made.diagnostics.has_errors, [str(one) for one in made.diagnostics if one.severity == "error"]
+    return made
+
+
+def test_joints_of_several_degrees_of_freedom_are_mirrored(mirrored_pair: Conversion) -> None:
+    """Every engine that reads their types, or what they are written as, has the image at the image, mimics included."""
+    assert mirrored_pair.report is not None
+    of_image = [one for one in mirrored_pair.report.checks if one.against == "module 'right' alone"]
+    passed = {(one.engine, one.format) for one in of_image if one.quantity == "poses" and one.status == "passed"}
+    assert passed >= {("mujoco", "urdf"), ("mujoco", "mjcf"), ("pybullet", "urdf"), ("reader", "sdf"), ("stepbot", "")}
+    assert ("mujoco", "mimic") in {(one.engine, one.quantity) for one in of_image if one.status == "passed"}
+    assert {one.status for one in of_image} == {"passed"}
+
+
+def test_loops_start_where_home_is(tmp_path: Path) -> None:
+    """Two modules with loops that begin elsewhere than drawn: PyBullet and SDFormat, whose zeros move, have them so."""
+    modules = (
+        "left: {file: 'library:slider_crank', home: {shaft: 0.4}}",
+        "right: {mirror_of: left, flip: [shaft], at: left/frame, offset: {xyz: [0.5, 0, 0]}}",
+        "bar: {file: 'library:four_bar', at: left/frame, home: {crank_turn: 0.3}}",
+    )
+    (tmp_path / "r.robot.yaml").write_text(composing(*modules), encoding="utf-8")
+    made = convert(tmp_path / "r.robot.yaml", Options(tmp_path / "out", ("urdf", "sdf")))
+    assert not made.diagnostics.has_errors, [str(one) for one in made.diagnostics if one.severity == "error"]
+    assert made.report is not None
+    closed = [one for one in made.report.checks if one.quantity == "closures" and one.status == "passed"]
+    assert {("pybullet", "urdf"), ("reader", "sdf")} <= {(one.engine, one.format) for one in closed}
+    against = {one.against for one in made.report.checks if one.format == "sdf" and one.quantity == "limits"}
+    assert against == {"model", *(f"module '{name}' alone" for name in ("left", "right", "bar"))}
+
+
+def test_mujoco_mirrors_a_ball_joint(mirrored_pair: Conversion) -> None:
+    """The rotation of a ball about any axis has the reflected pseudovector as its image's, by MuJoCo alone."""
+    model = mujoco.MjModel.from_xml_string(mirrored_pair.files["whole.xml"].decode())
+    data, random = mujoco.MjData(model), np.random.default_rng(5)
+    quaternion = random.normal(size=4)
+    quaternion /= np.linalg.norm(quaternion)
+    for side, signs in (("left", (1, 1, 1, 1)), ("right", (1, -1, 1, -1))):
+        at = int(model.joint(f"{side}_ball").qposadr[0])
+        data.qpos[at : at + 4] = quaternion * signs
+    for name in ("universal_1", "universal_2"):
+        for side in ("left", "right"):
+            data.qpos[model.joint(f"{side}_{name}").qposadr[0]] = 0.7
+    mujoco.mj_kinematics(model, data)
+    M = np.diag([1.0, -1.0, 1.0])
+    for name in ("ball_link", "universal_link", "screw_link"):
+        left, right = (data.body(f"{side}_{name}") for side in ("left", "right"))
+        assert np.allclose(right.xpos, M @ left.xpos, rtol=0.0, atol=1e-12), name
+        assert np.allclose(right.xmat.reshape(3, 3), M @ left.xmat.reshape(3, 3) @ M, rtol=0.0, atol=1e-12), name

@@ -102,7 +102,13 @@ def test_mass_matrix_is_the_sum_of_the_modules(converted: Callable[..., Conversi
         assert np.allclose(M, sum_of_modules, rtol=0.0, atol=1e-12 * np.abs(M).max())
 
 
-@pytest.mark.parametrize("robot", ["stepbot_arm2", "robotiq_2f85"])
+LIBRARY = sorted(path.parent.name for path in (Path(__file__).parents[2] / "robot_library").glob("*/*.step"))
+SMALL = ("stepbot_arm2", "robotiq_2f85", "stepbot_delta")
+
+
+@pytest.mark.parametrize(
+    "robot", [pytest.param(one, marks=() if one in SMALL else pytest.mark.long) for one in LIBRARY]
+)
 def test_one_module_without_prefix_is_the_module(
     robot: str, converted: Callable[..., Conversion], robot_library: Path
 ) -> None:

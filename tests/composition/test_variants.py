@@ -86,6 +86,52 @@ def test_values_of_a_module_are_changed(variant: Callable[..., Robot]) -> None:
     assert effort(variant("strong", Diagnostics()), "hand_grip") == 50.0
 
 
+IMPOSSIBLE = 'ixx="1" iyy="1" izz="9" ixy="0.5" ixz="0" iyz="0"'
+
+
+def test_an_impossible_inertia_is_replaced(variant: Callable[..., Robot]) -> None:
+    """What ``set`` gives is judged, not what it replaces; an inertia is one value, with its products."""
+    arm = ARM.replace('ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"', IMPOSSIBLE)
+    with pytest.raises(StepbotError, match=r"SB509.*link 'base'.*moment"):
+        variant("", Diagnostics(), {**FILES, "arm.urdf": arm})
+    new = "links: {%s: {inertial: {mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 2, izz: IZZ}}}}"
+    sets = WHOLE.replace("set: {", "set: {" + f"{(new % 'base')[:-1]}, {(new % 'upper').removeprefix('links: {')}, ")
+    assert sets.count("IZZ") == 2
+    robot = variant("", Diagnostics(), {**FILES, "whole.robot.yaml": sets.replace("IZZ", "2.5"), "arm.urdf": arm})
+    expected = ((1.0, 0.0, 0.0), (0.0, 2.0, 0.0), (0.0, 0.0, 2.5))
+    assert [robot.link_by_name[name].mass_properties.inertia for name in ("base", "upper")] == [expected] * 2
+    with pytest.raises(StepbotError, match="SB509") as raised:
+        variant("", Diagnostics(), {**FILES, "whole.robot.yaml": sets.replace("IZZ", "9"), "arm.urdf": arm})
+    errors = [one.span for one in raised.value.diagnostics if one.severity == "error"]
+    assert {(span.file.rpartition("/")[2], span.line) for span in errors} == {("whole.robot.yaml", 5)}
+
+
+SWAPPED = """
+    version: 1
+    robot: whole
+    base: fixed
+    modules:
+      arm: {file: arm.urdf, prefix: ""}
+      hand:
+        {file: hand.robot.yaml, at: arm/upper, prefix: h_, by: palm, home: {grip: 0.5},
+         set: {joints: {grip: {limits: {effort: 7}}}}}
+    variants: {other: {modules: {hand: {file: arm.urdf}}}, same: {modules: {hand: {file: hand.robot.yaml}}}}
+    """
+
+
+def test_another_file_begins_anew(variant: Callable[..., Robot]) -> None:
+    """A variant that swaps a module keeps its place and prefix, and nothing that names elements of the former file."""
+    files = {**FILES, "whole.robot.yaml": SWAPPED}
+    robot = variant("other", Diagnostics(), files)
+    assert {joint.name: joint.parent for joint in robot.joints} == {
+        "lift": "base",
+        "hand_mount": "upper",
+        "h_lift": "h_base",
+    }
+    same = variant("same", Diagnostics(), files)
+    assert (effort(same, "h_grip"), same.joint_by_name["h_grip"].drawn_position) == (7.0, 0.5)
+
+
 def test_what_is_attached_to_a_part_that_is_left_out_goes_too(variant: Callable[..., Robot]) -> None:
     """Without the hand there are neither its devices, nor frames on it, nor pairs with it."""
     robot = variant("bare", Diagnostics())

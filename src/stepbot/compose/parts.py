@@ -3,10 +3,14 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from math import atan2
+
+import numpy as np
 
 from stepbot.diagnostics import Diagnostics, did_you_mean, listed
-from stepbot.robot.kinematics import within_limits
-from stepbot.robot.model import Module, Robot
+from stepbot.geometry.spatial import Pose, dot, perpendicular_frame, rotated, rotation_about
+from stepbot.robot.kinematics import initial_configuration, link_poses, within_limits
+from stepbot.robot.model import JointKind, LoopClosure, Module, Robot
 from stepbot.robot.posing import NotReached, coordinates, leader_of, posed
 from stepbot.robot.renaming import KINDS, renamed
 from stepbot.sidecar.joint_settings import position_dimension
@@ -157,6 +161,9 @@ class Parts:
         moved = replace(
             robot, joints=tuple(replace(j, drawn_position=pose.get(j.name, j.drawn_position)) for j in robot.joints)
         )
+        at = link_poses(moved, initial_configuration(moved)) if moved.closures else {}
+        closures = (_coinciding(one, at[one.link_a].inverse() @ at[one.link_b]) for one in moved.closures)
+        moved = replace(moved, closures=tuple(closures))
         if not within_limits(moved, pose):
             limits = {joint: known[joint].limit for joint in given}
             outside = [f"'{joint}' ({one.lower:g} to {one.upper:g})" for joint, one in limits.items()]
@@ -211,6 +218,22 @@ class Parts:
         section = self._sections[name]
         origin = self._sections[section.mirror_of] if section.mirror_of else section
         return origin.file or name
+
+
+def _coinciding(closure: LoopClosure, X_AB: Pose) -> LoopClosure:
+    """The same closure with its frames at one place in the initial pose, as in a robot drawn in it.
+
+    Formats that state one frame have the other one from this pose.
+    """
+    X_FG, axis = closure.X_AF.inverse() @ X_AB @ closure.X_BF, np.array(closure.axis)
+    R, along = np.eye(3), axis * dot(axis, X_FG.p) if closure.kind.slides else np.zeros(3)
+    if closure.kind is JointKind.BALL:
+        R = X_FG.R
+    elif closure.kind.about == "line":
+        x, y, _ = perpendicular_frame(closure.axis).T
+        turned = rotated(X_FG.R, x)
+        R = rotation_about(closure.axis, atan2(dot(turned, y), dot(turned, x)))
+    return replace(closure, X_AF=closure.X_AF @ Pose.of(R, along))
 
 
 def _with_prefix(robot: Robot, prefix: str) -> Robot:

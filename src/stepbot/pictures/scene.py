@@ -161,29 +161,35 @@ def _revolved(profile: Array) -> TriMesh:
     return TriMesh.of(vertices, faces)
 
 
-def robot_subject(robot: Robot, q: Configuration) -> Subject:
+def robot_subject(robot: Robot, q: Configuration, links: Collection[str] | None = None) -> Subject:
     """The visuals of a robot's links at a complete configuration, and the axes of its joints.
 
     Args:
         q: Positions [rad] or [m].
+        links: The links to draw, and the axes between them; None for all.
     """
     poses = link_poses(robot, q)
+    drawn = [link for link in robot.links if links is None or link.name in links]
+    axes = _axes(robot, poses, {link.name for link in drawn})
     shapes = [
         Shape(mesh_of(visual.geometry, robot), poses[link.name] @ visual.X_LG, rgb(visual.rgba), owner)
-        for owner, link in enumerate(robot.links)
+        for owner, link in enumerate(drawn)
         for visual in link.visuals
     ]
-    return Subject(tuple(shapes), tuple(link.name for link in robot.links), tuple(_axes(robot, poses)))
+    return Subject(tuple(shapes), tuple(link.name for link in drawn), tuple(axes))
 
 
-def _axes(robot: Robot, poses: Mapping[str, Pose]) -> Iterator[Axis]:
-    """The axes of all joints and closures that have one, in the world."""
+def _axes(robot: Robot, poses: Mapping[str, Pose], links: Collection[str]) -> Iterator[Axis]:
+    """The axes of all joints and closures between some links that have one, in the world."""
     for joint in robot.joints:
-        if joint.kind.turns or joint.kind.slides:  # the axis keeps its direction in the parent, its point in the child
+        is_drawn = joint.parent in links and joint.child in links
+        if is_drawn and (joint.kind.turns or joint.kind.slides):
+            # The axis keeps its direction in the parent, its point in the child.
             axis_W = (poses[joint.parent] @ joint.X_PC).turn(joint.axis)
             yield _axis(joint.name, joint.kind, poses[joint.child].position, axis_W)
     for closure in robot.closures:
-        if closure.kind.turns or closure.kind.slides:
+        is_drawn = closure.link_a in links and closure.link_b in links
+        if is_drawn and (closure.kind.turns or closure.kind.slides):
             X_WF = poses[closure.link_a] @ closure.X_AF
             yield _axis(closure.name, closure.kind, X_WF.position, X_WF.turn(closure.axis))
 

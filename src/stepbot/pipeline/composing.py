@@ -29,7 +29,7 @@ from stepbot.sidecar.tree import Mapping, child, way
 from stepbot.sidecar.variants import merged
 from stepbot.verification.joint_rows import joint_rows_of
 from stepbot.verification.judging import MOST_NOTES, Subject, check_of
-from stepbot.verification.modules import Alone, in_model
+from stepbot.verification.modules import Alone, in_initial_pose, in_model
 
 from .building import built_of, places
 from .conversion import Options, is_description
@@ -44,6 +44,8 @@ _OPEN_BASE = "SB874:base"
 """A description does not say whether its base is fixed; what it is attached to decides."""
 _NO_DENSITY = "SB522"
 _UNPORTABLE = "SB129"
+_GAINS = "SB874:gains"
+"""Computed gains of a description's actuators, which the whole robot computes again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +82,7 @@ def compose(sidecar: Sidecar, options: Options, found: Diagnostics) -> Composed:
     """
     files = _Files(options)
     robot = files.composed(sidecar, (sidecar.path,), found)
+    files.report_gains(sidecar, robot, found)
     if not found.has_errors:
         check_expected(sidecar, robot, lambda path: _components(robot, path), found)
     read = tuple(path for path, digest in files.read.items() if digest is not None)
@@ -108,6 +111,8 @@ class _Files:
     def __init__(self, options: Options) -> None:
         self._options = options
         self._robots: dict[tuple[Path, str, str], Robot | None] = {}
+        self._tuned: set[tuple[str, str]] = set()
+        """File and name of each actuator without gains there."""
         self._modules = 0
         self.read: dict[Path, str | None] = {}
         """Hash of each file before it was read."""
@@ -139,6 +144,17 @@ class _Files:
         check_robot(robot, found, sidecar.span(), massless_between=True, places=lambda: _places(sidecar, robot))
         found.raise_if_errors()
         return robot
+
+    def report_gains(self, sidecar: Sidecar, robot: Robot, found: Diagnostics) -> None:
+        """Report the gains that the whole robot computes for actuators without any in their description."""
+        for actuator in (one for one in robot.actuators if one.tuning is not None):
+            child = robot.joint_by_name[actuator.joint].child
+            for module in (one for one in robot.modules if child in one.links):
+                if (module.file, actuator.name.removeprefix(module.prefix)) in self._tuned:
+                    from .translating import computed_gains
+
+                    place = sidecar.key_span("modules", module.name.partition("/")[0])
+                    found.add(_GAINS, computed_gains(actuator), place)
 
     def _check_count(self, sidecar: Sidecar, name: str, chain: tuple[Path, ...], found: Diagnostics) -> None:
         what = f"more than {MOST} modules" if self._modules > MOST else ""
@@ -206,7 +222,10 @@ class _Files:
                 is_settled = one.code == _UNPORTABLE and (
                     one.message.startswith("robot ") or any(f"'{name}'" in one.message for name in new_names)
                 )
-                if not is_settled and (one.code != _OPEN_BASE or not is_placed):
+                if one.code == _GAINS:
+                    former = one.message.split("'")[1]
+                    self._tuned.add((path.name, section.rename.get("actuators", {}).get(former, former)))
+                elif not is_settled and (one.code != _OPEN_BASE or not is_placed):
                     place, help = one.span, one.help
                     if one.code == _OPEN_BASE:
                         help = (f"`base: fixed` or `base: floating` in {sidecar.path.name}",)
@@ -226,7 +245,7 @@ class _Files:
         if is_description(path):
             from .translating import robot_of_file
 
-            robot, files = robot_of_file(path, self._options, found)
+            robot, files = robot_of_file(path, self._options, found, changes.links_with_inertia)
             self._note(*files)
             return changes.of_description(robot, path, self._options, found)
         self._note(lock_path(path, changes.variant))
@@ -245,7 +264,8 @@ def _modules_alone(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot
         if module.name in sections:
             section = sections[module.name]
             of = alone[section.mirror_of or module.name]
-            modules.append(Alone(module, of, _flips(of, section, sections)))
+            flips = _flips(of, section, sections)
+            modules.append(Alone(module, in_initial_pose(of, robot, module.prefix, flips), flips))
     return modules
 
 
@@ -320,6 +340,16 @@ class _Changes:
         """The module, with the places of its values."""
         self.tree = child(self.section, "set") if sidecar.document.modules[module].set else None
         """The values to change."""
+
+    @property
+    def links_with_inertia(self) -> list[str]:
+        """Links that get a mass and an inertia, by their names in the file."""
+        section = self._sidecar.document.modules[self._module]
+        former = {new: old for old, new in section.rename.get("links", {}).items()}
+        links = section.set.get("links")
+        given = {name: one for name, one in links.items() if isinstance(one, dict)} if isinstance(links, dict) else {}
+        whole = [name for name, one in given.items() if "inertia" in (one.get("inertial") or ())]
+        return [former.get(name, name) for name in whole]
 
     def of_step(self, step: Path, found: Diagnostics) -> Sidecar:
         """The sidecar of a STEP file without one: all of its parts are one link."""

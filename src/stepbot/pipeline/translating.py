@@ -4,7 +4,7 @@ What of the file does not reach the model is reported; the engines compare the w
 the file that they came from.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -102,14 +102,19 @@ def check_description(path: Path, options: Options, found: Diagnostics) -> Check
     return Checked("", len(robot.links), joints, joint_rows_of(robot), robot_words(robot))
 
 
-def robot_of_file(path: Path, options: Options, found: Diagnostics) -> tuple[Robot, tuple[Path, ...]]:
+def robot_of_file(
+    path: Path, options: Options, found: Diagnostics, replaced: Collection[str] = ()
+) -> tuple[Robot, tuple[Path, ...]]:
     """The checked robot of a description, and the further files that it refers to.
+
+    Args:
+        replaced: Links whose mass properties are replaced, so that those of the file are not judged.
 
     Raises:
         StepbotError: There are errors.
     """
     description = _read(path, options, found)
-    return _robot(path, description, options, found)[0], description.files
+    return _robot(path, description, options, found, replaced)[0], description.files
 
 
 def _read(path: Path, options: Options, found: Diagnostics) -> Description:
@@ -119,7 +124,9 @@ def _read(path: Path, options: Options, found: Diagnostics) -> Description:
     return description
 
 
-def _robot(path: Path, description: Description, options: Options, found: Diagnostics) -> tuple[Robot, Described]:
+def _robot(
+    path: Path, description: Description, options: Options, found: Diagnostics, replaced: Collection[str] = ()
+) -> tuple[Robot, Described]:
     """The checked robot of a description; all differences from its file are reported."""
     span = Span(path.as_posix())
     base = Base(options.base) if options.base else None
@@ -161,9 +168,12 @@ def _robot(path: Path, description: Description, options: Options, found: Diagno
         message = f"link '{described.robot.root.name}': taken as fixed to the world"
         help = ["`--base floating` for a robot that moves freely, `--base fixed` to confirm"]
         found.add("SB874:base", message, span, help=help)
-    check_robot(described.robot, found, span, massless_between=True)
-    if not found.has_errors:
-        check_inertials(described.robot, found, span)
+    judged = Diagnostics()
+    check_robot(described.robot, judged, span, massless_between=True)
+    if not judged.has_errors:
+        check_inertials(described.robot, judged, span)
+    subjects = tuple(f"link '{link}': " for link in replaced)
+    found.extend(one for one in judged if not one.message.startswith(subjects))
     found.raise_if_errors()
     robot = _tuned(described.robot, span, found)
     return robot, replace(described, robot=robot)
@@ -177,6 +187,14 @@ def _with_assumed(described: Described, options: Options) -> Described:
     return replace(described, robot=robot, findings=(*described.findings, *findings))
 
 
+def computed_gains(actuator: Actuator) -> str:
+    """What SB874:gains reports of an actuator without gains in its file."""
+    gains = f"kp = {actuator.kp:g}, kv = {actuator.kv:g}"
+    if actuator.kind is ActuatorKind.VELOCITY:
+        gains = f"kv = {actuator.kv:g}"
+    return f"actuator '{actuator.name}' on '{actuator.joint}': no gains in the file: {gains} computed"
+
+
 def _tuned(robot: Robot, span: Span, found: Diagnostics) -> Robot:
     """The robot with computed gains for actuators of which the file gives none (SB874:gains)."""
     weak: dict[str, str] = {}
@@ -187,9 +205,8 @@ def _tuned(robot: Robot, span: Span, found: Diagnostics) -> Robot:
     tuned_robot = tuned(robot, too_weak)
     for one in tuned_robot.actuators:
         if one.tuning is not None:
-            gains = f"kv = {one.kv:g}" if one.kind is ActuatorKind.VELOCITY else f"kp = {one.kp:g}, kv = {one.kv:g}"
-            text = f"actuator '{one.name}' on '{one.joint}': no gains in the file: {gains} computed"
-            found.add("SB874:gains", text, span, notes=[weak[one.name]] if one.name in weak else ())
+            notes = [weak[one.name]] if one.name in weak else ()
+            found.add("SB874:gains", computed_gains(one), span, notes=notes)
     return tuned_robot
 
 

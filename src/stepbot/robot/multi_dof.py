@@ -32,7 +32,7 @@ def chained(robot: Robot, kind: JointKind, steps_of: Callable[[Joint], Steps]) -
 
     All frames of a chain coincide at q = 0: the first joint is placed where the joint was, the others in that frame.
     A joint sensor becomes one per independent joint of the chain; a force-torque sensor moves to the last joint, which
-    has the same child.
+    has the same child. The links between are in the modules that have both the joint's links.
     """
     if not any(joint.kind is kind for joint in robot.joints):
         return robot
@@ -41,14 +41,18 @@ def chained(robot: Robot, kind: JointKind, steps_of: Callable[[Joint], Steps]) -
     joints: list[Joint] = []
     links = [robot.root]
     chains: dict[str, list[Joint]] = {}
+    modules = {module: list(module.links) for module in robot.modules}
     for joint in robot.joints:
         chain = _chain(joint, steps_of(joint), taken) if joint.kind is kind else [joint]
         chains[joint.name] = chain
         joints += chain
-        links += [Link(step.child) for step in chain[:-1]]
-        links.append(robot.link_by_name[joint.child])
+        between = [step.child for step in chain[:-1]]
+        links += [*map(Link, between), robot.link_by_name[joint.child]]
+        for module, members in modules.items() if between else ():
+            members += between if {joint.parent, joint.child} <= set(module.links) else ()
     sensors = tuple(part for sensor in robot.sensors for part in _sensors(sensor, chains.get(sensor.joint, [])))
-    return replace(robot, links=tuple(links), joints=tuple(joints), sensors=sensors)
+    with_links = tuple(replace(module, links=tuple(members)) for module, members in modules.items())
+    return replace(robot, links=tuple(links), joints=tuple(joints), sensors=sensors, modules=with_links)
 
 
 def _sensors(sensor: Sensor, chain: list[Joint]) -> list[Sensor]:

@@ -74,7 +74,8 @@ def check_robot(
     place = span if span is not None else Span(robot.source or robot.name)
 
     def report(code: str, message: str, *, help: Iterable[str] = (), about: str = "") -> None:
-        found.add(code, message, places().get(about or message.partition(": ")[0], place), help=help)
+        known, subject = places(), message.partition(": ")[0]
+        found.add(code, message, known.get(about) or known.get(subject, place), help=help)
 
     sound = [check(robot, report) for check in (_check_names, _check_references, _check_numbers)]
     if all(sound) and _check_tree(robot, report) and _check_mimics(robot, report):

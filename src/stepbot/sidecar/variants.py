@@ -9,12 +9,16 @@ from pathlib import Path
 from stepbot.diagnostics import Diagnostics, did_you_mean
 
 from .compose import compose
-from .tree import ELEMENTS, Entry, Keys, Listing, Mapping, Scalar, Tree, child, span
+from .tree import ELEMENTS, Entry, Keys, Listing, Mapping, Scalar, Tree, child, span, way
 
 _NAMED = (*ELEMENTS, "modules")
 """Sections whose members `without` and `set` name."""
 _PARTS = ("links", "modules")
 _OWN_KEYS = ("like", "without")
+_WHOLE = ("inertia",)
+"""Keys of mappings that are one value: the products of another inertia mean nothing beside new moments."""
+_OF_FILE = ("by", "home", "set", "without", "variant", "rename", "flip")
+"""Keys of a module that name elements of its file, and go with it."""
 
 
 def variant_names(text: str) -> tuple[str, ...]:
@@ -25,14 +29,35 @@ def variant_names(text: str) -> tuple[str, ...]:
 
 
 def merged(base: Tree, patch: Tree) -> Tree:
-    """The base with the values of the patch: mappings are merged key by key, everything else is replaced."""
+    """The base with the values of the patch: mappings are merged key by key, everything else is replaced.
+
+    An inertia is one value. A module that gets another file keeps nothing that names elements of the former one.
+    """
     if not (isinstance(base, Mapping) and isinstance(patch, Mapping)):
         return patch
     entries = dict(base.entries)
     for key, new in patch.entries.items():
         old = entries.get(key)
-        entries[key] = new if old is None else Entry(old.key_span, merged(old.value, new.value))
+        if old is None or key in _WHOLE:
+            entries[key] = new
+        else:
+            value = _with_other_files(old.value, new.value) if key == "modules" else old.value
+            entries[key] = Entry(old.key_span, merged(value, new.value))
     return _mapping(base, entries)
+
+
+def _with_other_files(modules: Tree, patch: Tree) -> Tree:
+    """The modules without what goes with the file of those that get another one."""
+    if not (isinstance(modules, Mapping) and isinstance(patch, Mapping)):
+        return modules
+    entries = dict(modules.entries)
+    for name in (one for one in patch.entries if one in entries):
+        module = entries[name]
+        files = [one for tree in (modules, patch) for one in way(tree, (name, "file"))[2:]]
+        if len({one.text for one in files if isinstance(one, Scalar)}) > 1 and isinstance(module.value, Mapping):
+            kept = {key: entry for key, entry in module.value.entries.items() if key not in _OF_FILE}
+            entries[name] = Entry(module.key_span, _mapping(module.value, kept))
+    return _mapping(modules, entries)
 
 
 def with_variant(root: Mapping, name: str, found: Diagnostics, module: Tree | None = None) -> Mapping | None:

@@ -9,15 +9,15 @@ import numpy as np
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity, Request
 from stepbot.engines.reference import Reference
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array, Pose, matrix3, vector3
 from stepbot.robot.bounding_boxes import Bounds
 from stepbot.robot.kinematics import moving_joints
-from stepbot.robot.model import JointKind, Module, Robot
+from stepbot.robot.model import Joint, JointKind, Module, Robot
 from stepbot.robot.renaming import NewNames
 
 from .compare import Compared, compare
 from .counterparts import with_new_names
-from .deviation import EQUAL, Deviations
 
 _CONFIGURATIONS = 4
 _REACH = 0.4
@@ -67,6 +67,15 @@ _CHAINS = frozenset(suffix for kind in JointKind for suffix in kind.chain)
 """What the names of coordinates add to those of their joints."""
 
 
+def in_initial_pose(alone: Robot, whole: Robot, prefix: str, flips: Collection[str]) -> Robot:
+    """A module alone, in the initial pose that it has in the whole: some formats have their zeros there."""
+    moved = []
+    for joint in alone.joints:
+        here = whole.joint_by_name.get(prefix + joint.name, joint).drawn_position
+        moved.append(replace(joint, drawn_position=0.0 - here if joint.name in flips else here))
+    return alone if alone.joints == tuple(moved) else replace(alone, joints=tuple(moved))
+
+
 def in_model(robot: Robot, modules: Sequence[Alone]) -> Iterator[tuple[Alone, Compared]]:
     """Compare the modules in the model of a composed robot with the modules alone, in several configurations."""
     configurations: list[dict[str, float]] = [{} for _ in range(_CONFIGURATIONS)]
@@ -99,10 +108,7 @@ def as_alone(
         request: What the engine was asked.
     """
     module, alone, flips = one
-    if module.mirror and lowered is not alone and any(joint.kind not in _SAME_COORDINATES for joint in alone.joints):
-        why = "its joints of several degrees of freedom have other coordinates than their mirror images"
-        yield Compared(Quantity.POSES, Deviations(EQUAL), why)
-        return
+    steps = _steps(alone) if module.mirror else {}
     added = {joint.parent for joint in lowered.joints} - set(alone.link_by_name)  # within joints of several steps
     links = {name: name.removeprefix(module.prefix) for name in module.links}
     links |= {name: link for link in added if (name := module.prefix + link) in whole.link_by_name}
@@ -118,23 +124,29 @@ def as_alone(
     moving = [joint.name for joint in moving_joints(lowered)]
     configurations = [*request.configurations, *request.closed]  # as in the poses of an observation
     names = {name: _coordinate(name, joints) for name in dict.fromkeys(chain.from_iterable(configurations))}
-    q = tuple(
-        {
-            names[name]: -value if names[name] in flips else value
-            for name, value in each.items()
-            if names[name] in moving
-        }
-        for each in configurations
-    )
+    images = _images(steps, module.mirror, lowered, whole, names)
+
+    def of_alone(each: Mapping[str, float]) -> dict[str, float]:
+        signed = {names[name]: -v if names[name] in flips else v for name, v in each.items() if names[name] in moving}
+        sums = {name: exact_sum(each[here] * factor for here, factor in of.items()) for name, of in images.items()}
+        return signed | {name: value for name, value in sums.items() if name in signed}
+
+    q = tuple(map(of_alone, configurations))
     asked = replace(request, configurations=q, rates=(), closures=(), ways=(), driven=())
     driven = set(joints.values()) - set(flips)  # without what is left out
+    planar = {joint.child for joint in lowered.joints if steps.get(joint.name, joint).kind is JointKind.PLANAR}
+    compared_links = {name: link for name, link in links.items() if link in alone.link_by_name or link not in planar}
     given = {each.joint: each.name for each in lowered.actuators if each.tuning is None and each.joint in driven}
-    expected = _part(reference.observe(lowered, asked, dynamics=False), tuple(links.values()), given, is_moved=is_moved)
+    of_file = reference.observe(lowered, asked, dynamics=False)
+    expected = _part(of_file, tuple(compared_links.values()), given, is_moved=is_moved)
     for normal in module.mirror:
         expected = _reflected(expected, np.diag(_NORMALS[normal]))
-    expected = replace(expected, joints=tuple(_reversed(joint, flips) for joint in expected.joints))
+    seen_here = (_with_own_axis(joint, images) for joint in expected.joints)
+    expected = replace(expected, joints=tuple(_reversed(joint, flips) for joint in seen_here))
     drives_here = {name: module.prefix + given[of] for name, of in joints.items() if of in given}
-    seen = with_new_names(_part(observed, tuple(links), drives_here, is_moved=is_moved), NewNames(links, joints))
+    seen = with_new_names(
+        _part(observed, tuple(compared_links), drives_here, is_moved=is_moved), NewNames(links, joints)
+    )
     drives = tuple(replace(each, name=each.name and given[each.joint]) for each in seen.actuators or ())
     for compared in compare(expected, replace(seen, actuators=None if seen.actuators is None else drives)):
         if compared.quantity in _OF_MODULES and not compared.not_run:
@@ -147,6 +159,35 @@ def _coordinate(name: str, joints: Mapping[str, str]) -> str:
         return joints[name]
     whole = next((one for one in joints if name.startswith(one) and name.removeprefix(one) in _CHAINS), "")
     return joints[whole] + name.removeprefix(whole) if whole else ""
+
+
+def _steps(alone: Robot) -> dict[str, Joint]:
+    """The coordinates of joints whose mirror images have others, each with its joint."""
+    joints = [joint for joint in alone.joints if joint.kind not in _SAME_COORDINATES]
+    suffixes = {JointKind.SCREW: ("_slide",)}  # in formats that have no screws
+    return {one.name + suffix: one for one in joints for suffix in suffixes.get(one.kind, one.kind.chain)}
+
+
+def _images(
+    steps: Mapping[str, Joint], normals: str, lowered: Robot, whole: Robot, names: Mapping[str, str]
+) -> dict[str, dict[str, float]]:
+    """For each of ``steps``, the coordinates of the whole that it is the sum of, with their factors.
+
+    They follow from the axes: that of a slide is mirrored as a vector, that of a rotation as a pseudovector.
+
+    Args:
+        names: Coordinates of the module alone by those of the whole.
+    """
+    here, there = ({joint.name: joint for joint in moving_joints(robot)} for robot in (whole, lowered))
+    found: dict[str, dict[str, float]] = {}
+    for step in (there[name] for name in steps if name in there):
+        slides, image = step.kind is JointKind.PRISMATIC, np.array(step.axis)
+        for normal in normals:
+            image = (1.0 if slides else -1.0) * np.array(_NORMALS[normal]) * image
+        kin = [here[name] for name, of in names.items() if steps.get(of) is steps[step.name]]
+        alike = [one for one in kin if (one.kind is JointKind.PRISMATIC) == slides]
+        found[step.name] = {one.name: exact_sum(image * one.axis) for one in alike}
+    return found
 
 
 def _part(seen: Observation, links: Sequence[str], drives: Mapping[str, str], *, is_moved: bool) -> Observation:
@@ -223,6 +264,14 @@ def _reversed(joint: ObservedJoint, flips: Collection[str]) -> ObservedJoint:
     dynamics = dynamics and replace(dynamics, spring_reference=-dynamics.spring_reference)
     axis = joint.axis and vector3(-np.array(joint.axis))
     return replace(joint, axis=axis, limit=limit, dynamics=dynamics, mimic=mimic)
+
+
+def _with_own_axis(joint: ObservedJoint, images: Mapping[str, Mapping[str, float]]) -> ObservedJoint:
+    """A step of a joint, whose axis in the mirrored module is another one; a slide of a screw follows it likewise."""
+    if joint.name not in images:
+        return joint
+    (factor, *_), mimic = [*images[joint.name].values(), 1.0], joint.mimic
+    return replace(joint, axis=None, mimic=mimic and replace(mimic, multiplier=factor * mimic.multiplier))
 
 
 def _image(X: Pose, M: Array) -> Pose:

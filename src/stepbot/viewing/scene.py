@@ -112,6 +112,7 @@ def scene_document(
         "total": _mass(total),
         "meshes": [packed(asset.mesh) for asset in robot.meshes],
         "links": [_link(link, index) for link in robot.links],
+        "modules": [picked(one, "name file links") for one in robot.modules],
         "connections": connection_documents(robot, evidence or {}),
         "motion": motion_document(robot),
         "joint_types": {

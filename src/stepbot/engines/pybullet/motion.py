@@ -64,12 +64,12 @@ def release(body: "Body") -> None:
         body.engine.setJointMotorControl2(body.id, index, body.engine.VELOCITY_CONTROL, force=0.0)
 
 
-def gears(body: "Body", mimics: Mapping[str, Mimic], force: float) -> None:
+def gears(body: "Body", mimics: Mapping[str, Mimic], force: float) -> list[int]:
     """Make mimicking joints follow, by a gear of a maximum force [N], [N m] from the leader's link to theirs.
 
-    PyBullet's ratio has the opposite sign: leader + ratio * follower = const.
+    PyBullet's ratio has the opposite sign: leader + ratio * follower = const. Returns the constraints.
     """
-    engine = body.engine
+    engine, made = body.engine, []
     for name, mimic in mimics.items():
         follower, leader = body.coordinates[name], body.coordinates[mimic.joint]
         if mimic.multiplier == 0.0:
@@ -85,30 +85,70 @@ def gears(body: "Body", mimics: Mapping[str, Mimic], force: float) -> None:
             erp=_GEAR_CORRECTION,
             maxForce=force,
         )
+        made.append(gear)
+    return made
 
 
 def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedClosure, ...], tuple[str, ...]]:
     """Drive the mechanism through its range, loops closed by constraints, and report the gaps.
 
-    Joint damping is switched off: it does not affect the poses of the links.
+    Loops without common joints are driven one after the other, all other joints held: PyBullet's constraints drift
+    when links that carry them move. Joint damping is switched off: it does not affect the poses of the links.
     """
     engine = body.engine
     engine.setTimeStep(STEP)
-    if len(request.closures) > 1:
-        engine.setPhysicsEngineParameter(numSolverIterations=SWEEPS)
     for index in body.coordinates.values():
         engine.changeDynamics(body.id, index, jointDamping=0.0)
-    held = [_Held(body, closure, _points(closure, request)) for closure in request.closures]
-    gears(body, request.mimics, strength(body))
-    deviation = 0.0
-    for way in request.ways:
-        body.set(way[0])
-        release(body)
-        for q in way[1:]:
-            _drive(body, request.driven, q, held)
-            deviation = max(deviation, _deviation(body, request, q))
-    closures = tuple(replace(one.observed, residual=one.widest, angle_error=deviation) for one in held)
-    return closures, ("loops closed by stepbot's point-to-point constraints, 1 ms steps, at most 1 rad/s",)
+    observed: dict[str, ObservedClosure] = {}
+    for closures, joints in _coupled(body, request):
+        if len(closures) > 1:
+            engine.setPhysicsEngineParameter(numSolverIterations=SWEEPS)
+        held = [_Held(body, closure, _points(closure, request)) for closure in closures]
+        of_gears = gears(body, {k: v for k, v in request.mimics.items() if k in joints}, strength(body))
+        driven, others = [one for one in request.driven if one in joints], body.coordinates.keys() - joints
+        following, deviation = joints.difference(driven), 0.0
+        for way in (way for way in request.ways if any(q[name] != way[0][name] for q in way for name in driven)):
+            body.set(way[0])
+            release(body)
+            for name in others:
+                _hold(body, name)
+            for q in way[1:]:
+                _drive(body, driven, {name: q[name] for name in joints}, held)
+                off = (abs(_position(body, name) - q[name]) for name in following)
+                deviation = max(deviation, *off, 0.0)
+        for one in held:
+            one.release()
+            observed[one.observed.name] = replace(one.observed, residual=one.widest, angle_error=deviation)
+        for gear in of_gears:
+            engine.removeConstraint(gear)
+    note = "loops closed by stepbot's point-to-point constraints, 1 ms steps, at most 1 rad/s"
+    return tuple(observed[closure.name] for closure in request.closures), (note,)
+
+
+def _coupled(body: "Body", request: Request) -> list[tuple[list[LoopClosure], set[str]]]:
+    """The closures in groups that have joints, or leaders of joints, in common, each with all of these joints."""
+    above = {body.links[info[0] + 1]: (body.name(info[0]), body.links[info[16] + 1]) for info in body.joints}
+
+    def leader(name: str) -> str:
+        while name in request.mimics:
+            name = request.mimics[name].joint
+        return name
+
+    def way_up(link: str) -> set[str]:
+        names = set()
+        while link in above:
+            name, link = above[link]
+            names.add(name)
+        return names & body.coordinates.keys()
+
+    groups: list[tuple[list[LoopClosure], set[str]]] = []
+    for closure in request.closures:
+        closures, joints = [closure], {leader(name) for name in way_up(closure.link_a) ^ way_up(closure.link_b)}
+        for group in [group for group in groups if group[1] & joints]:
+            groups.remove(group)
+            closures, joints = [*group[0], *closures], joints | group[1]
+        groups.append((closures, joints))
+    return [(closures, {one for one in body.coordinates if leader(one) in joints}) for closures, joints in groups]
 
 
 class _Held:
@@ -119,6 +159,7 @@ class _Held:
         self.widest = 0.0
         self._body, self._closure = body, closure
         self._ends = []
+        self._constraints: list[int] = []
         for link, X_LF in ((closure.link_a, closure.X_AF), (closure.link_b, closure.X_BF)):
             index = body.links.index(link) - 1
             self._ends.append((index, body.X_LI[index + 1].inverse() @ X_LF))
@@ -138,6 +179,7 @@ class _Held:
                 X_JF.apply(p_F).tolist(),
             )
             body.engine.changeConstraint(point, maxForce=strength(body))
+            self._constraints.append(point)
 
     def _hold_frames(self, closure: LoopClosure) -> None:
         """Add a constraint of the closure's own type."""
@@ -151,6 +193,12 @@ class _Held:
             self._body.id, a, self._body.id, b, kind, axis, X_IF.position, X_JF.position, *turned
         )
         engine.changeConstraint(held, maxForce=strength(self._body))
+        self._constraints.append(held)
+
+    def release(self) -> None:
+        """Remove the constraints."""
+        for constraint in self._constraints:
+            self._body.engine.removeConstraint(constraint)
 
     def measure(self) -> None:
         """Keep the gap if it is the widest so far."""
@@ -182,7 +230,7 @@ def _drive(body: "Body", driven: Sequence[str], goal: Mapping[str, float], held:
     Next to a dead centre, the others turn much faster than the driven ones, and gaps grow with the square of a speed.
     """
     engine, force = body.engine, strength(body)
-    start = {name: _position(body, name) for name in body.coordinates}
+    start = {name: _position(body, name) for name in goal}
     steps = max(1, *(ceil(abs(goal[name] - at) / (_speed(body, name) * STEP)) for name, at in start.items()))
     for step in range(1, steps + 1):
         for name in driven:
@@ -199,6 +247,12 @@ def _drive(body: "Body", driven: Sequence[str], goal: Mapping[str, float], held:
             one.measure()
 
 
+def _hold(body: "Body", name: str) -> None:
+    """Keep a joint where it is."""
+    index, engine = body.coordinates[name], body.engine
+    engine.setJointMotorControl2(body.id, index, engine.VELOCITY_CONTROL, targetVelocity=0.0, force=strength(body))
+
+
 def _position(body: "Body", name: str) -> float:
     return float(body.engine.getJointState(body.id, body.coordinates[name])[0])
 
@@ -206,10 +260,3 @@ def _position(body: "Body", name: str) -> float:
 def _speed(body: "Body", name: str) -> float:
     prismatic = body.joints[body.coordinates[name]][2] == body.engine.JOINT_PRISMATIC
     return SLIDING_SPEED if prismatic else SPEED
-
-
-def _deviation(body: "Body", request: Request, q: Mapping[str, float]) -> float:
-    """Largest deviation [rad] or [m] of a following joint from the reference."""
-    return max(
-        (abs(_position(body, name) - q[name]) for name in body.coordinates if name not in request.driven), default=0.0
-    )

@@ -15,6 +15,15 @@ export function element(kind, attributes = {}, ...children) {
   return made;
 }
 
+// Nodes of items with a heading above those of each module, the innermost that has an item's link; without modules as they are.
+export function byModule({ modules = [] }, items, linkOf, nodeOf) {
+  const of = (item) => modules.findLast(({ links }) => links.includes(linkOf(item)));
+  return [undefined, ...modules].flatMap((module) => {
+    const nodes = items.filter((item) => of(item) === module).map(nodeOf);
+    return module && nodes.length ? [element("h4.module", { title: module.file }, module.name), ...nodes] : nodes;
+  });
+}
+
 export const byId = (id) => document.getElementById(id);
 
 // Children of a node in place of the former ones; those that stay keep focus, selection and scroll position.

@@ -1,6 +1,6 @@
 // A slider for every driven joint; every joint and closure with its evidence.
 
-import { element } from "./dom.js";
+import { byModule, element } from "./dom.js";
 import { fine, internal, mistyped, parsed, short, shown, unitOf } from "./numbers.js";
 
 export function jointsPanel(state) {
@@ -13,9 +13,9 @@ export function jointsPanel(state) {
     head.style.justifyContent = "space-between";
     section.replaceChildren(
       ...(sliders.length ? [head] : []),
-      ...sliders.map((one) => one.node),
+      ...byModule(state.scene, sliders, ({ child }) => child, ({ node }) => node),
       ...(followers.length ? [element("h3", {}, sliders.length ? "Follow, or fixed" : "Fixed")] : []),
-      ...followers.map((one) => element("div.joint", { "data-joint": one.name }, heading(state, one), reading(state, one))),
+      ...byModule(state.scene, followers, ({ child }) => child, (one) => element("div.joint", { "data-joint": one.name }, heading(state, one), reading(state, one))),
     );
     if (!state.scene.connections.length) section.append(element("p.quiet", {}, "No joints."));
   };
@@ -81,6 +81,7 @@ function slider(state, { name, range }) {
     element("div.ends.number", {}, element("span", {}, `${short(low)} ${unitOf(joint)}`), element("span", {}, `${short(high)} ${unitOf(joint)}`)), why);
   const node = {
     name,
+    child: one.child,
     node: entry,
     update() {
       if (document.activeElement !== box) box.value = text();

@@ -1,6 +1,6 @@
 // The tree of links and their components.
 
-import { element } from "./dom.js";
+import { byModule, element } from "./dom.js";
 import { mass } from "./numbers.js";
 import { css, linkColor } from "./state.js";
 
@@ -12,7 +12,7 @@ export function partsPanel(state) {
   const update = () => {
     const { selection } = state;
     if (selection?.component) list.opened.add(selection.link);
-    body.replaceChildren(...everyFound(state, list.sought), element("h3", {}, "Links"), element("ul", {}, state.scene.links.map((link) => linkEntry(state, link, list))), ...rest(state));
+    body.replaceChildren(...everyFound(state, list.sought), element("h3", {}, "Links"), element("ul", {}, byModule(state.scene, state.scene.links, ({ name }) => name, (link) => linkEntry(state, link, list))), ...rest(state));
   };
   const search = element("input", { type: "search", id: "search", placeholder: "search parts", "aria-label": "search parts", oninput: () => {
     list.sought = search.value.trim().toLowerCase();
