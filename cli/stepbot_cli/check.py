@@ -14,7 +14,7 @@ from .diagnostic_text import counted, printable
 from .machine_output import output_format_option
 from .progress import progress_bar
 from .reading import description_options, reading_options, reject_descriptions, report_trouble, variant_option
-from .table import show_joint_rows, show_joint_table, write_filled
+from .table import show_joint_rows, write_filled
 from .terminal import Display, show_diagnostics, write_document, write_result
 
 if TYPE_CHECKING:
@@ -164,7 +164,7 @@ def _add(of_one: Diagnostics, variant: str, found: Diagnostics) -> None:
 
 
 def _show(checked: "Mapping[str, Checked]", failed: set[str], display: Display, *, open_step: bool) -> None:
-    """Print the verdict on each valid robot and its joints: all with -v, else those on weak evidence."""
+    """Print the verdict on each valid robot and its joints: all with -v, else the names of those on weak evidence."""
     from stepbot.pipeline.conversion import is_description
 
     for label, robot in checked.items():
@@ -178,11 +178,6 @@ def _show(checked: "Mapping[str, Checked]", failed: set[str], display: Display, 
         if display.verbose:
             show_joint_rows(robot.joint_table)
         elif any(row.evidence.doubt for row in robot.joint_table):
-            _show_doubtful(robot)
+            from stepbot.report.words import weak_joints
 
-
-def _show_doubtful(robot: "Checked") -> None:
-    from stepbot.report.words import doubtful_joints
-
-    if weak := doubtful_joints(robot.joint_table):
-        show_joint_table(weak)
+            write_filled(weak_joints(robot.joint_table))

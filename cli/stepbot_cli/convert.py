@@ -25,7 +25,7 @@ from .reading import (
     require_option,
     variant_option,
 )
-from .table import show_joint_rows, show_joint_table, show_table, write_filled
+from .table import show_joint_rows, show_table, write_filled
 from .terminal import Display, screen_width, show_diagnostics, write_json, write_result
 
 if TYPE_CHECKING:
@@ -297,7 +297,7 @@ def _show_driven(driven: "Driven", display: Display) -> None:
 
 
 def _show_verdict(conversion: "Conversion", display: Display) -> None:
-    """Print what the robot is, what is proven, and the joints on weak evidence; with -v all results."""
+    """Print what the robot is, what is proven, and which joints are on weak evidence; with -v all results."""
     summary = conversion.summary
     if summary is None:
         return
@@ -306,8 +306,8 @@ def _show_verdict(conversion: "Conversion", display: Display) -> None:
         write_result("")
         _show_in_full(report)
         write_result("")
-    elif summary.doubtful is not None:
-        show_joint_table(summary.doubtful)
+    elif summary.weak:
+        write_filled(summary.weak)
 
 
 def _show_files(files: Iterable[str], folder: Path, *, failed: bool) -> None:

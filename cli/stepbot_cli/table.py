@@ -4,14 +4,12 @@ import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from .columns import cells as width_of
 from .columns import wrapped_rows
 from .diagnostic_text import FRAME_WIDTH, paint, printable
 from .terminal import screen_width, wants_color, write_result
 
 if TYPE_CHECKING:
     from stepbot.report.results import Check, Results, Row
-    from stepbot.report.summary import JointTable
     from stepbot.robot.joint_table import JointRow
 
 RESULT = "result"
@@ -127,36 +125,27 @@ _INDENT = "    "
 
 
 def show_joint_rows(rows: Sequence["JointRow"]) -> None:
-    """Print the joint table of these joints, with all evidence; nothing without joints."""
+    """Print the joint table of these joints, as wide as the terminal; nothing without joints."""
     if rows:
-        from stepbot.report.words import joint_table_of
-
-        show_joint_table(joint_table_of(rows, verbose=True))
+        write_result("\n".join(joint_lines(rows, screen_width(sys.stdout) or FRAME_WIDTH)))
 
 
-def show_joint_table(table: "JointTable") -> None:
-    """Print a joint table to standard output, as wide as the terminal."""
-    write_result("\n".join(joint_lines(table, screen_width(sys.stdout) or FRAME_WIDTH)))
-
-
-def joint_lines(table: "JointTable", width: int) -> list[str]:
-    """The joint table as lines.
+def joint_lines(rows: Sequence["JointRow"], width: int) -> list[str]:
+    """The joint table as lines, with all evidence.
 
     Args:
         width: Width of the screen, at least 60; only a word longer than a line exceeds it.
     """
-    width = max(width, _NARROWEST)
-    lines = [table.title]
-    for joint in table.joints:
-        head, place, details = printable(joint.head), printable(joint.place), joint.details
-        if place and width_of(f"{head}, {place}") <= width:
-            head = f"{head}, {place}"
-        elif place:
-            details = (place, *details)
+    from stepbot.report.words import joint_table_title, joint_words, weak_joints
+
+    width, lines = max(width, _NARROWEST), [joint_table_title(rows)]
+    for row in rows:
+        head, *details = map(printable, joint_words(row))
         lines += _wrapped(head, width)
         for text in details:
-            lines += _wrapped(printable(text), width, _INDENT)
-    return lines + (_wrapped(printable(table.weak), width) if table.weak else [])
+            lines += _wrapped(text, width, _INDENT)
+    weak = weak_joints(rows)
+    return lines + (_wrapped(printable(weak), width) if weak else [])
 
 
 def _wrapped(text: str, width: int, indent: str = "") -> list[str]:

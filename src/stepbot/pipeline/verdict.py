@@ -7,7 +7,7 @@ from stepbot.formats import FORMATS
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.report.results import Check, Results, Status
 from stepbot.report.summary import Summary
-from stepbot.report.words import doubtful_joints, mass_words
+from stepbot.report.words import mass_words, weak_joints
 from stepbot.robot.closures import degrees_of_freedom
 from stepbot.robot.model import Robot
 
@@ -22,7 +22,7 @@ def summary_of(robot: Robot, results: Results, source: str) -> Summary:
         source: What the files are compared with, in words: ``the CAD``.
     """
     words = robot_words(robot, results.degrees_of_freedom)
-    return Summary(words, proof_words(results, source), doubtful_joints(results.joint_table))
+    return Summary(words, proof_words(results, source), weak_joints(results.joint_table))
 
 
 def robot_words(robot: Robot, freedom: int | None = None) -> str:

@@ -10,7 +10,6 @@ from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side, Ve
 
 from .plain import Json, picked
 from .results import LinkCollision, Results, Row
-from .summary import JointTable, JointText
 
 if TYPE_CHECKING:
     from stepbot.robot.datasheet import ArmFigures, DataSheet
@@ -146,37 +145,24 @@ def _gap(gap: float) -> str:
     return f"{in_millimetres(gap)} mm apart" if gap > 0.0 else f"overlapping by {in_millimetres(-gap)} mm"
 
 
-def joint_table_of(rows: Sequence[JointRow], *, verbose: bool = False) -> JointTable:
-    """The joint table.
-
-    Args:
-        verbose: Whether to name the components whose faces were found, and the other lines.
-    """
+def joint_table_title(rows: Sequence[JointRow]) -> str:
+    """What is above the joint table: the frame and the configuration of its numbers."""
     from_file = all(row.evidence.basis is Basis.FILE for row in rows)
-    title = "Joints, in the base frame at q = 0:" if from_file else "Joints, as modelled in CAD, in the STEP frame:"
+    return "Joints, in the base frame at q = 0:" if from_file else "Joints, as modelled in CAD, in the STEP frame:"
+
+
+def weak_joints(rows: Sequence[JointRow]) -> str:
+    """Number and names of the joints on weak evidence; empty without any."""
     weak = [row.name for row in rows if row.evidence.doubt]
-    return JointTable(
-        title,
-        tuple(_joint(row, verbose=verbose) for row in rows),
-        f"? {len(weak)} of {len(rows)} on weak evidence: {', '.join(weak)}" if weak else "",
-    )
+    return f"{len(weak)} of {len(rows)} joints on weak evidence: {', '.join(weak)}" if weak else ""
 
 
-def doubtful_joints(rows: Sequence[JointRow]) -> JointTable | None:
-    """The table of the joints on weak evidence; None without any."""
-    weak = [row for row in rows if row.evidence.doubt]
-    if not weak:
-        return None
-    title = f"{len(weak)} of {len(rows)} joints on weak evidence, in the STEP frame:"
-    return JointTable(title, tuple(_joint(row, verbose=False) for row in weak), "")
-
-
-def _joint(row: JointRow, *, verbose: bool) -> JointText:
+def joint_words(row: JointRow) -> tuple[str, ...]:
+    """A joint: name, type and links after a mark of weak evidence; then its axis, and the evidence for it."""
     mark = "?" if row.evidence.doubt else " "
     kind = f"{row.kind} closure" if row.is_closure else row.kind
     head = f"{mark} {row.name or '(unnamed)'}: {kind}, {row.parent} -> {row.child}"
-    details = tuple(_details(row, verbose=verbose))
-    return JointText(head, "", (_place(row), *details)) if verbose else JointText(head, _place(row), details)
+    return head, _place(row), *_details(row)
 
 
 def _place(row: JointRow) -> str:
@@ -187,16 +173,15 @@ def _place(row: JointRow) -> str:
     return f"axis {direction_words(row.axis)}{second} through {through}"
 
 
-def _details(row: JointRow, *, verbose: bool) -> Iterator[str]:
+def _details(row: JointRow) -> Iterator[str]:
     found = evidence_words(row.evidence)
     if found:
         yield found
     if row.evidence.doubt:
         yield f"weak: {row.evidence.doubt}"
-    if verbose:
-        sides = dict.fromkeys((*row.evidence.selected_by, *row.evidence.sides))
-        yield from (f"{face_words(side)}: {side.component}" for side in sides)
-        yield from map(rival_words, row.evidence.rivals)
+    sides = dict.fromkeys((*row.evidence.selected_by, *row.evidence.sides))
+    yield from (f"{face_words(side)}: {side.component}" for side in sides)
+    yield from map(rival_words, row.evidence.rivals)
 
 
 def absent_engines(results: Results, optional: Collection[str]) -> tuple[str, ...]:
