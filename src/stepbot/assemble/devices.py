@@ -147,7 +147,7 @@ def _sensor(document: Document, frames: Frames, name: str) -> Sensor | None:
         return None
     view = sensor_view(section) if section.type in SEEING else View()
     source = frames.evidence("sensors", name, "origin").text
-    return Sensor(name, section.type, link, X_LS, joint, section.rate, view, source)
+    return Sensor(name, section.type, link, X_LS, joint, section.rate, view, source=source)
 
 
 def sensor_view(section: SensorSection) -> View:

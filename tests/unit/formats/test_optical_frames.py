@@ -1,6 +1,7 @@
 """Optical frames of cameras, and the frames and topics that Gazebo names with measurements."""
 
 from dataclasses import replace
+from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -13,6 +14,7 @@ from stepbot.geometry.spatial import Pose, rotation_from_rpy
 from stepbot.robot.model import Frame, Robot
 from stepbot.robot.sensors import OPTICAL
 from tests.devices import equipped
+from tests.unit.assemble.workshop import Workshop, at, built
 
 
 def written(robot: Robot, format_: str, suffix: str) -> ET.Element:
@@ -54,6 +56,18 @@ def test_sdformat_has_a_frame_for_each_camera() -> None:
     frames = {frame.get("name"): frame.get("attached_to") for frame in top.findall("model/frame")}
     assert {"camera_optical_frame": "eye", "tool_camera_optical_frame": "tool"}.items() <= frames.items()
     assert top.findtext(".//sensor[@name='camera']/gz_frame_id") == "camera_optical_frame"
+
+
+@pytest.mark.parametrize("origin", ["{xyz: [10 mm, 0, 0]}", "{component: base}", "{center: base}"])
+def test_a_camera_of_a_sidecar_gets_its_frame(origin: str, tmp_path: Path) -> None:
+    """However its place is stated: how it was found is for messages, and names no frame."""
+    shop = Workshop()
+    shop.box("base", (10, 20, 30), at(20, 0, 0))
+    text = "defaults: {density: 1000}\nlinks:\n  base: {rest: true}\n"
+    robot = built(shop, tmp_path, f"{text}sensors:\n  eye: {{type: camera, link: base, origin: {origin}}}\n")
+    assert robot.sensors[0].source
+    assert written(robot, "urdf", ".urdf").findtext(".//sensor[@name='eye']/gz_frame_id") == "eye_optical_frame"
+    assert written(robot, "sdf", ".sdf").findtext(".//sensor[@name='eye']/gz_frame_id") == "eye_optical_frame"
 
 
 @pytest.mark.parametrize(("turned", "name"), [(OPTICAL, "camera_optical_frame"), (Pose(), "camera_optical_frame_2")])
