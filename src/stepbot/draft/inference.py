@@ -143,6 +143,7 @@ def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: 
     arcs = spanning_tree([j for j in mechanism.joints if j.a != j.b], number, number[made.clusters.find(root)])
     choose_slides(made.survey, arcs)
     note_doubts(arcs, structure, has_drives=bool(motors))
+    largest = {root: max(members, key=lambda i: (made.survey.parts[i].volume, -i)) for root, members in groups.items()}
     used = {id(arc.evidence) for arc in arcs}
     offered = [h for h in mechanism.offered if id(h) not in used]
     for arc in arcs:
@@ -151,7 +152,8 @@ def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: 
             h.review = h.review or ONLY_CONNECTION
             # Sides that end beside each other about one axis turn; a face on a face may be a foot.
             h.score = CHOSEN if h.relation is not None and h.relation.via == Via.SEAM else h.score
-        off = made.survey.drawn_off(h.a, h.b, h.axis.point)
+        # The axis may be that of a motor, whose output is drawn off what it carries.
+        off = made.survey.drawn_off([h.a, h.b, *(largest[made.clusters.find(i)] for i in (h.a, h.b))], h.axis.point)
         if off > SAME_LINE:
             apart = f"its sides are drawn {1e3 * off:.2g} mm off each other"
             h.review = f"{h.review}; {apart}" if h.review else apart

@@ -106,7 +106,7 @@ def test_pieces_that_touch_nothing_are_moved_to_what_they_fit(turn: tuple[float,
     found = Survey.settled(drawn.assembly, ALL_SOURCES)
     assert sorted(found.moved) == [2, 3]
     assert {pair: len(fits) for pair, fits in found.contacts.fits.items()} == {(1, 2): 1, (1, 3): 2}
-    assert found.drawn_off(1, 2, np.array([0.0, 0.0, 0.01])) == pytest.approx(2.2e-4, abs=1e-4)
+    assert found.drawn_off([1, 2], np.array([0.0, 0.0, 0.01])) == pytest.approx(2.2e-4, abs=1e-4)
 
 
 def test_joints_of_moved_pieces_are_where_they_are_drawn() -> None:
@@ -117,6 +117,20 @@ def test_joints_of_moved_pieces_are_where_they_are_drawn() -> None:
     assert np.hypot(*np.array(joint.point)[:2]) < 1e-9
     assert "its sides are drawn 0.22 mm off each other" in joint.review
     assert "drawn up to 0.22 mm off what they fit, and compared as if in place: 'lever', 'plate'" in draft.notes
+
+
+def test_what_a_horn_carries_may_be_drawn_off_the_axis() -> None:
+    """A horn is exactly on its servo, and the arm 0.2 mm off the horn: the joint is marked."""
+    horn, arm = cylinder(8, 3), box(100, 20, 4).at(40, 0, 0)
+    for x, y in ((5, 0), (-5, 0), (0, 5), (0, -5)):
+        horn, arm = horn - cylinder(1, 3).at(x, y, 0), arm - cylinder(1, 4).at(x, y, -2)
+    base = box(60, 30, 6).at(0, 0, -33)
+    nodes = [part("base", base), part("SG90 servo", SERVO), part("servo horn", horn, 10, 0, 5)]
+    for off, is_marked in ((0.0, False), (0.2, True)):
+        draft = infer(assembled(*nodes, part("arm", arm, 10 + off, 0, 10.2)), "robot")
+        (joint,) = draft.joints
+        assert (joint.type, joint.child) == ("revolute", "arm")
+        assert ("its sides are drawn 0.2 mm off each other" in joint.review) == is_marked
 
 
 def test_what_touches_stays_where_it_is() -> None:

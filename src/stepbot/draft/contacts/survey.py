@@ -97,10 +97,10 @@ class Survey:
         X = self.moved[[*parts][int(np.argmin(shifts))]].inverse()
         return Axis(X.apply(axis.point), None if axis.direction is None else X.turn(axis.d))
 
-    def drawn_off(self, a: int, b: int, at: Array) -> float:
-        """How far two parts are drawn off each other at a point [m]."""
-        X, Y = (self.moved.get(i, IDENTITY) for i in (a, b))
-        return float(np.linalg.norm(X.inverse().apply(at) - Y.inverse().apply(at)))
+    def drawn_off(self, parts: Iterable[int], at: Array) -> float:
+        """How far some parts are drawn off each other at a point [m], at most."""
+        places = np.array([self.moved.get(i, IDENTITY).inverse().apply(at).reshape(3) for i in parts])
+        return float(np.max(np.linalg.norm(places[:, None] - places[None], axis=2)))
 
     def _is_trifle(self, part: int) -> bool:
         """Whether a part that is named a fastener may be one: it is small, or turned."""
