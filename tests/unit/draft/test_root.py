@@ -7,6 +7,7 @@ import pytest
 
 from stepbot.draft.contacts.survey import Sources
 from stepbot.draft.inference import infer_mechanism
+from stepbot.draft.mechanism import unconnected
 from stepbot.draft.parts.names import Role, roles
 from stepbot.geometry.inertia import DIRECTIONS, Direction, rotation_of
 from stepbot.geometry.spatial import Pose
@@ -128,3 +129,30 @@ def test_one_of_two_equal_limbs_is_no_root(names: tuple[str, str, str]) -> None:
     found = inferred(*nodes)
     assert len(found.links) == 3
     assert links(found)[found.root] == {names[1]}
+
+
+def test_a_foot_that_touches_nothing_counts_for_what_is_next_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A plate 1 mm below the smaller block is what the two stand on."""
+    monkeypatch.setattr(unconnected, "grounds", lambda _: {"z": {3: 0.4}})
+    block, foot = box(60, 60, 20).at(0, 0, -10) + cylinder(10, 25), box(90, 90, 4).at(0, 0, -23)
+    arm = BORED + box(150, 100, 60).at(120, 0, 50)
+    found = inferred(part("block", block), part("arm", arm), part("foot", foot), sources=BARE)
+    assert links(found)[found.root] == {"block", "foot"}
+
+
+@pytest.mark.parametrize(("up", "root"), [("z", "tip"), ("y", "tip"), ("-z", "arm"), ("x", "arm")])
+def test_a_chain_stands_on_its_largest_link_towards_unusual_sides(
+    up: Direction, root: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A small link with the only flat side is the root if that is below, and not if it is above or beside."""
+    monkeypatch.setattr(unconnected, "grounds", lambda _: {up: {1: 0.4}})
+    tip, arm = box(60, 60, 20).at(0, 0, -10) + cylinder(10, 25), BORED + cylinder(30, 60).at(80, 0, 24)
+    found = inferred(part("tip", tip), part("arm", arm), sources=BARE)
+    assert links(found)[found.root] == {root}
+
+
+def test_the_root_is_on_the_branch_that_outweighs_a_hand() -> None:
+    """A hub with four joints is no trunk if one of them is to what is heavier than the hub."""
+    pin = cylinder(5, 12).at(0, 0, -6.5)
+    assert linkage(box(60, 60, 12).at(0, 0, -12) + pin, plate="part 1") == "hub"
+    assert linkage(box(100, 100, 20).at(0, 0, -16) + pin, plate="part 1") == "part 1"

@@ -1,7 +1,7 @@
 """The root link, and what to do with clusters that no joint connects to it."""
 
-from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections import Counter, defaultdict
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -190,12 +190,18 @@ _GROUND, _RIVAL, _ON_GROUND = 0.08, 0.5, 2.0
 """Share of the footprint from which a flat side is the ground, that of another side up to which it is the only one,
 and what standing on it counts.
 """
-_TWIN = 1e-5
-"""Share of a volume up to which the largest parts of two clusters, but motors, are equal, or mirror images."""
+_USUAL: tuple[Direction, ...] = ("z", "y")
+"""Directions that CAD programs have as up; a chain stands towards another one only on its largest link."""
+_TWIN, _TWIN_WHOLE = 1e-5, 0.3
+"""Shares of a volume up to which the largest parts of two clusters, but motors, are equal, or mirror images, and up to
+which the clusters are, which may have other screws and pins.
+"""
 _BRANCHES, _TRUNK = 3, 1.6
 """Number of joints from which a cluster is a trunk, and what that counts: more joints do not count more, since the
 platform of a parallel robot has as many as its base, and a hand as many as a torso.
 """
+_HAND, _EVEN = 3.2, 0.05
+"""What counts against a trunk that one branch outweighs: the root is there. Up to which share branches are equal."""
 
 
 def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], motors: Sequence[Motor]) -> int:
@@ -207,25 +213,41 @@ def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], mot
         if j.evidence.drives and j.evidence.a in cases:
             holds[made.clusters.find(j.evidence.a)] += 1
             holds[made.clusters.find(j.evidence.b)] -= 1
-    up, stands = _standing(made)
     groups = made.clusters.groups()
     volumes = {root: made.survey.total_volume(members) for root, members in groups.items()}
     largest = max(volumes.values(), default=0.0) or 1.0
+    candidates = {root for root in groups if not degree or degree[root] or volumes[root] >= _LOOSE * made.survey.volume}
+    up, stands = _standing(made, candidates)
+    is_chain = max(degree.values(), default=0) < _BRANCHES
+    if up not in _USUAL and is_chain and any(volumes[q] < largest for q, share in stands.items() if share > _RIVAL):
+        up, stands = "z", {}
     mains = {
         root: max((made.survey.parts[i].volume for i in members if i not in cases), default=0.0)
         for root, members in groups.items()
     }
     ranked = []
-    for root, members in groups.items():
-        share = volumes[root] / made.survey.volume
-        if not degree or root in degree or share >= _LOOSE:
-            one = _Candidate(members, share, volumes[root] / largest, degree[root], holds[root])
-            rank = _rank(made.survey, structure, one, up)
-            if any(other != root and abs(mains[other] - mains[root]) < _TWIN * mains[root] for other in groups):
-                rank -= _TRUNK  # one of several equal limbs
-            rank += _ON_GROUND * exact_sum(stands.get(i, 0.0) for i in members)
-            ranked.append((round(rank, 9), -members[0], root))
+    for root in candidates:
+        share, members = volumes[root] / made.survey.volume, groups[root]
+        one = _Candidate(members, share, volumes[root] / largest, degree[root] or 1, holds[root])
+        rank = _rank(made.survey, structure, one, up) + _ON_GROUND * stands.get(root, 0.0)
+        twins = (other for other in groups if abs(mains[other] - mains[root]) < _TWIN * mains[root])
+        if any(q != root and abs(volumes[q] - volumes[root]) < _TWIN_WHOLE * volumes[root] for q in twins):
+            rank -= _TRUNK  # one of several equal limbs
+        if degree[root] >= _BRANCHES and _is_outweighed(root, joints, volumes):
+            rank -= _HAND
+        ranked.append((round(rank, 9), -members[0], root))
     return max(ranked)[-1] if ranked else next(iter(groups))
+
+
+def _is_outweighed(trunk: int, joints: Sequence[Joint], volumes: Mapping[int, float]) -> bool:
+    """Whether one branch of a trunk has more volume than the trunk, and no other branch has as much."""
+    branches = Clusters(root for root in volumes if root != trunk)
+    for j in joints:
+        if trunk not in (j.a, j.b):
+            branches.join(j.a, j.b)
+    beside = {branches.find(q) for j in joints if trunk in (j.a, j.b) for q in (j.a, j.b) if q != trunk}
+    totals = sorted((exact_sum(volumes[q] for q in branches.members(r)) for r in beside), reverse=True)
+    return len(totals) > 1 and totals[0] > volumes[trunk] and totals[1] < (1.0 - _EVEN) * totals[0]
 
 
 def _is_base_by_name(survey: Survey, structure: Structure, members: Sequence[int]) -> bool:
@@ -247,10 +269,11 @@ def _roles_above(survey: Survey, part: int) -> set[Role]:
     return found
 
 
-def _standing(made: Decision) -> tuple[Direction, dict[int, float]]:
-    """The direction away from the ground, and the share of it of each part that the assembly stands on.
+def _standing(made: Decision, candidates: Collection[int]) -> tuple[Direction, dict[int, float]]:
+    """The direction away from the ground, and the share of it of each cluster that the assembly stands on.
 
-    If no flat side is clearly the largest: z, and no shares.
+    If no flat side is clearly the largest: z, and no shares. What is no candidate for the root, such as a foot that
+    nothing holds, counts for the cluster next to it.
     """
     found = grounds(made.survey.assembly)
     totals = {up: exact_sum(shares.values()) for up, shares in found.items()}
@@ -261,7 +284,14 @@ def _standing(made: Decision) -> tuple[Direction, dict[int, float]]:
         or any(total > _RIVAL * totals[up] for one, total in totals.items() if one != up)
     ):
         return "z", {}
-    return up, {i: share / totals[up] for i, share in found[up].items()}
+    stands: dict[int, list[float]] = defaultdict(list)
+    for i, share in found[up].items():
+        home = made.clusters.find(i)
+        if home not in candidates:
+            part = nearest(made.survey, made.clusters.members(home))
+            home = home if part is None else made.clusters.find(part)
+        stands[home].append(share / totals[up])
+    return up, {home: exact_sum(shares) for home, shares in stands.items()}
 
 
 @dataclass(frozen=True)
