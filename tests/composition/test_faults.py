@@ -241,6 +241,22 @@ MISTAKES: Mapping[str, tuple[tuple[str, ...], str, str]] = {
     ),
     "SB121 6:7 sidecar: missing key 'links'": ((ARM_ALONE,), "step: arm.step\n", "rest: true"),
     "SB121 6:17 link 'plate': 'rest' without 'step'": ((ARM_ALONE,), "links: {plate: {rest: true}}\n", "step: "),
+    "SB160 6:46 module 'hand': home: outside the limits of a joint: 'grip' at 90 (-1 to 2)": (
+        (ARM_ALONE, "hand: {file: hand.urdf, at: arm/tip, home: {grip: 90}}"),
+        "",
+        "`grip: 90 deg`",
+    ),
+    "SB120 6:40 modules.hand: unknown key 'joints'": (
+        (ARM_ALONE, "hand: {file: hand.urdf, at: arm/tip, joints: {grip: {type: fixed}}}"),
+        "",
+        "`set: {joints: {grip: {type: fixed}}}`",
+    ),
+    "SB152 6:31 modules.hand.at: no link, frame or module 'wrld'": (
+        (ARM_ALONE, "hand: {file: hand.urdf, at: wrld}"),
+        "",
+        "did you mean 'world'?",
+    ),
+    "SB150 5:15 module 'arm': file 'library/arm2' not found": (("arm: {file: library/arm2}",), "", "'library:arm2'"),
     "SB137 6:1 sidecar: 'parts' without 'step'": ((ARM_ALONE,), "parts: {'**': {density: 2700}}\n", "`set`"),
 }
 

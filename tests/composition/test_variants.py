@@ -169,6 +169,7 @@ FAULTS = {
     ("strong: {modules: {hand: {variant: strong}}}", "strong: {like: bare_named}"): (
         "SB160 15:18 variant 'strong': like: circular: bare_named -> strong_named -> strong -> bare_named"
     ),
+    ("strong: {modules", "strong: {witout: [tcp], modules"): "SB120 15:12 sidecar: unknown key 'witout'",
     ("like: strong,", "like: strung,"): "SB160 16:24 variant 'strong_named': like: no variant 'strung'",
     ("without: [hand], base", "without: [tcp, hnd], base"): (
         "SB160 17:51 variant 'bare_named': without: no element 'hnd'"

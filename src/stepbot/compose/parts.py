@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
-from math import atan2
+from math import atan2, radians
 
 import numpy as np
 
@@ -23,6 +23,8 @@ from .pruning import StillFollowed, elements, without
 
 _SIDES = ("left", "right")
 _MOST_LISTED = 6
+_FEWEST_DEGREES = 6.0
+"""Angle without a unit above which degrees are offered."""
 
 
 @dataclass(frozen=True)
@@ -165,9 +167,15 @@ class Parts:
         closures = (_coinciding(one, at[one.link_a].inverse() @ at[one.link_b]) for one in moved.closures)
         moved = replace(moved, closures=tuple(closures))
         if not within_limits(moved, pose):
-            limits = {joint: known[joint].limit for joint in given}
-            outside = [f"'{joint}' ({one.lower:g} to {one.upper:g})" for joint, one in limits.items()]
+            limits = {joint: (q, known[joint].limit) for joint, q in given.items()}
+            beyond = {joint: one for joint, one in limits.items() if not one[1].lower <= one[0] <= one[1].upper}
+            outside = [
+                f"'{joint}' at {q:g} ({one.lower:g} to {one.upper:g})" for joint, (q, one) in (beyond or limits).items()
+            ]
             help = ["choose positions within the limits"]
+            in_degrees = [joint for joint, (q, one) in beyond.items() if one.lower <= radians(q) <= one.upper]
+            if in_degrees and abs(given[in_degrees[0]]) > _FEWEST_DEGREES:
+                help.append(f"angles without a unit are radians: `{in_degrees[0]}: {given[in_degrees[0]]:g} deg`")
             self._wrong_home(name, ("home",), f"outside the limits of a joint: {', '.join(outside)}", help)
         return moved
 

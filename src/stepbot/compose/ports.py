@@ -69,7 +69,8 @@ class Ports:
             return self._own_frame(reference)
         own = (*(self._own.link_by_name if self._own else ()), *self._sidecar.document.frames)
         paths = [f"{name}/{path}" for name, part in self._parts.items() for path in _of_part(part)]
-        self._unknown(keys, f"no link, frame or module '{reference}'", reference, (*own, *paths), "links and frames")
+        known = (*own, *paths, *self._parts, *(("world",) if keys[-1] == "at" else ()))
+        self._unknown(keys, f"no link, frame or module '{reference}'", reference, known, "ports")
         return None
 
     def attach(self, mounts: Iterable[Joint]) -> None:

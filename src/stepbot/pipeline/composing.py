@@ -307,6 +307,8 @@ def _unreadable(path: Path | None, file: str) -> tuple[str, tuple[str, ...]]:
     if not is_file(path):
         if file.casefold().startswith(LIBRARY):
             return f"file '{file}' not found", (f"of a robot of the library, write '{LIBRARY}' in small letters",)
+        if file.startswith("library/"):
+            return f"file '{file}' not found", (f"of a robot of the library, write '{LIBRARY}{path.name}'",)
         if "\\" in file and is_file(path.parent / file.replace("\\", "/")):
             return f"file '{file}' not found", (f"write `/`: {file.replace(chr(92), '/')}",)
         beside = sorted(one.name for one in path.parent.iterdir()) if is_folder(path.parent) else []

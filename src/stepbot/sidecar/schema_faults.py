@@ -19,6 +19,7 @@ from .remedies import remedy, written
 from .section import NOT_IN_FILE_NAMES, NOT_IN_NAMES, REFERENCE_PATTERN
 from .tree import Keys, Listing, Mapping, Scalar, Tree, child, key_span, span, subject, way
 from .units import Dimension, UnitError, read_quantity
+from .variants import OWN_KEYS
 from .vocabulary import ALSO_CALLED, NOT_SAID_SO, likely_meant, meant_by
 
 _FIRST_LINES = {
@@ -130,6 +131,8 @@ def _where_a_key_belongs(place: Keys, value: Tree, root: Tree, keys: Sequence[st
         return [NOT_SAID_SO[key]]
     if below:
         return [f"move it to '{section}': `{section}: {{{key}: {_shortly(value)}}}`" for section in below]
+    if place[0] == "modules" and key in keys_of(sections_at(())):
+        return [f"what it changes in the module's file is under `set`: `set: {{{key}: {_shortly(value)}}}`"]
     elsewhere = top_level_keys_with(key)
     if "parts" in elsewhere and place[0] == "links" and isinstance(value, Scalar):
         parts = child(way(root, place[:-1])[-1], "parts")
@@ -138,7 +141,7 @@ def _where_a_key_belongs(place: Keys, value: Tree, root: Tree, keys: Sequence[st
         return [f"it belongs to the top-level section `parts`: {rule}"]
     if elsewhere:
         return ["it is valid in " + ", ".join(f"`{name}`" for name in elsewhere)]
-    return list(did_you_mean(key, keys))
+    return list(did_you_mean(key, keys) or did_you_mean(key, OWN_KEYS if len(place) == 1 else ()))
 
 
 def _shortly(value: Tree) -> str:

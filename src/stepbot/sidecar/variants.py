@@ -14,7 +14,8 @@ from .tree import ELEMENTS, Entry, Keys, Listing, Mapping, Scalar, Tree, child, 
 _NAMED = (*ELEMENTS, "modules")
 """Sections whose members `without` and `set` name."""
 _PARTS = ("links", "modules")
-_OWN_KEYS = ("like", "without")
+OWN_KEYS = ("like", "without")
+"""Keys of a variant that are none of a sidecar."""
 _WHOLE = ("inertia",)
 """Keys of mappings that are one value: the products of another inertia mean nothing beside new moments."""
 _OF_FILE = ("by", "home", "set", "without", "variant", "rename", "flip")
@@ -73,7 +74,7 @@ def with_variant(root: Mapping, name: str, found: Diagnostics, module: Tree | No
         return None
     whole = root
     for patch in patches:
-        entries = {key: entry for key, entry in patch.entries.items() if key not in _OWN_KEYS}
+        entries = {key: entry for key, entry in patch.entries.items() if key not in OWN_KEYS}
         with_values = merged(whole, _mapping(patch, entries))
         assert isinstance(with_values, Mapping)
         whole = _without(with_values, child(patch, "without"), f"variant '{name}'", found)

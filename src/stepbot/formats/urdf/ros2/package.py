@@ -137,7 +137,8 @@ def report_gaps(robot: Robot, found: Diagnostics) -> None:
             ", ".join(_REMEDIES[name][0] for name in wanted),
             " ".join(_REMEDIES[name][1] for name in wanted),
         )
-        help = [f"in the sidecar: `metadata: {{{keys}}}`", f"without a sidecar of yours: `{options}`"]
+        help = ["write your own name and address"] if metadata.is_placeholder else []
+        help += [f"in the sidecar: `metadata: {{{keys}}}`", f"without a sidecar of yours: `{options}`"]
         found.add("SB640", f"the package {' and '.join(faults)}", Span(MANIFEST), help=help)
     if not robot.actuators:
         joint = next((joint.name for joint in robot.joints if joint.kind is not JointKind.FIXED), "elbow")
