@@ -77,9 +77,9 @@ CASES = (
     Case("plugin.xml", _mjcf(f'<extension><plugin plugin="{_SECRET}"/></extension>'), "SB801"),
     Case("plugin.sdf", _sdf(f'<plugin name="p" filename="{_SECRET}.so"/>'), "SB820"),
     Case("absent_plugin.sdf", _sdf('<plugin name="p" filename="absent.so"/>')),
-    Case("deep.urdf", _urdf(more=_deep("a", 100_000)), "SB801"),
-    Case("deep.xml", _mjcf(_deep("worldbody", 20_000)), "SB801"),
-    Case("deep.sdf", _sdf(_deep("link", 50_000)), "SB801"),
+    Case("deep.urdf", _urdf(more=_deep("a", 100_000)), "SB814"),
+    Case("deep.xml", _mjcf(_deep("worldbody", 20_000)), "SB814"),
+    Case("deep.sdf", _sdf(_deep("link", 50_000)), "SB814"),
     Case("long_name.urdf", _urdf(name="x" * 11_000_000), "SB80"),
 )
 """Those of the short form first: they are rejected before an engine runs."""

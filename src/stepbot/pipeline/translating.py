@@ -14,7 +14,7 @@ from stepbot.described.assumed import check_inertials, lacking, with_assumed
 from stepbot.described.finding import ASSUMED, Finding
 from stepbot.described.robot import Described, robot_of_description
 from stepbot.diagnostics import Diagnostics, Ignore, Span
-from stepbot.engines.description import Description
+from stepbot.engines.description import NO_INERTIA, Description
 from stepbot.engines.workers import check_required
 from stepbot.formats import format_named
 from stepbot.robot.gains import tuned
@@ -184,7 +184,8 @@ def _with_assumed(described: Described, options: Options) -> Described:
     robot, findings = described.robot, list[Finding]()
     solids = options.workers.call("stepbot.described.assumed:solids_of", lacking(robot))
     robot = with_assumed(robot, solids, options.assume_inertia, findings)
-    return replace(described, robot=robot, findings=(*described.findings, *findings))
+    given = (one for one in described.findings if not one.text.endswith(NO_INERTIA))
+    return replace(described, robot=robot, findings=(*given, *findings))
 
 
 def computed_gains(actuator: Actuator) -> str:

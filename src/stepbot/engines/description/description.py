@@ -77,6 +77,10 @@ def _scaled(mesh: TriMesh, scale: tuple[float, ...]) -> TriMesh:
     return TriMesh.of(mesh.vertices * scale, faces)
 
 
+NO_INERTIA = "<inertial> has a mass and no <inertia>; `--assume-inertia DENSITY` assumes one"
+"""What is wrong with a link of a URDF that ROS, MuJoCo and PyBullet reject."""
+
+
 @dataclass(frozen=True, eq=False)
 class DescribedShape:
     """A visual or a collision of a link."""

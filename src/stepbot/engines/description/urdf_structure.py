@@ -141,8 +141,8 @@ def _check_link(link: Element) -> None:
     if inertial is not None:
         _once(inertial, "origin", "mass", "inertia")
         mass = inertial.find("mass")
-        if mass is not None and any(_numbers(mass, "value", 1)) and inertial.find("inertia") is None:
-            raise _refused(inertial, f"link '{link.get('name')}': <inertial> has a mass and no <inertia>")
+        if mass is not None:
+            _numbers(mass, "value", 1)
     for shape in (*link.findall("visual"), *link.findall("collision")):
         _once(shape, "origin", "geometry")
         _check_geometry(shape, f"link '{link.get('name')}': <{shape.tag}>")
