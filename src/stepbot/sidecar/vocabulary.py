@@ -73,15 +73,29 @@ NOT_SAID_SO = {
 }
 """Remedies for keys of other programs without an equivalent key, and for keys in a section that does not have them."""
 
+_OF_MOTORS = {
+    "effort": "stall_torque",
+    "torque": "stall_torque",
+    "velocity": "no_load_speed",
+    "speed": "no_load_speed",
+    "gear": "gear_ratio",
+    "friction": "coulomb_friction",
+    "damping": "viscous_damping",
+    "inertia": "rotor_inertia",
+    "weight": "mass",
+}
+"""Names of a motor's figures by those that joints and actuators have for them."""
+
 
 def meant_by(key: str, keys: Iterable[str]) -> str:
     """The key among ``keys`` that is a synonym of an unknown key; empty if there is none.
 
     Matches names of other programs, and the same name in another case or number.
     """
-    known = tuple(keys)
-    if ALSO_CALLED.get(key.lower()) in known:
-        return ALSO_CALLED[key.lower()]
+    known, word = tuple(keys), key.lower()
+    for name in (ALSO_CALLED.get(word), _OF_MOTORS.get(word)):
+        if name in known:
+            return str(name)
     return next((name for name in known if _bare(name) == _bare(key)), "")
 
 

@@ -26,6 +26,7 @@ from stepbot.sidecar.motors import (
     motors_named_in,
 )
 from stepbot.sidecar.schema import motors_schema_text
+from stepbot.sidecar.vocabulary import meant_by
 from tests.conftest import ROOT
 
 REFERENCE = ROOT.parent / "shared" / "reference" / "motors.yaml"
@@ -336,3 +337,10 @@ def test_faults_of_a_sidecar(tmp_path: Path, actuator: str, end: str, code: str,
 def test_names_are_compared_without_case_and_separators() -> None:
     """Names are compared without case and separators."""
     assert bare("MX 64") == bare("mx_64") == "mx-64"
+
+
+def test_words_for_joints_lead_to_figures() -> None:
+    """What an actuator calls effort and velocity is a stall torque and a no-load speed of a motor."""
+    figures = ("kind", "stall_torque", "no_load_speed", "gear_ratio", "mass")
+    assert [meant_by(word, figures) for word in ("effort", "Speed", "gear", "weight")] == list(figures[1:])
+    assert meant_by("effort", ("motor", "position")) == "motor"
