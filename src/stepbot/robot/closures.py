@@ -271,11 +271,13 @@ def driven_joints(robot: Robot) -> tuple[str, ...]:
     """
     loops = Loops(robot)
     _, J = loops.constraints(loops.tree.vector(initial_configuration(robot)))
-    names = loops.tree.independent
+    tree, names = loops.tree, loops.tree.independent
+    links = (tree.link_index[loops.robot.joint_by_name[name].child] for name in names)
+    above = [np.count_nonzero(tree.between(0, link)) for link in links]
     actuated = {actuator.joint for actuator in robot.actuators}
     followers: list[int] = []
     # Try the least preferred joints as followers first; a joint that adds no rank cannot follow, so it drives.
-    for i in sorted(range(len(names)), key=lambda i: (names[i] in actuated, -i)):
+    for i in sorted(range(len(names)), key=lambda i: (names[i] in actuated, -above[i], -i)):
         if rank(J[:, [*followers, i]]) > len(followers):
             followers.append(i)
     return tuple(name for i, name in enumerate(names) if i not in followers)

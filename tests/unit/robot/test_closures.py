@@ -19,6 +19,7 @@ from stepbot.robot.closures import (
 )
 from stepbot.robot.kinematics import complete, configurations, initial_configuration, link_poses, within_limits
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit, Link, LoopClosure, Mimic, Robot
+from tests.closed_mechanisms import delta
 from tests.robots import ROBOTS, crooked_four_bar, four_bar, four_bar_angles, four_bar_with_zeros, two_link_arm
 
 CRANK, ROD = 0.1, 0.3
@@ -171,6 +172,8 @@ def test_actuated_joints_drive_first() -> None:
     assert driven_joints(by_rocker) == ("ground_pin",)
     assert driven_joints(replace(robot, actuators=())) == ("crank_pin",)
     assert driven_joints(two_link_arm()) == ("shoulder", "elbow")
+    # the first leg's rods come before the other legs' arms in the robot's order
+    assert driven_joints(replace(delta(), actuators=())) == ("shoulder_0", "shoulder_1", "shoulder_2")
 
 
 def test_an_open_loop_reports_its_residual() -> None:
