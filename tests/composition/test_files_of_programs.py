@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from textwrap import dedent
 from xml.etree import ElementTree as ET
@@ -89,6 +90,25 @@ def test_groups_are_the_modules(folder: Path) -> None:
     assert set(ends.values()) <= groups
     assert all(one.get("base_link") in links and one.get("tip_link") in links for one in top.iter("chain"))
     assert all(one.get("name") in joints for one in top.iter("joint"))
+
+
+@pytest.mark.skipif(find_spec("pinocchio") is None, reason="Pinocchio is not installed")
+def test_pinocchio_reads_the_groups(folder: Path, tmp_path: Path) -> None:
+    """Its own parser takes the disabled pairs, and states of groups; of several with one name it keeps the last."""
+    import pinocchio
+
+    (tmp_path / "two_description").symlink_to(folder)  # the package, in a folder of its name
+    urdf_file, srdf_file = str(folder / "two.urdf"), str(folder / "two.srdf")
+    model = pinocchio.buildModelFromUrdf(urdf_file)
+    shapes = pinocchio.buildGeomFromUrdf(
+        model, urdf_file, pinocchio.GeometryType.COLLISION, package_dirs=[str(tmp_path)]
+    )
+    shapes.addAllCollisionPairs()
+    pairs = len(shapes.collisionPairs)
+    pinocchio.removeCollisionPairs(model, shapes, srdf_file)
+    assert 0 < len(shapes.collisionPairs) < pairs
+    pinocchio.loadReferenceConfigurations(model, srdf_file)
+    assert len(model.referenceConfigurations["home"]) == model.nq
 
 
 DRIVEN = urdf(
