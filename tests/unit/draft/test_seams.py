@@ -39,6 +39,19 @@ def test_rods_of_a_frame_turn_on_nothing() -> None:
     assert len(found.links) == 1
 
 
+@pytest.mark.parametrize(("cans", "turning"), [(1, 1), (3, 0)])
+def test_boards_with_equal_cans_turn_on_none_of_them(cans: int, turning: int) -> None:
+    """Boards 17 mm apart, with equal cans above each other: three lines cannot all be an axis, a single one may be."""
+    at = [(-30, -20), (0, 20), (30, -20)][:cans]
+    boards = [
+        group(
+            f"board {n}", part("pcb", box(100, 70, 2), z=z), *(part("can", cylinder(6, 14), x, y, z + 1) for x, y in at)
+        )
+        for n, z in enumerate((0, 18))
+    ]
+    assert len(joints(inferred(*boards))) == turning
+
+
 def test_ends_far_apart_show_no_joint() -> None:
     """At a gap of 40 mm, wider than the drum is, nothing shows that it turns: the joint is a placeholder."""
     found = inferred(*across_a_gap(80.0))

@@ -123,6 +123,8 @@ _ALIKE = 0.25
 _NEAR_BOX = 3e-3
 _PER_PAIR = 4
 """Maximum number of lines offered for one pair of clusters."""
+_STACKED = 3
+"""Lines with equal faces, the widest, from which two clusters do not turn, as boards with equal capacitors."""
 _BUTT, _BAR = 1e-4, 6.0
 """Gap [m] of faces that meet end to end; length of a bar, in widths across its axis."""
 _AT_END = "its end meets another part on its axis, as a bar of a frame does"
@@ -269,6 +271,8 @@ class _Seams:
         found = []
         for (one, two), seams in self._between.items():
             seams.sort(key=lambda s: (-round(s.radius, 6), s.gap, s.a, s.b))
+            if len(seams) >= _STACKED and seams[_STACKED - 1].radius > seams[0].radius - _CIRCLE:
+                continue
             size = min(self._survey.size_of(self._big[one]), self._survey.size_of(self._big[two]))
             is_clear = len(seams) == 1 or seams[1].radius < 0.7 * seams[0].radius
             for n, seam in enumerate(seams[:_PER_PAIR]):
