@@ -201,7 +201,9 @@ _BRANCHES, _TRUNK = 3, 1.6
 platform of a parallel robot has as many as its base, and a hand as many as a torso.
 """
 _HAND, _EVEN = 3.2, 0.05
-"""What counts against a trunk that one branch outweighs: the root is there. Up to which share branches are equal."""
+"""What counts against a trunk that one branch outweighs, unless it is the largest link: the root is on that branch. Up
+to which share branches are equal.
+"""
 
 
 def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], motors: Sequence[Motor]) -> int:
@@ -233,7 +235,7 @@ def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], mot
         twins = (other for other in groups if abs(mains[other] - mains[root]) < _TWIN * mains[root])
         if any(q != root and abs(volumes[q] - volumes[root]) < _TWIN_WHOLE * volumes[root] for q in twins):
             rank -= _TRUNK  # one of several equal limbs
-        if degree[root] >= _BRANCHES and _is_outweighed(root, joints, volumes):
+        if degree[root] >= _BRANCHES and volumes[root] < largest and _is_outweighed(root, joints, volumes):
             rank -= _HAND
         ranked.append((round(rank, 9), -members[0], root))
     return max(ranked)[-1] if ranked else next(iter(groups))
