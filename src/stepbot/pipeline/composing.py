@@ -219,13 +219,11 @@ class _Files:
             folder = path.parent.as_posix() if file.startswith(LIBRARY) else ""
             new_names = [former for names in section.rename.values() for former in names]
             for one in local:
-                is_settled = one.code == _UNPORTABLE and (
-                    one.message.startswith("robot ") or any(f"'{name}'" in one.message for name in new_names)
+                is_settled = one.code == _GAINS or (
+                    one.code == _UNPORTABLE
+                    and (one.message.startswith("robot ") or any(f"'{name}'" in one.message for name in new_names))
                 )
-                if one.code == _GAINS:
-                    former = one.message.split("'")[1]
-                    self._tuned.add((path.name, section.rename.get("actuators", {}).get(former, former)))
-                elif not is_settled and (one.code != _OPEN_BASE or not is_placed):
+                if not is_settled and (one.code != _OPEN_BASE or not is_placed):
                     place, help = one.span, one.help
                     if one.code == _OPEN_BASE:
                         help = (f"`base: fixed` or `base: floating` in {sidecar.path.name}",)
@@ -247,7 +245,9 @@ class _Files:
 
             robot, files = robot_of_file(path, self._options, found, changes.links_with_inertia)
             self._note(*files)
-            return changes.of_description(robot, path, self._options, found)
+            robot = changes.of_description(robot, path, self._options, found)
+            self._tuned |= {(path.name, one.name) for one in robot.actuators if one.tuning is not None}
+            return robot
         self._note(lock_path(path, changes.variant))
         options = self._options._replace(ignore=(), step=None, variant=changes.variant)
         sidecar = load(path, options, found, module=changes.section)
