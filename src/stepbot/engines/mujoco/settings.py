@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from stepbot.geometry.spatial import Array
+from stepbot.runtime.temporary import run_folder
 
 from ..description.statements import statements
 from .compiled import Compiled
@@ -76,7 +77,7 @@ def stated_defaults(compiled: Compiled, file: Path) -> tuple[str, ...]:
 
     They state what it takes without them. Settings of the compiler are not among them: they are applied, not saved.
     """
-    with TemporaryDirectory() as folder:
+    with TemporaryDirectory(dir=run_folder()) as folder:
         saved = Path(folder) / "saved.xml"
         compiled.engine.mj_saveLastXML(str(saved), compiled.model)
         kept = {_as_saved(one.place) for one in statements(saved, "mjcf")}

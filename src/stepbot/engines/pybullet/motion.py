@@ -22,6 +22,8 @@ STEP = 1e-3
 SWEEPS = 200
 """Solver iterations per step for loops that share joints: the solver takes constraints one by one, and its default, 50,
 leaves coupled loops open four to eight times as wide."""
+_SWEEPS_OF_ONE = 50
+"""PyBullet's default, for a loop of its own, whatever else is in the robot."""
 SPEED = 1.0
 """Speed of a driven joint [rad/s]."""
 SLIDING_SPEED = 0.1
@@ -101,8 +103,7 @@ def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedC
         engine.changeDynamics(body.id, index, jointDamping=0.0)
     observed: dict[str, ObservedClosure] = {}
     for closures, joints in _coupled(body, request):
-        if len(closures) > 1:
-            engine.setPhysicsEngineParameter(numSolverIterations=SWEEPS)
+        engine.setPhysicsEngineParameter(numSolverIterations=SWEEPS if len(closures) > 1 else _SWEEPS_OF_ONE)
         held = [_Held(body, closure, _points(closure, request)) for closure in closures]
         of_gears = gears(body, {k: v for k, v in request.mimics.items() if k in joints}, strength(body))
         driven, others = [one for one in request.driven if one in joints], body.coordinates.keys() - joints

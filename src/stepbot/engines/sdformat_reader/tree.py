@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from stepbot.engines.resources import MeshSubstitutes
+from stepbot.runtime.temporary import run_folder
 
 from ..observation import EngineCannotRead, EngineRefused
 from ..resources import resolve
@@ -152,7 +153,7 @@ def tree_copy(file: Path, *, held: bool = False, shapes: bool = True) -> Iterato
                 link.remove(shape)
     top = etree.Element("sdf", {"version": "1.9"})
     etree.SubElement(top, "world", {"name": "default"}).append(model)
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(dir=run_folder()) as folder:
         notes += _resolve_meshes(model, file, Path(folder))
         copy = Path(folder) / "model.sdf"
         copy.write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
