@@ -149,7 +149,8 @@ def edited(robot_library: Path, tmp_path: Path, cache: Path, page: Page) -> Iter
         session.load()
         session.server.start()
         page.open(session.server.url)
-        page.wait("return document.querySelector('#live').textContent === 'live'")
+        # The card of what is selected is drawn anew when the sidecar's text arrives.
+        page.wait("return document.querySelector('#live').textContent === 'live' && stepbot.state.written != null")
         return session
 
     yield serve

@@ -16,6 +16,63 @@ PATIENCE = 20.0
 """Seconds that a page may take to show something; no test measures speed with it."""
 
 
+class Element:
+    """The first element of a CSS selector, looked up again where the page has drawn it anew meanwhile."""
+
+    def __init__(self, driver: Any, selector: str) -> None:
+        self._driver = driver
+        self._selector = selector
+        self._do(lambda element: element)
+
+    def _do(self, action: Callable[[Any], Any]) -> Any:
+        from selenium.common.exceptions import StaleElementReferenceException
+
+        end = time.monotonic() + PATIENCE
+        while True:
+            try:
+                return action(self._driver.find_element("css selector", self._selector))
+            except StaleElementReferenceException:
+                assert time.monotonic() < end, f"drawn again and again: {self._selector}"
+
+    def click(self) -> None:
+        """Click its centre."""
+        self._do(lambda element: element.click())
+
+    def clear(self) -> None:
+        """Remove its text."""
+        self._do(lambda element: element.clear())
+
+    def send_keys(self, *keys: str) -> None:
+        """Press keys with the focus on it."""
+        self._do(lambda element: element.send_keys(*keys))
+
+    def is_displayed(self) -> bool:
+        """Whether a person can see it."""
+        return bool(self._do(lambda element: element.is_displayed()))
+
+    def is_enabled(self) -> bool:
+        """Whether it takes input."""
+        return bool(self._do(lambda element: element.is_enabled()))
+
+    def get_attribute(self, name: str) -> Any:
+        """An attribute."""
+        return self._do(lambda element: element.get_attribute(name))
+
+    def get_property(self, name: str) -> Any:
+        """A property."""
+        return self._do(lambda element: element.get_property(name))
+
+    @property
+    def text(self) -> str:
+        """The text that a person can read."""
+        return str(self._do(lambda element: element.text))
+
+    @property
+    def rect(self) -> dict[str, float]:
+        """Its `x`, `y`, `width` and `height` in the page [CSS pixels]."""
+        return dict(self._do(lambda element: element.rect))
+
+
 class Page:
     """A tab with the page."""
 
@@ -67,13 +124,13 @@ class Page:
         borders = self.run("return [outerWidth - innerWidth, outerHeight - innerHeight]")
         self.driver.set_window_size(width + borders[0], height + borders[1])
 
-    def element(self, selector: str) -> Any:
+    def element(self, selector: str) -> Element:
         """The first element of a CSS selector."""
-        return self.driver.find_element("css selector", selector)
+        return Element(self.driver, selector)
 
     def text(self, selector: str) -> str:
         """Its text."""
-        return str(self.element(selector).text)
+        return self.element(selector).text
 
     def tab(self, name: str) -> None:
         """Open a panel."""

@@ -63,8 +63,12 @@ def lines(page: Page, form: str = "#card") -> list[str]:
         "const options = document.querySelectorAll(`${arguments[0]} select[data-edit=origin] option`);"
         "return [...options].map(one => one.textContent);"
     )
-    page.until(lambda: "looking" not in page.run(script, form)[0], "axes are offered")
-    return [str(one) for one in page.run(script, form)]
+
+    def offered() -> list[str]:
+        texts = [str(one) for one in page.run(script, form)]
+        return [] if not texts or "looking" in texts[0] else texts
+
+    return list(page.until(offered, "axes are offered"))
 
 
 def test_a_part_of_the_root_becomes_a_link(page: Page, edited: Callable[[str], Session], cache: Path) -> None:

@@ -126,13 +126,12 @@ def test_usage_errors_do_not_steer_the_terminal(arguments: list[str], capsys: py
     assert all(c.isprintable() or c == "\n" for c in err)
 
 
-def test_arguments_default_to_those_of_the_process(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """`main` without arguments reads those of the process."""
-    monkeypatch.setattr(sys, "argv", ["stepbot", "--version"])
-    assert main() == 0
-    assert "stepbot, version" in capsys.readouterr().out
+def test_arguments_default_to_those_of_the_process() -> None:
+    """`main` without arguments reads those of the process, whose handlers of signals it sets."""
+    code = "import sys; from stepbot_cli import main; sys.exit(main())"
+    run = subprocess.run([sys.executable, "-c", code, "--version"], capture_output=True, text=True, check=False)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert "stepbot, version" in run.stdout
 
 
 def test_unforeseen_exception_is_sb901(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

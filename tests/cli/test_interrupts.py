@@ -55,6 +55,7 @@ def test_swallowed_interrupt_is_not_lost() -> None:
 
 def test_swallowed_request_to_end_comes_again_at_the_next_occasion() -> None:
     """A swallowed SIGTERM is raised at the next check, with the exit code of the signal."""
+    before = signal.getsignal(signal.SIGTERM)
     reached = []
 
     def swallowed() -> None:
@@ -70,7 +71,7 @@ def test_swallowed_request_to_end_comes_again_at_the_next_occasion() -> None:
         swallowed()
     assert ended.value.code == 128 + signal.SIGTERM
     assert reached == ["still running"]
-    assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
+    assert signal.getsignal(signal.SIGTERM) is before
 
 
 def test_nothing_pressed_nothing_raised() -> None:
