@@ -40,10 +40,10 @@ $(STAMP): pyproject.toml requirements-ci.txt Makefile
 demo: install  ## convert the four-bar linkage to all formats and verify the files
 	$(BIN)/stepbot convert $(DEMO) -o build/demo/four_bar
 
-test: install  ## run the tests
-	$(BIN)/pytest -n $(JOBS) -m "not long"
+test: install  ## run the tests that take less than a second or two; SLOW=1 runs the others too, as CI does
+	$(BIN)/pytest -n $(JOBS) -m "not long$(if $(SLOW),, and not slow)"
 
-test-long: install  ## run the tests that `make test` skips; some require build123d, dask, pre-commit
+test-long: install  ## run the tests that `make test SLOW=1` skips; some require build123d, dask, pre-commit
 	$(BIN)/python -m pip install --quiet -e '.[dask,draw,hooks,newton,verify]'
 	$(BIN)/pytest -n $(JOBS) -m long
 	$(BIN)/pytest -n $(JOBS) -m hypothesis --hypothesis-profile long
@@ -108,6 +108,7 @@ gate: install  ## fail if stepbot needs 5 % more processor time than at the last
 build: docs  ## build wheel and sdist, with the documentation
 	rm -rf dist && $(BIN)/python -m hatchling build
 
+all: SLOW := 1
 all: check wheels test test-long faults library benchmarks gate build  ## everything except hostile, mutation and mutants
 
 lock: install  ## pin the installed versions again, on Python 3.11, Linux x86-64

@@ -126,6 +126,7 @@ def test_wrong_arguments_name_the_right_ones(call: Callable[[], object], message
         call()
 
 
+@pytest.mark.slow
 def test_draft_and_render_write_files(folder: Path) -> None:
     """A draft is a sidecar that `check` accepts; a picture is a PNG of the size asked for."""
     pytest.importorskip("embreex")

@@ -131,6 +131,7 @@ def extended(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> E
     return Extended(root, desk)
 
 
+@pytest.mark.slow
 def test_commands_list_an_added_format(extended: Extended) -> None:
     """`formats`, the help of `-f`, the message for an unknown format, and the mapping page list the new format."""
     listed = json.loads(extended.stepbot("formats", "--json").out)["formats"]
@@ -144,6 +145,7 @@ def test_commands_list_an_added_format(extended: Extended) -> None:
     assert "| | URDF | SDFormat | MJCF | OpenUSD | Webots | DummyML | RareML |" in page.splitlines()
 
 
+@pytest.mark.slow
 def test_an_added_format_is_written_and_read_by_an_added_engine(extended: Extended) -> None:
     """`convert -f` with its alias writes the format and runs the engine; `verify` detects it by its root element."""
     converted = extended.stepbot("convert", "arm2.robot.yaml", "-f", "dml", "-o", "out", "--require", "dummy_engine")

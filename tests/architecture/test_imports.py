@@ -89,6 +89,7 @@ def test_help_loads_nothing_heavy(arguments: list[str], tmp_path: Path) -> None:
     assert not modules & HEAVY
 
 
+@pytest.mark.slow
 def test_check_loads_neither_kernel_nor_engine(tmp_path: Path) -> None:
     """`check` of a sidecar imports the YAML reader and the schema only."""
     (tmp_path / "arm.robot.yaml").write_text(SIDECAR, encoding="utf-8")
@@ -112,6 +113,7 @@ def converted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", UNCHANGED)
 def test_unchanged_input_loads_little(arguments: list[str], converted: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """`convert` and `check` of unchanged files import no numpy, no parser, and nothing that starts processes."""
@@ -139,6 +141,7 @@ def test_unchanged_input_loads_little(arguments: list[str], converted: Path, mon
     assert "dataclasses" not in modules  # a frozen data class takes five times as long to define as a named tuple
 
 
+@pytest.mark.slow
 def test_a_conversion_loads_what_it_writes(converted: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """One that is not verified imports no engine, no data sheet, and nothing for ROS 2 or programs for learning."""
     monkeypatch.setenv("STEPBOT_CACHE", str(converted / "cache"))

@@ -31,6 +31,7 @@ def project_files() -> list[Path]:
     return [ROOT / name for name in names.split("\0") if name and (ROOT / name).is_file()]
 
 
+@pytest.mark.slow
 def test_no_forbidden_words() -> None:
     """No file contains local paths, registry hosts or unfinished code."""
     found = []

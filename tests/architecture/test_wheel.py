@@ -35,6 +35,7 @@ def wheel(built: Path) -> zipfile.ZipFile:
     return zipfile.ZipFile(built)
 
 
+@pytest.mark.slow
 def test_wheel_holds_both_packages_and_no_more(wheel: zipfile.ZipFile) -> None:
     """The wheel has every module of both source roots, page, type markers, robots, metadata; no tests, no caches."""
     packages = [ROOT / "src" / "stepbot", ROOT / "cli" / "stepbot_cli"]

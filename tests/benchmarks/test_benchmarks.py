@@ -28,6 +28,7 @@ ROOT = Path(__file__).resolve().parents[2]
 BURN = "import time\nwhile time.process_time() < 0.3: pass"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "assembly", [Assembly(definitions=3, occurrences=2), Assembly(cells=4)], ids=["plates", "relief"]
 )
@@ -116,6 +117,7 @@ def test_memory_of_all_processes(tmp_path: Path) -> None:
     assert peak_memory([sys.executable, "-c", both], tmp_path, os.environ) > 64.0
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "wait4"), reason="times of process trees are taken where there is wait4")
 def test_ratios_are_to_the_first(tmp_path: Path) -> None:
     """Ratios are relative to the first contender; each contender runs once per round."""

@@ -61,6 +61,7 @@ def test_rates_of_alarms() -> None:
     assert rates[1.1] > 0.95
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not (ROOT / ".git").exists(), reason="there is no earlier revision without git")
 def test_earlier_source_reports_diagnostics(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """An earlier revision has what its own diagnostics need: robots with findings are compared, too."""
@@ -74,6 +75,7 @@ def test_earlier_source_reports_diagnostics(tmp_path: Path, monkeypatch: pytest.
     assert "error[SB121]" in run.stdout, run.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "wait4"), reason="times of process trees are taken where there is wait4")
 @pytest.mark.parametrize(("seconds", "expected"), [(0.05, Verdict.PASSED), (0.1, Verdict.FAILED)])
 def test_slower_source_fails(

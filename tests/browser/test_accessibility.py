@@ -28,6 +28,7 @@ def axe_script() -> str:
     return path.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_nothing_serious(page: Page, edited: Callable[[str], Session], scheme: str) -> None:
     """Contrast, names, roles and order: every panel, with a joint and with a part selected, and the sheet of keys."""

@@ -10,6 +10,8 @@ from stepbot.serving.session import Session
 
 from .page import Page
 
+pytestmark = pytest.mark.slow
+
 BARE = """# Nothing but the parts.
 version: 1
 robot: four_bar

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from stepbot.pipeline.conversion import Options
 from stepbot.serving.session import Session
 from stepbot.sidecar.starter import description_starter
@@ -26,6 +28,7 @@ def replaced(page: Page, text: str, keys: str) -> None:
     typed(page, "#card", text, keys)
 
 
+@pytest.mark.slow
 def test_a_description_is_edited(page: Page, tmp_path: Path) -> None:
     """A link gets a name, a mass and a frame, a joint its limit and an actuator; the URDF keeps its bytes."""
     source, sidecar = tmp_path / "arm.urdf", tmp_path / "arm.robot.yaml"

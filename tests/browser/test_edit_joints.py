@@ -11,6 +11,8 @@ from stepbot.serving.session import Session
 from .page import CONTROL, Page
 from .test_edit import BARE, component, press, text_of
 
+pytestmark = pytest.mark.slow
+
 PARTS_OF_THE_ROOT = (
     BARE
     + """  crank: {parts: [crank]}

@@ -15,6 +15,8 @@ from stepbot.serving.watching import follow
 from .page import Page
 from .test_edit import component, press
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def opened(edited: Callable[[str], Session], robot_library: Path) -> Session:

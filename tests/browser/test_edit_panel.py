@@ -15,6 +15,8 @@ from .page import Page
 from .test_edit import press
 from .test_edit_joints import CONTROL, PARTS_OF_THE_ROOT, enter
 
+pytestmark = pytest.mark.slow
+
 ENTER, TAB = "\ue007", "\ue004"
 """The keys in WebDriver."""
 

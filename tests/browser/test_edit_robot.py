@@ -15,6 +15,8 @@ from .test_edit import BARE, component, press, text_of
 from .test_edit_joints import PARTS_OF_THE_ROOT
 from .test_edit_panel import retype, settled
 
+pytestmark = pytest.mark.slow
+
 LOOSE = PARTS_OF_THE_ROOT + (
     """  rocker_swing:
     type: continuous

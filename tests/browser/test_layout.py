@@ -11,6 +11,8 @@ from stepbot.serving.session import Session
 from .page import Page
 from .test_settings import UNDECIDED
 
+pytestmark = pytest.mark.slow
+
 NAMED = ("button", "textbox", "searchbox", "combobox", "slider", "tab", "checkbox", "spinbutton", "splitter", "link")
 """Roles of Chromium's accessibility tree that a person operates."""
 ARROW_LEFT, ARROW_RIGHT, END, ESCAPE = "\ue012", "\ue014", "\ue010", "\ue00c"

@@ -19,6 +19,8 @@ from tests.robots import ROBOTS
 
 from .page import Page
 
+pytestmark = pytest.mark.slow
+
 SHARES = (0.31, 0.77)
 """Positions of all sliders, as shares of their ranges, one after the other."""
 EACH_KIND = (

@@ -12,6 +12,8 @@ from stepbot.robot.model import Robot
 
 from .page import Page
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def delta(robot_library: Path, tmp_path_factory: pytest.TempPathFactory) -> tuple[Robot, Path]:

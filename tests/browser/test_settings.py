@@ -3,12 +3,16 @@
 from collections.abc import Callable
 from pathlib import Path
 
+import pytest
+
 from stepbot.serving.session import Session
 
 from .page import Page
 from .test_edit import press, text_of
 from .test_edit_joints import PARTS_OF_THE_ROOT
 from .test_edit_panel import TAB, settled
+
+pytestmark = pytest.mark.slow
 
 UNDECIDED = PARTS_OF_THE_ROOT.replace("{density: 2700 kg/m^3}", "{density: todo}  # REVIEW: weigh one")
 

@@ -36,6 +36,7 @@ def four_bar(session: Serve, robot_library: Path) -> Session:
     return session(robot_library / "stepbot_four_bar" / "four_bar.robot.yaml")
 
 
+@pytest.mark.slow
 def test_click_a_part_and_copy_its_path(page: Page, four_bar: Session) -> None:
     """A click on a part shows its path as a sidecar writes it, its mass and its link."""
     page.open(four_bar.server.url)
@@ -53,6 +54,7 @@ def test_click_a_part_and_copy_its_path(page: Page, four_bar: Session) -> None:
     assert not page.element("#card").is_displayed()
 
 
+@pytest.mark.slow
 def test_click_a_bore_to_get_its_origin(page: Page, four_bar: Session) -> None:
     """A click on a cylinder shows the `origin` of its axis, and on a flat face that it has none."""
     shown = four_bar.load()  # before: a scene that arrives later would end the selection
@@ -79,6 +81,7 @@ def test_click_a_bore_to_get_its_origin(page: Page, four_bar: Session) -> None:
         assert origin.startswith(f'{{axis_of: "{crank.path}"')
 
 
+@pytest.mark.slow
 def test_joints_of_the_sidecar_are_listed_with_their_evidence(page: Page, four_bar: Session) -> None:
     """The evidence for an axis is on the card of its joint; the loop shows its gap."""
     page.open(four_bar.server.url)
@@ -91,6 +94,7 @@ def test_joints_of_the_sidecar_are_listed_with_their_evidence(page: Page, four_b
     assert "gap" in page.text("#card")
 
 
+@pytest.mark.slow
 def test_links_can_be_hidden(page: Page, four_bar: Session) -> None:
     """A hidden link cannot be clicked; chips show collision shapes."""
     page.open(four_bar.server.url)
@@ -103,6 +107,7 @@ def test_links_can_be_hidden(page: Page, four_bar: Session) -> None:
     assert page.run("return stepbot.view.visible().some(item => item.kind === 'collision')")
 
 
+@pytest.mark.slow
 def test_verification_appears(page: Page, four_bar: Session) -> None:
     """The table is beside the robot as soon as engines have read the files."""
     page.open(four_bar.server.url)
@@ -113,6 +118,7 @@ def test_verification_appears(page: Page, four_bar: Session) -> None:
     assert not page.driver.find_elements("css selector", "#proof tr[data-status=failed]")
 
 
+@pytest.mark.slow
 def test_second_tab_and_reload(page: Page, four_bar: Session) -> None:
     """Two tabs show the same robot and move independently; a reload starts as drawn."""
     page.open(four_bar.server.url)
@@ -131,6 +137,7 @@ def test_second_tab_and_reload(page: Page, four_bar: Session) -> None:
     assert page.text("#live") == "live"
 
 
+@pytest.mark.slow
 def test_page_outlives_its_server(page: Page, four_bar: Session) -> None:
     """When the server ends the page says so, and its joints still move."""
     page.expected_errors = ["ERR_CONNECTION_REFUSED", "ERR_INCOMPLETE_CHUNKED_ENCODING", "ERR_EMPTY_RESPONSE"]
@@ -141,6 +148,7 @@ def test_page_outlives_its_server(page: Page, four_bar: Session) -> None:
     assert page.positions()["crank_turn"] == pytest.approx(0.349, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("format_", ["urdf", *(pytest.param(name, marks=pytest.mark.long) for name in ("sdf", "mjcf"))])
 def test_robot_files_move(page: Page, session: Serve, tmp_path: Path, format_: str) -> None:
     """A URDF, an SDFormat and an MJCF file: every link is where the robot that was written has it, drawn and moved."""
@@ -160,6 +168,7 @@ def test_robot_files_move(page: Page, session: Serve, tmp_path: Path, format_: s
     assert page.pixel_of(robot.links[-1].name)
 
 
+@pytest.mark.slow
 def test_names_cannot_become_markup(page: Page, tmp_path: Path) -> None:
     """Names of links, joints, parts and files that hold HTML are shown as they are, in every panel."""
     text = json.dumps(scene_document(ROBOTS["equipped"]()))
@@ -209,6 +218,7 @@ def test_overlapping_links_are_red(page: Page, tmp_path: Path) -> None:
     assert set(glowing) == red
 
 
+@pytest.mark.slow
 def test_nothing_is_loaded_from_elsewhere(page: Page, four_bar: Session) -> None:
     """Every request of the page goes to its own server, below its token."""
     page.open(four_bar.server.url)
@@ -218,6 +228,7 @@ def test_nothing_is_loaded_from_elsewhere(page: Page, four_bar: Session) -> None
     assert all(name.startswith(four_bar.server.url) for name in loaded)
 
 
+@pytest.mark.slow
 def test_command(page: Page, robot_library: Path, tmp_path: Path) -> None:
     """The command prints the address, serves until Ctrl-C, ends with exit code 0, and writes nothing."""
     sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"
@@ -240,6 +251,7 @@ def test_command(page: Page, robot_library: Path, tmp_path: Path) -> None:
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [(1280, 800), (400, 800)])
 def test_layout_fits_the_window(page: Page, tmp_path: Path, size: tuple[int, int]) -> None:
     """Nothing is wider than the window, and the robot keeps a good part of it."""
@@ -296,6 +308,7 @@ def test_links_are_compared_while_they_move(page: Page, session: Serve, tmp_path
     assert "overlap" not in page.text("#proof")
 
 
+@pytest.mark.slow
 def test_only_what_can_be_seen_is_drawn(page: Page, tmp_path: Path) -> None:
     """Equal parts are drawn at once, small ones have no edges, tiny ones are boxes, hidden ones are skipped."""
     row = range(30)
@@ -332,6 +345,7 @@ def test_only_what_can_be_seen_is_drawn(page: Page, tmp_path: Path) -> None:
     assert page.run(seen, [spacing * 3.5, spacing * 3.5, 0.03]) is None
 
 
+@pytest.mark.slow
 def test_links_and_joints_are_listed_by_module(page: Page, tmp_path: Path) -> None:
     """Under a heading for each module, the innermost; those of the composing file are above all headings."""
     box = (Visual("v", Cylinder(0.1, 0.2)),)

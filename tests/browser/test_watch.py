@@ -40,6 +40,7 @@ def save(path: Path, text: str) -> None:
     beside.replace(path)
 
 
+@pytest.mark.slow
 def test_saves_errors_and_repairs(page: Page, edited: Session) -> None:
     """A save changes the limits of a slider in the open page, which keeps its position; errors keep the robot."""
     page.open(edited.server.url)

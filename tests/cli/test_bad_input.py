@@ -259,6 +259,7 @@ def test_file_that_is_not_there(desk: Desk, arguments: tuple[str, ...], place: s
 # The kernel
 
 
+@pytest.mark.slow
 def test_kernel_that_takes_too_long(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     """A kernel that exceeds --timeout is stopped; the message names the option; exit code 2."""
     monkeypatch.setattr("stepbot.pipeline.prestart.KERNEL", "tests.unit.runtime.isolated_functions:hang")
@@ -337,6 +338,7 @@ def kernels(command: "subprocess.Popen[bytes]") -> list[int]:
     return [pid for pid in children(command.pid) if b"stepbot.step.worker" in command_of(pid)]
 
 
+@pytest.mark.slow
 @ON_LINUX
 @pytest.mark.parametrize(
     "busy", [pytest.param(False, id="while it loads"), pytest.param(True, id="while it works", marks=pytest.mark.long)]
@@ -359,6 +361,7 @@ def test_kernel_that_dies(desk: Desk, busy: bool) -> None:
     assert_ended(kernel, *below)
 
 
+@pytest.mark.slow
 @ON_LINUX
 def test_body_that_kills_the_kernel(desk: Desk) -> None:
     """A body whose process is killed is made again, as a mesh alone: a warning, or an error where more is needed."""
@@ -388,6 +391,7 @@ def test_body_that_kills_the_kernel(desk: Desk) -> None:
     assert body["mesh"]["mass"] == pytest.approx(whole["exact"]["mass"], rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_engine_that_dies(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     """After an engine dies, the output goes to a separate folder; the message names file and engine."""
@@ -411,6 +415,7 @@ def test_engine_that_dies(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
     }
 
 
+@pytest.mark.slow
 @ON_LINUX
 @pytest.mark.parametrize(
     ("sent", "busy"),

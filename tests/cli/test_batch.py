@@ -41,6 +41,7 @@ def statuses(document: dict[str, Any]) -> dict[str, str]:
     return {robot["name"]: robot["status"] for robot in document["robots"]}
 
 
+@pytest.mark.slow
 def test_a_failed_robot_does_not_stop_the_others_and_is_repeated(library: Path, stepbot: Stepbot) -> None:
     """A failed robot does not stop the others; the next run skips finished robots and repeats changed ones."""
     run = stepbot("batch", "lib", "-o", "out", "--json", "--junit", "ci/junit.xml", *FAST)
@@ -78,6 +79,7 @@ def test_a_failed_robot_does_not_stop_the_others_and_is_repeated(library: Path, 
     assert set(statuses(document).values()) == {"converted"}, "other options, other files"
 
 
+@pytest.mark.slow
 def test_same_names(library: Path, stepbot: Stepbot) -> None:
     """Robots of one name are distinguished by their folders; if these are equal too, nothing is converted."""
     text = (library / "bad.robot.yaml").read_text(encoding="utf-8")
@@ -123,6 +125,7 @@ class Raising(Broken):
     how = staticmethod(raises)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="no such signal on this system")
 @pytest.mark.parametrize(("kind", "code"), [(Broken, "SB902"), pytest.param(Raising, "SB901", marks=pytest.mark.long)])
 def test_crash_is_one_robots_own(library: Path, kind: type[Broken], code: str) -> None:
@@ -136,6 +139,7 @@ def test_crash_is_one_robots_own(library: Path, kind: type[Broken], code: str) -
     assert outcomes["four_bar"].status is Status.CONVERTED
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "as_bytes"), [("threads", False), pytest.param("spawned", True, marks=pytest.mark.long)]
 )

@@ -80,6 +80,7 @@ def edit(path: Path, old: str, new: str) -> None:
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_same_bytes_with_and_without(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
     """Files and text are identical without a cache, with an empty one, a full one, and one with the geometry alone."""
 
@@ -124,6 +125,7 @@ def test_engines_are_asked_once(four_bar: Path, cache: Path, stepbot: Stepbot, a
     assert snapshot(Path("one")) == snapshot(Path("three"))
 
 
+@pytest.mark.slow
 def test_changed_step_is_read(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
     """A changed STEP with the former name and modification time is read."""
     step = four_bar.with_name("four_bar.step")
@@ -140,6 +142,7 @@ def test_finer_mesh_is_read_anew(four_bar: Path, cache: Path, stepbot: Stepbot, 
     assert asked == READ
 
 
+@pytest.mark.slow
 def test_corrupt_entries_are_ignored(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
     """Corrupt entries are ignored and the output is identical."""
     assert stepbot("convert", four_bar.name, "-o", "one", *FAST).code == 0
@@ -180,6 +183,7 @@ def test_unchanged_check_loads_nothing_heavy(tmp_path: Path, four_bar: Path, cac
         assert not modules & HEAVY
 
 
+@pytest.mark.slow
 def test_edited_sidecar_loads_no_kernel(tmp_path: Path, four_bar: Path, cache: Path) -> None:
     """After an edit of the sidecar the main process imports neither kernel nor trimesh, nor what verifies files."""
     edit(four_bar, "version: 1", "version: 1 # a word")

@@ -88,6 +88,7 @@ def test_classes_and_srdf(stepbot: Stepbot, plates: Path) -> None:
     assert {"never 2 pairs", "adjacent 3 pairs"} <= set(rows)
 
 
+@pytest.mark.slow
 def test_excluded_contacts_of_the_sidecar(stepbot: Stepbot, plates: Path) -> None:
     """A pair that somebody excludes is in MJCF and in the SRDF, without a search and with one, and not warned of."""
     assert "SB810" in stepbot("convert", "plates.robot.yaml", "-o", "plain").err
@@ -111,6 +112,7 @@ def test_strict_turns_the_warning_into_an_error(stepbot: Stepbot, plates: Path) 
     assert ignored.code == 0
 
 
+@pytest.mark.slow
 def test_json(stepbot: Stepbot, plates: Path) -> None:
     """The JSON document has all pairs, valid by the schema of the report."""
     run = stepbot("collisions", "plates.robot.yaml", "--samples", "50", "--json")
@@ -135,6 +137,7 @@ def test_missing_files_and_steps_are_reported(stepbot: Stepbot, plates: Path) ->
     assert stepbot("collisions", "plates.robot.yaml", "--samples", "0").code == 2
 
 
+@pytest.mark.slow
 def test_conversion_excludes_and_proves(stepbot: Stepbot, plates: Path) -> None:
     """With the key, pairs that always overlap are excluded in MJCF, listed in the SRDF and the report, and proven."""
     sidecar = plates / "plates.robot.yaml"
@@ -159,6 +162,7 @@ def test_conversion_excludes_and_proves(stepbot: Stepbot, plates: Path) -> None:
     assert [one["status"] for one in proven] == ["passed"]
 
 
+@pytest.mark.slow
 def test_never_can_be_excluded_too(stepbot: Stepbot, plates: Path) -> None:
     """`exclude` names the classes: with `never`, MJCF excludes pairs that never meet; with none, nothing more."""
     for exclude, pairs in (("[always, never]", 3), ("[never]", 2), ("[]", 0)):

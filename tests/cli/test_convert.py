@@ -74,6 +74,7 @@ def test_json_is_the_whole_story(arm: Path, stepbot: Stepbot) -> None:
     assert (suites.get("failures"), suites.get("errors")) == ("0", "0")
 
 
+@pytest.mark.slow
 def test_one_format_without_proof(arm: Path, stepbot: Stepbot) -> None:
     """`-f` by an alias, given twice, writes one format; `--no-verify` starts no engine."""
     run = stepbot("convert", "arm2.robot.yaml", "-f", "sdformat", "-f", "sdf", "--no-verify", "-o", "out")
@@ -84,6 +85,7 @@ def test_one_format_without_proof(arm: Path, stepbot: Stepbot) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_strict_ends_at_a_loss(arm: Path, stepbot: Stepbot) -> None:
     """A feature that a format lacks is a warning, and with `--strict` an error without output."""
     damage(arm, replaced("friction: 0.02}", "friction: 0.02, armature: 0.01}"))
@@ -97,6 +99,7 @@ def test_strict_ends_at_a_loss(arm: Path, stepbot: Stepbot) -> None:
     assert stepbot("convert", "arm2.robot.yaml", "--no-verify", "--strict", "-f", "mjcf").code == 0
 
 
+@pytest.mark.slow
 def test_other_step(arm: Path, stepbot: Stepbot) -> None:
     """`--step` replaces the file named in the sidecar."""
     (arm / "arm2.step").rename(arm / "revision_b.step")

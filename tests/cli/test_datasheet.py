@@ -52,6 +52,7 @@ def test_youbot(stepbot: Stepbot) -> None:
     assert arm["payloads"][-1][1] > 0.5
 
 
+@pytest.mark.slow
 def test_page_is_markdown(stepbot: Stepbot) -> None:
     """Without `--json` it is a page with a table of joints and of arms."""
     page = stepbot("datasheet", str(LIBRARY / "universal_robots_ur5e" / "ur5e.robot.yaml")).out

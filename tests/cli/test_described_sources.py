@@ -19,6 +19,7 @@ def cart(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_base_and_packages_are_options_of_all_conversions(cart: Path, stepbot: Stepbot) -> None:
     """`batch`, `uptodate` and `check` take the base that `convert` does; `uptodate` finds files of another base."""
     batch = stepbot("batch", "cart.urdf", "-o", "out", "-f", "mjcf", "--no-verify", "--base", "floating")

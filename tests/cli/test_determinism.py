@@ -47,6 +47,7 @@ def test_the_processor_changes_rounding() -> None:
     assert printed[0] != printed[1]
 
 
+@pytest.mark.slow
 def test_other_seed_core_processor_folder_and_paths(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
@@ -159,6 +160,7 @@ def test_repeated_conversions(tmp_path: Path, robot_library: Path, robot: str, t
         assert_same_bytes(runs[0].folder, run.folder)
 
 
+@pytest.mark.slow
 def test_one_format_alone_has_the_same_bytes(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:
@@ -172,6 +174,7 @@ def test_one_format_alone_has_the_same_bytes(
     assert [name for name in files if found[name] != expected[name]] == []
 
 
+@pytest.mark.slow
 def test_again_into_the_same_folder(
     tmp_path: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:

@@ -97,6 +97,7 @@ URDF = """<robot name="arm">
 """
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_robots_are_compared_as_engines_load_them(tmp_path: Path, stepbot: Stepbot) -> None:
     """Robot files, or folders of them, are compared as engines load them: equal, or with another mass and limit."""

@@ -44,6 +44,7 @@ def _diff(stepbot: Stepbot, old: str, new: str) -> tuple[int, list[dict[str, obj
     return run.code, json.loads(run.out)["differences"]
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 @pytest.mark.parametrize(
     ("old", "new", "place"),
@@ -66,6 +67,7 @@ def test_diff_names_the_number(old: str, new: str, place: str, tmp_path: Path, s
     assert place in str(rows[0]["name"])
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_the_same_file_is_equal(tmp_path: Path, stepbot: Stepbot) -> None:
     """A copy, and the file itself, have no differences."""
@@ -75,6 +77,7 @@ def test_the_same_file_is_equal(tmp_path: Path, stepbot: Stepbot) -> None:
     assert _diff(stepbot, first, first) == (0, [])
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_other_names_are_paired_by_structure(tmp_path: Path, stepbot: Stepbot) -> None:
     """Numbers are compared under other names of links and joints, and each pair is listed."""
@@ -97,6 +100,7 @@ MESH = """<mujoco><asset><mesh name="m" file="{mesh}"/></asset><worldbody><body 
 </body></worldbody></mujoco>"""
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_a_refused_file_is_not_equal(tmp_path: Path, stepbot: Stepbot) -> None:
     """A file that an engine refuses, and what was not compared, end in code 2 with the reason."""
@@ -125,6 +129,7 @@ def test_a_file_that_no_engine_reads_is_named(tmp_path: Path, stepbot: Stepbot) 
     assert "2 root links" in run.err or "only validates files" in run.err  # libsdformat's command, if installed
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("old", ['<child link="{tool}"/>', '<parent link="{arm}"/>'])
 def test_a_joint_to_a_link_that_is_missing(old: str, tmp_path: Path, stepbot: Stepbot) -> None:
     """Engines that read such a file are no reason for an internal error, whichever of two files it is."""
@@ -163,6 +168,7 @@ def test_robots_without_masses_are_compared(tmp_path: Path, stepbot: Stepbot) ->
     assert _diff(stepbot, str(tmp_path / "old.urdf"), str(tmp_path / "new.urdf")) == (0, [])
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 @pytest.mark.parametrize("command", ["diff", "verify"])
 def test_words_that_no_engine_reports_are_compared(command: str, tmp_path: Path, stepbot: Stepbot) -> None:
@@ -237,6 +243,7 @@ _GIVEN = (
 """The same attributes with other values, of those that change what MuJoCo does or shows."""
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_a_stated_default_of_mjcf_is_no_difference(tmp_path: Path, stepbot: Stepbot) -> None:
     """MuJoCo compiles both files: what it cannot tell apart is the same, and each other value alone is a difference."""
@@ -253,6 +260,7 @@ def test_a_stated_default_of_mjcf_is_no_difference(tmp_path: Path, stepbot: Step
         assert [attribute in text for text in texts] == [True] * bool(given), rows
 
 
+@pytest.mark.slow
 def test_a_stated_default_of_sdformat_is_no_difference(tmp_path: Path, stepbot: Stepbot) -> None:
     """Elements that stepbot does not read, with what SDFormat takes where they are missing, and with another value."""
     skip_without("pybullet")
@@ -270,6 +278,7 @@ def test_a_stated_default_of_sdformat_is_no_difference(tmp_path: Path, stepbot: 
         assert code == (0 if words == stated else 1), words
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_an_effort_that_means_unlimited_is_none(tmp_path: Path, stepbot: Stepbot) -> None:
     """As stepbot states it where a file has none; another number of that size is another text."""
@@ -292,6 +301,7 @@ def test_a_warning_hides_no_difference(tmp_path: Path, stepbot: Stepbot) -> None
     assert [_diff(stepbot, str(old), str(other))[0] for other in (old, new)] == [0, 1]
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 @pytest.mark.parametrize("command", ["diff", "verify"])
 def test_surroundings_are_no_robot(command: str, tmp_path: Path, stepbot: Stepbot) -> None:

@@ -15,6 +15,7 @@ from tests.command_line import stepbot
 pytestmark = pytest.mark.xdist_group("doctor")
 
 
+@pytest.mark.slow
 def test_all_engines_and_their_commands_are_listed(tmp_path: Path) -> None:
     """Each engine is there or has the command that installs it; the kernel and MuJoCo work where the tests run."""
     run = stepbot("doctor", "--json", "--cache", tmp_path / "cache", cwd=tmp_path)

@@ -36,6 +36,7 @@ def untimed(document: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+@pytest.mark.slow
 @pytest.mark.pybullet
 def test_files_are_driven_and_stay_as_they_are(folder: Path, stepbot: Stepbot) -> None:
     """Every test that applies runs in both engines; the others have reasons; two runs give the same numbers."""
@@ -137,6 +138,7 @@ def missing(monkeypatch: pytest.MonkeyPatch, *names: str) -> None:
         monkeypatch.setattr(engine_of(name), "available", lambda name=name: f"{name} is not installed")
 
 
+@pytest.mark.slow
 def test_without_pybullet_the_result_says_so(
     folder: Path, arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -158,6 +160,7 @@ def test_without_pybullet_the_result_says_so(
     assert run.code == 0
 
 
+@pytest.mark.slow
 def test_without_mujoco_nothing_is_gripped(folder: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
     """Poses are chosen without contacts, and the reason why no cube is gripped is MuJoCo's absence."""
     missing(monkeypatch, "mujoco")
@@ -208,6 +211,7 @@ def test_a_file_without_its_other_engine(folder: Path, stepbot: Stepbot, monkeyp
     assert (run.code, json.loads(run.out)["not_run"]) == (0, {})
 
 
+@pytest.mark.slow
 def test_a_sweep_that_covers_a_part_of_the_range_says_so(folder: Path, stepbot: Stepbot) -> None:
     """A range that is not covered is in the table, with its numbers and what stops the sweep, although it passes."""
     robot = looped_gripper(1.0)
@@ -228,6 +232,7 @@ def test_a_sweep_that_covers_a_part_of_the_range_says_so(folder: Path, stepbot: 
     assert "sweep covers" not in stepbot("drive", "gripper", "--engine", "mujoco", "--test", "sweep").out
 
 
+@pytest.mark.slow
 def test_columns_line_up_and_limits_have_units(folder: Path, stepbot: Stepbot) -> None:
     """The speeds end below each other, and a limit has the unit of its quantity."""
     _, head, *rows = (
@@ -264,6 +269,7 @@ def test_plots_are_the_same_bytes_in_two_runs(folder: Path, stepbot: Stepbot) ->
         assert path.read_bytes() == (folder / "two" / path.name).read_bytes()
 
 
+@pytest.mark.slow
 def test_files_of_a_conversion_whose_drive_fails(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
     """Failing drive tests move no file: the folder that is printed has them."""
 

@@ -65,6 +65,7 @@ def test_the_sidecar_declares_it(crate: Path, stepbot: Stepbot) -> None:
     assert stepbot("check", "--step", "crate.robot.yaml").code == 0
 
 
+@pytest.mark.slow
 def test_the_command_line_overrules_the_sidecar(crate: Path, stepbot: Stepbot) -> None:
     """`--encoding` overrides the sidecar; with a wrong code page, names that match nothing are errors."""
     write_sidecar(crate, "step_encoding: cp949")

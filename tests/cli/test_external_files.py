@@ -72,6 +72,7 @@ def mass_of(report: Path, link: str) -> float:
     return mass
 
 
+@pytest.mark.slow
 def test_a_changed_part_is_another_input(lever: Path, stepbot: Stepbot) -> None:
     """`convert`, `check` and `uptodate` detect a change of a file that the STEP refers to indirectly."""
     assert stepbot("convert", "lever.robot.yaml", "-o", "out", *FAST).code == 0

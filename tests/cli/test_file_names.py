@@ -41,6 +41,7 @@ def run(folder: Path, *arguments: str, run: Callable[..., Run] = stepbot) -> Run
     return done
 
 
+@pytest.mark.slow
 def test_convert_proves_what_it_writes(
     folder: Path, tmp_path_factory: pytest.TempPathFactory, robot_library: Path
 ) -> None:

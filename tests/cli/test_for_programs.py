@@ -42,6 +42,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Pat
     return convert_once(tmp_path_factory, "arm2 for programs", sidecar, "--no-verify", "--for", NAMES).folder
 
 
+@pytest.mark.slow
 def test_layers_for_simready(folder: Path, robot_library: Path, stepbot: Stepbot) -> None:
     """They are in a folder of their own, which `uptodate` compares, and names with the option if it is not given."""
     main = folder / SIMREADY / "arm2" / "usd" / "arm2.usda"
@@ -115,6 +116,7 @@ def test_uptodate_and_python_expect_the_same_files(
     assert result.files["arm2_mjlab.py"] == (folder / "arm2_mjlab.py").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_batch_writes_the_same_files(folder: Path, robot_library: Path, tmp_path: Path, stepbot: Stepbot) -> None:
     """`batch --for` writes for each robot what `convert --for` does, and the formats that the programs load."""
     sidecar = robot_library / "stepbot_arm2" / "arm2.robot.yaml"

@@ -33,6 +33,7 @@ def test_a_cached_page_has_the_same_bytes(arm: Path, stepbot: Stepbot) -> None:
     assert pages[0] == pages[1]
 
 
+@pytest.mark.slow
 def test_a_batch_has_an_index(arm: Path, stepbot: Stepbot, robot_library: Path) -> None:
     """All robots with links to their pages; a failed one with its errors and without a page."""
     sidecar = (arm / "arm2.robot.yaml").read_text(encoding="utf-8")

@@ -49,6 +49,7 @@ def test_ignored_by_the_sidecar_and_on_the_command_line(arm: Path, stepbot: Step
     assert {one["code"] for one in report["diagnostics"]}.isdisjoint({"SB505", "SB760:armature"})
 
 
+@pytest.mark.slow
 def test_results_in_the_cache_know_what_was_ignored(
     arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
 ) -> None:

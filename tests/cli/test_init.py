@@ -48,6 +48,7 @@ def chain(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 def test_draft_passes_the_check_and_converts(slider: Path, stepbot: Stepbot) -> None:
     """A pair in the STEP becomes a joint; the sidecar passes `check --step` and converts unchanged."""
     run = stepbot("init", "slider.step")
@@ -75,6 +76,7 @@ def test_nothing_is_overwritten_without_force(slider: Path, stepbot: Stepbot) ->
     assert schema.read_text(encoding="utf-8") == "mine"
 
 
+@pytest.mark.slow
 def test_sidecar_elsewhere_names_the_step_from_there(slider: Path, stepbot: Stepbot) -> None:
     """`-o` creates its folder and writes `step` relative to it; the bytes are deterministic."""
     for name in ("first", "second"):
@@ -85,6 +87,7 @@ def test_sidecar_elsewhere_names_the_step_from_there(slider: Path, stepbot: Step
     assert stepbot("check", "--step", "first/a.robot.yaml").code == 0
 
 
+@pytest.mark.slow
 def test_joints_of_a_plain_step_are_inferred(arm: Path, stepbot: Stepbot) -> None:
     """Without stated pairs, joints are inferred from shapes with evidence: shoulder, elbow and both fingers."""
     (arm / "arm2.robot.yaml").unlink()
@@ -151,6 +154,7 @@ def test_interactive_asks_for_the_root_link(slider: Path, stepbot: Stepbot, monk
     assert stepbot("init", "slider.step", "-i", "--json").code == 2
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("chain")
 @pytest.mark.parametrize(
     ("answers", "motions", "joints"),
@@ -178,6 +182,7 @@ def test_answers_are_facts_to_infer_from(
     assert stepbot("check", "--step", "chain.robot.yaml").code == 0
 
 
+@pytest.mark.slow
 def test_answers_are_kept_for_the_next_draft(chain: Path, stepbot: Stepbot) -> None:
     """Answers of a file are in the sidecar, and `init --force` uses them again; one that does not apply is noted."""
     asked = json.loads(stepbot("init", "chain.step", "--json").out)["questions"]
@@ -205,6 +210,7 @@ def test_answers_are_kept_for_the_next_draft(chain: Path, stepbot: Stepbot) -> N
     assert stepbot("init", "chain.step", "--force", "--answers", "answers.json").code == 2
 
 
+@pytest.mark.slow
 def test_the_page_asks_what_init_asks(chain: Path, stepbot: Stepbot) -> None:
     """`view --edit` lists the questions of `init --interactive`; their answers draft the same sidecar, or keep it."""
     sidecar = chain / "chain.robot.yaml"
@@ -249,6 +255,7 @@ def test_pairs_of_a_referenced_file_are_noted(
     assert note in " ".join((tmp_path / "pair.robot.yaml").read_text(encoding="utf-8").replace("#", "").split())
 
 
+@pytest.mark.slow
 def test_draft_and_check_doubt_the_same_axes(stepbot: Stepbot, tmp_path: Path) -> None:
     """Where `check` finds the faces on an axis weak, the draft has a REVIEW with the same words, whatever the score."""
     step, sidecar = LIBRARY / "stepbot_delta" / "delta.step", tmp_path / "delta.robot.yaml"

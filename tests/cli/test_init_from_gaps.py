@@ -11,6 +11,8 @@ import pytest
 
 from tests.command_line import stepbot
 
+pytestmark = pytest.mark.slow
+
 LIBRARY = Path(__file__).parents[2] / "robot_library"
 
 

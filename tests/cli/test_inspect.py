@@ -293,6 +293,7 @@ def test_what_is_no_step(arm: Path, stepbot: Stepbot) -> None:
     assert document["diagnostics"][0]["file"].endswith("no.step")
 
 
+@pytest.mark.slow
 def test_json_while_the_kernel_prints(tmp_path: Path) -> None:
     """Kernel errors on standard output do not break the JSON document."""
     path = parts.write_colored_faces(tmp_path / "block.step").path

@@ -123,6 +123,7 @@ def test_native_module_is_initialized_before_the_block_ends() -> None:
     assert signal.getsignal(signal.SIGALRM) is before
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="the system ends processes without a signal")
 def test_a_page_that_is_ended_leaves_no_files(tmp_path: Path) -> None:
     """`view` serves its page until a service manager ends it."""

@@ -15,6 +15,7 @@ PAGE = (ROOT / "docs" / "use-it-in.md").read_text(encoding="utf-8").partition("\
 EXAMPLES = re.findall(r"^```python\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
 
 
+@pytest.mark.slow
 def test_examples_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """The exported arm becomes an environment; the examples print observations, distance, shape."""
     monkeypatch.chdir(tmp_path)

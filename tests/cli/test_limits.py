@@ -41,6 +41,7 @@ def test_work_that_never_ends_is_stopped(monkeypatch: pytest.MonkeyPatch) -> Non
     assert len(caught) == 2
 
 
+@pytest.mark.slow
 def test_each_stage_has_the_whole_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """A command with many inputs may take longer than the limit, one of them may not."""
     monkeypatch.setenv(NO_PROGRESS, "1")

@@ -118,6 +118,7 @@ SENTENCES: dict[str, tuple[Any, list[tuple[str, str]]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SENTENCES)
 def test_one_change_is_one_sentence(name: str, lever: Revision, stepbot: Stepbot) -> None:
     """Each kind of change causes exactly one finding, with the expected code."""
@@ -167,6 +168,7 @@ def test_findings_stand_at_the_line_that_binds(lever: Revision, stepbot: Stepbot
     assert stepbot("check", "--step", "--strict", "lever.robot.yaml").code == 1
 
 
+@pytest.mark.slow
 def test_changes_can_be_ignored_before_they_come(lever: Revision, stepbot: Stepbot) -> None:
     """A sidecar that ignores moved parts has no findings before or after one moves, and none about an unused rule."""
     rewrite(**{"base: fixed": "base: fixed\nignore_findings: [SB318:pose]"})
@@ -175,6 +177,7 @@ def test_changes_can_be_ignored_before_they_come(lever: Revision, stepbot: Stepb
     assert findings(stepbot) == []
 
 
+@pytest.mark.slow
 def test_convert_reports_the_same(lever: Revision, stepbot: Stepbot) -> None:
     """`convert` compares with the lock: a moved part is a warning; with a renamed part nothing is written."""
     arguments = ("convert", "--no-verify", "--concise", str(Path("lever.robot.yaml").resolve()), "-o", "out")
@@ -227,6 +230,7 @@ POST = """<robot name="post"><link name="post"><inertial><mass value="1"/>
 <inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link></robot>"""
 
 
+@pytest.mark.slow
 def test_modules_are_locked_beside_their_sidecars(lever: Revision, stepbot: Stepbot) -> None:
     """`lock` of a robot of modules locks each sidecar once, at any depth; `check --step` of the whole compares it."""
     Path("work").mkdir()
@@ -266,6 +270,7 @@ def test_errors_of_modules_are_reported_by_lock(lever: Revision, stepbot: Stepbo
     assert run.out.startswith("nothing to lock")
 
 
+@pytest.mark.slow
 def test_modules_without_a_step(lever: Revision, stepbot: Stepbot) -> None:
     """`check` states that modules are not read; SB150 of `inspect` lists commands that work for them and the whole."""
     hung = "b: {file: post.urdf, at: a/base}, c: {file: 'library:arm2', at: a/base}"
@@ -290,6 +295,7 @@ def test_lock_in_json(lever: Revision, stepbot: Stepbot) -> None:
     assert document["exit_code"] == run.code == 0
 
 
+@pytest.mark.slow
 def test_fix_rewrites_names_alone(lever: Revision, stepbot: Stepbot) -> None:
     """`--fix` replaces every occurrence of a path and keeps comments, layout, line ends and byte order mark."""
     text = LEVER.replace("motor]}", "  'motor' ]}   # drives it, motor").replace("\n", "\r\n")
@@ -332,6 +338,7 @@ def test_fix_leaves_probable_renamings_alone(lever: Revision, stepbot: Stepbot) 
     assert Path("lever.robot.yaml").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_fix_follows_shifted_numbers(lever: Revision, stepbot: Stepbot) -> None:
     """After the first of four nameless screws is removed, paths with #n follow the remaining screws."""
     rewrite(**{"[base]": "[plate, 'M3#1', 'M3#2', 'M3#3']", "motor]": 'motor, "M3#4"]'})
@@ -344,6 +351,7 @@ def test_fix_follows_shifted_numbers(lever: Revision, stepbot: Stepbot) -> None:
     assert '[beam, motor, "M3#3"]' in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("glob", "becomes"),
     [("**/mot*", "arm/XL430"), ("**/M*", None)],

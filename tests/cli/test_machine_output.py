@@ -102,6 +102,7 @@ URDF = '<robot name="a"><link name="base"><inertial><mass value="{}"/>{}</inerti
 INERTIA = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
 
 
+@pytest.mark.slow
 def test_differences_as_markdown_and_annotations(tmp_path: Path) -> None:
     """The table has the old and the new mass; annotations are about the new file."""
     for name, mass in (("old", 1), ("new", 2)):

@@ -49,6 +49,7 @@ def run_with_noise(scene: Path) -> list[int]:
     return [int(count) for count in data.warning.number]
 
 
+@pytest.mark.slow
 def test_folder_has_what_the_checks_ask_for(folder: Path) -> None:
     """A README, a licence, a changelog, a scene and a picture, and all meshes in `assets`."""
     names = {"LICENSE", "README.md", "CHANGELOG.md", "arm2.xml", "scene.xml", "arm2.png", "assets"}
@@ -84,6 +85,7 @@ def test_xml_has_the_form_that_is_asked_for(folder: Path) -> None:
         assert styled == plain
 
 
+@pytest.mark.slow
 def test_model_is_that_of_the_output_folder(folder: Path) -> None:
     """MuJoCo compiles both files to the same numbers."""
     here = mujoco.MjModel.from_xml_path(str(folder / "arm2.xml"))

@@ -25,6 +25,7 @@ joints:
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("mesh", "kinds", "noted"),
     [
@@ -83,6 +84,7 @@ def test_budgets_hold_for_a_link_and_the_robot(
     assert 0.0 < own["deviation"] < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["obj", "stl", "dae", "glb"])
 def test_files_within_a_number_of_bytes(
     kind: str, stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -21,6 +21,7 @@ def package(arm: Path, stepbot: Stepbot) -> Path:
     return arm
 
 
+@pytest.mark.slow
 def test_verify_searches_upwards_and_in_the_given_folders(package: Path, stepbot: Stepbot) -> None:
     """Every engine that reads URDF loads the meshes of a package that was found; PyBullet does not search for it."""
     for arguments in (["src/arm/arm2.urdf"], ["build/arm2.urdf", "--package-path", "src/arm"]):
@@ -32,6 +33,7 @@ def test_verify_searches_upwards_and_in_the_given_folders(package: Path, stepbot
         assert all(loads[engine] == "passed" for engine in installed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [

@@ -42,6 +42,7 @@ def test_opens_with_two_commands() -> None:
     assert blocks("sh")[0].splitlines()[1].startswith("make test")
 
 
+@pytest.mark.slow
 def test_example_runs(example: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     """Every command of the example succeeds, prints what the page shows, and writes the files it names."""
     commands = re.findall(
@@ -66,6 +67,7 @@ def test_example_runs(example: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
     assert (example / "build" / "junit.xml").is_file()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("make") is None, reason="make is not installed")
 def test_rule_in_a_makefile(example: Path) -> None:
     """The Makefile rule converts if its stamp is older than the input, also from the cache, and only once."""

@@ -41,6 +41,7 @@ def rendered(stepbot: Stepbot, *arguments: str) -> dict[str, Any]:
     return document
 
 
+@pytest.mark.slow
 def test_a_sidecar_gives_a_picture_of_its_robot(arm: Path, stepbot: Stepbot) -> None:
     """The file is named after the sidecar and has the size of the option; every link has a place in it."""
     run = stepbot("render", "arm2.robot.yaml", *SMALL)
@@ -55,6 +56,7 @@ def test_a_sidecar_gives_a_picture_of_its_robot(arm: Path, stepbot: Stepbot) -> 
         assert pixels[int(y), int(x)].min() < 225
 
 
+@pytest.mark.slow
 def test_a_loop_closes_at_the_given_position(four_bar: Path, stepbot: Stepbot) -> None:
     """The other joints follow; where that is impossible, the end of the way is reported."""
     document = rendered(stepbot, "four_bar.robot.yaml", *SMALL, "--joint", "crank_turn=60deg")
@@ -156,6 +158,7 @@ def test_a_step_file_gives_a_picture_of_its_assembly(arm: Path, stepbot: Stepbot
     assert document["places"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "suffix", [pytest.param("urdf", marks=pytest.mark.long), pytest.param("sdf", marks=pytest.mark.long), "xml"]
 )
@@ -178,6 +181,7 @@ def test_a_missing_target_is_reported(arm: Path, stepbot: Stepbot) -> None:
         assert "error[SB001]" in run.err
 
 
+@pytest.mark.slow
 def test_an_exploded_view_names_the_listed_components(
     tmp_path: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -9,6 +9,8 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
+
 from robot_library.moments import pose
 from tests.command_line import printed
 from tests.revisions import Revision
@@ -30,6 +32,7 @@ def session(page: str, folder: Path) -> Iterator[str]:
         yield printed(command.split()[1:], folder, changes)[1]
 
 
+@pytest.mark.slow
 def test_session(tmp_path: Path) -> None:
     """The commands print the output shown on the page."""
     page = PAGE.read_text(encoding="utf-8")

@@ -18,6 +18,7 @@ def run(words: str, redirection: str, folder: Path) -> subprocess.CompletedProce
     return subprocess.run(command, cwd=folder, env=environment(), capture_output=True, check=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("redirection", [">&-", "2>&-", "<&- >&- 2>&-", "2>/dev/full"])
 @pytest.mark.parametrize(
     "words", [pytest.param(words, marks=pytest.mark.long if "-" in words else ()) for words in COMMANDS]
@@ -41,6 +42,7 @@ def test_results_that_cannot_be_printed(tmp_path: Path, words: str) -> None:
     assert run(words, ">/dev/full 2>/dev/full", tmp_path).returncode == 2
 
 
+@pytest.mark.slow
 def test_files_do_not_take_the_place_of_closed_streams(tmp_path: Path, arm: Path) -> None:
     """With all streams closed, files are those of any other conversion: nothing is printed into them."""
     words = f"convert {arm / 'arm2.robot.yaml'} --no-verify -o"

@@ -137,6 +137,7 @@ def test_folder_is_found_by_its_list(written: Path, stepbot: Stepbot) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_batch_then_uptodate(written: Path, stepbot: Stepbot) -> None:
     """Output of `batch . -o build` is found without arguments, also for robots of one name in several folders."""
     shutil.rmtree("out")
@@ -255,6 +256,7 @@ def test_templates_of_folders(stepbot: Stepbot, command: str, template: str) -> 
     assert not Path("other").exists()
 
 
+@pytest.mark.slow
 def test_one_template_for_batch_and_uptodate(written: Path, stepbot: Stepbot) -> None:
     """What `batch` writes by a template, `uptodate` finds by it."""
     assert stepbot("batch", "arm2.robot.yaml", "-o", "other/{name}/files", "-f", "urdf", "--no-verify").code == 0

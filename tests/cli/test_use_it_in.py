@@ -103,6 +103,7 @@ print(np.isfinite(sensor.depth_image_32F_output_port().Eval(context).data).sum()
 """
 
 
+@pytest.mark.slow
 def test_normals_for_cameras_of_drake(folder: Path, tmp_path: Path) -> None:
     """Every face of every mesh gets its geometric normal, and Drake's camera sees the robot."""
     meshes = tmp_path / "arm" / "meshes"

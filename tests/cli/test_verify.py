@@ -36,6 +36,7 @@ def test_same_robot_in_all_formats(files: list[str], stepbot: Stepbot) -> None:
     assert " 0 failed" in verbose.out
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("brief")
 def test_a_folder_stands_for_the_files_of_its_robot(files: list[str], stepbot: Stepbot) -> None:
     """All of its formats are compared; a folder of two robots is reported, since they need not be the same."""

@@ -15,6 +15,7 @@ from tests.simulators.conftest import skip_without
 COMPOSED = tuple(robot for robot in library_robots() if robot.is_composed)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", COMPOSED, ids=lambda robot: robot.name)
 def test_page_and_files(robot: LibraryRobot, tmp_path: Path, cache: Cache) -> None:
     """The exported files make the robot whose numbers are on the page, and the page shows the sidecar."""
@@ -43,6 +44,7 @@ def _facts(robot: Robot, report: bytes) -> str:
     return f"{len(robot.links)} links, {int(freedom[1])} DoF{loops}, {mass:.4g} kg"
 
 
+@pytest.mark.slow
 def test_masses_add_up(tmp_path: Path, cache: Cache) -> None:
     """The arm of 21.70 kg, the changer of 0.15 kg and the gripper of 0.925 kg."""
     options = Options(tmp_path, ("mjcf",), verify=False, cache=cache)

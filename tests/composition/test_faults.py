@@ -87,6 +87,7 @@ def test_a_prefix_with_a_slash(errors: Errors) -> None:
     assert errors(files, Diagnostics())[0].startswith("SB126 5:33 modules.arm.prefix: 'a/' contains '/'")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [256, 257])
 def test_the_number_of_modules_is_limited(count: int, composed: Callable[..., Robot]) -> None:
     """256 instances of one file are composed; one more is an error at that module."""

@@ -38,6 +38,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, cache: Cache) -> Path:
     return folder / "out"
 
 
+@pytest.mark.slow
 def test_plugins_of_gazebo_name_joints_that_exist(folder: Path) -> None:
     """Each drive has one plugin, on a joint of its own and with a topic of its own."""
     top = ET.parse(folder / "two.sdf").getroot()
@@ -49,6 +50,7 @@ def test_plugins_of_gazebo_name_joints_that_exist(folder: Path) -> None:
     assert len(topics) == len(set(topics))
 
 
+@pytest.mark.slow
 def test_loops_for_drake_have_the_names_of_the_module(folder: Path) -> None:
     """The closures of the gripper are between links of this instance."""
     top = ET.parse(folder / "two.drake.sdf").getroot()
@@ -139,6 +141,7 @@ def test_gains_that_a_description_lacks_are_those_of_the_whole(tmp_path: Path, c
     assert made.robot.actuators[0].kp > made.robot.actuators[1].kp
 
 
+@pytest.mark.slow
 def test_computed_gains_follow_the_load(tmp_path: Path, cache: Cache) -> None:
     """`gains: auto` of the last joints grow with the gripper on them; its own given numbers stay bit for bit."""
     arm, hand = 'arm: {file: "library:ur5e", prefix: ""}', 'hand: {file: "library:2f85", prefix: "", at: arm/tool0}'

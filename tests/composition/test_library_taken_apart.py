@@ -53,6 +53,7 @@ def same_robot(composed: Robot, drawn: Robot, *, com: float, inertia: float) -> 
         assert joint.mimic == there.mimic
 
 
+@pytest.mark.slow
 def test_quadruped_of_one_leg_is_the_drawn_one(of_library: Callable[[str], Robot]) -> None:
     """A leg and its mirror image, twice, on joints of the composing file: all is as drawn, and stands as high."""
     dog, drawn = of_library("composed/dog"), of_library("stepbot_quadruped/quadruped")
@@ -99,6 +100,7 @@ def test_meshes_of_a_mirrored_leg(of_library: Callable[[str], Robot]) -> None:
         assert np.einsum("ni,ni->", a, np.cross(b, c)) > 0.0, asset.name
 
 
+@pytest.mark.slow
 def test_mirrored_arm_is_the_drawn_one(of_library: Callable[[str], Robot]) -> None:
     """An arm of nine joints with a mimic and one-sided limits, its image against the right arm drawn in the CAD."""
     body, drawn = of_library("composed/body"), of_library("stepbot_upper_body/upper_body")
@@ -109,6 +111,7 @@ def _at_zero(robot: Robot) -> Robot:
     return replace(robot, joints=tuple(replace(joint, drawn_position=0.0) for joint in robot.joints))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("normal", NORMALS)
 def test_mirrored_twice_is_the_robot(normal: str, of_library: Callable[[str], Robot]) -> None:
     """Links and joints bit for bit; places of shared meshes within rounding."""

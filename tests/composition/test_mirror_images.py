@@ -305,6 +305,7 @@ def gripper(robot_library: Path, cache: Cache, tmp_path_factory: pytest.TempPath
     return robot
 
 
+@pytest.mark.slow
 def test_mirrored_loops_close(gripper: Robot) -> None:
     """Over the range of the drive, both ends of each closure are at one point; all links are at their images."""
     image = mirrored(gripper, "y")
@@ -324,6 +325,7 @@ def assert_image(robot: Robot, image: Robot, q: Mapping[str, float], q_image: Ma
         assert np.allclose(pose.matrix, image_of(others[name].matrix), rtol=0.0, atol=1e-9), name
 
 
+@pytest.mark.slow
 def test_mirrored_loops_of_ball_joints_close(robot_library: Path, cache: Cache, tmp_path: Path) -> None:
     """A delta, over the range of its shoulders: yaw and roll of the ball joint above the platform change signs."""
     options = Options(tmp_path, formats=("mjcf",), verify=False, cache=cache)
@@ -343,6 +345,7 @@ def test_mirrored_loops_of_ball_joints_close(robot_library: Path, cache: Cache, 
         assert_image(delta, image, q, turned)
 
 
+@pytest.mark.slow
 def test_files_of_a_mirrored_module(tmp_path: Path, cache: Cache, gripper: Robot) -> None:
     """No scale is negative; two equal modules share all mesh files; a second pair adds none; MuJoCo loads them."""
     pair = ("left: {file: 'library:2f85'}", "right: {mirror_of: left, at: left/robotiq_arg2f_base_link}")

@@ -51,6 +51,7 @@ def mjcf(folder: Path, name: str) -> mujoco.MjModel:
 MODULES = pytest.mark.parametrize(("alone", "prefix"), [("arm2", ""), ("2f85", "hand_"), ("2f85", "other_")])
 
 
+@pytest.mark.slow
 @MODULES
 def test_mujoco_reads_the_module(alone: str, prefix: str, folder: Path) -> None:
     """Masses, inertias, ranges, passive forces and drives are equal; poses between its links, whatever else moves."""
@@ -240,6 +241,7 @@ def mirrored_pair(tmp_path_factory: pytest.TempPathFactory) -> Conversion:
     return made
 
 
+@pytest.mark.slow
 def test_joints_of_several_degrees_of_freedom_are_mirrored(mirrored_pair: Conversion) -> None:
     """Every engine that reads their types, or what they are written as, has the image at the image, mimics included."""
     assert mirrored_pair.report is not None
@@ -250,6 +252,7 @@ def test_joints_of_several_degrees_of_freedom_are_mirrored(mirrored_pair: Conver
     assert {one.status for one in of_image} == {"passed"}
 
 
+@pytest.mark.slow
 def test_loops_start_where_home_is(tmp_path: Path) -> None:
     """Two modules with loops that begin elsewhere than drawn: PyBullet and SDFormat, whose zeros move, have them so."""
     modules = (
@@ -267,6 +270,7 @@ def test_loops_start_where_home_is(tmp_path: Path) -> None:
     assert against == {"model", *(f"module '{name}' alone" for name in ("left", "right", "bar"))}
 
 
+@pytest.mark.slow
 def test_mujoco_mirrors_a_ball_joint(mirrored_pair: Conversion) -> None:
     """The rotation of a ball about any axis has the reflected pseudovector as its image's, by MuJoCo alone."""
     model = mujoco.MjModel.from_xml_string(mirrored_pair.files["whole.xml"].decode())

@@ -239,6 +239,7 @@ def test_devices_keep_their_order(tmp_path: Path, write: Write) -> None:
     assert orders == [["own", "other"]] * 2
 
 
+@pytest.mark.slow
 def test_a_batch_takes_modules_and_the_robots_of_them(tmp_path: Path, write: Write) -> None:
     """Every sidecar of a folder is converted, in any order of names; one whose module is missing fails alone."""
     inner = composing("arm: {file: arm.urdf}").replace("robot: whole", "robot: inner")
@@ -274,6 +275,7 @@ def test_an_arm_on_a_slide_moves_as_its_mass(tmp_path: Path, write: Write) -> No
     assert matrix[slide, jaw] == pytest.approx(0.0, abs=1e-12)  # the plate is turned by 90 degrees
 
 
+@pytest.mark.slow
 def test_a_hand_is_left_out(composed: Compose) -> None:
     """YuMi without its right gripper: its links, joints and drive are gone with their mass, and the left one stays."""
     whole, bare = (
@@ -292,6 +294,7 @@ def test_a_hand_is_left_out(composed: Compose) -> None:
         assert link_of_both.mass_properties == whole.link_by_name[name].mass_properties, name
 
 
+@pytest.mark.slow
 def test_a_module_that_is_mounted_elsewhere_is_one_difference(tmp_path: Path, write: Write) -> None:
     """Its links, and what is fixed to it, are compared within it: one changed limit is the only other difference."""
     whole = """

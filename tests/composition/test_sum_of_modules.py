@@ -59,6 +59,7 @@ def mass_matrix(model: mujoco.MjModel, qpos: np.ndarray) -> tuple[np.ndarray, mu
     return full, data
 
 
+@pytest.mark.slow
 def test_mass_matrix_is_the_sum_of_the_modules(converted: Callable[..., Conversion], tmp_path: Path) -> None:
     """M = M_arm + T' M_hand T, with M_arm, the floating hand's M_hand and the port's motion T from MuJoCo alone."""
     whole = converted(
@@ -106,6 +107,7 @@ LIBRARY = sorted(path.parent.name for path in (Path(__file__).parents[2] / "robo
 SMALL = ("stepbot_arm2", "robotiq_2f85", "stepbot_delta")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "robot", [pytest.param(one, marks=() if one in SMALL else pytest.mark.long) for one in LIBRARY]
 )
@@ -131,6 +133,7 @@ def test_one_module_without_prefix_is_the_module(
         assert named == alone.files[path], path
 
 
+@pytest.mark.slow
 def test_modules_of_modules_are_flat(converted: Callable[..., Conversion]) -> None:
     """(arm + hand) as a module gives what arm and hand give, with the same prefixes."""
     flat = converted(
@@ -260,6 +263,7 @@ def test_each_module_is_in_the_report(tmp_path: Path) -> None:
     assert cases == sum(one["against"] == "module 'right' alone" for one in of_all)
 
 
+@pytest.mark.slow
 def test_a_changed_step_of_a_module_is_read_alone(
     tmp_path: Path, robot_library: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -212,6 +212,7 @@ def test_faults_have_their_place(change: tuple[str, str], expected: str, variant
     assert f"{error.code} {error.span.line}:{error.span.column} {error.message}".startswith(expected)
 
 
+@pytest.mark.slow
 def test_each_variant_is_a_robot_of_a_batch(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> None:
     """`batch` writes a folder for each, once; `uptodate` compares each; `check` names the variant of a fault."""
     write(FILES)
@@ -262,6 +263,7 @@ def test_a_variant_has_its_own_results_in_the_cache(tmp_path: Path, write: Calla
     assert "whole_bare.urdf" in seen[1]
 
 
+@pytest.mark.slow
 def test_variants_are_a_variant_set_of_openusd(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> None:
     """Each selection is the stage of that variant's own file; a variant that fails is not in the set."""
     from pxr import Usd

@@ -55,6 +55,7 @@ def test_parts_stand_in_the_world(composed: Compose) -> None:
     assert mounts["box_ball"].X_PC.position == pytest.approx((2.0, 0.0, 0.8))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("other", ["", "base: fixed"])
 def test_a_fixed_root_is_in_the_world_itself(composed: Compose, other: str) -> None:
     """Beside an arm without `at`, no further root is made; a floating one without `at` is free in the world."""
@@ -133,6 +134,7 @@ def test_a_mirror_image_stands_at_the_image_of_the_place(composed: Compose) -> N
     assert joints["other_free"].X_PC.position == pytest.approx((2.0, -3.0, 0.8))
 
 
+@pytest.mark.slow
 def test_one_falls_and_the_others_stay(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> None:
     """MuJoCo: qpos is that of all robots, the mass matrix has no entries between them, and free fall is free."""
     write(FILES)
@@ -160,6 +162,7 @@ def test_one_falls_and_the_others_stay(tmp_path: Path, write: Callable[[Mapping[
     assert before[bases[1]] == pytest.approx((0.0, 1.0, 0.0))
 
 
+@pytest.mark.slow
 def test_ros_gets_a_system_and_a_controller_for_each_module(
     tmp_path: Path, write: Callable[[Mapping[str, str]], None]
 ) -> None:

@@ -103,6 +103,7 @@ def test_frames_weigh_nothing(write: Write) -> None:
     assert set(inertial.find("inertia").attrib.values()) == {"0"}
 
 
+@pytest.mark.slow
 def test_every_material_has_a_name_of_its_own(write: Write) -> None:
     """No two visuals share a material name, for which readers would use the first colour."""
     for name in ROBOTS:
@@ -111,6 +112,7 @@ def test_every_material_has_a_name_of_its_own(write: Write) -> None:
         assert len(materials) == len(set(materials))
 
 
+@pytest.mark.slow
 def test_no_link_is_the_world(write: Write) -> None:
     """The root link is the robot's root, not a link named world."""
     for name in ROBOTS:

@@ -68,6 +68,7 @@ def solids(assembly: Assembly) -> list[int]:
     return [c.body for c in assembly.components if c.body >= 0 and assembly.bodies[c.body].kind == BodyKind.SOLID]
 
 
+@pytest.mark.slow
 @each(FILES, LARGE)
 def test_reading(file: CorpusFile, read: Read, corpus: Path) -> None:
     """The solids have the number and volume of the index, or an explained one; all are watertight."""
@@ -111,6 +112,7 @@ def test_mass_properties(
     record_property(DEVIATIONS, rows)
 
 
+@pytest.mark.slow
 @each(READABLE, (*LARGE, MEASURED_ELSEWHERE))
 def test_exact_values_are_the_kernels_own(file: CorpusFile, read: Read, corpus: Path) -> None:
     """Simple solids equal GProp's integration bit for bit; others equal its integration span by span to 1e-6.
@@ -152,6 +154,7 @@ def one_link(assembly: Assembly, reading: ReadFile, mass: str, folder: Path) -> 
     return robot, found
 
 
+@pytest.mark.slow
 @each(READABLE, (*LARGE, MEASURED_ELSEWHERE))
 @pytest.mark.parametrize("mass", ["auto", "mesh", "exact"])
 def test_one_link(file: CorpusFile, mass: str, read: Read, tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ PAGE = Path(__file__).parents[2] / "benchmarks" / "DRAFTS.md"
 ROW = re.compile(r"^\| \[(\w+)\]\(\S+\): [^|]+\| (.*) \|$", re.MULTILINE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name",
     [

@@ -41,6 +41,7 @@ def test_fits_two_screens() -> None:
     assert max(map(len, lines)) <= COLUMNS
 
 
+@pytest.mark.slow
 def test_session(corpus: Path, tmp_path: Path) -> None:
     """Each command prints the page's lines; in the table of checks the installed engines may differ."""
     shutil.copy(corpus / STEP, tmp_path)

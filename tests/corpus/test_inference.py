@@ -26,6 +26,7 @@ def read(step: Path) -> Assembly:
     return assembly
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("step", "truth", "joints"),
     [
@@ -57,6 +58,7 @@ def test_loops_of_a_gripper_are_cut_at_bearings(corpus: Path) -> None:
         assert one.origin.paths[0].startswith("mr126zz:")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "step",
     [

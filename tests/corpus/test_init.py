@@ -11,6 +11,7 @@ from tests.command_line import stepbot
 pytestmark = pytest.mark.slow
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("file", "links", "joints"),
     [

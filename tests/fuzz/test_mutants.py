@@ -63,6 +63,7 @@ def test_two_hundred_mutants(bases: Path) -> None:
 # The mutants
 
 
+@pytest.mark.slow
 def test_a_mutant_is_made_from_its_name_alone(bases: Path) -> None:
     """A name gives the same bytes each time; other numbers give others; damage of every kind changes the file."""
     for kind in ALL_KINDS:
@@ -214,6 +215,7 @@ def test_invalid_assemblies_are_detected() -> None:
         assert list(unsound(assembly)), number
 
 
+@pytest.mark.slow
 def test_a_crash_of_stepbots_own_process_is_a_fault(tmp_path: Path) -> None:
     """A runner that dies is reported, named and replaced."""
     mutants = [Mutant("box.step", "bytes", 1, number) for number in range(4)]

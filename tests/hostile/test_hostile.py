@@ -101,6 +101,7 @@ def test_damage_depends_on_the_name_alone_and_changes_the_sidecar() -> None:
     assert written(base) == sound
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["arm.urdf", "leg.xml", "cell.sdf"])
 def test_damage_to_a_description_depends_on_the_name_alone(name: str) -> None:
     """The same seed gives the same bytes; each kind changes most files, and leaves the tree as it is."""
@@ -192,6 +193,7 @@ def test_page_keeps_rows_of_experiments_that_did_not_run(tmp_path: Path, monkeyp
     assert "- `first`: first broke" in page.PAGE.read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("which", ["output", "cache"])
 def test_full_disk_in_this_process(which: str, tmp_path: Path) -> None:
     """No room for the output is SB004, and the former files stay; without room in the cache, the result is the same."""

@@ -117,6 +117,7 @@ def test_converts_and_every_check_passes(robot: str, converted: Converted) -> No
     assert {joint["name"] for joint in report["robot"]["joints"]} <= known
 
 
+@pytest.mark.slow
 @every_converted_robot
 def test_the_three_files_are_one_robot(robot: str, converted: Converted) -> None:
     """`stepbot verify` of the three files, which knows nothing of the CAD, finds no difference between them."""
@@ -173,6 +174,7 @@ def test_one_second_in_mujoco(robot: str, noise: bool, converted: Converted) -> 
         assert seen["depth"] > -1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.pybullet
 @every_converted_robot
 def test_one_second_in_pybullet(robot: str, converted: Converted) -> None:

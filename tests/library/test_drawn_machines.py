@@ -66,6 +66,7 @@ def _pose(frame: dict[str, Any]) -> np.ndarray:
     return X
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_slider_crank_follows_its_formula(converted: Converted) -> None:
     """Positions of piston and rod over a full turn of the shaft equal the closed form to 1e-9."""

@@ -11,6 +11,7 @@ from stepbot.pipeline.stages import Options
 from tests.library.conftest import LIBRARY
 
 
+@pytest.mark.slow
 def test_jaw_stops_where_its_pads_meet(tmp_path: Path) -> None:
     """The jaw, drawn open by 32 degrees, closes until the pads meet, within 1 degree, and opens against the palm.
 

@@ -167,6 +167,7 @@ def _pose_of(frame: Mapping[str, Any]) -> np.ndarray:
     return X
 
 
+@pytest.mark.slow
 @pytest.mark.pybullet
 def test_pybullet_closes_the_urdf_by_a_constraint(four_bar: Conversion) -> None:
     """With the constraint of the report, at 1 ms steps and 1 rad/s, the pin stays within 1e-5 m of its bore."""

@@ -18,6 +18,7 @@ def step_of(robot: str) -> Path:
     return step
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("robot", "suffix"),
     [

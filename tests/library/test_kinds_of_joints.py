@@ -10,6 +10,8 @@ from tests.command_line import Conversion, convert
 from tests.parts import draw, drawn
 from tests.solids import box
 
+pytestmark = pytest.mark.slow
+
 KINDS = """\
 version: 1
 robot: kinds

@@ -38,6 +38,7 @@ def _notices() -> dict[str, tuple[str, str, str]]:
     }
 
 
+@pytest.mark.slow
 def test_every_sidecar_states_what_packages_need() -> None:
     """Maintainer and licence, without which packages are reported (SB640), version and one sentence."""
     for robot in ROBOTS:

@@ -64,6 +64,7 @@ def _plain(value: Any) -> float:
     return float(number) * {"deg": np.pi / 180, "mm": 1e-3, "rad": 1.0, "m": 1.0}[unit]
 
 
+@pytest.mark.slow
 @every_converted_described_robot
 def test_joints_and_limits_are_the_makers(robot: str, converted: Converted) -> None:
     """Kind, links, axis, limits, velocity, effort and mimic of every URDF joint, read by yourdfpy, are the maker's."""
@@ -119,6 +120,7 @@ def _given(stated: Mapping[str, Any]) -> Any:
     return DescribedJoint("", "fixed", "", "", tuple(stated["xyz"]), tuple(stated["rpy"])).X_PC
 
 
+@pytest.mark.slow
 @every_converted_described_robot
 @pytest.mark.parametrize("suffix", [".urdf", ".xml"])
 def test_every_link_is_where_the_maker_has_it(robot: str, suffix: str, converted: Converted) -> None:

@@ -15,6 +15,8 @@ from stepbot.robot.sampling import sampled
 from stepbot.verification.self_collision.search import placed, separate_links
 from tests.library.conftest import SHORT, Converted, name_of
 
+pytestmark = pytest.mark.slow
+
 LONG = ("rethink_sawyer", "stepbot_hexapod", "stepbot_slider_crank")
 """Further robots whose coordinates are those of MuJoCo: without ball joints."""
 POSES = 200

@@ -52,6 +52,7 @@ def test_everything_is_removed_once() -> None:
     assert Counter(one.kind for one in found.values())["robot/link"] == 1
 
 
+@pytest.mark.slow
 @pytest.mark.pybullet
 @pytest.mark.mujoco
 def test_a_slice_is_noticed(tmp_path: Path) -> None:

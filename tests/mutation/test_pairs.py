@@ -27,6 +27,7 @@ def _missed(seed: int, folder: Path, count: int) -> list[str]:
     return missed
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 2**32))
 @settings(
     max_examples=1,

@@ -54,6 +54,7 @@ def test_changed_source_is_python(path: str) -> None:
         assert ast.dump(ast.parse(change.apply(source))) != before, change.name
 
 
+@pytest.mark.slow
 def test_changes_are_drawn_alike_and_have_tests() -> None:
     """The seed decides; a smaller number is the start of a larger one; the tests of each exist."""
     some = drawn(40, 1)

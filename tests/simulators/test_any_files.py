@@ -51,6 +51,7 @@ def _is_another_robot(name: str, format_: str) -> bool:
     return any(diagnostic.severity == "warning" for diagnostic in found)
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 @pytest.mark.parametrize(
     "name", ["two_link_arm", *(pytest.param(name, marks=pytest.mark.long) for name in ("gripper_with_mimic", "tree"))]
@@ -208,6 +209,7 @@ def test_names_of_files_are_those_of_the_user(
     assert not found.codes()
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 @pytest.mark.parametrize(
     ("written_in", "old", "new", "quantity", "where"),
@@ -239,6 +241,7 @@ def test_a_number_that_one_engine_reads_is_compared(
     assert any(where in diagnostic.message + "".join(diagnostic.notes) for diagnostic in found)
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 @pytest.mark.parametrize("side", ["a", pytest.param("b", marks=pytest.mark.long)])
 @pytest.mark.usefixtures("brief")

@@ -57,6 +57,7 @@ def stewart_platform(X_WL: Pose) -> Pose:
     return X_WL @ Pose.of(np.eye(3), -stewart_anchors()[1][0])
 
 
+@pytest.mark.slow
 def test_inverse_kinematics_of_the_stewart_platform() -> None:
     """At any pose the length of each leg is the distance of its ends, |p + R b - a|."""
     robot = stewart()
@@ -99,6 +100,7 @@ def test_the_delta_goes_straight_down() -> None:
         np.testing.assert_allclose(centre, (0, 0, -delta_height(DELTA_DRAWN + angle)), atol=1e-10)
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 @pytest.mark.parametrize(
     "build", [slider_crank, sliding_closure, welded, delta, pytest.param(stewart, marks=pytest.mark.long)]

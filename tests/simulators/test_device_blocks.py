@@ -56,6 +56,7 @@ def _things(top: Any, blocks: tuple[str, ...]) -> Iterator[tuple[Any, str]]:
             yield from ((element, attribute) for attribute in element.attrib)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("written_in", BLOCKS)
 def test_nothing_of_a_block_is_missing_unnoticed(written_in: str, folder: Folder, tmp_path: Path) -> None:
     """The removal of each element and each attribute is detected."""

@@ -145,6 +145,7 @@ def proof(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFacto
     return name, report, [str(diagnostic) for diagnostic in found]
 
 
+@pytest.mark.slow
 def test_nothing_fails(proof: tuple[str, Report, list[str]]) -> None:
     """No check fails, and there is no diagnostic."""
     _, report, diagnostics = proof

@@ -81,6 +81,7 @@ def test_pybullet_closes_the_tree_by_a_constraint(folder: Folder) -> None:
     assert 0.0 < closure.angle_error < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("build", [four_bar, four_bar_with_zeros])
 def test_the_closing_joint_parsed_back_is_the_models(build: type, tmp_path: Path) -> None:
     """Both frames of the closing joint are the closure's to 1e-9, also if q = 0 is not the drawn pose."""

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from stepbot.geometry.spatial import Pose
 from stepbot.report.robot import Status
@@ -14,6 +15,7 @@ from tests.robots import crooked_four_bar, four_bar
 from tests.simulators.conftest import write
 
 
+@pytest.mark.slow
 def test_a_loop_that_cannot_stay_closed_is_a_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A loop that opens as it moves is one warning per robot; the files represent the CAD, so their checks pass."""
     folder = write(crooked_four_bar(5e-5), tmp_path)
@@ -26,6 +28,7 @@ def test_a_loop_that_cannot_stay_closed_is_a_warning(tmp_path: Path, found: Read
     assert not report.failed
 
 
+@pytest.mark.slow
 def test_a_mechanism_that_cannot_move_is_a_warning(tmp_path: Path, found: ReadDiagnostics) -> None:
     """A loop with a weld in place of a pin cannot move, which is a warning."""
     robot = four_bar()

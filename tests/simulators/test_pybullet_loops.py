@@ -48,6 +48,7 @@ def _widest_gap(robot: Robot, file: Path, report: dict[str, Any] | None, erp: fl
         engine.disconnect(client)
 
 
+@pytest.mark.slow
 @pytest.mark.pybullet
 @pytest.mark.parametrize(
     "build", [four_bar, sliding_closure, welded, delta, pytest.param(stewart, marks=pytest.mark.long)]

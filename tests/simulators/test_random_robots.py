@@ -56,6 +56,7 @@ def _prove(seed: int, folder: Path) -> None:
     assert not _misread(drawn_robot(Random(seed)), folder)
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 2**32))
 @example(seed=70)  # an inertia of 100 kg m^2, which PyBullet's inverse dynamics rejects unless it is scaled
 @example(seed=89)  # a sensor at 1e-9 m, which yourdfpy's scene leaves out

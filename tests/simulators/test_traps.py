@@ -48,6 +48,7 @@ def test_pybullet_poses_are_doubles(arm: Folder) -> None:
             assert max(ours[link].distance_to(theirs[link])) < 1e-12
 
 
+@pytest.mark.slow
 @pytest.mark.pybullet
 @pytest.mark.parametrize("robot", ["two_link_arm", "four_bar", "floating_biped"])
 @pytest.mark.parametrize(("engine", "written_in"), [("mujoco", "mjcf"), ("mujoco", "urdf"), ("pybullet", "urdf")])

@@ -8,6 +8,8 @@ import pytest
 from stepbot.jobs.incremental import convert
 from stepbot.pipeline.conversion import Conversion, Options
 
+pytestmark = pytest.mark.slow
+
 _BODY = """<body name="{0}" pos="0 0 0.2"><joint name="{0}" axis="0 1 0" range="-1 2" {1}/>
   <inertial pos="0.1 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body>"""
 ACTUATORS = {

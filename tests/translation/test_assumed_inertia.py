@@ -62,6 +62,7 @@ def test_without_the_option_nothing_is_assumed(tmp_path: Path) -> None:
     assert all("--assume-inertia" in one.message or "--assume-inertia" in " ".join(one.help) for one in wrong)
 
 
+@pytest.mark.slow
 def test_mass_properties_are_those_of_solids(tmp_path: Path) -> None:
     """MuJoCo reads those of closed forms; a stated mass is kept, an open mesh is a hull, and each link is reported."""
     conversion = converted(tmp_path, _DENSITY)

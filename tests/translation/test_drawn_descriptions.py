@@ -54,6 +54,7 @@ def _errors(seed: int, written_in: str, folder: Path) -> list[str]:
     return [str(one) for one in conversion.diagnostics if one.severity == "error" and one.code not in _UNSTABLE]
 
 
+@pytest.mark.slow
 @given(seed=st.integers(0, 2**32), written_in=st.sampled_from(FORMATS))
 @example(seed=1006, written_in="urdf")  # half a gram on two slides, to which MJCF added two stand-ins of 1e-12 kg
 @settings(

@@ -119,6 +119,7 @@ def test_actuators_of_other_kinds_are_listed(described: Described) -> None:
     assert described.robot.actuators[1].limit.velocity == 3.0
 
 
+@pytest.mark.slow
 def test_conversion_is_proven(leg: Path, tmp_path: Path) -> None:
     """URDF and MJCF move like the source; every element that does not reach them is reported, in its file.
 
@@ -172,6 +173,7 @@ def test_gymnasium_models_convert_with_proof(name: str, tmp_path: Path) -> None:
     assert len(against) == 3
 
 
+@pytest.mark.slow
 def test_losses_of_a_format_are_no_differences_from_the_source(tmp_path: Path) -> None:
     """Stops away from 0, which Webots lacks, are a declared loss (SB760:far-limit), not an error."""
     source = tmp_path / "knee.xml"
@@ -214,6 +216,7 @@ def test_contacts_that_differ_are_declared(bodies: str, text: str, tmp_path: Pat
     assert (contacts.text, contacts.differs) == (text, (Quantity.CONTACTS,))
 
 
+@pytest.mark.slow
 def test_excluded_contacts_are_kept(tmp_path: Path) -> None:
     """Links that the source keeps from touching, by an exclude or by the bits of their geoms, do not touch in MJCF."""
     source = tmp_path / "legs.xml"
@@ -247,6 +250,7 @@ _OF_ONE_BODY = {
 """Names and types of joints of one body, each by the name of another writer, or as stepbot would name them."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limits", ["", 'range="-0.5 0.25"'])
 def test_joints_of_one_body_keep_names_and_limits(limits: str, tmp_path: Path) -> None:
     """Also those that could be one joint of several coordinates, which the model names itself and has no limits for."""

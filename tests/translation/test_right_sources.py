@@ -54,6 +54,7 @@ _FRAME = (
 """As onshape-to-robot writes a frame: a link with hardly any mass, and no inertia."""
 
 
+@pytest.mark.slow
 def test_frames_with_a_mass_are_point_masses(tmp_path: Path) -> None:
     """A link with a mass and no inertia on a link with both is physical, in every format."""
     source = urdf(f'<link name="base">{_INERTIAL}</link>', _FRAME.format("fixed"))
@@ -78,6 +79,7 @@ def test_other_links_need_an_inertia(tmp_path: Path, kind: str, mass: str, arm: 
     ]
 
 
+@pytest.mark.slow
 def test_link_with_collision_and_without_inertial(tmp_path: Path) -> None:
     """It has no mass, as URDF defines, although MuJoCo computes one when it loads the source; and this is reported."""
     base, tool = (
@@ -94,6 +96,7 @@ def test_link_with_collision_and_without_inertial(tmp_path: Path) -> None:
         assert model.body_mass.sum() == pytest.approx(2.0 if file.endswith(".xml") else 1.0)
 
 
+@pytest.mark.slow
 def test_floating_root_without_mass(tmp_path: Path) -> None:
     """PyBullet fixes it in SDFormat: whether the base floats is then not compared, and the report says so."""
     body = f'<link name="base"/><link name="body">{_INERTIAL}</link>'
@@ -129,6 +132,7 @@ def test_actuator_with_a_gain_of_0_is_lost(tmp_path: Path) -> None:
     assert told(conversion, "SB863") == ["actuator '' of type 'position' on 'turn' with a gain of 0: not converted"]
 
 
+@pytest.mark.slow
 def test_slides_with_armature_in_one_body(tmp_path: Path) -> None:
     """The mass matrix of the source is read without its armatures, which MuJoCo adds when it compiles."""
     inertial = '<inertial pos="0 0 0" mass="1" diaginertia="0.1 0.1 0.1"/>'
@@ -144,6 +148,7 @@ def test_slides_with_armature_in_one_body(tmp_path: Path) -> None:
     assert model.dof_armature == pytest.approx([0.1, 0.2])
 
 
+@pytest.mark.slow
 def test_ambient_colour_of_its_own(tmp_path: Path) -> None:
     """It is reported as lost, and not found as a difference again."""
     source = """<sdf version="1.9"><model name="robot"><link name="base">
@@ -165,6 +170,7 @@ WORDLESS = """<mujoco><worldbody><body name="led" mocap="true"/><body name="base
 a body: it moves on its joint, whose limits exclude the pose that the file has."""
 
 
+@pytest.mark.slow
 def test_what_formats_have_no_word_for(tmp_path: Path) -> None:
     """Cones of ball joints, ellipsoids and leaders are reported, and the rest is proven; stiff gains are in full."""
     assert sorted(told(proven(tmp_path, ".xml", WORDLESS, "urdf", "sdf", "mjcf"), "SB860")) == [
@@ -203,6 +209,7 @@ def test_gearbox_between_two_turning_links(tmp_path: Path) -> None:
     assert told(conversion, "SB861") == ["closure 'gear' of type 'gearbox' is not supported"]
 
 
+@pytest.mark.slow
 def test_geom_that_is_visual_and_collision(tmp_path: Path) -> None:
     """SDFormat allows no two elements of a link with one name: libsdformat rejects the file."""
     body = '<body name="base"><freejoint/><geom name="g" type="sphere" size="0.1"/></body>'
@@ -249,6 +256,7 @@ def gltf(uri: str) -> str:
     return json.dumps(content)
 
 
+@pytest.mark.slow
 def test_gltf_with_its_triangles_in_another_file(tmp_path: Path) -> None:
     """The buffer is read, and is an input of the conversion."""
     (tmp_path / "a part.bin").write_bytes(TRIANGLES)
@@ -285,6 +293,7 @@ _NO_LIMITS = {
 """Limits by joint: zeros as the SolidWorks exporter states them, none, and the stops of a rotor as Gazebo writes it."""
 
 
+@pytest.mark.slow
 def test_limits_that_are_none(tmp_path: Path) -> None:
     """Nothing would move at limits of 0, which MuJoCo, PyBullet and MoveIt ignore; URDF requires the others.
 
@@ -312,6 +321,7 @@ def test_limits_that_are_none(tmp_path: Path) -> None:
     assert all(float(limit.get("velocity", "")) >= 1e9 for limit in limits)
 
 
+@pytest.mark.slow
 def test_names_that_are_one_or_missing(tmp_path: Path) -> None:
     """URDF identifies collisions by their order; the written ones have names of their own, and the same places.
 
@@ -343,6 +353,7 @@ def test_names_that_are_one_or_missing(tmp_path: Path) -> None:
     assert [colors[name] for name in ("v0", "v1")] == [pytest.approx([0, 0.1, 0, 1]), pytest.approx([0, 0, 0, 0.9])]
 
 
+@pytest.mark.slow
 def test_light_link_far_from_a_heavy_root(tmp_path: Path) -> None:
     """MuJoCo computes with distances from the common centre of mass: m r^2 of the link is rounded, not its inertia."""
     base = _INERTIAL.replace('"1"', '"1e6"').replace("1e-2", "1e4")
@@ -354,6 +365,7 @@ def test_light_link_far_from_a_heavy_root(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.slow
 def test_payload_that_lies_on_a_moving_link(tmp_path: Path) -> None:
     """A floating joint connects nothing: what lies on a tray collides with it, in MJCF, too."""
     box = "<geometry><box size='0.1 0.1 0.1'/></geometry>"
@@ -370,6 +382,7 @@ def test_payload_that_lies_on_a_moving_link(tmp_path: Path) -> None:
     assert {"tray_collision", "load_collision"} in names
 
 
+@pytest.mark.slow
 def test_one_name_for_the_collisions_of_all_links(tmp_path: Path) -> None:
     """As in most models of Gazebo; a continuous joint ignores the limits that its axis states.
 
@@ -399,6 +412,7 @@ def test_one_name_for_the_collisions_of_all_links(tmp_path: Path) -> None:
     assert [joint.get("type") for joint in robot.iter("joint")] == ["continuous", "continuous"]
 
 
+@pytest.mark.slow
 def test_joint_between_frames(tmp_path: Path) -> None:
     """SDFormat joins frames as well as links: the pose of the joint is relative to the child that the file names."""
     inertial = "<inertial><mass>1</mass><inertia><ixx>.01</ixx><iyy>.01</iyy><izz>.01</izz></inertia></inertial>"
@@ -443,6 +457,7 @@ def _colored_mesh(path: Path) -> None:
     path.write_bytes(scene.export(file_type="glb"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".urdf", ".sdf"])
 def test_mesh_of_several_colours(suffix: str, tmp_path: Path) -> None:
     """A visual for each colour of a mesh is, to the proof, the one visual of the source, whatever else a link has."""
@@ -467,6 +482,7 @@ def test_mesh_of_several_colours(suffix: str, tmp_path: Path) -> None:
     assert model.ngeom == 2 * 3 + 2  # three meshes of two colours, two spheres
 
 
+@pytest.mark.slow
 def test_several_frictions_on_one_link(tmp_path: Path) -> None:
     """URDF has one for a link, which is a declared loss and no difference from the source."""
     geoms = '<geom size="0.1" friction="1 0.01 0.01"/><geom pos="0.2 0 0" size="0.05" friction="0.5 0.005 0.0001"/>'

@@ -116,6 +116,7 @@ def test_sdformat_of_others_converts_with_proof(tmp_path: Path) -> None:
     assert len(against) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turned", ["", 'euler="0.3 0.2 0.1"'])
 def test_a_loop_whose_home_is_not_zero(turned: str, tmp_path: Path) -> None:
     """A parallelogram of MJCF with its keyframe away from q = 0: the zeros move, and no comparison fails."""

@@ -34,6 +34,7 @@ def converted(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Conversio
     return folder, convert(write_arm(folder), options_of(folder, "mjcf", "sdf"))
 
 
+@pytest.mark.slow
 def test_conversion_is_proven_against_model_and_source(converted: tuple[Path, Conversion]) -> None:
     """Engines compare the written files with the model, and with what they read of the source."""
     folder, conversion = converted
@@ -89,6 +90,7 @@ def test_same_source_gives_same_bytes(converted: tuple[Path, Conversion], tmp_pa
     assert {name: content for name, content in again.files.items() if name != "report.json"} == files
 
 
+@pytest.mark.slow
 def test_misreading_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Were a mass misread, the files would be equal to the model, but not to the source."""
     described = writing.rendered
@@ -155,6 +157,7 @@ def test_a_second_root_is_a_stated_guess(tmp_path: Path) -> None:
     assert one.message.startswith("link 'two' is not connected to 'one'")
 
 
+@pytest.mark.slow
 def test_missing_limits_are_reported_and_proven(tmp_path: Path) -> None:
     """A joint without bounds is unlimited; one missing bound is 0, also to engines that ignore the other one."""
     moving = """<joint name="{0}" type="{1}">

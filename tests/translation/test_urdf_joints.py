@@ -74,6 +74,7 @@ def stage(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Conversion]:
     return folder, _converted(folder, STAGE, "urdf", "sdf", "mjcf", "usd")
 
 
+@pytest.mark.slow
 def test_planar_and_floating_joints_convert_with_proof(stage: tuple[Path, Conversion]) -> None:
     """Every written file has the joints of the source, which engines read with single joints in their place."""
     folder, conversion = stage
@@ -115,6 +116,7 @@ def test_masses_for_openusd_are_a_declared_difference(stage: tuple[Path, Convers
     assert Status.PASSED in {check.status for check in matrices.values()}
 
 
+@pytest.mark.slow
 def test_robot_that_floats_in_the_world(tmp_path: Path) -> None:
     """A floating joint below the link `world` is a floating base."""
     conversion = _converted(tmp_path, DRONE, "urdf", "sdf", "mjcf")
@@ -128,6 +130,7 @@ def test_robot_that_floats_in_the_world(tmp_path: Path) -> None:
     assert b"<freejoint" in conversion.files["drone.xml"]
 
 
+@pytest.mark.slow
 def test_misread_plane_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Were the normal of the plane misread, the files would differ from the source."""
     described = writing.rendered
@@ -155,6 +158,7 @@ def test_plane_is_that_of_mujoco(axis: tuple[float, float, float]) -> None:
     assert model.jnt_axis[2] == pytest.approx(np.array(ours[2]))
 
 
+@pytest.mark.slow
 def test_vertices_without_faces_are_no_difference(tmp_path: Path) -> None:
     """MuJoCo's size of a visual counts them, so it is not compared."""
     corners = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nv 5 5 5\n"
@@ -168,6 +172,7 @@ def test_vertices_without_faces_are_no_difference(tmp_path: Path) -> None:
     assert not conversion.report.failed
 
 
+@pytest.mark.slow
 def test_engines_that_do_not_move_a_joint_are_not_compared(tmp_path: Path) -> None:
     """`verify` of a planar joint, which PyBullet and yourdfpy leave at 0, finds no difference, and says so."""
     table = _joint("table", "planar", "base", "table", '<axis xyz="0 1 0"/>')
@@ -181,6 +186,7 @@ def test_engines_that_do_not_move_a_joint_are_not_compared(tmp_path: Path) -> No
     assert reasons["yourdfpy"] == "yourdfpy does not move these joints: 'table' (planar)"
 
 
+@pytest.mark.slow
 def test_declared_losses_of_a_format_are_no_differences(tmp_path: Path) -> None:
     """Sensors and mixed mimics that OpenUSD and Webots lack, and limits without a motor, are not compared."""
     slide = HINGE.replace("0 1 0", "0 0 1") + '<mimic joint="hinge" multiplier="0.1"/>'

@@ -53,6 +53,7 @@ def quaternion(values: tuple[float, float, float], scale: float) -> str:
     return f'quat_xyzw="{x!r} {y!r} {z!r} {w!r}"'
 
 
+@pytest.mark.slow
 @given(turns=st.tuples(angles, angles, angles, angles), scale=st.sampled_from([1.0, -1.0, 3.0]))
 def test_a_quaternion_is_the_rotation_that_it_states(
     tmp_path_factory: pytest.TempPathFactory, turns: tuple[tuple[float, float, float], ...], scale: float
@@ -92,6 +93,7 @@ def test_rotations_that_are_none(tmp_path: Path, attribute: str, message: str) -
         describe(str(file), "urdf")
 
 
+@pytest.mark.slow
 def test_engines_confirm_what_was_read(tmp_path: Path) -> None:
     """MuJoCo, PyBullet and yourdfpy read a source of URDF 1.2 as the files that it is converted to."""
     texts = {place: quaternion((0.3, -0.4, 1.1 + i), 1.0) for i, place in enumerate(PLACES)}

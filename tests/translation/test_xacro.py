@@ -65,6 +65,7 @@ def expanded_body(tmp_path: Path, body: str) -> Expanded:
     return expanded(file)
 
 
+@pytest.mark.slow
 def test_a_robot_is_converted_with_its_arguments(legs: Path, tmp_path: Path) -> None:
     """Masses and poses follow the argument, the mesh is found, and engines confirm the files."""
     options = Options(tmp_path / "out", formats=("mjcf", "urdf"), base="fixed", xacro=(("length", "0.25"),))
@@ -166,6 +167,7 @@ def test_expressions_cannot_leave(tmp_path: Path, expression: str) -> None:
     assert found.at.line == 2
 
 
+@pytest.mark.slow
 def test_files_and_environment_are_not_reached(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Includes stay in the package, also through links; variables of the environment are not set; no entities."""
     monkeypatch.setenv("SECRET", "42")

@@ -16,7 +16,10 @@ from stepbot.step.exchange.references import external_references
 from stepbot.step.exchange.statements import Statement, _long_tokens, duplicates, find_statements
 from stepbot.step.structure import paths
 
-pytestmark = pytest.mark.skipif(os.name == "nt", reason="a search that does not end cannot be stopped there")
+pytestmark = [
+    pytest.mark.skipif(os.name == "nt", reason="a search that does not end cannot be stopped there"),
+    pytest.mark.slow,
+]
 
 SECONDS = 30.0
 """Processor time [s] after which a search counts as endless."""

@@ -63,6 +63,7 @@ def test_what_is_not_named_a_gear_follows_nothing() -> None:
     assert all(joint.mimic is None for joint in infer(assembled(*nodes), "disks").joints)
 
 
+@pytest.mark.slow
 def test_a_geared_gripper_closes_with_one_motor() -> None:
     """The gear beside that of the servo follows it, and none of both is a closure."""
     draft = infer(drawn("gear_gripper", 1).assembly()[0], "gripper")

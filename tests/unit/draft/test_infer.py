@@ -51,6 +51,7 @@ def test_four_bar_is_a_loop_of_four_hinges(drafted: Callable[[str], Draft]) -> N
     assert np.linalg.norm(np.cross(directions, directions[0]), axis=1).max() < 1e-9
 
 
+@pytest.mark.slow
 def test_a_link_without_volume_is_fixed_and_may_move() -> None:
     """Engines have no moving link without mass: the motion of a link of surfaces is a line to uncomment."""
     drawn = assembly("stepbot_scara")
@@ -64,12 +65,14 @@ def test_a_link_without_volume_is_fixed_and_may_move() -> None:
     assert "encloses a volume" in joint.review
 
 
+@pytest.mark.slow
 def test_slider_crank_has_one_slide(drafted: Callable[[str], Draft]) -> None:
     """The loop leaves the piston a slide and no rotation."""
     draft = drafted("stepbot_slider_crank")
     assert sorted(j.type for j in (*draft.joints, *draft.closures)) == ["prismatic", "revolute", "revolute", "revolute"]
 
 
+@pytest.mark.slow
 def test_every_part_is_claimed_by_one_link(drafted: Callable[[str], Draft]) -> None:
     """All components with a body are in exactly one link, and one link takes the rest."""
     for folder in ("stepbot_four_bar", "stepbot_quadruped"):
@@ -116,6 +119,7 @@ def test_struts_slide_without_names() -> None:
     assert kinds.count(JointKind.PRISMATIC) == 6
 
 
+@pytest.mark.slow
 def test_motors_by_their_use() -> None:
     """Without names and tree, equal motors mounted off their axes give all 18 joints."""
     draft = infer(assembly("stepbot_hexapod"), "hexapod", Sources(names=False, tree=False))
@@ -142,6 +146,7 @@ def test_stands_and_linkages_without_names_and_tree(folder: str, found: int, vol
     assert result.unmarked == 0
 
 
+@pytest.mark.slow
 def test_fingers_slide_towards_each_other() -> None:
     """Two equal fingers of each hand slide in opposite directions, by their names and marked for review."""
     draft = infer(assembly("abb_yumi"), "yumi")

@@ -46,6 +46,7 @@ _LOOKED_AT = frozenset({"hinged_lid", "drawers", "stage", "coaxial_legs", "hub_d
 """Set aside once, until a rule was set on them."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "seed"), _DRAWN)
 def test_joints_of_drawn_mechanisms_are_found(kind: str, seed: int) -> None:
     """Every joint is found, on its line and between its links."""

@@ -79,6 +79,7 @@ def upper_body(robot_library: Path) -> Assembly:
     return read_quietly(robot_library / "stepbot_upper_body" / "upper_body.step", ReadOptions(faces=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("up", DIRECTIONS)
 def test_what_stands_on_the_ground_is_the_root_before_a_trunk(up: Direction, upper_body: Assembly) -> None:
     """Without names, a stand is the root and not the torso on it with four joints, whichever way is up."""

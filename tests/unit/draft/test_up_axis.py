@@ -23,6 +23,7 @@ def arm(robot_library: Path) -> Assembly:
     return read_quietly(robot_library / "stepbot_desk_arm" / "desk_arm.step", ReadOptions(faces=True))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("up", DIRECTIONS)
 def test_a_real_arm_in_all_orientations(up: Direction, arm: Assembly) -> None:
     """The drafted line rotates the robot upright, with its evidence in a comment."""

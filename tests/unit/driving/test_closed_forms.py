@@ -119,6 +119,7 @@ def test_random_efforts_do_not_drive_a_light_joint_beyond_its_speed(engine: str,
     assert value(run("torque", stage_of(robot, engine, tmp_path)), "speed of limit with other gains") <= 102.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 def test_objects_are_held_in_place_of_the_cube(engine: str, tmp_path: Path) -> None:
     """A cylinder, a sphere and a cube as wide as the open gripper, each held by 20 N."""
@@ -161,6 +162,7 @@ def test_sag_under_gravity(tmp_path: Path) -> None:
     assert value(run("hold", stage), "angle error with other gains") == pytest.approx(expected, rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("force", "holds"), [(0.6, False), (20.0, True)])
 def test_cube_is_held_by_friction(engine: str, force: float, holds: bool, tmp_path: Path) -> None:
@@ -175,6 +177,7 @@ def test_cube_is_held_by_friction(engine: str, force: float, holds: bool, tmp_pa
     assert slip < 2.0 if holds else slip > 50.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize(("effort", "holds"), [(0.005, False), (0.3, True)])
 def test_jaws_of_a_linkage_hold_a_cube(engine: str, effort: float, holds: bool, tmp_path: Path) -> None:
@@ -232,6 +235,7 @@ def crank_angle(pin: float) -> float:
     return low
 
 
+@pytest.mark.slow
 def test_a_sweep_states_what_stops_it(tmp_path: Path) -> None:
     """A guide with a limit inside of the crank's range stops the crank there; the sweep goes nine tenths of the way."""
     robot = looped_gripper(1.0)
@@ -246,6 +250,7 @@ def test_a_sweep_states_what_stops_it(tmp_path: Path) -> None:
     assert swept.share == pytest.approx((1.3 + 0.9 * stop) / 2.6, rel=0.02)
 
 
+@pytest.mark.slow
 def test_a_contact_stops_a_sweep_of_a_linkage_where_it_is(tmp_path: Path) -> None:
     """Jaws of a linkage that meet are swept up to there, at eighths of the way, not through each other."""
     robot = looped_gripper(1.0)

@@ -25,6 +25,7 @@ def gripped(robot: Robot, engine: str, folder: Path) -> Result:
     return EXPERIMENTS["grip"](stage_of(robot, engine, folder))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slides", [False, True], ids=["turns", "slides"])
 def test_cube_is_flat_on_the_hand(slides: bool, tmp_path: Path) -> None:
     """Parallel plates 24 mm apart grip a cube of nearly that size, flat on the hand and between the plates' edges."""
@@ -39,6 +40,7 @@ def test_cube_is_flat_on_the_hand(slides: bool, tmp_path: Path) -> None:
     assert grasp.gaps[0] < 0.5 * edge < 0.5 * grasp.gaps[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("engine", "X_BH"),
     [
@@ -71,6 +73,7 @@ def test_cube_is_held_by_friction(
     assert measures["penetration"] < 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 def test_a_cube_that_nothing_holds_falls_freely(engine: str, tmp_path: Path) -> None:
     """Without a force it is lost after the time of a free fall over two edges; the rest of the fall is left out."""
@@ -80,6 +83,7 @@ def test_a_cube_that_nothing_holds_falls_freely(engine: str, tmp_path: Path) -> 
     assert 2e3 * grip.cube.edge < grip.slip < 2.5e3 * grip.cube.edge
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("engine", ENGINES)
 def test_effort_on_the_cube(engine: str, tmp_path: Path) -> None:
     """MuJoCo's motor presses with kp times the rest of its way; PyBullet's, without gains, with all of its effort."""
@@ -93,6 +97,7 @@ def test_effort_on_the_cube(engine: str, tmp_path: Path) -> None:
     assert grip.effort == pytest.approx(share, rel=0.25)
 
 
+@pytest.mark.slow
 def test_a_light_jaw_with_a_strong_motor_does_not_leap_through_the_cube(tmp_path: Path) -> None:
     """MuJoCo limits no speed: a jaw whose target is at the closed end at once reaches 60 rad/s, 10 mm in a step."""
     robot = clamp(3.0)

@@ -92,6 +92,7 @@ def test_in_a_process_of_its_own() -> None:
     assert before <= set(sys.modules)
 
 
+@pytest.mark.slow
 def test_what_is_withheld_comes_back() -> None:
     """scipy can be imported after trimesh."""
     program = (

@@ -6,6 +6,7 @@ from fractions import Fraction
 from math import inf, isnan
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -54,6 +55,7 @@ def _summed() -> list[tuple[str, str]]:
     return found
 
 
+@pytest.mark.slow
 def test_built_in_sum_only_counts() -> None:
     """Fractions are added by `exact_sum`: the built-in ``sum`` compensates for rounding only from Python 3.12 on."""
     summed = _summed()

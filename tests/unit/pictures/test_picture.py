@@ -114,6 +114,7 @@ def test_a_long_name_loses_its_middle() -> None:
     assert drawing.shortened("short", 100.0) == "short"
 
 
+@pytest.mark.slow
 def test_long_names_stay_distinct() -> None:
     """Names that differ in the part that would be left out keep it; one that no share tells apart is shortened, too."""
     drawing = Drawing(np.zeros((1, 1, 3), dtype=np.uint8), 12)

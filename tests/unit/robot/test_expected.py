@@ -27,6 +27,7 @@ def planar(a: float, b: float, limit: Limit, kind: JointKind = JointKind.REVOLUT
     return Robot("arm", links, joints, frames=(Frame("tip", "fore", Pose.of(position=(b, 0.0, 0.0))),))
 
 
+@pytest.mark.slow
 @given(a=lengths, b=lengths, low=st.floats(-pi, pi), wide=st.floats(0.01, pi))
 def test_reach_of_a_planar_arm(a: float, b: float, low: float, wide: float) -> None:
     """The law of cosines at the straightest elbow that the limits allow."""

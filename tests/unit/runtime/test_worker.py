@@ -146,6 +146,7 @@ def test_workers_run_at_the_same_time() -> None:
         first.result(timeout=0.01)
 
 
+@pytest.mark.slow
 def test_a_worker_started_from_a_thread_that_ends() -> None:
     """A worker started from a thread ends with the process, not with the thread."""
     worker: list[Worker] = []
@@ -191,6 +192,7 @@ def test_each_block_gives_back_how_workers_start() -> None:
         assert not are_spawned()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc").is_dir(), reason="no /proc on this system")
 def test_a_worker_does_not_outlive_a_caller_that_is_killed() -> None:
     """A worker ends with a caller that is killed, also while busy and if started from a finished thread."""

@@ -15,6 +15,8 @@ from stepbot.serving.local_server import Refused
 from stepbot.serving.session import Session
 from stepbot.sidecar.starter import description_starter
 
+pytestmark = pytest.mark.slow
+
 INERTIA = "<inertia><ixx>0.01</ixx><iyy>0.011</iyy><izz>0.012</izz></inertia>"
 SOURCES = {
     "arm.urdf": """<robot name="arm"><link name="base"/>

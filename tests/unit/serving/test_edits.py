@@ -319,6 +319,7 @@ _ACTIONS = (
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.sampled_from(_ACTIONS), st.dictionaries(st.sampled_from(_KEYS), _JSON))
 def test_any_question_is_answered_or_refused(sidecar: Sidecar, action: str, question: dict[str, Any]) -> None:

@@ -24,6 +24,8 @@ from stepbot.serving.local_server import Refused
 from stepbot.serving.session import Session
 from stepbot.sidecar.load import load_sidecar
 
+pytestmark = pytest.mark.slow
+
 NAMES = ("face", "contacts", "edit", "undo", "redo", "between", "lines", "written")
 KEYS = (
     "action", "joint", "link", "keys", "value", "text", "paths", "a", "b", "component", "triangle", "q", "origin",

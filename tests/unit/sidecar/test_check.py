@@ -299,6 +299,7 @@ def test_faults_do_not_beget_faults(damage: tuple[str, str], expected: list[str]
     assert codes(text.replace(*damage, 1)) == expected
 
 
+@pytest.mark.slow
 def test_large_robots_are_checked_quickly() -> None:
     """A chain of a thousand joints that all mimic one another is checked in seconds."""
     links = "".join(f"  l{n}: {{parts: [p{n}]}}\n" for n in range(1001))

@@ -161,6 +161,7 @@ def test_loading_twice_gives_equal_results(tmp_path: Path) -> None:
 LINES = FULL.split("\n")
 
 
+@pytest.mark.slow
 @given(data=st.data())
 def test_damaged_sidecars_end_in_diagnostics(data: st.DataObject) -> None:
     """Lines dropped, doubled, swapped or cut in a valid sidecar give a document or errors."""

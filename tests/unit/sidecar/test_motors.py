@@ -58,6 +58,7 @@ def test_each_figure_has_a_source_of_a_known_grade() -> None:
             assert (other.source or "").partition(":")[0] in GRADES, name
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not REFERENCE.exists(), reason=f"reference figures are absent: no {REFERENCE}")
 def test_the_catalogue_has_the_figures_and_sources_of_the_reference() -> None:
     """The catalogue has the figures and sources of the reference."""

@@ -143,6 +143,7 @@ WORDS = [
 ]
 
 
+@pytest.mark.slow
 @given(data=st.data())
 def test_what_is_loaded_is_valid(data: st.DataObject) -> None:
     """A sidecar with values exchanged at random is valid by the schema if stepbot loads it."""
@@ -162,6 +163,7 @@ def test_infinity_is_a_number() -> None:
     VALIDATOR.validate(data_of(text))
 
 
+@pytest.mark.slow
 def test_schema_is_plain_json() -> None:
     """The text is valid JSON, and read equally as YAML."""
     assert json.loads(schema_text()) == SCHEMA

@@ -70,6 +70,7 @@ def test_place_of_a_byte_that_is_not_utf_8(tmp_path: Path, found: Diagnostics) -
     assert (diagnostic.code, diagnostic.span.line, diagnostic.span.column) == ("SB102", 2, 5)
 
 
+@pytest.mark.slow
 def test_characters_of_a_sidecar() -> None:
     """Those that YAML allows (1.2, production 1), without its three rare line ends."""
     printable = ((0x20, 0x7E), (0xA0, 0xD7FF), (0xE000, 0xFFFD), (0x10000, 0x10FFFF))

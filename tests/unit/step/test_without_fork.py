@@ -24,6 +24,7 @@ def without_fork(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not can_fork()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kernel", "seconds", "reason"),
     [
@@ -47,6 +48,7 @@ def test_a_body_that_ends_the_kernel(
     assert [len(body.mesh.faces) > 0 for body in assembly.bodies].count(False) == 1
 
 
+@pytest.mark.slow
 def test_a_kernel_that_ends_over_no_body(
     tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -56,6 +58,7 @@ def test_a_kernel_that_ends_over_no_body(
     assert found.codes() == ["SB902"]
 
 
+@pytest.mark.slow
 def test_all_time_is_bounded(tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch) -> None:
     """A body that hangs for longer than the file's time limit ends the reading."""
     monkeypatch.setattr(reader, "KERNEL", "tests.unit.step.stuck_kernel:hanging")
@@ -104,6 +107,7 @@ def test_limit_in_the_message_is_the_one_that_was_given(
     assert diagnostic.message.endswith("no result after 0.5 s")
 
 
+@pytest.mark.slow
 def test_the_same_assembly(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Assemblies read with and without fork have the same bytes."""
     path = parts.write_nested(tmp_path / "nested.step").path

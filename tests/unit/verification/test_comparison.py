@@ -336,6 +336,7 @@ def _closure(**changes: object) -> set[Quantity]:
     return failed(loop, replace(loop, closures=(replace(loop.closures[0], **changes),)))  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_closures_differ_by_place_links_and_residual() -> None:
     """Another position, link or residual of a closure is detected."""
     loop = seen(four_bar())

@@ -103,6 +103,7 @@ def test_a_bar_that_turns_into_a_wall(*, as_mesh: bool) -> None:
     assert_share(the_pair(robot(wall, bar, at=(d + 0.1, 0, 0))), 4.0 * widest / (2.0 * pi))
 
 
+@pytest.mark.slow
 def test_a_hollow_mesh_is_no_solid() -> None:
     """A cube that slides through a cage of two plates overlaps the plates only: surfaces, whose hull is always met."""
     plates = trimesh.util.concatenate(
@@ -127,6 +128,7 @@ def test_the_first_pose_and_its_depth_are_the_evidence() -> None:
     assert pair.depth == pytest.approx(0.1, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_always_and_never() -> None:
     """Coaxial bars overlap in every pose; bars on different levels in none, nor do bars that only touch."""
     bar = Box((1.0, 0.1, 0.1))

@@ -76,6 +76,7 @@ def test_origin_selects_the_axis(hinge: Assembly) -> None:
             assert chosen.distance_to(tuple(component.X_WC.apply(face.point).tolist())) < 1e-5
 
 
+@pytest.mark.slow
 def test_cone(tmp_path: Path) -> None:
     """The side of a cone gives its axis; its flat ends give none."""
     path = tmp_path / "cone.step"

@@ -92,6 +92,7 @@ def test_cylinder_is_exact() -> None:
     np.testing.assert_allclose(shape.X_AG.p, _AWAY.p, atol=3e-9)
 
 
+@pytest.mark.slow
 def test_sphere_and_capsule() -> None:
     """A ball becomes a sphere, a rod with round ends a capsule of its radius and length."""
     (ball,) = _of(PlacedSolid(_mesh(manifold3d.Manifold.sphere(0.02, 96)), _AWAY)).shapes

@@ -179,6 +179,7 @@ def test_hull_has_one_order() -> None:
     assert all(face[0] == min(face) for face in hull.faces.tolist())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("inside", [0, 2000])
 def test_hull_is_closed_and_convex_and_encloses_its_points(inside: int) -> None:
     """Every edge joins two faces that run along it in opposite directions; no point is in front of a face."""

@@ -139,6 +139,7 @@ for round in range(int(sys.argv[2])):
 """
 
 
+@pytest.mark.slow
 def test_processes_at_once_and_one_killed(tmp_path: Path) -> None:
     """With four processes writing and removing the same entries, one of them killed, no partial entry is visible."""
     command = [sys.executable, "-c", WRITER, str(tmp_path)]

@@ -144,6 +144,7 @@ def test_unreadable_archives(kind: str, reason: str, tmp_path: Path, found: Read
     assert input_digest(path)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("write", [gzipped, zipped])
 def test_bombs(write: Callable[[Path, bytes], None], tmp_path: Path, found: ReadDiagnostics) -> None:
     """Decompression stops at a hundred times the size of the archive, and writes no more than that."""

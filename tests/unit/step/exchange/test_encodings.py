@@ -119,6 +119,7 @@ def test_utf8_that_is_declared_otherwise(tmp_path: Path, found: ReadDiagnostics)
     assert diagnostic.notes == ("in cp1252 the first reads 'Ã©'", "in utf-8 the first reads 'é'")
 
 
+@pytest.mark.slow
 def test_real_names(corpus: Path, found: ReadDiagnostics) -> None:
     """An assembly drawn in Russian is read in its code page."""
     assembly = read(corpus / "russian_names_cp1251.step", "cp1251", found)

@@ -293,6 +293,7 @@ def test_any_line_in_space(direction: Vector3, point: Vector3, faces: list[tuple
     np.testing.assert_allclose(line.point, np.array(point) + 0.5 * (max(ts) + min(ts)) * d, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_time_grows_less_than_quadratically() -> None:
     """Eight times the faces, on lines in a hundred directions, take far less than 64 times as long."""
     few, many = _random_shafts(1_250), _random_shafts(10_000)

@@ -120,6 +120,7 @@ def test_a_plate_with_a_wavy_outline(tmp_path: Path) -> None:
     assert_same(quadrature(shape, np.zeros(3), 2), expected, 1e-10)
 
 
+@pytest.mark.slow
 def test_a_splined_solid_in_a_file(tmp_path: Path) -> None:
     """A smaller plate, read from a STEP file, is right to 1e-8, and its estimated error is below 1e-3."""
     outline = Outline(40, lambda t: 40 + 6 * cos(5 * t) + 2 * sin(9 * t))

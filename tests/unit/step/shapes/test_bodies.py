@@ -95,6 +95,7 @@ def test_the_finest_claim_on_a_body_holds(tmp_path: Path) -> None:
         assert (len(after.mesh.faces) > len(before.mesh.faces)) == (number == bolt)
 
 
+@pytest.mark.slow
 def test_a_mesh_that_grows_too_large_is_coarsened(
     tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -110,6 +111,7 @@ def test_a_mesh_that_grows_too_large_is_coarsened(
 # Mass
 
 
+@pytest.mark.slow
 def test_measuring_meshes_are_refined(tmp_path: Path) -> None:
     """Volume and inertia of a ball by its measuring mesh agree with the closed form to the requested deviation."""
     drawing = parts.write_sphere(tmp_path / "ball.step", radius=30)

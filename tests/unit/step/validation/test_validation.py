@@ -175,6 +175,7 @@ def test_areas_cost_nothing_where_none_is_stated(tmp_path: Path) -> None:
     assert [body.area for body in read_quietly(file.write()).bodies] == [pytest.approx(0.0248, rel=1e-12)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "count", "differing"),
     [("as1-oc-214.step", 27, 0), ("s1_autocad_foot.step", 39, 0), ("dm1_ideas_inch.step", 19, 1)],

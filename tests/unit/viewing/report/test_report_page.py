@@ -51,6 +51,7 @@ def values(row: Any) -> list[float]:
     return [float(value) for value in row.xpath("./td/@data-value")]
 
 
+@pytest.mark.slow
 def test_masses_are_those_of_the_report(arm: Pages) -> None:
     """Of every link, of every component that adds to it, and in total."""
     robot = arm.report["robot"]
@@ -69,6 +70,7 @@ def test_masses_are_those_of_the_report(arm: Pages) -> None:
     assert values(total) == [pytest.approx(robot["mass"], rel=1e-12)]
 
 
+@pytest.mark.slow
 def test_data_sheet_is_that_of_the_command(arm: Pages, robot_library: Path) -> None:
     """Each row of `stepbot datasheet` is in the page; the picture of a workspace is as wide as its farthest band."""
     conversion = produce(robot_library / "stepbot_arm2" / "arm2.robot.yaml", Options(Path("out"), verify=False))
