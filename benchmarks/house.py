@@ -1,4 +1,4 @@
-"""Print how large the code base is: ``python -m benchmarks house``, or ``python benchmarks/house.py``."""
+"""Print how large the code base is: ``python -m benchmarks.house``."""
 
 import ast
 from collections.abc import Iterator

@@ -139,6 +139,21 @@ def test_crash_is_one_robots_own(library: Path, kind: type[Broken], code: str) -
     assert outcomes["four_bar"].status is Status.CONVERTED
 
 
+def test_exception_of_an_executor_is_one_robots_own(library: Path) -> None:
+    """What an executor raises is reported with the first line of its text."""
+
+    class Failing(ThreadPoolExecutor):
+        def submit(self, function: Any, /, *arguments: Any, **named: Any) -> Future[Any]:  # noqa: ARG002
+            return super().submit(raises, *arguments, **named)
+
+    tasks = [Task("arm2", library / "arm2" / "arm2.robot.yaml", Path("out", "arm2"))]
+    with Failing(1) as executor:
+        (outcome,) = run_batch(tasks, Options(Path("out"), ("urdf",), verify=False), Path("out"), executor, at_once=1)
+    assert outcome.status is Status.FAILED
+    (diagnostic,) = outcome.diagnostics
+    assert (diagnostic.code, diagnostic.message) == ("SB901", "internal error: ZeroDivisionError: a bug")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "as_bytes"), [("threads", False), pytest.param("spawned", True, marks=pytest.mark.long)]

@@ -263,7 +263,8 @@ def _result(future: "Future[Work]", task: Task) -> Work:
     except RemoteError as error:
         found.add("SB901", f"internal error: {error.kind}: {error.text}", span, notes=error.trace.splitlines()[-3:])
     except Exception as error:  # noqa: BLE001 - executors raise what they like, the other robots go on
-        found.add("SB901", f"internal error: {type(error).__name__}: {str(error).splitlines()[:1]}", span)
+        first, *_ = (*str(error).splitlines(), "")
+        found.add("SB901", f"internal error: {type(error).__name__}: {first}", span)
     return Work({}, tuple(found))
 
 
