@@ -2,7 +2,7 @@
 
 import json
 import shlex
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -23,12 +23,15 @@ from .terminal import Display, show_diagnostics, write_document, write_result
 if TYPE_CHECKING:
     from stepbot.draft.draft import Alternative, Draft, DraftClosure, DraftJoint, Question
     from stepbot.draft.questions import Dialogue
+    from stepbot.draft.text.draft_names import DraftNames
     from stepbot.pipeline.conversion import Options
 
 _FUSED = 8
 """Number of fused parts that are listed; -v lists all."""
 _LONGEST_FACTS = 96
 """Width of the evidence; -v prints all of it."""
+_CLOSES = ", closes a loop"
+_MARK = "REVIEW:"
 
 
 def draft_text(draft: "Draft", sidecar: Path, text: str, *, verbose: bool = False) -> str:
@@ -39,19 +42,14 @@ def draft_text(draft: "Draft", sidecar: Path, text: str, *, verbose: bool = Fals
     questions = _questions(draft, text)
     verdict = f"{printable(sidecar.as_posix())}: {_counts(draft)}; root link '{names.links[draft.root]}'"
     lines = [f"{verdict}; to decide: {', '.join(questions)}" if questions else verdict]
+    shown: list[tuple[DraftJoint | DraftClosure, str, str]] = []
     sure: list[str] = []
-    for joint, name in zip(draft.joints, names.joints, strict=True):
-        ends = f"{names.links[joint.parent]} -> {names.links[joint.child]}"
-        if verbose or joint.is_reviewed:
-            lines += _connection(joint, name, ends, verbose=verbose)
+    for one, name, ends in _connections(draft, names):
+        if verbose or one.is_reviewed:
+            shown.append((one, name, ends))
         else:
-            sure.append(f"{printable(name)} ({joint.type})")
-    for closure, name in zip(draft.closures, names.closures, strict=True):
-        ends = f"{names.links[closure.link_a]} - {names.links[closure.link_b]}, closes a loop"
-        if verbose or closure.is_reviewed:
-            lines += _connection(closure, name, ends, verbose=verbose)
-        else:
-            sure.append(f"{printable(name)} ({closure.type}, closes a loop)")
+            sure.append(f"{printable(name)} ({one.type}{_CLOSES if ends.endswith(_CLOSES) else ''})")
+    lines += _reviewed(shown, verbose=verbose)
     if sure:
         lines.append(f"  on strong evidence: {', '.join(sure)}; -v shows it")
     lines += _fused(draft, names.freed, verbose=verbose)
@@ -110,7 +108,7 @@ def draft_document(draft: "Draft", text: str) -> dict[str, Any]:
             for one in draft.offered
             if one not in draft.fused
         ],
-        "review": _reviews(text),
+        "review": text.count(_MARK),
         "limits_to_fill_in": _todo(draft),
         "notes": list(draft.notes),
     }
@@ -154,26 +152,56 @@ def _geometry(one: "DraftJoint | DraftClosure") -> dict[str, Any]:
     }
 
 
-def _connection(one: "DraftJoint | DraftClosure", name: str, ends: str, *, verbose: bool) -> list[str]:
-    mark = "  REVIEW" if one.is_reviewed else ""
+def _connections(draft: "Draft", names: "DraftNames") -> Iterator[tuple["DraftJoint | DraftClosure", str, str]]:
+    """Each joint and closure, its name, and the links at its ends."""
+    for joint, name in zip(draft.joints, names.joints, strict=True):
+        yield joint, name, f"{names.links[joint.parent]} -> {names.links[joint.child]}"
+    for closure, name in zip(draft.closures, names.closures, strict=True):
+        yield closure, name, f"{names.links[closure.link_a]} - {names.links[closure.link_b]}{_CLOSES}"
+
+
+def _reviewed(connections: Sequence[tuple["DraftJoint | DraftClosure", str, str]], *, verbose: bool) -> list[str]:
+    """Each joint with its doubts; of several with the same ones, as in equal limbs, the first and further names."""
+    groups: dict[tuple[str, ...], list[tuple[str, str]]] = {}
+    for one, name, ends in connections:
+        facts = _facts(one, verbose=verbose)
+        score = f"score {one.confidence.score:.2f}{'  REVIEW' * one.is_reviewed}"
+        key = (name,) if verbose or not facts else (one.written, score, facts)
+        line = f"  {printable(name)}: {one.written}, {printable(ends)}, {score}"
+        groups.setdefault(key, []).append((name, f"{line}\n    {printable(facts)}" if facts else line))
+    lines = []
+    for (_, first), *others in groups.values():
+        lines.append(first)
+        if others:
+            lines.append(f"    the same: {', '.join(printable(name) for name, _ in others)}")
+    return lines
+
+
+def _facts(one: "DraftJoint | DraftClosure", *, verbose: bool) -> str:
+    """The doubts of a joint, then its evidence; its beginning unless verbose."""
     weak = f"weak: {one.doubt}" if one.doubt else ""
     facts = "; ".join(filter(None, (one.review, weak, *one.confidence.evidence)))
     if not verbose and len(facts) > _LONGEST_FACTS:
         facts = f"{facts[: _LONGEST_FACTS - 1].rstrip()}…"
-    lines = [f"  {printable(name)}: {one.written}, {printable(ends)}, score {one.confidence.score:.2f}{mark}"]
-    return [*lines, f"    {printable(facts)}"] if facts else lines
+    return facts
 
 
 def _fused(draft: "Draft", names: Sequence[str], *, verbose: bool) -> list[str]:
     """Parts that look movable and were fused; how to free them."""
     if not draft.fused:
         return []
-    shown = [*zip(draft.fused, names, strict=True)][: None if verbose else _FUSED]
-    more = len(draft.fused) - len(shown)
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for one, name in zip(draft.fused, names, strict=True):
+        held = f"({one.type}) in '{printable(one.link)}', held by: {printable(one.held)}"
+        groups.setdefault((name,) if verbose else (one.type, one.held), []).extend((printable(name), held))
+    shown = [*groups.values()][: None if verbose else _FUSED]
+    more = len(draft.fused) - sum(len(one) for one in shown) // 2
     head = f"  fused, though {counted(len(draft.fused), 'part')} might move: uncomment the lines of a part to free it"
     lines = [head]
-    for one, name in shown:
-        lines.append(f"    {printable(name)} ({one.type}) in '{printable(one.link)}', held by: {printable(one.held)}")
+    for name, held, *others in shown:
+        lines.append(f"    {name} {held}")
+        if others:
+            lines.append(f"      the same: {', '.join(others[::2])}")
     return [*lines, f"    {more} more; -v shows them"] if more else lines
 
 
@@ -193,18 +221,13 @@ def _counts(draft: "Draft") -> str:
     return ", ".join(counted(count, noun) for count, noun in counts if count or noun != "closure")
 
 
-def _reviews(text: str) -> int:
-    """Number of REVIEW marks in a sidecar."""
-    return text.count("REVIEW:")
-
-
 def _todo(draft: "Draft") -> int:
     return sum(joint.limits is None and joint.written in ("revolute", "prismatic") for joint in draft.joints)
 
 
 def _questions(draft: "Draft", text: str) -> list[str]:
     """What the author of a drafted sidecar has to decide."""
-    reviews, todo = _reviews(text), _todo(draft)
+    reviews, todo = text.count(_MARK), _todo(draft)
     marks = [counted(reviews, "REVIEW mark")] if reviews else []
     return [*marks, *([f"{todo} `limits: todo`"] if todo else [])]
 
@@ -309,10 +332,11 @@ def command(
     converted without changes.
     """
     from stepbot.pipeline.drafting import draft_step, write_draft
+    from stepbot.sidecar.starter import starter_name
 
     if interactive and display.json:
         raise click.UsageError("--interactive and --json cannot be combined")
-    sidecar = output or _beside(step)
+    sidecar = output or step.parent / starter_name(step)
     found = Diagnostics()
     if exists(sidecar) and not force:
         help = ["write another file with -o, or overwrite it with --force"]
@@ -349,12 +373,6 @@ def _answers(file: Path) -> dict[str, str]:
     if not isinstance(answers, dict) or not all(isinstance(value, str) for value in answers.values()):
         raise click.UsageError(f"--answers: {file.as_posix()}: expected an object {{question: answer}}")
     return answers
-
-
-def _beside(step: Path) -> Path:
-    from stepbot.sidecar.starter import starter_name
-
-    return step.parent / starter_name(step)
 
 
 def _show_result(

@@ -269,3 +269,16 @@ def test_draft_and_check_doubt_the_same_axes(stepbot: Stepbot, tmp_path: Path) -
     unwrapped = sidecar.read_text(encoding="utf-8").replace("\n  #   ", " ")
     for joint in doubted:
         assert f"  # REVIEW: weak evidence for its axis: {joint['doubt']}\n" in unwrapped
+
+
+def test_joints_with_the_same_doubts_are_printed_once(chain: Path, stepbot: Stepbot) -> None:
+    """The first is shown with its doubts, the others by name; -v shows each."""
+    run = stepbot("init", "chain.step")
+    lines = run.out.splitlines()
+    first = next(n for n, line in enumerate(lines) if line.startswith("  arm_joint: revolute, base -> arm, score "))
+    assert lines[first + 1].startswith("    no motor found")
+    assert lines[first + 2] == "    the same: hand_joint"
+    assert "hand_joint: " not in run.out
+    run = stepbot("init", "chain.step", "--force", "-v")
+    assert "  hand_joint: revolute, arm -> hand, score " in run.out
+    assert "the same: " not in run.out

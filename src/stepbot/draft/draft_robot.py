@@ -4,7 +4,7 @@ The origin of a joint is a mate or an axis of components where possible, since t
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,7 +26,7 @@ from stepbot.draft.draft import (
 )
 from stepbot.draft.evidence.evidence import JointEvidence
 from stepbot.draft.evidence.motor_models import models
-from stepbot.draft.evidence.wheels import is_wheel, wheels
+from stepbot.draft.evidence.wheels import is_wheel, rolling, wheels
 from stepbot.draft.gearing import geared
 from stepbot.draft.inference import Inferred, infer_from
 from stepbot.draft.link_claims import LinkClaims
@@ -203,14 +203,16 @@ class _Drafting:
         return (f"drawn up to {1e3 * far:.2g} mm off what they fit, and compared as if in place: {paths}",)
 
     def _rolls(self, tree: Sequence[TreeJoint]) -> bool:
-        """Whether at least two wheels turn on the root, so that nothing fixes it to the ground."""
-        return sum(arc.parent == self._found.root and self._is_wheel(arc) for arc in tree) > 1
+        """Whether nothing fixes the root to the ground: two wheels turn on it, or on any links what all stands on."""
+        standing = dict(rolling(self._found.survey))
+        on_root = [arc for arc in tree if arc.parent == self._found.root and self._is_wheel(arc, self._wheels)]
+        return len(on_root) > 1 or len([arc for arc in tree if self._is_wheel(arc, standing)]) > 1
 
-    def _is_wheel(self, arc: TreeJoint) -> bool:
-        """Whether a joint turns a wheel, by its name or its shape, about its axis of symmetry."""
+    def _is_wheel(self, arc: TreeJoint, known: Collection[int]) -> bool:
+        """Whether a joint turns one of the known wheels about its axis of symmetry."""
         if arc.evidence.type != JointKind.REVOLUTE or arc.evidence.score < CHOSEN:
             return False
-        return is_wheel(self._found.survey, self._wheels, self._found.links[arc.child], arc.evidence.axis)
+        return is_wheel(self._found.survey, known, self._found.links[arc.child], arc.evidence.axis)
 
     def _fused(self, h: JointEvidence) -> Alternative:
         """A joint within a link, with the part that it would free and what holds that part."""
@@ -271,7 +273,7 @@ class _Drafting:
         is_universal = h.type == JointKind.UNIVERSAL and h.axis2 is not None
         return DraftJoint(
             name=f"{child}_joint",
-            type=JointKind.CONTINUOUS if self._is_wheel(arc) else h.type,
+            type=JointKind.CONTINUOUS if self._is_wheel(arc, self._wheels) else h.type,
             origin=found.snippet,
             axis="x" if is_universal else "z",
             point=_point(axis),

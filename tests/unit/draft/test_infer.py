@@ -10,6 +10,7 @@ import pytest
 
 from benchmarks.scoring import score
 from benchmarks.truth import read_truth
+from robot_library.moments import pose
 from stepbot.diagnostics import Diagnostics
 from stepbot.draft.contacts.survey import Sources
 from stepbot.draft.draft import Draft, OriginForm
@@ -168,6 +169,25 @@ def test_two_wheels_make_a_floating_base() -> None:
         draft = infer(assembled(*nodes, group("b", part(f"{name} right", tyre, z=-57))), "cart")
         assert [joint.type for joint in draft.joints] == [kind, kind]
         assert draft.base is base
+
+
+@pytest.mark.parametrize(("is_on_a_foot", "base"), [(False, Base.FLOATING), (True, Base.FIXED)])
+def test_wheels_in_steered_forks_make_a_floating_base(is_on_a_foot: bool, base: Base) -> None:
+    """What stands on wheels rolls, though they turn in forks that turn on the chassis; on a foot it stands still."""
+    turned = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]  # z to -y
+    chassis = box(200, 80, 10) + cylinder(20, 90).at(0, 0, -90) if is_on_a_foot else box(200, 80, 10)
+    for x in (80, -80):
+        chassis -= cylinder(6.02, 10).at(x, 0, -5)
+    fork = box(24, 30, 6) + cylinder(6, 13).at(0, 0, 0) + box(24, 4, 60).at(0, 13, -30) + box(24, 4, 60).at(0, -13, -30)
+    fork += cylinder(4, 30).moved(pose((0, 15, -50), turned))
+    tyre = (cylinder(30, 12) - cylinder(4.02, 12)).moved(pose((0, 6, -50), turned))
+    nodes = [group("chassis", part("plate", chassis, z=8))]
+    for n, x in enumerate((80, -80)):
+        nodes.append(group(f"fork {n}", part(f"holder {n}", fork.at(x, 0, 0))))
+        nodes.append(group(f"disc {n}", part(f"disc {n}", tyre.at(x, 0, 0))))
+    draft = infer(assembled(*nodes), "cart")
+    assert len(draft.joints) == 4
+    assert draft.base is base
 
 
 @pytest.mark.parametrize(("thickness", "moving"), [(6.0, 2), (6.04, 2), (6.09, 1), (7.0, 1)])
