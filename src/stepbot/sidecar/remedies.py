@@ -4,10 +4,23 @@ import json
 import re
 from collections.abc import Sequence
 
+from stepbot.robot.model import ActuatorKind
+
 from .tree import Keys, Listing, Mapping, Scalar, Tree
 
 _NUMBERS = re.compile(r"[\s,;]+")
 _POINT = ("xyz", "rpy", "axis", "axis2", "com", "near", "size", "center")
+_MEANT = {
+    "actuators": "motor",
+    "dynamics": "damping",
+    "frames": "link",
+    "inertial": "mass",
+    "materials": "density",
+    "mimic": "joint",
+    "modules": "file",
+    "sensors": "type",
+}
+"""The key that a plain value means, by the section of which it is an entry, or by the mapping in whose place it is."""
 _SHORTEST_NAMES = 3
 """Maximum number of list items in a snippet."""
 
@@ -81,7 +94,10 @@ def _for_text(keys: Keys, name: str, value: Scalar) -> str:
         return f"write `{name}: {{parts: [{quoted(value.text)}]}}`"
     if len(keys) == 2 and keys[0] == "joints":
         return f"write `{name}: {{type: {value.text}, parent: ..., child: ...}}`"
-    return ""
+    meant = _MEANT.get(str(keys[0])) if len(keys) == 2 else _MEANT.get(name)
+    if keys[0] == "actuators" and value.text in list(ActuatorKind):
+        meant = "kind"
+    return f"write `{name}: {{{meant}: {written(value)}}}`" if meant else ""
 
 
 def _is_number(text: str) -> bool:

@@ -54,6 +54,14 @@ def findings(text: str) -> list[Diagnostic]:
         ("limits: {lower: -1, upper: 1}", "lower: -1, limits: {upper: 1}", "limits: {lower: -1}"),
         ("  base: {rest: true}", "  base: {rest: true, mass: 5}", "inertial: {mass: 5}"),
         ("  base: {rest: true}", '  base: {parts: ["a*"], density: 2700}', 'parts: {"a*": {density: 2700}}'),
+        ("  base: {rest: true}", "  base: {rest: true, inertial: 2 kg}", "inertial: {mass: 2 kg}"),
+        ("type: revolute", "type: revolute, mimic: wrist", "mimic: {joint: wrist}"),
+        ("type: revolute", "type: revolute, dynamics: 0.1", "dynamics: {damping: 0.1}"),
+        ("joints:", "frames: {tip: forearm}\njoints:", "tip: {link: forearm}"),
+        ("joints:", "actuators: {elbow: STS3215-12V}\njoints:", "elbow: {motor: STS3215-12V}"),
+        ("joints:", "actuators: {elbow: velocity}\njoints:", "elbow: {kind: velocity}"),
+        ("joints:", "modules: {hand: hand.urdf}\njoints:", "hand: {file: hand.urdf}"),
+        ("joints:", "materials: {pla: 1240 kg/m^3}\njoints:", "pla: {density: 1240 kg/m^3}"),
     ],
 )  # fmt: skip
 def test_snippet_is_what_to_write(right: str, wrong: str, pasted: str) -> None:
