@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import mujoco
 import pytest
 
 from stepbot.described.robot import Described, robot_of_description
@@ -269,3 +270,52 @@ def test_joints_of_one_body_keep_names_and_limits(limits: str, tmp_path: Path) -
     assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
     written = conversion.files["arm.xml"].decode()
     assert not [name for names in _OF_ONE_BODY for name in names if f'name="{name}"' not in written]
+
+
+_THING = '<body name="{0}" pos="{1} 0.5 0.1"><freejoint/><geom size="0.03"/></body>'
+_PAD = '<body name="pad" pos="0 1 0"><geom type="box" size="0.1 0.1 0.01"/></body>'
+_ROBOT = """<body name="arm" pos="0 0 0.2">{}<geom size="0.05"/><site name="at_arm"/>
+  <body name="fore" pos="0 0.1 0"><joint name="elbow" axis="1 0 0" range="-1 1"/><geom size="0.04"/></body></body>"""
+
+
+@pytest.mark.parametrize("free", ["", "<freejoint/>"], ids=["fixed", "floating"])
+@pytest.mark.parametrize("first", [True, False], ids=["things first", "robot first"])
+def test_things_that_lie_loose_around_the_robot_are_left_out(tmp_path: Path, free: str, first: bool) -> None:
+    """A scene gives the robot in it, wherever it stands in the file; what lies around is listed, with its places.
+
+    A body that stands in the world belongs to a robot that does, and not to one that walks.
+    """
+    things = _THING.format("cube", 0.3) + _PAD + _THING.format("ball", -0.3)
+    bodies = [things, _ROBOT.format(free)] if first else [_ROBOT.format(free), things]
+    path = tmp_path / "scene.xml"
+    path.write_text(
+        f"""<mujoco model="scene"><compiler autolimits="true"/><worldbody>{"".join(bodies)}</worldbody>
+        <sensor><accelerometer site="at_arm"/></sensor>
+        <actuator><position joint="elbow" kp="3"/></actuator></mujoco>""",
+        encoding="utf-8",
+    )
+    conversion = convert(path, Options(tmp_path / "out", formats=("urdf", "sdf", "mjcf")))
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert conversion.report is not None
+    assert not conversion.report.failed
+    out = {"ball", "cube"} | ({"pad"} if free else set())
+    left = {
+        one.message.split("'")[1] for one in conversion.diagnostics if "is not connected to the robot" in one.message
+    }
+    assert left == out
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "scene.xml"))
+    names = {model.body(n).name for n in range(1, model.nbody)}
+    assert names == {"arm", "fore"} | ({"pad"} - out)
+    assert model.nv == (7 if free else 1)
+
+
+def test_two_robots_that_move_freely_are_no_robot(tmp_path: Path) -> None:
+    """Which of them is the robot, nobody has stated."""
+    path = tmp_path / "two.xml"
+    other = _ROBOT.format("<freejoint/>").replace("arm", "leg").replace("fore", "shin").replace("elbow", "knee")
+    path.write_text(
+        f"<mujoco><worldbody>{_ROBOT.format('<freejoint/>')}{other}</worldbody></mujoco>".replace("range", "user"),
+        encoding="utf-8",
+    )
+    conversion = convert(path, Options(tmp_path / "out"))
+    assert "SB861" in {one.code for one in conversion.diagnostics}

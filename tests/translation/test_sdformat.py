@@ -147,3 +147,25 @@ def test_mass_that_sdformat_computes_is_an_error(tmp_path: Path) -> None:
     found = convert(path, Options(tmp_path / "out")).diagnostics
     assert [one.code for one in found if one.severity == "error"] == ["SB823"]
     assert "link 'body': mass properties" in str(next(iter(found)))
+
+
+def test_several_bases_on_the_world_stay_where_they_are(tmp_path: Path) -> None:
+    """Two bases that a model fixes to the world are one robot, with the world as its root."""
+    path = tmp_path / "cell.sdf"
+    body = "<inertial><mass>1</mass></inertial>"
+    bases = "".join(
+        f'<link name="base_{n}"><pose>0 {n} 0.2 0 0 0.3</pose>{body}</link><link name="arm_{n}">'
+        f'<pose relative_to="base_{n}">0 0 0.1 0 0 0</pose>{body}</link>'
+        f'<joint name="held_{n}" type="fixed"><parent>world</parent><child>base_{n}</child></joint>'
+        f'<joint name="turn_{n}" type="revolute"><parent>base_{n}</parent><child>arm_{n}</child><axis><xyz>0 1 0</xyz>'
+        "<limit><lower>-1</lower><upper>1</upper></limit></axis></joint>"
+        for n in range(2)
+    )
+    path.write_text(f'<sdf version="1.9"><model name="cell">{bases}</model></sdf>', encoding="utf-8")
+    conversion = convert(path, Options(tmp_path / "out", formats=("urdf", "sdf", "mjcf")))
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert conversion.report is not None
+    assert not conversion.report.failed
+    assert conversion.robot is not None
+    X = link_poses(conversion.robot, {})
+    assert (X["base_0"].inverse() @ X["base_1"]).position == pytest.approx((np.sin(0.3), np.cos(0.3), 0.0))

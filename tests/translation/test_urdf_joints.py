@@ -197,3 +197,83 @@ def test_declared_losses_of_a_format_are_no_differences(tmp_path: Path) -> None:
     conversion = _converted(tmp_path, f'<robot name="r">{links}{joints}{eye}</robot>', "usd", "webots")
     assert {"SB760:mixed-mimic", "SB760:camera", "SB760:passive-limit"} <= {one.code for one in conversion.diagnostics}
     assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+
+
+_TABLE = "<{0}><geometry><box size='1 1 0.1'/></geometry></{0}>"
+
+
+@pytest.mark.parametrize("content", ["", _BODY.format(0.0), _TABLE.format("visual"), _TABLE.format("collision")])
+@pytest.mark.parametrize("bases", [1, 2])
+def test_bases_on_a_link_world_stay_where_they_are(tmp_path: Path, bases: int, content: str) -> None:
+    """A cell has several bases on ``world``, or a table in it: MuJoCo alone leaves out the joints that hold them."""
+    text = f'<robot name="cell"><link name="world">{content}</link>'
+    for n in range(bases):
+        text += _link(f"base_{n}") + _link(f"arm_{n}") + _joint(f"held_{n}", "fixed", "world", f"base_{n}")
+        text += _joint(f"turn_{n}", "revolute", f"base_{n}", f"arm_{n}", HINGE)
+    conversion = _converted(tmp_path, text + "</robot>", "urdf", "sdf", "mjcf")
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert conversion.report is not None
+    of_source = [check for check in conversion.report.checks if check.against == "source.urdf (mujoco)"]
+    passed = {(check.file, check.quantity) for check in of_source if check.status is Status.PASSED}
+    assert {(f"cell.{end}", what) for end in ("urdf", "sdf", "xml") for what in ("links", "joints", "poses")} <= passed
+    source = tmp_path / "source.urdf"
+    moved = tmp_path / "moved.urdf"
+    moved.write_text(source.read_text().replace('xyz="0.1 0.2 0.3"', 'xyz="0.1 0.2 0.31"', 1))
+    found = Diagnostics()
+    verify_files([source, moved], found, workers=Options(tmp_path).workers)
+    is_place = bases == 1 and not content  # of the one base in the world
+    assert any("poses" in one.message for one in found) != is_place
+
+
+@pytest.mark.parametrize("q", [0.0, 0.7])
+@pytest.mark.parametrize("kind", ["revolute", "prismatic"])
+def test_locked_joints_become_fixed(tmp_path: Path, kind: str, q: float) -> None:
+    """A joint whose limits are one position stays there, and so does what follows it; ROS moves neither.
+
+    By hand: the child is turned about the axis, or moved along it, by the position, in a frame that stays.
+    """
+    limit = f'<axis xyz="0 0 1"/><limit lower="{q}" upper="{q}" effort="1" velocity="1"/>'
+    follows = f'<axis xyz="0 0 1"/><mimic joint="lock" multiplier="2"/>{HINGE.partition("/>")[2]}'
+    text = (
+        f'<robot name="robot"><link name="world"/>{"".join(map(_link, ("base", "arm", "hand", "tip")))}'
+        + _joint("mount", "fixed", "world", "base")
+        + _joint("lock", kind, "base", "arm", limit)
+        + _joint("after", "revolute", "arm", "hand", follows)
+        + _joint("free", "revolute", "hand", "tip", HINGE)
+        + "</robot>"
+    )
+    conversion = _converted(tmp_path, text, "urdf", "sdf", "mjcf")
+    assert conversion.diagnostics.exit_code == 0, list(map(str, conversion.diagnostics))
+    assert conversion.report is not None
+    assert not conversion.report.failed
+    found = [one.message for one in conversion.diagnostics if one.code == "SB874:limit"]
+    assert found == [
+        f"joint 'lock': lower and upper limit are both {q:g}: converted to a fixed joint",
+        "joint 'after' mimics 'lock', which cannot move: converted to a fixed joint",
+    ]
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    assert model.njnt == 1
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    to_arm = _X(q, 0.0) if kind == "revolute" else _X(0.0, q)
+    to_hand = to_arm @ _X(2.0 * q, 0.0)
+    np.testing.assert_allclose(data.body("tip").xpos, (to_hand @ _X(0.0, 0.0))[:3, 3], atol=1e-12)
+
+
+def _X(angle: float, along: float) -> np.ndarray:
+    """The origin that all joints of these robots have, then a rotation about z and a translation along it."""
+
+    def turn(axis: int, by: float) -> np.ndarray:
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        R = np.eye(4)
+        R[i, i] = R[j, j] = np.cos(by)
+        R[i, j], R[j, i] = -np.sin(by), np.sin(by)
+        return R
+
+    def move(*by: float) -> np.ndarray:
+        X = np.eye(4)
+        X[:3, 3] = by
+        return X
+
+    origin = move(0.1, 0.2, 0.3) @ turn(2, 0.7) @ turn(1, -0.2) @ turn(0, 0.3)
+    return np.asarray(origin @ turn(2, angle) @ move(0.0, 0.0, along))

@@ -47,7 +47,7 @@ from stepbot.robot.renaming import NewNames, renamed
 
 from .devices import actuators_of, sensors_of
 from .finding import DROPPED_INERTIA, LOST, MOVED, REARRANGED, RENAMED, UNSUPPORTED, Finding
-from .tree import tree_of, without_broken_mimics
+from .tree import surroundings_of, tree_of, with_locked_fixed, without_broken_mimics
 
 
 class Shapes:
@@ -202,6 +202,12 @@ class Described:
     """New names of links, joints and frames that cannot keep theirs."""
     pieces: Mapping[str, str]
     """For each visual the first one of the same visual in the file, whose mesh has several colours."""
+    surroundings: frozenset[str]
+    """Links of the file that are not part of the robot."""
+
+    def of_robot(self, seen: Observation) -> Observation:
+        """What an engine reports about the file, without the surroundings."""
+        return seen.without(self.surroundings, self.robot.base) if self.surroundings else seen
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -219,15 +225,19 @@ def robot_of_description(
         base: Whether the base is fixed, for files that do not tell; None for the default, fixed.
         drawn: Whether the robot is for a picture, in which a link without visuals shows its collisions.
     """
+    around = frozenset[str]() if drawn else surroundings_of(description)
+    description = _without(description, around)
     seen = description.observation
-    found = [Finding(UNSUPPORTED, f"mesh '{uri}' is missing or of an unsupported type") for uri in description.unread]
+    loose = "is not connected to the robot, and has no joints: not converted"
+    found = [Finding(LOST, f"link '{link}' {loose}") for link in sorted(around)]
+    found += [Finding(UNSUPPORTED, f"mesh '{uri}' is missing or of an unsupported type") for uri in description.unread]
     found += [Finding(UNSUPPORTED, text) for text in description.unsupported]
     shapes = Shapes(_with_volume(description, found), drawn=drawn)
     links = {link.name: _link(link, shapes, found) for link in seen.links}
     joints, extra = tree_of(description, found)
     root = joints[0].parent if joints else next(iter(links))
     order = [root, *(joint.child for joint in joints)]
-    kept = without_broken_mimics(joints, found)
+    kept = without_broken_mimics(with_locked_fixed(joints, seen.format == "urdf", found), found)
     robot = Robot(
         seen.name or name,
         tuple(links.get(one) or extra[one] for one in order),
@@ -248,7 +258,22 @@ def robot_of_description(
     known = seen.base is not None or robot.root.name == _WORLD  # which may have several joints, or one that moves
     placed = _at_initial(share_meshes(rooted), seen.initial or {}, None if drawn else found)
     robot, names = with_valid_names(_with_turned_balls(placed), found)
-    return Described(robot, tuple(found), known, names, shapes.pieces)
+    return Described(robot, tuple(found), known, names, shapes.pieces, around)
+
+
+def _without(description: Description, links: frozenset[str]) -> Description:
+    """The description without these links, which no joint connects to the others."""
+    if not links:
+        return description
+    seen = description.observation
+    root = next(link.name for link in seen.links if link.name not in links)
+    return replace(
+        description,
+        observation=seen.without(links, Base.FLOATING if root in description.free_roots else Base.FIXED),
+        X_WR=description.X_WR @ seen.poses[0][root],
+        shapes=tuple(shape for shape in description.shapes if shape.link not in links),
+        assumed=tuple(link for link in description.assumed if link not in links),
+    )
 
 
 def _with_volume(description: Description, found: list[Finding]) -> Description:

@@ -12,13 +12,17 @@ import numpy as np
 
 from stepbot.engines.description import Description
 from stepbot.engines.observation import NEVER_ZERO, ObservedJoint, Quantity
-from stepbot.geometry.spatial import IDENTITY, ZERO3, Pose
-from stepbot.robot.kinematics import MOVING, NO_BOUND
+from stepbot.geometry.spatial import IDENTITY, ZERO3, Pose, tidy
+from stepbot.robot.kinematics import MOVING, NO_BOUND, displacement
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link
 
 from .finding import LOST, OPEN_LIMIT, REARRANGED, TAKEN_AS_FIXED, UNSUPPORTED, Finding
 
+_OF_LOCKED = (
+    *(Quantity.JOINTS, Quantity.AXES, Quantity.LIMITS, Quantity.DYNAMICS, Quantity.MIMIC, Quantity.POSES),
+    *(Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS, Quantity.INITIAL),
+)
 _UNLIMITED = (
     *(("lower", -inf), ("upper", inf), ("velocity", inf), ("effort", inf)),
     *(("acceleration", inf), ("deceleration", inf), ("jerk", inf)),
@@ -38,6 +42,29 @@ def tree_of(description: Description, found: list[Finding]) -> tuple[list[Joint]
     root = next((name for name in names if name not in above), names[0])
     found.extend(Finding(UNSUPPORTED, f"joint '{joint.name}' closes a cycle of links") for joint in above.pop(root, []))
     return _Tree(description, above, found).grown(root)
+
+
+def surroundings_of(description: Description) -> frozenset[str]:
+    """Links of what lies loose around the robot: trees without joints that move freely beside one with joints.
+
+    If the robot itself moves freely, those that stand in the world are not part of it either. What a closure or a mimic
+    of the robot holds is.
+    """
+    seen = description.observation
+    above = {joint.child: joint for joint in seen.joints}
+    roots = {}
+    for link in seen.links:
+        one = link.name
+        for _ in seen.links:
+            one = above[one].parent if one in above else one
+        roots[link.name] = one
+    jointed = {roots[joint.child] for joint in seen.joints if joint.kind != JointKind.FIXED}
+    held = {roots.get(link) for one in seen.closures or () for link in (one.link_a, one.link_b)}
+    free, loose = set(description.free_roots), set(roots.values()) - jointed - held
+    if not jointed or not (free & loose):
+        return frozenset()
+    objects = loose if jointed <= free else loose & free
+    return frozenset(link for link, root in roots.items() if root in objects)
 
 
 class _Tree:
@@ -195,6 +222,36 @@ def _dynamics(seen: JointDynamics) -> JointDynamics:
     values = {one.name: getattr(seen, one.name) for one in fields(seen)}
     known = {name: 0.0 if isnan(value) else value for name, value in values.items()}
     return JointDynamics(**(known if known["stiffness"] else {**known, "spring_reference": 0.0}))
+
+
+def with_locked_fixed(joints: Sequence[Joint], of_urdf: bool, found: list[Finding]) -> tuple[Joint, ...]:
+    """The joints; one whose limits leave a single position is fixed there, and so is what follows it.
+
+    MuJoCo has no such joint, and ROS moves it as little as a fixed one.
+
+    Args:
+        of_urdf: Whether they are of a URDF, which is compared with joints at 0 fixed.
+    """
+    at: dict[str, float] = {}
+    text = {}
+    for joint in joints:
+        if joint.kind in MOVING and joint.mimic is None and joint.limit.lower == joint.limit.upper:
+            at[joint.name] = joint.limit.lower
+            text[joint.name] = f"joint '{joint.name}': lower and upper limit are both {joint.limit.lower:g}"
+    followers = [joint for joint in joints if joint.mimic is not None] if at else []
+    for joint in followers * len(followers):  # chains of followers, in any order
+        if joint.mimic is not None and joint.mimic.joint in at and joint.name not in at:
+            at[joint.name] = joint.mimic.multiplier * at[joint.mimic.joint] + joint.mimic.offset
+            text[joint.name] = f"joint '{joint.name}' mimics '{joint.mimic.joint}', which cannot move"
+    for name, q in at.items():
+        differs = () if of_urdf and q == 0.0 else _OF_LOCKED
+        found.append(Finding(OPEN_LIMIT, f"{text[name]}: converted to a fixed joint", differs))
+    return tuple(
+        Joint(one.name, JointKind.FIXED, one.parent, one.child, tidy(one.X_PC @ displacement(one, at[one.name])))
+        if one.name in at
+        else one
+        for one in joints
+    )
 
 
 def without_broken_mimics(joints: Sequence[Joint], found: list[Finding]) -> tuple[Joint, ...]:

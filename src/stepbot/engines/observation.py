@@ -5,8 +5,8 @@ frame, poses of links relative to the root link. A quantity that an engine does 
 in ``not_run``.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence, Set
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from itertools import chain, repeat
 
@@ -286,6 +286,29 @@ class Observation:
     """Installed distribution or program that the engine comes from, if it is not the engine's name."""
     notes: tuple[str, ...] = ()
     """Changes made so that the engine can read the file: joints left out, flags."""
+
+    def without(self, links: Set[str], base: str) -> "Observation":
+        """What is reported about the other links, whose first one has this base; settings stay."""
+        kept = tuple(link for link in self.links if link.name not in links)
+        joints = tuple(joint for joint in self.joints if joint.child not in links)
+        gone = {joint.name for joint in self.joints} - {joint.name for joint in joints}
+        root = kept[0].name
+        return replace(
+            self,
+            base=base,
+            links=kept,
+            joints=joints,
+            poses=tuple(
+                {name: X[root].inverse() @ pose for name, pose in X.items() if name not in links} for X in self.poses
+            ),
+            closures=self.closures and tuple(one for one in self.closures if not links & {one.link_a, one.link_b}),
+            frames=self.frames and {name: at for name, at in self.frames.items() if at[0] not in links},
+            actuators=self.actuators and tuple(one for one in self.actuators if one.joint not in gone),
+            sensors=self.sensors
+            and tuple(one for one in self.sensors if one.link not in links and one.joint not in gone),
+            initial=self.initial and {name: q for name, q in self.initial.items() if name not in gone},
+            excluded_pairs=self.excluded_pairs and tuple(pair for pair in self.excluded_pairs if not links & {*pair}),
+        )
 
 
 @dataclass(frozen=True)

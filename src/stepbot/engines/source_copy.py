@@ -2,7 +2,7 @@
 
 Chains of single joints take the place of planar and floating joints of a URDF, of which engines differ in what they
 make: PyBullet and yourdfpy fix them, MuJoCo rejects a floating joint within a robot, and names directions of a plane
-itself. https://wiki.ros.org/urdf/XML/joint
+itself. A joint that its limits lock is fixed: MuJoCo ignores equal limits. https://wiki.ros.org/urdf/XML/joint
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -69,7 +69,7 @@ def source_copy(file: str, copy: str, packages: Iterable[Path], chains: Mapping[
     Engines do not search folders of packages. A mesh that is not found keeps its name.
 
     Args:
-        chains: Planar and floating joints of a URDF, and the names of what replaces each.
+        chains: Joints of a URDF that engines read differently, and the names of what replaces each.
     """
     from lxml import etree
 
@@ -100,7 +100,7 @@ def _with_chains(robot: Element, chains: Mapping[str, ChainNames]) -> None:
 
     Args:
         robot: The root element of a URDF; changed.
-        chains: Planar and floating joints, and the names of what replaces each.
+        chains: Joints that engines read differently, and the names of what replaces each.
     """
     for joint in robot.findall("joint"):
         names = chains.get(joint.get("name", ""))
@@ -131,6 +131,8 @@ def _replace(robot: Element, joint: Element, names: ChainNames) -> None:
 
 def _steps(joint: Element) -> list[tuple[str, Vector3]]:
     """Type and axis of each joint of a chain."""
+    if joint.get("type") not in ("floating", "planar"):
+        return [("fixed", _X)]
     if joint.get("type") == "floating":
         return [("prismatic", _X), ("prismatic", _Y), ("prismatic", _Z), *(("continuous", one) for one in (_Z, _Y, _X))]
     axis = joint.find("axis")

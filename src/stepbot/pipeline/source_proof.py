@@ -19,6 +19,7 @@ from stepbot.engines.source_copy import ChainNames
 from stepbot.formats.mjcf import FORMAT as MJCF
 from stepbot.formats.rendering import joined
 from stepbot.report.robot import Report
+from stepbot.robot.kinematics import MOVING
 from stepbot.robot.model import Joint, JointKind, Robot
 from stepbot.robot.multi_dof import ball_coordinates, steps_by_child, unfolded, universal_coordinates
 from stepbot.robot.renaming import NewNames
@@ -93,9 +94,10 @@ def compared_with_source(
             options.workers.call(_COPIED, str(openable(read)), str(source), options.package_path, chains)
         if chains:
             kinds = {joint.name: joint.kind for joint in description.observation.joints}
-            joints = ", ".join(f"'{name}' ({kinds[name]})" for name in chains)
+            joints = ", ".join(f"'{name}' ({kinds[name]})" for name, (several, _) in chains.items() if several[1:])
             text = f"joints {joints}: engines read the file with several single joints in place of each"
-            found.add(NOT_CONFIRMED, text, Span(path.as_posix()))
+            if joints:
+                found.add(NOT_CONFIRMED, text, Span(path.as_posix()))
         checks = verify_against_source(
             source,
             Span(path.as_posix()),
@@ -103,6 +105,7 @@ def compared_with_source(
             _lost(described, description),
             described.names,
             described.pieces,
+            described.of_robot,
             found,
             options.workers,
         )
@@ -145,7 +148,10 @@ def _chains(description: Description, described: Described) -> dict[str, ChainNa
     steps = _chains_in(unfolded(described.robot), several)
     found = {joint.name: steps[joint.child] for joint in several}
     old = {new: name for name, new in described.names.joints.items()}
-    return {
+    locked = {one.name for one in description.observation.joints if one.kind in MOVING} & {
+        old.get(one.name, one.name) for one in described.robot.joints if one.kind is JointKind.FIXED
+    }
+    return {name: ((name,), ()) for name in sorted(locked)} | {
         old.get(name, name): (tuple(one.name for one in chain), tuple(one.child for one in chain[:-1]))
         for name, chain in found.items()
     }

@@ -143,7 +143,7 @@ def _robot(
     for one in described.findings:
         found.add(one.code, one.text, place_of(one.text, path, description))
     computed = {one.text.split("'")[1] for one in described.findings if one.code == ASSUMED}
-    links = ", ".join(f"'{link}'" for link in description.assumed if link not in computed)
+    links = ", ".join(f"'{link}'" for link in description.assumed if link not in computed | described.surroundings)
     if links:
         taken = _ASSUMED[description.observation.format]
         found.add("SB867", f"mass properties not given in the file: {links}", span, notes=[taken])

@@ -4,7 +4,7 @@ Quantities with a declared loss are not compared: their difference is the loss t
 """
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from math import inf, isnan
 from pathlib import Path, PurePath
@@ -86,6 +86,7 @@ def verify_against_source(
     lost: Mapping[Quantity, str],
     names: NewNames,
     pieces: Mapping[str, str],
+    of_robot: Callable[[Observation], Observation],
     found: Diagnostics,
     workers: Workers,
 ) -> tuple[Check, ...]:
@@ -97,6 +98,7 @@ def verify_against_source(
         lost: Quantities with declared losses, each with the reason not to compare it.
         names: Names that the conversion changed.
         pieces: For each written visual the first one of the same visual in the source.
+        of_robot: What an observation of the source has of the robot, without its surroundings.
         found: Receives differences, and SB867 if no engine reads the source.
     """
     name = PurePath(span.file).name
@@ -115,7 +117,9 @@ def verify_against_source(
         found.add(NOT_CONFIRMED, f"not confirmed by an engine: {by}", span, notes=reasons)
     if not first:
         return ()
-    ours, checks = _comparable(gather(first)), list[Check]()
+    source_seen = gather(first)
+    ours = _comparable(replace(source_seen, observation=of_robot(source_seen.observation)))
+    checks = list[Check]()
     for path, written in files.items():
         seen = ranked([outcome for outcome in outcomes if outcome.key == path.as_posix()])
         if not seen:

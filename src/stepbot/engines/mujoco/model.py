@@ -9,6 +9,8 @@ from stepbot.engines.observation import EngineRefused
 
 _NUMBERED = ("BODY", "JOINT", "EQUALITY")
 """Kinds of elements that others refer to."""
+WORLD_LINK = "stepbot/world"
+"""Name in MuJoCo of a link ``world`` of a URDF that is more than the place of the base: MuJoCo's world is no link."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,7 @@ class NamedModel:
         type_ = getattr(self.engine.mjtObj, f"mjOBJ_{kind}")
         name: str = self.engine.mj_id2name(self.model, type_, index) or ""
         if name or kind not in _NUMBERED or index < 0:
-            return name
+            return "world" if name == WORLD_LINK else name
         name = f"{kind.lower()}_{index}"
         while self.engine.mj_name2id(self.model, type_, name) >= 0:
             name += "_"

@@ -35,7 +35,7 @@ from . import ENGINE
 from .compiled import Compiled, excluded_pairs
 from .devices import observed_actuators, observed_frames, observed_sensors
 from .joints import observed_joints
-from .model import collected_warnings
+from .model import WORLD_LINK, collected_warnings
 from .settings import content_hash, settings, stated_defaults
 from .shapes import collides, observed_shapes, stray_mesh
 
@@ -49,6 +49,7 @@ _NOT_RUN: Mapping[str, Mapping[Quantity, str]] = {
     },
     "mjcf": {},
 }
+_CONTENT = ("inertial", "visual", "collision")
 _READABLE = (".obj", ".stl", ".msh")
 """Suffixes of meshes that MuJoCo reads."""
 _ABOUT_SIZE = ("inertia must have positive eigenvalues", "must be larger than mjMINVAL")
@@ -149,7 +150,7 @@ def _without_inferred_masses(spec: Any) -> tuple[str, ...]:
     MuJoCo computes the mass of these from the volume of their collisions and a density of 1000 kg/m^3.
     """
     unstated = [body for body in spec.bodies if body.name != "world" and not body.explicitinertial]
-    inferred = [body.name for body in unstated if body.geoms]
+    inferred = [body.name.replace(WORLD_LINK, "world") for body in unstated if body.geoms]
     for body in unstated:
         body.explicitinertial, body.mass, body.inertia, body.ipos = True, 0.0, [0.0] * 3, [0.0] * 3
     names = ", ".join(inferred)
@@ -209,6 +210,7 @@ def _urdf_spec(engine: Any, path: Path, substitutes: MeshSubstitutes) -> Any:
         if content is not None:
             assets[name] = content
         mesh.set("filename", name)
+    _rename_world(top)
     extension = top.find("mujoco")
     if extension is None:
         extension = etree.SubElement(top, "mujoco")
@@ -218,6 +220,21 @@ def _urdf_spec(engine: Any, path: Path, substitutes: MeshSubstitutes) -> Any:
     for name, value in _URDF_COMPILER.items():
         compiler.set(name, value)
     return engine.MjSpec.from_string(str(etree.tostring(top, encoding="unicode")), assets=assets)
+
+
+def _rename_world(robot: Any) -> None:
+    """Give the link ``world`` of a URDF another name, unless it has nothing but one joint.
+
+    MuJoCo takes it for its world, and leaves out the joints that fix several bases to it, as of the arms of a cell.
+    """
+    links = [link for link in robot.findall("link") if link.get("name") == "world"]
+    on_it = [one for one in robot.iterfind("joint/parent") if one.get("link") == "world"]
+    if len(on_it) == 1 and not any(link.find(tag) is not None for link in links for tag in _CONTENT):
+        return
+    for link in links:
+        link.set("name", WORLD_LINK)
+    for parent in on_it:
+        parent.set("link", WORLD_LINK)
 
 
 def observe_model(compiled: Compiled, request: Request) -> Observation:

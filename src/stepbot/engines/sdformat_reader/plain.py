@@ -132,12 +132,12 @@ def _move_to_links(model: Element) -> None:
 
 
 def _add_world(model: Element) -> None:
-    """A link for the world where a joint lets the model move on it."""
+    """A link for the world where a joint lets the model move on it, or several hold it."""
     from lxml import etree
 
     links = {link.get("name") for link in model.findall("link")}
-    moving = [joint for joint in model.findall("joint") if joint.get("type") != "fixed" and WORLD in ends(joint)]
-    if not moving or WORLD in links:
+    kinds = [joint.get("type") for joint in model.findall("joint") if WORLD in ends(joint)]
+    if WORLD in links or kinds in ([], ["fixed"]):
         return
     link = etree.Element("link", {"name": WORLD})
     inertial = etree.SubElement(link, "inertial")
