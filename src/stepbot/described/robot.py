@@ -47,7 +47,7 @@ from stepbot.robot.renaming import NewNames, renamed
 
 from .devices import actuators_of, sensors_of
 from .finding import DROPPED_INERTIA, LOST, MOVED, REARRANGED, RENAMED, UNSUPPORTED, Finding
-from .tree import surroundings_of, tree_of, with_locked_fixed, without_broken_mimics
+from .tree import surroundings_of, tree_of, with_locked_fixed, without_broken_mimics, without_links
 
 
 class Shapes:
@@ -226,7 +226,7 @@ def robot_of_description(
         drawn: Whether the robot is for a picture, in which a link without visuals shows its collisions.
     """
     around = frozenset[str]() if drawn else surroundings_of(description)
-    description = _without(description, around)
+    description = without_links(description, around)
     seen = description.observation
     loose = "is not connected to the robot, and has no joints: not converted"
     found = [Finding(LOST, f"link '{link}' {loose}") for link in sorted(around)]
@@ -259,21 +259,6 @@ def robot_of_description(
     placed = _at_initial(share_meshes(rooted), seen.initial or {}, None if drawn else found)
     robot, names = with_valid_names(_with_turned_balls(placed), found)
     return Described(robot, tuple(found), known, names, shapes.pieces, around)
-
-
-def _without(description: Description, links: frozenset[str]) -> Description:
-    """The description without these links, which no joint connects to the others."""
-    if not links:
-        return description
-    seen = description.observation
-    root = next(link.name for link in seen.links if link.name not in links)
-    return replace(
-        description,
-        observation=seen.without(links, Base.FLOATING if root in description.free_roots else Base.FIXED),
-        X_WR=description.X_WR @ seen.poses[0][root],
-        shapes=tuple(shape for shape in description.shapes if shape.link not in links),
-        assumed=tuple(link for link in description.assumed if link not in links),
-    )
 
 
 def _with_volume(description: Description, found: list[Finding]) -> Description:

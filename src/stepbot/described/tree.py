@@ -15,7 +15,7 @@ from stepbot.engines.observation import NEVER_ZERO, ObservedJoint, Quantity
 from stepbot.geometry.spatial import IDENTITY, ZERO3, Pose, tidy
 from stepbot.robot.kinematics import MOVING, NO_BOUND, displacement
 from stepbot.robot.mesh_names import free_name
-from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link
+from stepbot.robot.model import Base, Joint, JointDynamics, JointKind, Limit, Link
 
 from .finding import LOST, OPEN_LIMIT, REARRANGED, TAKEN_AS_FIXED, UNSUPPORTED, Finding
 
@@ -65,6 +65,21 @@ def surroundings_of(description: Description) -> frozenset[str]:
         return frozenset()
     objects = loose if jointed <= free else loose & free
     return frozenset(link for link, root in roots.items() if root in objects)
+
+
+def without_links(description: Description, links: frozenset[str]) -> Description:
+    """The description without these links, which no joint connects to the others."""
+    if not links:
+        return description
+    seen = description.observation
+    root = next(link.name for link in seen.links if link.name not in links)
+    return replace(
+        description,
+        observation=seen.without(links, Base.FLOATING if root in description.free_roots else Base.FIXED),
+        X_WR=description.X_WR @ seen.poses[0][root],
+        shapes=tuple(shape for shape in description.shapes if shape.link not in links),
+        assumed=tuple(link for link in description.assumed if link not in links),
+    )
 
 
 class _Tree:

@@ -140,8 +140,10 @@ def _robot(
         found.add("SB872", f"textures or further colours of meshes not converted: {meshes}", span)
     if options.assume_inertia:
         described = _with_assumed(described, options)
+    half = [one for one in described.findings if one.text.endswith(NO_INERTIA)]
     for one in described.findings:
-        found.add(one.code, one.text, place_of(one.text, path, description))
+        help = ["state it, or `--assume-inertia DENSITY` computes it from the geometry"] if one in half else []
+        found.add(one.code, one.text, place_of(one.text, path, description), help=help)
     computed = {one.text.split("'")[1] for one in described.findings if one.code == ASSUMED}
     links = ", ".join(f"'{link}'" for link in description.assumed if link not in computed | described.surroundings)
     if links:
@@ -172,7 +174,7 @@ def _robot(
     check_robot(described.robot, judged, span, massless_between=True)
     if not judged.has_errors:
         check_inertials(described.robot, judged, span)
-    subjects = tuple(f"link '{link}': " for link in replaced)
+    subjects = (*(f"link '{link}': " for link in replaced), *(one.text.removesuffix(NO_INERTIA) for one in half))
     found.extend(one for one in judged if not one.message.startswith(subjects))
     found.raise_if_errors()
     robot = _tuned(described.robot, span, found)

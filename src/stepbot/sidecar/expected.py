@@ -30,7 +30,7 @@ def _number(value: float | str, dimension: Dimension, example: str) -> float:
     try:
         number = float(value) if isinstance(value, int | float) else read_quantity(value, dimension).value
     except UnitError as failure:
-        raise fault("SB124", str(failure), *failure.hints, f"example: {example}") from None
+        raise fault("SB124", str(failure), f"example: {example}") from None
     if not 0.0 < number < _MOST:
         raise fault("SB125", f"{number:g} is out of range: it must be greater than 0", f"example: {example}")
     return number

@@ -133,7 +133,7 @@ def _where_a_key_belongs(place: Keys, value: Tree, root: Tree, keys: Sequence[st
         return [f"move it to '{section}': `{section}: {{{key}: {_shortly(value)}}}`" for section in below]
     if place[0] == "modules" and key in keys_of(sections_at(())):
         return [f"what it changes in the module's file is under `set`: `set: {{{key}: {_shortly(value)}}}`"]
-    elsewhere = top_level_keys_with(key)
+    elsewhere = [name for name in top_level_keys_with(key) if name != "expect"]  # which states results
     if "parts" in elsewhere and place[0] == "links" and isinstance(value, Scalar):
         parts = child(way(root, place[:-1])[-1], "parts")
         first = written(parts.values[0]) if isinstance(parts, Listing) and parts.values else '"..."'

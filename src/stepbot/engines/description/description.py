@@ -77,7 +77,7 @@ def _scaled(mesh: TriMesh, scale: tuple[float, ...]) -> TriMesh:
     return TriMesh.of(mesh.vertices * scale, faces)
 
 
-NO_INERTIA = "<inertial> has a mass and no <inertia>; `--assume-inertia DENSITY` assumes one"
+NO_INERTIA = "<inertial> has a mass and no <inertia>"
 """What is wrong with a link of a URDF that ROS, MuJoCo and PyBullet reject."""
 
 
