@@ -125,10 +125,20 @@ DRIVEN = urdf(
 
 
 def test_gains_that_a_description_lacks_are_those_of_the_whole(tmp_path: Path, cache: Cache) -> None:
-    """SB874:gains states what is written, for each instance, and not what the module alone would have."""
-    (tmp_path / "arm.urdf").write_text(DRIVEN, encoding="utf-8")
+    """SB874:gains states what is written, for each instance, and not what the module alone would have.
+
+    A file of the same name in another folder is not reported where `set` asks for computed gains.
+    """
+    (tmp_path / "other").mkdir()
+    for folder in (tmp_path, tmp_path / "other"):
+        (folder / "arm.urdf").write_text(DRIVEN, encoding="utf-8")
     (tmp_path / "arm.robot.yaml").write_text(composing("arm: {file: arm.urdf, prefix: ''}"), encoding="utf-8")
-    modules = ("a: {file: arm.urdf}", "b: {file: arm.robot.yaml, at: a/tip, offset: {xyz: [0.3, 0, 0]}}")
+    asked = "set: {actuators: {t: {joint: lift, kind: position, gains: auto}}}"
+    modules = (
+        "a: {file: arm.urdf}",
+        "b: {file: arm.robot.yaml, at: a/tip, offset: {xyz: [0.3, 0, 0]}}",
+        f"c: {{file: other/arm.urdf, at: b/arm/tip, {asked}}}",
+    )
     (tmp_path / "r.robot.yaml").write_text(composing(*modules), encoding="utf-8")
     made = convert(tmp_path / "r.robot.yaml", Options(tmp_path / "out", ("mjcf",), verify=False, cache=cache))
     assert made.robot is not None
@@ -138,7 +148,7 @@ def test_gains_that_a_description_lacks_are_those_of_the_whole(tmp_path: Path, c
     ]
     found = [(one.message, one.span.line) for one in made.diagnostics if one.code == "SB874:gains"]
     assert found == [(expected[0], 5), (expected[1], 6)]
-    assert made.robot.actuators[0].kp > made.robot.actuators[1].kp
+    assert made.robot.actuators[0].kp > made.robot.actuators[1].kp > made.robot.actuators[2].kp
 
 
 @pytest.mark.slow

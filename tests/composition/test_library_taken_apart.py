@@ -4,16 +4,19 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
 from stepbot.compose.mirroring import NORMALS, mirrored
-from stepbot.pipeline.conversion import Options
-from stepbot.pipeline.stages import produce
+from stepbot.pipeline.conversion import Conversion, Options
+from stepbot.pipeline.stages import convert, produce
 from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import MeshRef, Robot
 from stepbot.runtime.cache import Cache
+
+from . import described
 
 
 @pytest.fixture
@@ -128,3 +131,68 @@ def test_mirrored_twice_is_the_robot(normal: str, of_library: Callable[[str], Ro
         for shape, before in zip(link.shapes, former.shapes, strict=True):
             assert shape.geometry == before.geometry
             assert np.allclose(shape.X_LG.matrix, before.X_LG.matrix, rtol=0.0, atol=1e-12)
+
+
+INERTIAL = "inertial: {mass: 1, com: [0.01, 0.02, 0.03], inertia: {ixx: 0.01, iyy: 0.02, izz: 0.025, ixy: 0.003}}"
+ORIGIN = "origin: {xyz: [0.1, 0.2, 0.3], rpy: [0.3, 0.2, 0.1], relative_to: %s}"
+KINDS = {
+    "ball": "",
+    "universal": ", axis: [0.6, 0, 0.8], axis2: [0, 1, 0]",
+    "cylindrical": ", axis: [0.6, 0, 0.8]",
+    "planar": ", axis: [0.48, 0.6, 0.64]",
+    "screw": ", axis: [0.6, 0, 0.8], pitch: 10 mm/rev, limits: {lower: -3, upper: 3, effort: 1, velocity: 1}",
+}
+
+
+@pytest.fixture(scope="module")
+def mirrored_pair(tmp_path_factory: pytest.TempPathFactory) -> Conversion:
+    """A chain of joints of all kinds and its mirror image, proven in all engines that are installed."""
+    folder = tmp_path_factory.mktemp("kinds")
+    (folder / "palm.urdf").write_text(described.urdf("palm", described.link("palm")), encoding="utf-8")
+    links = "".join(f"  {kind}_link: {{{INERTIAL}}}\n" for kind in KINDS)
+    joints, above = "", "palm/palm"
+    for kind, settings in KINDS.items():
+        origin = f", {ORIGIN % above}" if "/" not in above else ""
+        joints += f"  {kind}: {{type: {kind}, parent: {above}, child: {kind}_link{origin}{settings}}}\n"
+        above = f"{kind}_link"
+    hand = described.composing("palm: {file: palm.urdf, prefix: ''}", more=f"links:\n{links}joints:\n{joints}")
+    (folder / "hand.robot.yaml").write_text(hand, encoding="utf-8")
+    pair = described.composing(
+        "left: {file: hand.robot.yaml}", "right: {mirror_of: left, at: left/palm, flip: [screw]}"
+    )
+    (folder / "pair.robot.yaml").write_text(pair, encoding="utf-8")
+    made = convert(folder / "pair.robot.yaml", Options(folder / "out", ("urdf", "sdf", "mjcf")))
+    assert not made.diagnostics.has_errors, [str(one) for one in made.diagnostics if one.severity == "error"]
+    return made
+
+
+@pytest.mark.slow
+def test_joints_of_several_degrees_of_freedom_are_mirrored(mirrored_pair: Conversion) -> None:
+    """Every engine that reads their types, or what they are written as, has the image at the image, mimics included."""
+    assert mirrored_pair.report is not None
+    of_image = [one for one in mirrored_pair.report.checks if one.against == "module 'right' alone"]
+    passed = {(one.engine, one.format) for one in of_image if one.quantity == "poses" and one.status == "passed"}
+    assert passed >= {("mujoco", "urdf"), ("mujoco", "mjcf"), ("pybullet", "urdf"), ("reader", "sdf"), ("stepbot", "")}
+    assert ("mujoco", "mimic") in {(one.engine, one.quantity) for one in of_image if one.status == "passed"}
+    assert {one.status for one in of_image} == {"passed"}
+
+
+@pytest.mark.slow
+def test_mujoco_mirrors_a_ball_joint(mirrored_pair: Conversion) -> None:
+    """The rotation of a ball about any axis has the reflected pseudovector as its image's, by MuJoCo alone."""
+    model = mujoco.MjModel.from_xml_string(mirrored_pair.files["whole.xml"].decode())
+    data, random = mujoco.MjData(model), np.random.default_rng(5)
+    quaternion = random.normal(size=4)
+    quaternion /= np.linalg.norm(quaternion)
+    for side, signs in (("left", (1, 1, 1, 1)), ("right", (1, -1, 1, -1))):
+        at = int(model.joint(f"{side}_ball").qposadr[0])
+        data.qpos[at : at + 4] = quaternion * signs
+    for name in ("universal_1", "universal_2"):
+        for side in ("left", "right"):
+            data.qpos[model.joint(f"{side}_{name}").qposadr[0]] = 0.7
+    mujoco.mj_kinematics(model, data)
+    M = np.diag([1.0, -1.0, 1.0])
+    for name in ("ball_link", "universal_link", "screw_link"):
+        left, right = (data.body(f"{side}_{name}") for side in ("left", "right"))
+        assert np.allclose(right.xpos, M @ left.xpos, rtol=0.0, atol=1e-12), name
+        assert np.allclose(right.xmat.reshape(3, 3), M @ left.xmat.reshape(3, 3) @ M, rtol=0.0, atol=1e-12), name

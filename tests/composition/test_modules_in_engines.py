@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from textwrap import dedent
+from typing import Any
 from xml.etree import ElementTree as ET
 
 import mujoco
@@ -16,7 +17,7 @@ from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.stages import convert
 from stepbot.runtime.cache import Cache
 
-from .described import composing, link, urdf
+from .described import composing
 
 ARM, HAND = "stepbot_arm2/arm2", "robotiq_2f85/2f85"
 WHOLE = """
@@ -25,7 +26,15 @@ WHOLE = """
     modules:
       arm: {file: "library:arm2", prefix: ""}
       hand: {file: "library:2f85", at: arm/tool0, offset: {xyz: [0, 0, 10 mm], rpy: [0, 0, 30 deg]}}
-      other: {file: "library:2f85", at: arm/base, offset: {xyz: [0, 300 mm, 100 mm]}, home: {finger_joint: 0.2}}
+      other: {file: "library:2f85", home: {finger_joint: 0.2}}
+    joints:
+      slide:
+        type: prismatic
+        parent: arm/upper_arm
+        child: other/robotiq_arg2f_base_link
+        axis: [0.6, 0, 0.8]
+        origin: {offset: {xyz: [0, 300 mm, 100 mm], rpy: [0, 0, 30 deg]}}
+        limits: {lower: -1, upper: 1, effort: 100, velocity: 1}
     sensors: {imu: {type: imu, link: hand/robotiq_arg2f_base_link}}
     """
 
@@ -80,13 +89,86 @@ def test_mujoco_reads_the_module(alone: str, prefix: str, folder: Path) -> None:
             frames.append((R[0].T @ R, (p - p[0]) @ R[0]))
         assert np.allclose(frames[0][0], frames[1][0], rtol=0.0, atol=1e-12)
         assert np.allclose(frames[0][1], frames[1][1], rtol=0.0, atol=1e-12)
-        if prefix:  # nothing is attached to a hand, so its part of the mass matrix is its own, whatever carries it
-            matrices = [np.zeros((model.nv, model.nv)) for model in (whole, module)]
-            for model, state, matrix in zip((whole, module), states, matrices, strict=True):
-                mujoco.mj_fullM(model, state, matrix)
-            rows = whole.jnt_dofadr[here]
-            scale = np.abs(matrices[1]).max()
-            assert np.allclose(matrices[0][np.ix_(rows, rows)], matrices[1], rtol=0.0, atol=1e-12 * scale)
+
+
+def mass_matrix(model: mujoco.MjModel, data: mujoco.MjData) -> np.ndarray:
+    """The full mass matrix (nv, nv) in a configuration."""
+    mujoco.mj_forward(model, data)
+    full = np.zeros((model.nv, model.nv))
+    mujoco.mj_fullM(model, data, full)
+    return full
+
+
+def of_module(
+    whole: mujoco.MjModel, data: mujoco.MjData, file: Path, prefix: str
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Mass matrix and gravity of a module's own file, on a free joint where the whole has it; its rates by the whole's.
+
+    All three are MuJoCo's.
+    """
+    spec = mujoco.MjSpec.from_file(str(file))
+    root = spec.worldbody.first_body()
+    body, free = whole.body(prefix + root.name), root.add_freejoint()
+    own = spec.compile()
+    state, joints = mujoco.MjData(own), [own.joint(i) for i in range(own.njnt) if i != free.id]
+    same = [whole.joint(prefix + one.name) for one in joints]
+    rates = np.array([one.dofadr[0] for one in joints]), np.array([one.dofadr[0] for one in same])
+    for one, other in zip(joints, same, strict=True):
+        state.qpos[one.qposadr[0]] = data.qpos[other.qposadr[0]]
+    state.qpos[:7] = *data.xpos[body.id], *data.xquat[body.id]
+    linear, angular = np.zeros((3, whole.nv)), np.zeros((3, whole.nv))
+    mujoco.mj_jacBody(whole, data, linear, angular, body.id)
+    T = np.zeros((own.nv, whole.nv))
+    T[:3], T[3:6] = linear, data.xmat[body.id].reshape(3, 3).T @ angular  # a free joint turns in the body's frame
+    T[rates] = 1.0
+    return mass_matrix(own, state), state.qfrc_bias.copy(), T
+
+
+@pytest.mark.slow
+def test_mass_matrix_is_the_sum_of_the_modules(folder: Path) -> None:
+    """M is the sum of T' M T over the modules, gravity that of T' g: of a hand on a weld and one on a slide, too."""
+    whole = mjcf(folder, "both")
+    data, random = mujoco.MjData(whole), np.random.default_rng(7)
+    for _ in range(8):
+        data.qpos[:] = random.uniform(-0.5, 0.5, whole.nq)
+        M = mass_matrix(whole, data)
+        parts = [
+            of_module(whole, data, folder / alone / f"{alone}.xml", prefix)
+            for alone, prefix in (("arm2", ""), ("2f85", "hand_"), ("2f85", "other_"))
+        ]
+        total = np.sum([T.T @ own @ T for own, _, T in parts], axis=0)
+        gravity = np.sum([T.T @ force for _, force, T in parts], axis=0)
+        assert np.allclose(M, total, rtol=0.0, atol=1e-12 * np.abs(M).max())
+        assert np.allclose(data.qfrc_bias, gravity, rtol=0.0, atol=1e-12 * np.abs(gravity).max())
+        assert abs(gravity[whole.joint("slide").dofadr[0]]) > 1.0
+
+
+@pytest.mark.slow
+def test_pinocchio_has_the_sum_of_the_modules(folder: Path) -> None:
+    """The same by Pinocchio's mass matrices and Jacobians of the written URDF files."""
+    pin = pytest.importorskip("pinocchio", reason="Pinocchio is not installed")
+    whole = pin.buildModelFromUrdf(str(folder / "both/both.urdf"))
+    data, random = whole.createData(), np.random.default_rng(7)
+
+    def symmetric(model: Any, q: np.ndarray) -> np.ndarray:
+        upper = np.triu(pin.crba(model, model.createData(), q))
+        return upper + np.triu(upper, 1).T
+
+    for _ in range(8):
+        q = random.uniform(-0.5, 0.5, whole.nq)
+        M, total = symmetric(whole, q), np.zeros((whole.nv, whole.nv))
+        pin.framesForwardKinematics(whole, data, q)
+        for alone, prefix in (("arm2", ""), ("2f85", "hand_"), ("2f85", "other_")):
+            own = pin.buildModelFromUrdf(str(folder / alone / f"{alone}.urdf"), pin.JointModelFreeFlyer())
+            root = whole.getFrameId(prefix + ("base" if alone == "arm2" else "robotiq_arg2f_base_link"))
+            position, T = pin.neutral(own), np.zeros((own.nv, whole.nv))
+            position[:7] = pin.SE3ToXYZQUAT(data.oMf[root])
+            T[:6] = pin.computeFrameJacobian(whole, whole.createData(), q, root, pin.LOCAL)
+            for name in list(own.names)[2:]:  # after the universe and the free joint
+                here, there = own.joints[own.getJointId(name)], whole.joints[whole.getJointId(prefix + name)]
+                position[here.idx_q], T[here.idx_v, there.idx_v] = q[there.idx_q], 1.0
+            total += T.T @ symmetric(own, position) @ T
+        assert np.allclose(M, total, rtol=0.0, atol=1e-12 * np.abs(M).max())
 
 
 @contextmanager
@@ -102,6 +184,71 @@ def loaded(folder: Path, name: str) -> Iterator[tuple[int, int, dict[str, int]]]
         yield client, body, {info[12].decode(): info[0] for info in infos}
     finally:
         pybullet.disconnect(client)
+
+
+FREE = """<mujoco model="free"><worldbody><body name="hull" pos="0 0 1"><freejoint/>
+  <geom type="box" size="0.1 0.2 0.3" mass="4"/><body name="mast" pos="0.1 0 0.3"><joint name="sway" axis="0 1 0"/>
+  <geom type="box" size="0.02 0.02 0.2" pos="0.05 0 0.2" mass="1"/></body></body></worldbody></mujoco>
+"""
+WORLD = (
+    "arm: {file: 'library:arm2', at: world, offset: {xyz: [1, 0, 0.2], rpy: [0, 0, 50 deg]}}",
+    "hand: {file: 'library:2f85', at: world, offset: {xyz: [0, 1, 0.4], rpy: [0, 0, -20 deg]}}",
+    "boat: {file: boat/boat.xml, at: world, offset: {xyz: [0, -2, 0]}}",
+)
+
+
+@pytest.mark.slow
+def test_robots_in_a_world_are_each_as_alone(folder: Path, tmp_path: Path, cache: Cache) -> None:
+    """Mass matrices of MuJoCo and PyBullet are block-diagonal; each block, and gravity, is that of its own file."""
+    (tmp_path / "boat").mkdir()
+    (tmp_path / "boat/boat.xml").write_text(FREE, encoding="utf-8")
+    (tmp_path / "r.robot.yaml").write_text(composing(*WORLD), encoding="utf-8")
+    options = Options(tmp_path / "whole", ("urdf", "mjcf"), verify=False, cache=cache)
+    assert not convert(tmp_path / "r.robot.yaml", options).diagnostics.has_errors
+    whole, random = mjcf(tmp_path, "whole"), np.random.default_rng(3)
+    alone = {"arm": (folder, "arm2"), "hand": (folder, "2f85"), "boat": (tmp_path, "boat")}
+    data, owners = mujoco.MjData(whole), np.array([owner_of(whole.body(i).name) for i in whole.dof_bodyid])
+    for _ in range(4):
+        data.qpos[:] = random.uniform(-0.5, 0.5, whole.nq)
+        M = mass_matrix(whole, data)
+        assert not M[owners[:, None] != owners].any()
+        for name, file in alone.items():
+            model, rows = mjcf(*file), np.flatnonzero(owners == name)
+            own = mujoco.MjData(model)
+            own.qpos[:] = np.concatenate(
+                [
+                    data.joint(whole.joint(i).name).qpos
+                    for i in range(whole.njnt)
+                    if owner_of(whole.body(whole.jnt_bodyid[i]).name) == name
+                ]
+            )
+            of_own = mass_matrix(model, own)
+            assert np.allclose(M[np.ix_(rows, rows)], of_own, rtol=0.0, atol=1e-12 * np.abs(of_own).max()), name
+            scale = np.abs(own.qfrc_bias).max()
+            assert np.allclose(data.qfrc_bias[rows], own.qfrc_bias, rtol=0.0, atol=1e-12 * scale), name
+    del alone["boat"]  # its free joint is a chain of six in URDF, with other coordinates
+    joints, M = of_pybullet(tmp_path, "whole")
+    owners = np.array([owner_of(name) for name in joints])
+    assert set(owners) == {"arm", "hand", "boat"}
+    assert not M[owners[:, None] != owners].any()
+    for name, file in alone.items():
+        rows = np.flatnonzero(owners == name)
+        names, of_own = of_pybullet(*file)
+        assert names == [joints[i].removeprefix(f"{name}_") for i in rows]
+        assert np.allclose(M[np.ix_(rows, rows)], of_own, rtol=0.0, atol=1e-12 * np.abs(of_own).max()), name
+
+
+def owner_of(name: str) -> str:
+    """The robot of a world that an element belongs to."""
+    return name.partition("_")[0]
+
+
+def of_pybullet(folder: Path, name: str) -> tuple[list[str], np.ndarray]:
+    """The joints that move in a URDF and the mass matrix, each joint at 0.1."""
+    with loaded(folder, name) as (client, body, links):
+        infos = [pybullet.getJointInfo(body, i, physicsClientId=client) for i in links.values()]
+        names = [info[1].decode() for info in infos if info[2] != pybullet.JOINT_FIXED]
+        return names, np.array(pybullet.calculateMassMatrix(body, [0.1] * len(names), physicsClientId=client))
 
 
 @MODULES
@@ -210,48 +357,6 @@ def test_a_gripper_on_an_arm_closes_as_alone(folder: Path) -> None:
     assert 0.0 < gaps[1] < gaps[0] + 5e-6
 
 
-INERTIAL = "inertial: {mass: 1, com: [0.01, 0.02, 0.03], inertia: {ixx: 0.01, iyy: 0.02, izz: 0.025, ixy: 0.003}}"
-ORIGIN = "origin: {xyz: [0.1, 0.2, 0.3], rpy: [0.3, 0.2, 0.1], relative_to: %s}"
-KINDS = {
-    "ball": "",
-    "universal": ", axis: [0.6, 0, 0.8], axis2: [0, 1, 0]",
-    "cylindrical": ", axis: [0.6, 0, 0.8]",
-    "planar": ", axis: [0.48, 0.6, 0.64]",
-    "screw": ", axis: [0.6, 0, 0.8], pitch: 10 mm/rev, limits: {lower: -3, upper: 3, effort: 1, velocity: 1}",
-}
-
-
-@pytest.fixture(scope="module")
-def mirrored_pair(tmp_path_factory: pytest.TempPathFactory) -> Conversion:
-    """A chain of joints of all kinds and its mirror image, proven in all engines that are installed."""
-    folder = tmp_path_factory.mktemp("kinds")
-    (folder / "palm.urdf").write_text(urdf("palm", link("palm")), encoding="utf-8")
-    links = "".join(f"  {kind}_link: {{{INERTIAL}}}\n" for kind in KINDS)
-    joints, above = "", "palm/palm"
-    for kind, settings in KINDS.items():
-        origin = f", {ORIGIN % above}" if "/" not in above else ""
-        joints += f"  {kind}: {{type: {kind}, parent: {above}, child: {kind}_link{origin}{settings}}}\n"
-        above = f"{kind}_link"
-    hand = composing("palm: {file: palm.urdf, prefix: ''}", more=f"links:\n{links}joints:\n{joints}")
-    (folder / "hand.robot.yaml").write_text(hand, encoding="utf-8")
-    pair = composing("left: {file: hand.robot.yaml}", "right: {mirror_of: left, at: left/palm, flip: [screw]}")
-    (folder / "pair.robot.yaml").write_text(pair, encoding="utf-8")
-    made = convert(folder / "pair.robot.yaml", Options(folder / "out", ("urdf", "sdf", "mjcf")))
-    assert not made.diagnostics.has_errors, [str(one) for one in made.diagnostics if one.severity == "error"]
-    return made
-
-
-@pytest.mark.slow
-def test_joints_of_several_degrees_of_freedom_are_mirrored(mirrored_pair: Conversion) -> None:
-    """Every engine that reads their types, or what they are written as, has the image at the image, mimics included."""
-    assert mirrored_pair.report is not None
-    of_image = [one for one in mirrored_pair.report.checks if one.against == "module 'right' alone"]
-    passed = {(one.engine, one.format) for one in of_image if one.quantity == "poses" and one.status == "passed"}
-    assert passed >= {("mujoco", "urdf"), ("mujoco", "mjcf"), ("pybullet", "urdf"), ("reader", "sdf"), ("stepbot", "")}
-    assert ("mujoco", "mimic") in {(one.engine, one.quantity) for one in of_image if one.status == "passed"}
-    assert {one.status for one in of_image} == {"passed"}
-
-
 @pytest.mark.slow
 def test_loops_start_where_home_is(tmp_path: Path) -> None:
     """Two modules with loops that begin elsewhere than drawn: PyBullet and SDFormat, whose zeros move, have them so."""
@@ -268,24 +373,3 @@ def test_loops_start_where_home_is(tmp_path: Path) -> None:
     assert {("pybullet", "urdf"), ("reader", "sdf")} <= {(one.engine, one.format) for one in closed}
     against = {one.against for one in made.report.checks if one.format == "sdf" and one.quantity == "limits"}
     assert against == {"model", *(f"module '{name}' alone" for name in ("left", "right", "bar"))}
-
-
-@pytest.mark.slow
-def test_mujoco_mirrors_a_ball_joint(mirrored_pair: Conversion) -> None:
-    """The rotation of a ball about any axis has the reflected pseudovector as its image's, by MuJoCo alone."""
-    model = mujoco.MjModel.from_xml_string(mirrored_pair.files["whole.xml"].decode())
-    data, random = mujoco.MjData(model), np.random.default_rng(5)
-    quaternion = random.normal(size=4)
-    quaternion /= np.linalg.norm(quaternion)
-    for side, signs in (("left", (1, 1, 1, 1)), ("right", (1, -1, 1, -1))):
-        at = int(model.joint(f"{side}_ball").qposadr[0])
-        data.qpos[at : at + 4] = quaternion * signs
-    for name in ("universal_1", "universal_2"):
-        for side in ("left", "right"):
-            data.qpos[model.joint(f"{side}_{name}").qposadr[0]] = 0.7
-    mujoco.mj_kinematics(model, data)
-    M = np.diag([1.0, -1.0, 1.0])
-    for name in ("ball_link", "universal_link", "screw_link"):
-        left, right = (data.body(f"{side}_{name}") for side in ("left", "right"))
-        assert np.allclose(right.xpos, M @ left.xpos, rtol=0.0, atol=1e-12), name
-        assert np.allclose(right.xmat.reshape(3, 3), M @ left.xmat.reshape(3, 3) @ M, rtol=0.0, atol=1e-12), name

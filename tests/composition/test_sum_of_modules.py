@@ -1,4 +1,4 @@
-"""A composed robot is the sum of its modules: mass matrix, files and names, against each module converted alone."""
+"""A composed robot is the sum of its modules: files, names and numbers, against each module converted alone."""
 
 import json
 import re
@@ -9,7 +9,6 @@ from textwrap import dedent
 from typing import Any
 
 import mujoco
-import numpy as np
 import pytest
 
 from stepbot.diagnostics import Diagnostics
@@ -47,60 +46,6 @@ def converted(tmp_path: Path, robot_library: Path, cache: Cache) -> Callable[...
         return conversion
 
     return convert
-
-
-def mass_matrix(model: mujoco.MjModel, qpos: np.ndarray) -> tuple[np.ndarray, mujoco.MjData]:
-    """The full mass matrix (nv, nv) at a configuration."""
-    data = mujoco.MjData(model)
-    data.qpos[:] = qpos
-    mujoco.mj_forward(model, data)
-    full = np.zeros((model.nv, model.nv))
-    mujoco.mj_fullM(model, data, full)
-    return full, data
-
-
-@pytest.mark.slow
-def test_mass_matrix_is_the_sum_of_the_modules(converted: Callable[..., Conversion], tmp_path: Path) -> None:
-    """M = M_arm + T' M_hand T, with M_arm, the floating hand's M_hand and the port's motion T from MuJoCo alone."""
-    whole = converted(
-        f"""
-        version: 1
-        robot: both
-        modules:
-          arm: {{file: LIBRARY/{ARM}, prefix: ""}}
-          hand: {{file: LIBRARY/{HAND}, at: arm/tool0, offset: {{xyz: [0, 0, 10 mm], rpy: [0, 0, 30 deg]}}}}
-        """,
-        "both",
-    ).robot
-    converted(ARM, "arm2")
-    converted(HAND, "2f85")
-    assert whole is not None
-    both, arm = (mujoco.MjModel.from_xml_path(str(tmp_path / name)) for name in ("both/both.xml", "arm2/arm2.xml"))
-    spec = mujoco.MjSpec.from_file(str(tmp_path / "2f85" / "2f85.xml"))
-    palm = spec.worldbody.first_body()
-    palm.add_freejoint()
-    hand = spec.compile()
-    random = np.random.default_rng(7)
-    port = whole.modules[1]
-    for _ in range(8):
-        q = random.uniform(-0.5, 0.5, both.nq)
-        M, data = mass_matrix(both, q)
-        of_arm, _ = mass_matrix(arm, q[: arm.nq])
-        body = both.body(port.links[0]).id
-        floating = np.zeros(hand.nq)
-        floating[:3], floating[3:7], floating[7:] = data.xpos[body], data.xquat[body], q[arm.nq :]
-        of_hand, _ = mass_matrix(hand, floating)
-        linear, angular = np.zeros((3, both.nv)), np.zeros((3, both.nv))
-        mujoco.mj_jacBody(both, data, linear, angular, body)
-        T = np.zeros((hand.nv, both.nv))
-        T[:3], T[3:6] = (
-            linear,
-            data.xmat[body].reshape(3, 3).T @ angular,
-        )  # a free joint's rates are in the body's frame
-        T[6:, arm.nv :] = np.eye(hand.nv - 6)
-        sum_of_modules = T.T @ of_hand @ T
-        sum_of_modules[: arm.nv, : arm.nv] += of_arm
-        assert np.allclose(M, sum_of_modules, rtol=0.0, atol=1e-12 * np.abs(M).max())
 
 
 LIBRARY = sorted(path.parent.name for path in (Path(__file__).parents[2] / "robot_library").glob("*/*.step"))

@@ -32,7 +32,7 @@ def actuators_of(description: Description, joints: Mapping[str, Joint], found: l
         name = free_name(one.name or f"{one.joint}_{one.kind}", "_2", taken)
         gear = one.gear or 1.0
         limit = _own_limit(one, name, gear, joint.limit, found)
-        tuning = Tuning(at_least=True) if _gain(one) is None else None
+        tuning = Tuning(at_least=True, assumed=True) if _gain(one) is None else None
         kp, kv = (0.0, 0.0) if tuning else (one.kp or 0.0, one.kv or 0.0)
         actuators.append(Actuator(name, one.joint, ActuatorKind(one.kind), kp, kv, gear, limit, tuning))
     return tuple(actuators)

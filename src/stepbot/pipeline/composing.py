@@ -82,13 +82,23 @@ def compose(sidecar: Sidecar, options: Options, found: Diagnostics) -> Composed:
     """
     files = _Files(options)
     robot = files.composed(sidecar, (sidecar.path,), found)
-    files.report_gains(sidecar, robot, found)
+    _report_gains(sidecar, robot, found)
     if not found.has_errors:
         check_expected(sidecar, robot, lambda path: _components(robot, path), found)
     read = tuple(path for path, digest in files.read.items() if digest is not None)
     is_unchanged = all(file_digest(path) == digest for path, digest in files.read.items())
     content = files_digest(files.read) if is_unchanged else ""
     return Composed(robot, read, tuple(files.read), content, tuple(files.alone), tuple(files.checks))
+
+
+def _report_gains(sidecar: Sidecar, robot: Robot, found: Diagnostics) -> None:
+    """Report the gains that the whole robot computes for actuators without any in their description."""
+    for actuator in (one for one in robot.actuators if one.tuning is not None and one.tuning.assumed):
+        from .translating import computed_gains
+
+        child = robot.joint_by_name[actuator.joint].child
+        module = next(one for one in robot.modules if child in one.links)
+        found.add(_GAINS, computed_gains(actuator), sidecar.key_span("modules", module.name))
 
 
 def _places(sidecar: Sidecar, robot: Robot) -> dict[str, Span]:
@@ -111,8 +121,6 @@ class _Files:
     def __init__(self, options: Options) -> None:
         self._options = options
         self._robots: dict[tuple[Path, str, str], Robot | None] = {}
-        self._tuned: set[tuple[str, str]] = set()
-        """File and name of each actuator without gains there."""
         self._modules = 0
         self.read: dict[Path, str | None] = {}
         """Hash of each file before it was read."""
@@ -144,17 +152,6 @@ class _Files:
         check_robot(robot, found, sidecar.span(), massless_between=True, places=lambda: _places(sidecar, robot))
         found.raise_if_errors()
         return robot
-
-    def report_gains(self, sidecar: Sidecar, robot: Robot, found: Diagnostics) -> None:
-        """Report the gains that the whole robot computes for actuators without any in their description."""
-        for actuator in (one for one in robot.actuators if one.tuning is not None):
-            child = robot.joint_by_name[actuator.joint].child
-            for module in (one for one in robot.modules if child in one.links):
-                if (module.file, actuator.name.removeprefix(module.prefix)) in self._tuned:
-                    from .translating import computed_gains
-
-                    place = sidecar.key_span("modules", module.name.partition("/")[0])
-                    found.add(_GAINS, computed_gains(actuator), place)
 
     def _check_count(self, sidecar: Sidecar, name: str, chain: tuple[Path, ...], found: Diagnostics) -> None:
         what = f"more than {MOST} modules" if self._modules > MOST else ""
@@ -245,9 +242,7 @@ class _Files:
 
             robot, files = robot_of_file(path, self._options, found, changes.links_with_inertia)
             self._note(*files)
-            robot = changes.of_description(robot, path, self._options, found)
-            self._tuned |= {(path.name, one.name) for one in robot.actuators if one.tuning is not None}
-            return robot
+            return changes.of_description(robot, path, self._options, found)
         self._note(lock_path(path, changes.variant))
         options = self._options._replace(ignore=(), step=None, variant=changes.variant)
         sidecar = load(path, options, found, module=changes.section)

@@ -207,7 +207,7 @@ def _tuned(robot: Robot, span: Span, found: Diagnostics) -> Robot:
 
     tuned_robot = tuned(robot, too_weak)
     for one in tuned_robot.actuators:
-        if one.tuning is not None:
+        if one.tuning is not None and one.tuning.assumed:
             notes = [weak[one.name]] if one.name in weak else ()
             found.add("SB874:gains", computed_gains(one), span, notes=notes)
     return tuned_robot

@@ -19,6 +19,8 @@ class Tuning:
     """Damping ratio of a position actuator."""
     at_least: bool = False
     """Whether a position actuator is stiffer than the bandwidth where its joint would sag, or be slower."""
+    assumed: bool = False
+    """Whether nothing asks for them: the description of the actuator has no gains."""
     inertia: float = 0.0
     """Inertia [kg m^2] or mass [kg] that the actuator moves, at the joint, armatures included: in the drawn pose, or if
     ``at_least`` the largest over postures in the range of the robot."""
