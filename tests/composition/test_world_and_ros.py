@@ -134,6 +134,22 @@ def test_a_mirror_image_stands_at_the_image_of_the_place(composed: Compose) -> N
     assert joints["other_free"].X_PC.position == pytest.approx((2.0, -3.0, 0.8))
 
 
+@pytest.mark.parametrize(
+    ("place", "xyz"),
+    [
+        ("offset: {xyz: [2, 0, 0.5], rpy: [90 deg, 0, 0]}", (2.0, 0.0, 0.7)),
+        ("offset: {xyz: [2, 0, 0.5]}, by: top", (1.9, -0.2, 0.8)),
+        ("offset: {xyz: [2, 0, 0.5], rpy: [0, 90 deg, 0]}, by: top", (1.7, -0.2, 0.6)),
+    ],
+)
+def test_a_free_module_lies_on_its_lowest_point(place: str, xyz: tuple[float, ...], composed: Compose) -> None:
+    """However it is turned, and whichever of its ports is above the stated place: a box of 0.2 x 0.4 x 0.6 m."""
+    ball = BALL.replace("<geom", '<site name="top" pos="0.1 0.2 0.3"/><geom')
+    text = CELL.replace("offset: {xyz: [2, 0, 0.5]}", place)
+    robot = composed({**FILES, "cell.robot.yaml": text, "box.xml": ball}, Diagnostics())
+    assert robot.joint_by_name["box_free"].X_PC.position == pytest.approx(xyz)
+
+
 @pytest.mark.slow
 def test_one_falls_and_the_others_stay(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> None:
     """MuJoCo: qpos is that of all robots, the mass matrix has no entries between them, and free fall is free."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from stepbot.assemble.joints import joint_of
 from stepbot.diagnostics import Diagnostics
-from stepbot.geometry.spatial import IDENTITY, ZERO3, Pose, tidy
+from stepbot.geometry.spatial import IDENTITY, Pose, tidy
 from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.mesh_names import free_name
@@ -169,7 +169,7 @@ class Places:
             return
         X_RB = self._own_port(name, section)
         if X_RB is not None:
-            X_PC = tidy(X_W @ self._standing(robot.root.name) @ X_RB.inverse())
+            X_PC = self._standing(robot.root.name, X_W @ X_RB.inverse(), X_W.p[2])
             self._attach(robot.root.name, Mount(self._freely(name, robot.root.name, X_PC)), name)
 
     def _weld(self, name: str, section: ModuleSection, port: Port, offset: Pose) -> None:
@@ -300,7 +300,7 @@ class Places:
             root = self.world = free_name(self._document.robot, "_cell", taken)
             for one in roots:
                 name = self._of_root.get(one, one)
-                self.mounts[one] = Mount(self._freely(name, one, self._standing(one)))
+                self.mounts[one] = Mount(self._freely(name, one, self._standing(one, IDENTITY, 0.0)))
         for child, mount in self.mounts.items():
             if mount.joint.parent == WORLD:
                 self.mounts[child] = replace(mount, joint=replace(mount.joint, parent=root))
@@ -311,11 +311,13 @@ class Places:
             return self._parts[self._of_root[root]].robot.base is Base.FLOATING
         return self._document.base is Base.FLOATING
 
-    def _standing(self, root: str) -> Pose:
+    def _standing(self, root: str, X_WR: Pose, floor: float) -> Pose:
+        """A pose of a root link, raised or lowered so that the lowest point of its part is at the height ``floor``."""
         robot = self._parts[self._of_root[root]].robot if root in self._of_root else self._own
         assert robot is not None  # the root is a link of a part
         alone = replace(robot, base=Base.FLOATING)
-        return Pose.from_xyz_rpy((0.0, 0.0, standing_height(alone, initial_configuration(alone))), ZERO3)
+        height = standing_height(alone, initial_configuration(alone), Pose.of(X_WR.R))
+        return tidy(Pose.of(X_WR.R, (X_WR.p[0], X_WR.p[1], floor + height)))
 
     def _reaching(self, root: str) -> str | None:
         """The root, if every part is below it; parts in a ring are not."""

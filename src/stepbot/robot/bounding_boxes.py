@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stepbot.geometry.poses import Poses, bounds_at
-from stepbot.geometry.spatial import Pose, Vector3, bounds, join_bounds, vector3
+from stepbot.geometry.spatial import IDENTITY, Pose, Vector3, bounds, join_bounds, vector3
 
 from .kinematics import Configuration, initial_configuration, link_poses, rigid_bodies
 from .model import Base, Box, Capsule, Cylinder, Geometry, MeshRef, Robot, Sphere
@@ -34,17 +34,22 @@ def mesh_bounds(vertices: ArrayLike, X_LG: Pose) -> Bounds:
     return bounds(X_LG.apply(vertices))
 
 
-def robot_bounds(robot: Robot, q: Configuration, links: Iterable[str] | None = None) -> Bounds | None:
-    """Lowest and highest corner [m] of links in the frame of the root: of their collisions, or else of their visuals.
+def robot_bounds(
+    robot: Robot, q: Configuration, links: Iterable[str] | None = None, X_WR: Pose = IDENTITY
+) -> Bounds | None:
+    """Lowest and highest corner [m] of links in a frame W: of their collisions, or else of their visuals.
 
     Args:
         q: Positions [rad] or [m].
         links: Names of links; None for all.
+        X_WR: The pose of the root; W is its frame by default.
 
     Returns:
         None if the links have no shapes.
     """
     X_WL = link_poses(robot, q)
+    if not X_WR.is_identity:
+        X_WL = {name: X_WR @ X_RL for name, X_RL in X_WL.items()}
     chosen = [robot.link_by_name[name] for name in (X_WL if links is None else links)]
     placed = [(X_WL[link.name], link.collision_poses) for link in chosen]
     if not any(poses for _, poses in placed):
@@ -65,13 +70,16 @@ _DIGITS = 9
 """Decimals [m] of heights: vertices lie on a grid of one nanometre."""
 
 
-def standing_height(robot: Robot, q: Configuration) -> float:
+def standing_height(robot: Robot, q: Configuration, X_WR: Pose = IDENTITY) -> float:
     """Height [m] of the base's frame above a floor at z = 0 that the lowest point of a floating robot touches.
 
     The lowest point is that of the collisions, or of the visuals of a robot without collisions. 0 for a fixed base, and
     for a robot without shapes.
+
+    Args:
+        X_WR: How the base is turned, about the origin.
     """
-    around = robot_bounds(robot, q) if robot.base is Base.FLOATING else None
+    around = robot_bounds(robot, q, X_WR=X_WR) if robot.base is Base.FLOATING else None
     return 0.0 if around is None else round(-around[0][2], _DIGITS) + 0.0
 
 
