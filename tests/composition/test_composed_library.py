@@ -1,6 +1,7 @@
 """The composed robots of the library: their page, and what is exported of them."""
 
 import re
+import shlex
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from stepbot.pipeline.stages import convert, produce
 from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache
 from stepbot.runtime.robot_library import LibraryRobot, library_robot, library_robots
+from tests.command_line import stepbot
 from tests.simulators.conftest import skip_without
 
 COMPOSED = tuple(robot for robot in library_robots() if robot.is_composed)
@@ -75,3 +77,24 @@ def test_newton_reads_one_articulation(name: str, tmp_path: Path) -> None:
     seen = {check.quantity: check.status.value for check in made.report.checks if check.engine == "newton"}
     assert (seen["mass matrix"], seen["poses"], seen["inertia"]) == ("passed",) * 3
     assert (tmp_path / f"{name}.usda").read_text(encoding="utf-8").count('"PhysicsArticulationRootAPI"') == 1
+
+
+@pytest.mark.long
+def test_the_page_can_be_followed(tmp_path: Path) -> None:
+    """Each file and each command of stepbot on the way of the page from two STEP files to an arm with a hand."""
+    page = (Path(__file__).parents[2] / "docs/compose.md").read_text(encoding="utf-8")
+    section = page.partition("\n## From two STEP files to an arm with a hand\n")[2].partition("\n## ")[0]
+    run = []
+    for kind, text in re.findall("```(sh|yaml)\n(.*?)```", section, re.DOTALL):
+        if kind == "yaml":
+            (tmp_path / text.split()[1]).write_text(text, encoding="utf-8")
+            continue
+        for line in text.splitlines():
+            program, command, *arguments = shlex.split(line, comments=True)
+            if program == "stepbot" and command != "view":
+                made = stepbot(command, *arguments, cwd=tmp_path)
+                assert made.code == 0, (line, made.out, made.err)
+                run.append(command)
+    assert run == [*["library"] * 2, *["init"] * 2, *["check"] * 3, "convert", "drive", "convert"]
+    assert (tmp_path / "arm_with_hand/arm_with_hand.scene.usda").is_file()
+    assert (tmp_path / "src/arm_with_hand_description/launch/view.launch.py").is_file()

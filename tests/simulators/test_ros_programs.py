@@ -34,7 +34,7 @@ pytestmark = pytest.mark.long
 
 PUBLISHER = Path("/usr/lib/robot_state_publisher/robot_state_publisher")
 DEBIANS_PYTHON = "/usr/bin/python3"
-NAMES = ("ur5e", "gen3", "panda", "sawyer", "yumi", "2f85", "hand", "youbot", "delta", "quadruped")
+NAMES = ("ur5e", "ur5e_2f85", "gen3", "panda", "sawyer", "yumi", "2f85", "hand", "youbot", "delta", "quadruped")
 PROBE = """
 import json, sys
 import rospy

@@ -8,10 +8,11 @@ from stepbot.robot.model import Robot
 
 from .results import Grip, Loss, Spin
 
+_COMPUTE = "`gains: auto`"
 _REMEDIES = {
-    "overshoot": "raise kv, lower kp, or let stepbot compute both: `gains: auto`",
-    "lag": "raise kp, lower the damping of the joint, or let stepbot compute the gains: `gains: auto`",
-    "speed of limit": "raise kv, or let stepbot compute the gains: `gains: auto`",
+    "overshoot": f"raise kv, lower kp, or let stepbot compute both: {_COMPUTE}",
+    "lag": f"raise kp, lower the damping of the joint, or let stepbot compute the gains: {_COMPUTE}",
+    "speed of limit": f"raise kv, or let stepbot compute the gains: {_COMPUTE}",
     "angle error": "raise kp, or the joint's effort limit if the motor is at it",
     "travel error": "raise kp, or the joint's effort limit if the motor is at it",
     "angle drift": "raise kv, or lower kp: the joint does not come to rest",
@@ -59,9 +60,19 @@ def facts_of(document: Mapping[str, Any], robot: Robot) -> Facts:
     )
 
 
-def remedy(quantity: str) -> str:
-    """What usually helps if a quantity is beyond its limit."""
-    return _REMEDIES.get(quantity.partition(" with ")[0], _REMEDY)
+def remedy(quantity: str, where: str, facts: Facts) -> str:
+    """What usually helps if a quantity is beyond its limit.
+
+    Args:
+        where: The joint or link that it was measured at.
+    """
+    usual = _REMEDIES.get(quantity.partition(" with ")[0], _REMEDY)
+    if not (where in facts.computed and _COMPUTE in usual):
+        return usual
+    shorter = "shorten the time step, `simulation: {timestep: 0.5 ms}`"
+    if where in facts.light:
+        return f"state the inertia of the motor's rotor at the joint, `dynamics: {{armature: ...}}`, or {shorter}"
+    return f"correct the masses or the limits of the joint, which its gains are computed from, or {shorter}"
 
 
 def spin_words(spin: Spin, *, gains: bool) -> tuple[str, str]:

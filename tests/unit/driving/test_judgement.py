@@ -25,6 +25,18 @@ def test_the_remedy_of_an_open_loop_is_one_that_the_sidecar_allows() -> None:
     assert "`simulation: {timestep:" in one.help[0]
 
 
+def test_the_remedy_of_computed_gains_is_not_to_compute_them() -> None:
+    """A joint with `gains: auto` needs the inertia of its motor's rotor, or, where that is stated, other figures."""
+    result = Result("step", (Measure("overshoot", 24.0, "jaw"),), Plot("t", "%", {}))
+    helps = []
+    for facts in (Facts(), Facts(computed=frozenset({"jaw"}), light=frozenset({"jaw"})), Facts(frozenset({"jaw"}))):
+        found = Diagnostics()
+        tuple(judge("mujoco", "arm.xml", [result], demands({}), found, facts))
+        helps.append(next(iter(found)).help[0])
+    assert ["`gains: auto`" in one for one in helps] == [True, False, False]
+    assert ["armature" in one for one in helps] == [False, True, False]
+
+
 @pytest.mark.parametrize(
     ("spin", "engine", "why", "remedy"),
     [
