@@ -16,7 +16,7 @@ from stepbot.geometry.spatial import Pose
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.differences import differing_sidecars
 from stepbot.pipeline.stages import convert
-from stepbot.robot.kinematics import link_poses
+from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import Base, Robot
 from stepbot.runtime.cache import Cache
 from tests.command_line import stepbot
@@ -336,3 +336,41 @@ def test_a_module_that_is_mounted_elsewhere_is_one_difference(tmp_path: Path, wr
     assert any("tool_lift" in name for _, name, _ in limits[1:])
     assert rows("less", "0")[0] == ("modules", "module 'tool'", "added")
     assert rows("0", "less")[0] == ("modules", "module 'tool'", "removed")
+
+
+def test_frames_of_a_closure_between_modules_coincide(composed: Compose) -> None:
+    """Bars whose ends meet at an angle: formats that state one frame of a revolute closure have the other from it."""
+    bar = urdf("bar", link("a"), link("b"), joint("end", "a", "b", "fixed", xyz="0.2 0 0"))
+    limits = "limits: {lower: -1, upper: 1, effort: 1, velocity: 1}"
+    turned = f"type: revolute, axis: z, {limits}, origin: {{offset: {{rpy: [0, 0, %s deg]}}}}"
+    joints = f"""joints:
+  p1: {{parent: g/a, child: c/a, {turned % 80}}}
+  p2: {{parent: c/b, child: k/a, {turned % -80}}}
+  p3: {{parent: g/b, child: r/a, {turned % 80}}}
+closures: {{pin: {{type: revolute, link_a: k/b, link_b: r/b, axis: z}}}}
+"""
+    modules = [f"{name}: {{file: bar.urdf}}" for name in "gckr"]
+    robot = composed({"r.robot.yaml": composing(*modules, more=joints), "bar.urdf": bar}, Diagnostics())
+    (pin,) = robot.closures
+    X = link_poses(robot, initial_configuration(robot))
+    distance, angle = (X[pin.link_a] @ pin.X_AF).distance_to(X[pin.link_b] @ pin.X_BF)
+    assert (distance, angle) == pytest.approx((0.0, 0.0), abs=1e-9)
+    assert (X[pin.link_a] @ pin.X_AF).turn(pin.axis) == pytest.approx((0.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "follows", "expected"),
+    [("0.003", "0.0005", "", 0.0005), ("0.003", "", "", 0.003), ("0.003", "", "'a'", 0.001), ("", "", "'a'", None)],
+)
+def test_the_time_step_is_one_that_all_modules_can_take(
+    first: str, second: str, follows: str, expected: float | None, composed: Compose
+) -> None:
+    """The smallest of those stated; 1 ms beside a mimic where a module states none."""
+    mimic = {"mimic": follows} if follows else {}
+    links = [link(name) for name in ("base", "one", "two")]
+    arm = urdf("arm", *links, joint("a", "base", "one"), joint("b", "one", "two", **mimic))
+    files = {"r.robot.yaml": composing("x: {file: x.robot.yaml}", "y: {file: y.robot.yaml, at: x/arm/two}")}
+    for name, step in (("x", first), ("y", second)):
+        settings = f"simulation: {{timestep: {step}}}" if step else ""
+        files[f"{name}.robot.yaml"] = composing("arm: {file: arm.urdf}", more=settings)
+    assert composed({**files, "arm.urdf": arm}, Diagnostics()).simulation.timestep == expected

@@ -15,6 +15,7 @@ from stepbot.assemble.devices import (
 )
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import IDENTITY, Pose, tidy
+from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.mesh_files import share_meshes
 from stepbot.robot.mesh_names import UniqueNames
 from stepbot.robot.model import (
@@ -42,7 +43,7 @@ from stepbot.sidecar.own_part import TIE
 from stepbot.sidecar.tree import ELEMENTS
 
 from .interfaces import report_shared_parts
-from .parts import Part, Parts, module_record
+from .parts import Part, Parts, coinciding, module_record
 from .placing import Mount, Places
 from .ports import Port, Ports, moved_by
 from .pruning import elements
@@ -111,6 +112,7 @@ class _Joining:
         whole = self._with_own_devices(_with_meshes(whole, self._robots))
         for link, mount in mounts.items():
             whole = rebased(whole, link, mount.X_RC)
+        whole = self._with_closed_loops(whole)
         return share_meshes(replace(whole, simulation=self._simulation(whole)))
 
     def _record(self, name: str, mounts: Mapping[str, Mount]) -> tuple[Module, ...]:
@@ -177,6 +179,19 @@ class _Joining:
             actuators=(*whole.actuators, *_present(actuators)),
             sensors=(*whole.sensors, *_present(sensors)),
         )
+
+    def _with_closed_loops(self, whole: Robot) -> Robot:
+        """The robot with both frames of each closure between modules at one place, if the closure lets them turn."""
+        own = self._own.closures if self._own is not None else ()
+        new = set(self._document.closures) - {one.name for one in own}
+        if not new:
+            return whole
+        X = link_poses(whole, initial_configuration(whole))
+        closures = (
+            coinciding(one, X[one.link_a].inverse() @ X[one.link_b]) if one.name in new else one
+            for one in whole.closures
+        )
+        return replace(whole, closures=tuple(closures))
 
     def _closure(self, name: str, section: ClosureSection) -> LoopClosure | None:
         ends = [self._ports.port(getattr(section, side), ("closures", name, side)) for side in ("link_a", "link_b")]

@@ -164,7 +164,7 @@ class Parts:
             robot, joints=tuple(replace(j, drawn_position=pose.get(j.name, j.drawn_position)) for j in robot.joints)
         )
         at = link_poses(moved, initial_configuration(moved)) if moved.closures else {}
-        closures = (_coinciding(one, at[one.link_a].inverse() @ at[one.link_b]) for one in moved.closures)
+        closures = (coinciding(one, at[one.link_a].inverse() @ at[one.link_b]) for one in moved.closures)
         moved = replace(moved, closures=tuple(closures))
         if not within_limits(moved, pose):
             limits = {joint: (q, known[joint].limit) for joint, q in given.items()}
@@ -228,7 +228,7 @@ class Parts:
         return origin.file or name
 
 
-def _coinciding(closure: LoopClosure, X_AB: Pose) -> LoopClosure:
+def coinciding(closure: LoopClosure, X_AB: Pose) -> LoopClosure:
     """The same closure with its frames at one place in the initial pose, as in a robot drawn in it.
 
     Formats that state one frame have the other one from this pose.
