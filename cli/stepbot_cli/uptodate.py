@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from stepbot.diagnostics import Diagnostics
-from stepbot.runtime.file import resolved
+from stepbot.runtime.file import is_folder, resolved
 
 from .command import PATH, Command, display_options, ignore_option
 from .convert import (
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     "-o",
     "--output",
     metavar="DIR",
-    help="Output folder; {name} is the robot, {folder} the folder of its sidecar.  "
+    help="Output folder, or one with a subfolder per robot; {name} is the robot, {folder} the folder of its sidecar.  "
     "[default: all output folders of `convert` and `batch` below the current folder]",
 )
 @again_format_option
@@ -80,11 +80,16 @@ def command(
     compared = 0
     with progress_bar(options=options) as progress:
         for path in paths:
-            folders = filled.get(resolved(path)) or {
-                _folder(output or "{name}", robot_name(path, variant), path): variant
-                for variant in ("", *variants_of(path))
-            }
-            for folder, variant in folders.items():
+            written = filled.get(resolved(path))
+            folders = (
+                list(written.items())
+                if written
+                else [
+                    (_folder(output or "{name}", robot_name(path, variant), path), variant)
+                    for variant in ("", *variants_of(path))
+                ]
+            )
+            for folder, variant in folders:
                 model = model_of(folder, formats) if gazebo else ""
                 asked = options._replace(output=folder, gazebo=model, variant=variant)
                 check_up_to_date(path, asked, found, exclude=exclude, progress=progress)
@@ -102,6 +107,7 @@ def _folder(template: str, name: str, sidecar: Path) -> Path:
     from stepbot.jobs.discovery import output_folder
 
     try:
-        return output_folder(template, name, sidecar)
+        folder = output_folder(template, name, sidecar)
     except ValueError as error:
         raise click.BadParameter(str(error)) from None
+    return folder / name if is_folder(folder / name) else folder  # as `batch` writes several into one folder
