@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from collections.abc import Callable, Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from textwrap import dedent
@@ -10,12 +11,16 @@ from xml.etree import ElementTree as ET
 
 import pytest
 
+from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.stages import convert
+from stepbot.robot.model import Robot
 from stepbot.runtime.cache import Cache
 from tests.command_line import stepbot
 
 from .described import composing, joint, link, urdf
+
+Compose = Callable[[Mapping[str, str], Diagnostics], Robot]
 
 TWO = """
     version: 1
@@ -168,3 +173,17 @@ def test_computed_gains_follow_the_load(tmp_path: Path, cache: Cache) -> None:
         assert together[drive] > alone[drive], drive
     assert gripper.items() <= together.items()
     assert alone_in_report[1] == alone == alone_in_report[0]
+
+
+def test_a_module_that_is_too_weak_is_reported_where_it_is_named(composed: Compose) -> None:
+    """SB464 of the whole, whose actuator no line of the composing file states."""
+    arm = urdf("arm", link("base"), link("tip"), joint("lift", "base", "tip", axis="0 1 0"))
+    own = composing("arm: {file: arm.urdf}", more="actuators: {m: {joint: arm/lift, kind: position, gains: auto}}")
+    load = urdf("load", link("load", 2000.0))
+    modules = ("a: {file: a.robot.yaml}", "load: {file: load.urdf, at: a/arm/tip}")
+    files = {"r.robot.yaml": composing(*modules), "a.robot.yaml": own, "arm.urdf": arm, "load.urdf": load}
+    found = Diagnostics()
+    composed(files, found)
+    (weak,) = [one for one in found if one.code == "SB464"]
+    assert weak.message.startswith("actuator 'a_m': its effort limit of 10 N m does not hold the joint")
+    assert (weak.span.file[-12:], weak.span.line) == ("r.robot.yaml", 5)

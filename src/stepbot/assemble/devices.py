@@ -2,7 +2,7 @@
 
 from math import inf, pi
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, Span
 from stepbot.geometry.spatial import IDENTITY, Pose, tidy
 from stepbot.robot.gains import tuned
 from stepbot.robot.metadata import Metadata
@@ -65,20 +65,28 @@ def tune_actuators(robot: Robot, sidecar: Sidecar, found: Diagnostics) -> Robot:
     def too_weak(actuator: Actuator, effort: float, weight: float) -> None:
         unit = "N" if robot.joint_by_name[actuator.joint].kind is JointKind.PRISMATIC else "N m"
         message = f"actuator '{actuator.name}': its effort limit of {effort:g} {unit} does not hold the joint"
-        span = sidecar.span("actuators", actuator.name)
         help = (
             f"correct the effort limit or the masses: holding takes more than {weight:.3g} {unit}",
             "or set `kp` and `kv` if a spring or a counterweight carries the joint",
         )
-        found.add("SB464", f"{message}, whose weight is {weight:.3g} {unit} in the drawn pose", span, help=help)
+        message += f", whose weight is {weight:.3g} {unit} in the drawn pose"
+        found.add("SB464", message, place_of(actuator, robot, sidecar), help=help)
 
     result = tuned(robot, too_weak)
     for actuator in result.actuators:
         if actuator.tuning is not None and actuator.kp == actuator.kv == 0.0:
             message = f"actuator '{actuator.name}': no gains can be computed: its joint cannot move in the drawn pose"
             help = ("let the loop move, or set `kp` and `kv`",)
-            found.add("SB466", message, sidecar.span("actuators", actuator.name), help=help)
+            found.add("SB466", message, place_of(actuator, robot, sidecar), help=help)
     return result
+
+
+def place_of(actuator: Actuator, robot: Robot, sidecar: Sidecar) -> Span:
+    """Where a sidecar states an actuator, or names the module that has it."""
+    child = robot.joint_by_name[actuator.joint].child
+    modules = [] if actuator.name in sidecar.document.actuators else robot.modules
+    of = next((one.name for one in modules if child in one.links), None)
+    return sidecar.span("actuators", actuator.name) if of is None else sidecar.key_span("modules", of)
 
 
 def build_simulation(document: Document) -> Simulation:

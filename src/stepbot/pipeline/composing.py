@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+from stepbot.assemble.devices import place_of
 from stepbot.compose.changing import changed, with_names
 from stepbot.compose.joining import composed
 from stepbot.diagnostics import Diagnostics, Span, StepbotError, cut, did_you_mean
@@ -96,9 +97,7 @@ def _report_gains(sidecar: Sidecar, robot: Robot, found: Diagnostics) -> None:
     for actuator in (one for one in robot.actuators if one.tuning is not None and one.tuning.assumed):
         from .translating import computed_gains
 
-        child = robot.joint_by_name[actuator.joint].child
-        module = next(one for one in robot.modules if child in one.links)
-        found.add(_GAINS, computed_gains(actuator), sidecar.key_span("modules", module.name))
+        found.add(_GAINS, computed_gains(actuator), place_of(actuator, robot, sidecar))
 
 
 def _places(sidecar: Sidecar, robot: Robot) -> dict[str, Span]:
