@@ -14,5 +14,7 @@ def test_rectangle_beside_an_axis(offset: float, is_centred: bool) -> None:
     corners = [(-10.0, -8.0, 0.0), (10.0, -8.0, 0.0), (10.0, 8.0, 0.0), (-10.0, 8.0, 0.0)]
     outline = 1e-3 * (np.array(corners) + np.array([offset, 0.0, 0.0]))
     normal = np.array([0.0, 0.0, 1.0])
-    patch = Patch(0, 1, outline.mean(axis=0), normal, 3.2e-4, outline, (np.vstack([outline, outline[:1]]),))
+    patch = Patch(
+        0, 1, outline.mean(axis=0), normal, 3.2e-4, outline, (np.vstack([outline, outline[:1]]),), -normal, 0.0
+    )
     assert patch_lies_about(Axis(np.zeros(3), normal), patch) == is_centred

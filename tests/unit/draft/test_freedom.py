@@ -18,7 +18,7 @@ def shaft(point: Array, direction: Array) -> Fit:
 
 def face(point: Array, normal: Array) -> Patch:
     """A square of 10 mm."""
-    return Patch(0, 1, point, normal, 1e-4, point[None, :], ())
+    return Patch(0, 1, point, normal, 1e-4, point[None, :], (), -normal, 0.0)
 
 
 def ball(point: Array) -> Socket:

@@ -67,6 +67,10 @@ class Patch:
     """Shape (n, 3): its convex outline."""
     rings: tuple[Array, ...]
     """Its outlines, each closed (n, 3), the last point equal to the first."""
+    other: Array
+    """Shape (3,): outward normal of b."""
+    gap: float
+    """Distance [m] of b's plane from ``point`` along ``normal``."""
 
 
 @dataclass(frozen=True, eq=False)

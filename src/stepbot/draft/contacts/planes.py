@@ -82,11 +82,13 @@ class Planes:
         """The numbers of the planes of a part that have an outline."""
         return self._of[part]
 
-    def facing(self, a: int, b: int, reach: float) -> Iterator[Facing]:
-        """The planes of two parts that face each other at a distance up to ``reach`` [m]."""
+    def facing(
+        self, a: int, b: int, reach: float, overlap: float = GAP, opposite: float = _OPPOSITE
+    ) -> Iterator[Facing]:
+        """Planes of two parts that face each other, up to ``reach`` [m] apart or ``overlap`` in each other."""
         one, two = self.of(a), self.of(b)
         gaps = self.points[two] @ self.normals[one].T - np.einsum("ij,ij->i", self.points[one], self.normals[one])
-        near = ((self.normals[two] @ self.normals[one].T) < -_OPPOSITE) & (gaps > -GAP) & (gaps < reach)
+        near = ((self.normals[two] @ self.normals[one].T) < -opposite) & (gaps > -overlap) & (gaps < reach)
         for m, n in np.argwhere(near).tolist():
             p, q = int(one[n]), int(two[m])
             if (self._low[q] <= self._high[p] + reach).all() and (self._low[p] <= self._high[q] + reach).all():
@@ -152,10 +154,11 @@ class Planes:
             return None
         height = normal * float(self.points[p] @ normal)
         rings = tuple(np.concatenate([ring, ring[:1]]) @ frame.T + height for ring in shared.rings)
-        return Patch(
-            *(int(self.parts[p]), int(self.parts[q]), frame @ shared.centroid + height, normal, shared.area),
-            *(shared.hull @ frame.T + height, rings),
-        )
+        point = frame @ shared.centroid + height
+        other = self.normals[q]
+        gap = float((self.points[q] - point) @ other) / float(normal @ other)
+        hull = shared.hull @ frame.T + height
+        return Patch(int(self.parts[p]), int(self.parts[q]), point, normal, shared.area, hull, rings, other, gap)
 
     def _region(self, p: int, frame: Array) -> Region:
         key = p, frame.tobytes()

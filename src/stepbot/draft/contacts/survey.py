@@ -7,14 +7,14 @@ from functools import cached_property
 
 import numpy as np
 
-from stepbot.draft.contacts.balls import find_sockets
 from stepbot.draft.contacts.captured import Captured, find_captured
 from stepbot.draft.contacts.contacts import Contacts, Pair
-from stepbot.draft.contacts.near_fits import NearFit, find_near_fits, settled
+from stepbot.draft.contacts.near_fits import ANGLE, OFFSET, NearFit, find_near_fits
 from stepbot.draft.contacts.planes import find_patches
 from stepbot.draft.contacts.relations import Relation, Via, find_relations, neighbours, turned_lines
 from stepbot.draft.contacts.roles import read_parts, spoken_names
-from stepbot.draft.contacts.shafts import find_fits
+from stepbot.draft.contacts.settling import is_tilted, settled
+from stepbot.draft.contacts.shafts import LINE_ANGLE, LINE_DISTANCE, find_fits, find_sockets
 from stepbot.draft.contacts.teeth import (
     Gear,
     Mesh,
@@ -81,13 +81,20 @@ class Survey:
     def settled(assembly: Assembly, sources: Sources) -> "Survey":
         """The facts once pieces that touch nothing are where their nearly coaxial faces belong."""
         drawn = Survey(assembly, sources)
-        moved = settled(drawn.parts, drawn.small, drawn.relations, drawn.near_fits, drawn.cut)
+        contacts = drawn.relations, drawn.near_fits
+        moved = settled(drawn.scene, drawn.parts, drawn.small, *contacts, drawn.one_part, drawn.cut)
         if not moved:
             return drawn
         components = tuple(
             replace(one, X_WC=moved[one.index] @ one.X_WC) if one.index in moved else one for one in assembly.components
         )
         return Survey(replace(assembly, components=components), sources, moved)
+
+    @cached_property
+    def slack(self) -> tuple[float, float]:
+        """Distance [m] and angle [rad] up to which faces that do not touch are on one line: more if parts are off."""
+        is_off = self.moved or any(is_tilted(patch) for r in self.relations.values() for patch in r.patches)
+        return (0.5 * OFFSET, 0.5 * ANGLE) if is_off else (LINE_DISTANCE, LINE_ANGLE)
 
     def as_drawn(self, axis: Axis, parts: Sequence[int]) -> Axis:
         """Where an axis is in the assembly as drawn, by that of some parts which has moved least."""
@@ -143,6 +150,12 @@ class Survey:
             return []
         siblings = [i for i in self.assembly.children[above] if i in self.parts]
         return [i for i in siblings if not self.assembly.components[i].product]
+
+    @cached_property
+    def one_part(self) -> list[list[int]]:
+        """The bodies of each product with several, but for one that has all: no placement moves them apart."""
+        found = {tuple(self.bodies_of_same_part(i)) for i in self.parts}
+        return [list(bodies) for bodies in sorted(found) if 1 < len(bodies) < len(self.parts)]
 
     def has_screw_at(self, axis: Axis) -> bool:
         """Whether a screw is on a line, near the given position."""

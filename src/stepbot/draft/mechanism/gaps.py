@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from stepbot.draft.contacts.concentric import fitted_circle, symmetric_outline
 from stepbot.draft.contacts.freedom import Freedom, FreedomKind
 from stepbot.draft.contacts.relations import Relation, Via
-from stepbot.draft.contacts.shafts import LINE_ANGLE, LINE_DISTANCE
 from stepbot.draft.evidence.evidence import ONLY_CONNECTION, JointEvidence, Verdict
 from stepbot.draft.mechanism.decide import Decision
 from stepbot.draft.parts.axis import Axis
@@ -293,7 +292,7 @@ class _Seams:
         if not rows:
             return
         rays = Rays(np.array([r.center for r in rows]), np.array([r.direction for r in rows]))
-        for group in coaxial(rays, LINE_DISTANCE, LINE_ANGLE):
+        for group in coaxial(rays, *self._survey.slack):
             base, direction = rays.centers[group[0]], signed(rays.directions[group[:1]])[0]
             spans: dict[int, _Spans] = defaultdict(_Spans)
             for k in group.tolist():
