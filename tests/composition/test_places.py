@@ -338,24 +338,37 @@ def test_a_module_that_is_mounted_elsewhere_is_one_difference(tmp_path: Path, wr
     assert rows("0", "less")[0] == ("modules", "module 'tool'", "removed")
 
 
-def test_frames_of_a_closure_between_modules_coincide(composed: Compose) -> None:
-    """Bars whose ends meet at an angle: formats that state one frame of a revolute closure have the other from it."""
+@pytest.mark.parametrize("ends", ["link_a: k/b, link_b: far", "link_a: far, link_b: k/b"])
+def test_frames_of_a_closure_between_modules_coincide(ends: str, composed: Compose) -> None:
+    """Bars whose ends meet at an angle: formats that state one frame of a revolute closure have the other from it.
+
+    So they do where the triangle of bars is a module whose root link turns about another frame.
+    """
     bar = urdf("bar", link("a"), link("b"), joint("end", "a", "b", "fixed", xyz="0.2 0 0"))
+    turned = "{type: revolute, axis: z, parent: %s, child: %s, origin: {offset: {rpy: [0, 0, %s deg]}}, %s}"
     limits = "limits: {lower: -1, upper: 1, effort: 1, velocity: 1}"
-    turned = f"type: revolute, axis: z, {limits}, origin: {{offset: {{rpy: [0, 0, %s deg]}}}}"
-    joints = f"""joints:
-  p1: {{parent: g/a, child: c/a, {turned % 80}}}
-  p2: {{parent: c/b, child: k/a, {turned % -80}}}
-  p3: {{parent: g/b, child: r/a, {turned % 80}}}
-closures: {{pin: {{type: revolute, link_a: k/b, link_b: r/b, axis: z}}}}
+    more = f"""frames:
+  far: {{link: g/a, origin: {{xyz: [0.2, 0, 0], relative_to: g/a}}}}
+  hinge: {{link: g/a, origin: {{xyz: [0.1, 0.05, 0], rpy: [0, 0, 20 deg], relative_to: g/a}}}}
+joints:
+  p1: {turned % ("g/a", "c/a", 60, limits)}
+  p2: {turned % ("c/b", "k/a", -120, limits)}
+closures: {{pin: {{type: revolute, {ends}, axis: z, origin: {{offset: {{xyz: [0, 0, 5 mm]}}}}}}}}
 """
-    modules = [f"{name}: {{file: bar.urdf}}" for name in "gckr"]
-    robot = composed({"r.robot.yaml": composing(*modules, more=joints), "bar.urdf": bar}, Diagnostics())
-    (pin,) = robot.closures
-    X = link_poses(robot, initial_configuration(robot))
-    distance, angle = (X[pin.link_a] @ pin.X_AF).distance_to(X[pin.link_b] @ pin.X_BF)
-    assert (distance, angle) == pytest.approx((0.0, 0.0), abs=1e-9)
-    assert (X[pin.link_a] @ pin.X_AF).turn(pin.axis) == pytest.approx((0.0, 0.0, 1.0))
+    triangle = composing(*(f"{name}: {{file: bar.urdf}}" for name in "gck"), more=more)
+    whole = composing(
+        "base: {file: bar.urdf}",
+        "triangle: {file: triangle.robot.yaml}",
+        more=f"joints: {{turn: {turned % ('base/b', 'triangle/hinge', 0, limits)}}}",
+    )
+    files = {"triangle.robot.yaml": triangle, "bar.urdf": bar}
+    for one in (files, {"r.robot.yaml": whole, **files}):
+        robot = composed(one, Diagnostics())
+        (pin,) = robot.closures
+        X = link_poses(robot, initial_configuration(robot))
+        X_A, X_B = X[pin.link_a] @ pin.X_AF, X[pin.link_b] @ pin.X_BF
+        assert X_A.distance_to(X_B) == pytest.approx((0.0, 0.0), abs=1e-9)
+        assert (X_A.turn(pin.axis)[2], X_A.position[2]) == pytest.approx((1.0, 0.005))
 
 
 @pytest.mark.parametrize(
@@ -365,12 +378,14 @@ closures: {{pin: {{type: revolute, link_a: k/b, link_b: r/b, axis: z}}}}
 def test_the_time_step_is_one_that_all_modules_can_take(
     first: str, second: str, follows: str, expected: float | None, composed: Compose
 ) -> None:
-    """The smallest of those stated; 1 ms beside a mimic where a module states none."""
+    """The smallest of those stated; 1 ms beside a mimic where a module states none. So is the stiffness of loops."""
     mimic = {"mimic": follows} if follows else {}
     links = [link(name) for name in ("base", "one", "two")]
     arm = urdf("arm", *links, joint("a", "base", "one"), joint("b", "one", "two", **mimic))
     files = {"r.robot.yaml": composing("x: {file: x.robot.yaml}", "y: {file: y.robot.yaml, at: x/arm/two}")}
     for name, step in (("x", first), ("y", second)):
-        settings = f"simulation: {{timestep: {step}}}" if step else ""
+        stiffness = {"x": 0.5, "y": 0.25}[name]
+        settings = f"simulation: {{closure_stiffness: {stiffness}{f', timestep: {step}' if step else ''}}}"
         files[f"{name}.robot.yaml"] = composing("arm: {file: arm.urdf}", more=settings)
-    assert composed({**files, "arm.urdf": arm}, Diagnostics()).simulation.timestep == expected
+    settings_of_all = composed({**files, "arm.urdf": arm}, Diagnostics()).simulation
+    assert (settings_of_all.timestep, settings_of_all.closure_stiffness) == (expected, 0.25)

@@ -84,7 +84,7 @@ def seen(file, q):
     data = mujoco.MjData(model)
     if model.nkey:
         mujoco.mj_resetDataKeyframe(model, data, 0)
-    theirs, moved = mujoco_warp.put_model(model), mujoco_warp.put_data(model, data)
+    theirs, moved = mujoco_warp.put_model(model), mujoco_warp.put_data(model, data, nconmax=512, njmax=2048)
     for _ in range(10):
         mujoco_warp.step(theirs, moved)
         mujoco.mj_step(model, data)
@@ -256,7 +256,7 @@ def test_mujoco_warp(written: Mapping[str, Written]) -> None:
 def test_mujoco_warp_steps(for_mjx: Mapping[str, Written]) -> None:
     """Ten steps from home take every robot of the library, with shapes for MJX, where MuJoCo's take it.
 
-    The youBot is 0.16 apart, for a cause that is not known.
+    The youBot is 0.0012 apart: the hull of its body reaches over its rollers (SB810), in 92 contacts.
     """
     if importlib.util.find_spec("mujoco_warp") is None:
         pytest.skip("mujoco_warp is not installed")
@@ -266,7 +266,7 @@ def test_mujoco_warp_steps(for_mjx: Mapping[str, Written]) -> None:
     run = subprocess.run(command, input=json.dumps(jobs), capture_output=True, text=True, check=False, timeout=1200)
     assert run.returncode == 0, run.stderr[-2000:]
     apart: dict[str, float] = json.loads(run.stdout.rstrip().rpartition("\n")[2])
-    assert {name for name, off in apart.items() if not off < SINGLE} <= {"youbot"}
+    assert {name for name, off in apart.items() if not off < (2e-3 if name == "youbot" else SINGLE)} == set()
     assert apart.keys() == for_mjx.keys()
 
 
