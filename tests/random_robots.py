@@ -7,6 +7,7 @@ through seeds.
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import combinations
 from math import inf
 from random import Random
 
@@ -15,7 +16,9 @@ import numpy as np
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose, Vector3, matrix3, rotation_about, turn_inertia, vector3
+from stepbot.robot.kinematics import without_contacts
 from stepbot.robot.model import (
+    GREY,
     Actuator,
     ActuatorKind,
     Base,
@@ -37,7 +40,9 @@ from stepbot.robot.model import (
     Sphere,
     Visual,
 )
+from stepbot.robot.renaming import renamed
 from stepbot.robot.sensors import Sensor, SensorKind, View
+from stepbot.robot.surfaces import Surface
 
 TINY = (0.0, 1e-12, 1e-9, 4e-7, 1e-6, 3e-6, 1e-4)
 """Distances [m] and angles [rad] around thresholds of engines."""
@@ -248,3 +253,93 @@ def _sensors(random: Random, links: Sequence[str], joints: Sequence[Joint], size
         joint = random.choice(joints)
         made.append(Sensor("encoder", SensorKind.JOINT, joint.child, joint=joint.name, rate=50.0))
     return made
+
+
+def widened(random: Random, robot: Robot) -> Robot:
+    """A robot as more of those in the field are: with what :func:`drawn_robot` never draws.
+
+    It starts away from q = 0; slides, and hinges with limits, follow others; a tool has no mass; shapes are
+    transparent and have contact properties, one by one; pairs of links do not touch; names are of other languages;
+    sensors feel and see.
+    """
+    joints = _started(random, _with_followers(random, robot.joints))
+    links = [_with_surfaces(random, link) for link in robot.links]
+    if random.random() < 0.5:
+        links.append(Link("tool"))
+        joints.append(Joint("mount", JointKind.FIXED, random.choice(links[:-1]).name, "tool", _pose(random, 0.1)))
+    size = max(abs(float(x)) for joint in joints for x in joint.X_PC.position) or 0.1
+    moving = [joint for joint in joints if joint.kind in SINGLE]
+    sensors = [*robot.sensors]
+    if moving and random.random() < 0.4:
+        joint = random.choice(moving)
+        sensors.append(
+            Sensor("wrench", SensorKind.FORCE_TORQUE, joint.child, _pose(random, size), joint=joint.name, rate=200.0)
+        )
+    if random.random() < 0.3:
+        rays = View(random.uniform(0.5, 6.0), random.randint(8, 360), 1, 0.05, 20.0)
+        sensors.append(Sensor("scan", SensorKind.LIDAR, random.choice(links).name, _pose(random, size), view=rays))
+    wide = replace(
+        robot,
+        links=tuple(links),
+        joints=tuple(joints),
+        actuators=tuple(one for one in robot.actuators if any(one.joint == j.name and not j.mimic for j in joints)),
+        sensors=tuple(sensors),
+    )
+    solid = [link.name for link in links if link.collisions]
+    apart = [
+        (a, b)
+        for a, b in combinations(sorted(solid), 2)
+        if frozenset((a, b)) not in without_contacts(wide) and random.random() < 0.3
+    ]
+    wide = replace(wide, excluded_contacts=tuple(apart))
+    if random.random() < 0.3:
+        words = ("Unterarm äöü", "手首", "основание", "a.b-c", "0_first")
+
+        def other(name: str) -> str:
+            return f"{words[len(name) % len(words)]}_{name}"
+
+        wide = renamed(wide, link=other, joint=other)
+    return wide
+
+
+def _with_followers(random: Random, joints: Sequence[Joint]) -> list[Joint]:
+    """Hinges and slides with limits follow the first of their kind, within what their leader moves them."""
+    made: list[Joint] = []
+    leaders: dict[JointKind, Joint] = {}
+    for joint in joints:
+        leader = leaders.get(joint.kind)
+        if joint.kind in (JointKind.REVOLUTE, JointKind.PRISMATIC) and joint.mimic is None:
+            if leader is None:
+                leaders[joint.kind] = joint
+            elif random.random() < 0.5:
+                times, offset = random.choice((-1.0, 0.5, random.uniform(0.1, 3.0))), random.choice((0.0, 0.2))
+                ends = sorted(times * bound + offset for bound in (leader.limit.lower, leader.limit.upper))
+                joint = replace(
+                    joint,
+                    mimic=Mimic(leader.name, times, offset),
+                    dynamics=JointDynamics(),
+                    limit=replace(joint.limit, lower=ends[0], upper=ends[1]),
+                )
+        made.append(joint)
+    return made
+
+
+def _started(random: Random, joints: Sequence[Joint]) -> list[Joint]:
+    """The joints at an initial position, followers where their leader puts them."""
+    at: dict[str, float] = {}
+    for joint in (*(one for one in joints if one.mimic is None), *(one for one in joints if one.mimic is not None)):
+        if joint.mimic is not None:
+            at[joint.name] = joint.mimic.multiplier * at[joint.mimic.joint] + joint.mimic.offset
+        elif joint.kind in SINGLE:
+            low, high = max(joint.limit.lower, -1.0), min(joint.limit.upper, 1.0)
+            at[joint.name] = random.choice((low, high, random.uniform(low, high), min(max(0.0, low), high)))
+    return [replace(joint, drawn_position=at.get(joint.name, 0.0)) for joint in joints]
+
+
+def _with_surfaces(random: Random, link: Link) -> Link:
+    def some(greatest: float) -> float | None:
+        return random.choice((None, random.uniform(0.01, greatest)))
+
+    seen = (replace(one, rgba=(*(one.rgba or GREY)[:3], random.choice((1.0, 0.4)))) for one in link.visuals)
+    touched = (replace(one, surface=Surface(some(1.5), some(0.01), some(0.01))) for one in link.collisions)
+    return replace(link, visuals=tuple(seen), collisions=tuple(touched))

@@ -14,7 +14,7 @@ from stepbot.jobs.incremental import convert
 from stepbot.pipeline.conversion import Options
 from stepbot.robot.mesh_files import share_meshes
 from stepbot.runtime.output import write_atomically
-from tests.random_robots import drawn_robot
+from tests.random_robots import drawn_robot, widened
 
 FORMATS = ("urdf", "sdf", "mjcf")
 _UNSTABLE = {"SB811", "SB812"}
@@ -44,10 +44,12 @@ def _as_others_write(text: bytes, random: Random) -> bytes:
     return ET.tostring(root)
 
 
-def _errors(seed: int, written_in: str, folder: Path) -> list[str]:
-    """The errors of a conversion of a drawn robot's file."""
+def _errors(seed: int, written_in: str, folder: Path, *, wide: bool = False) -> list[str]:
+    """The errors of a conversion of a drawn robot's file; with ``wide``, of one with more of what robots have."""
     random = Random(seed)
-    files = render(share_meshes(drawn_robot(random)), written_in, Diagnostics())
+    robot = drawn_robot(random)
+    robot = widened(Random(f"{seed} wide"), robot) if wide else robot
+    files = render(share_meshes(robot), written_in, Diagnostics())
     name = next(iter(files))
     write_atomically({**files, name: _as_others_write(files[name], random)}, folder / "in")
     conversion = convert(folder / "in" / name, Options(folder / "out", timeout=100.0))
@@ -68,10 +70,18 @@ def test_conversion_of_a_valid_description_passes_its_proof(seed: int, written_i
     assert not _errors(seed, written_in, tmp_path / f"{seed}_{written_in}")
 
 
+@pytest.mark.parametrize(("seed", "written_in"), [(3, "urdf"), (1, "sdf"), (2, "mjcf")])
+def test_conversion_of_a_wide_robot_passes_its_proof(seed: int, written_in: str, tmp_path: Path) -> None:
+    """Initial poses, followers with limits, a tool without mass, single contact properties, names of all languages."""
+    assert not _errors(seed, written_in, tmp_path, wide=True)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("seed", range(0, 60, 6))
 def test_many_conversions_pass_their_proof(seed: int, tmp_path: Path) -> None:
     """The same, of six robots in every format."""
     for one in range(seed, seed + 6):
         for written_in in FORMATS:
-            assert not _errors(one, written_in, tmp_path / f"{one}_{written_in}"), (one, written_in)
+            for wide in (False, True):
+                folder = tmp_path / f"{one}_{written_in}_{wide}"
+                assert not _errors(one, written_in, folder, wide=wide), (one, written_in, wide)

@@ -17,6 +17,7 @@ from stepbot.geometry.mesh_files import read_content
 from stepbot.geometry.spatial import Pose
 from stepbot.jobs.incremental import convert
 from stepbot.pipeline.conversion import Conversion, Options
+from tests.command_line import stepbot
 
 _INERTIAL = '<inertial><mass value="1"/><inertia ixx="1e-2" iyy="1e-2" izz="1e-2" ixy="0" ixz="0" iyz="0"/></inertial>'
 _TURN = """<joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
@@ -489,3 +490,38 @@ def test_several_frictions_on_one_link(tmp_path: Path) -> None:
     turn = f'<body name="arm" pos="0 0 0.5"><joint name="turn" axis="0 1 0"/>{geoms}</body>'
     text = f'<worldbody><body name="base"><geom size="0.1"/>{turn}</body></worldbody>'
     proven(tmp_path, ".xml", f'<mujoco model="robot">{text}</mujoco>', "urdf", "sdf", "mjcf")
+
+
+_SOLID = f'<link name="base">{{}}{_INERTIAL}<collision><geometry><sphere radius="0.1"/></geometry></collision></link>'
+
+
+@pytest.mark.parametrize("stated", ["rolling_friction", "spinning_friction", "lateral_friction", "restitution"])
+def test_a_single_contact_property(stated: str, tmp_path: Path) -> None:
+    """Robots for PyBullet state one; what PyBullet takes for the others is not theirs, and MJCF has other values."""
+    contact = f'<contact><{stated} value="0.03"/></contact>'
+    source = urdf(_SOLID.format(contact))
+    proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf")
+    (tmp_path / "bare.urdf").write_text(source.replace(contact, ""))
+    assert stepbot("diff", "robot.urdf", "bare.urdf", cwd=tmp_path).code == 1
+    (tmp_path / "same.urdf").write_text(source.replace("0.03", "3e-2"))
+    assert stepbot("diff", "robot.urdf", "same.urdf", cwd=tmp_path).code == 0
+
+
+def test_sensors_of_one_name_are_those_of_their_joints(tmp_path: Path) -> None:
+    """SDFormat names sensors within their joint or link: a file equals its copy, and not one with two exchanged."""
+    moments = "".join(f"<{one}>0.01</{one}>" for one in ("ixx", "iyy", "izz"))
+    link = f'<link name="{{}}"><inertial><mass>1</mass><inertia>{moments}</inertia></inertial></link>'
+    joint = (
+        '<joint name="{0}" type="revolute"><parent>{1}</parent><child>{2}</child><axis><xyz>0 0 1</xyz><limit>'
+        "<lower>-1</lower><upper>1</upper></limit></axis>"
+        '<sensor name="wrench" type="force_torque"><update_rate>{3}</update_rate></sensor></joint>'
+    )
+
+    def text(*rates: int) -> str:
+        joints = [joint.format(name, *ends, rate) for name, ends, rate in zip("ab", ("xy", "yz"), rates, strict=True)]
+        return f'<sdf version="1.9"><model name="m">{"".join(map(link.format, "xyz"))}{"".join(joints)}</model></sdf>'
+
+    for name, rates in {"one": (30, 40), "copy": (30, 40), "other": (40, 30)}.items():
+        (tmp_path / f"{name}.sdf").write_text(text(*rates))
+    assert stepbot("diff", "one.sdf", "copy.sdf", cwd=tmp_path).code == 0
+    assert stepbot("diff", "one.sdf", "other.sdf", cwd=tmp_path).code == 1

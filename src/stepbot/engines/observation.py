@@ -74,8 +74,8 @@ class ObservedShape:
     bits of what a shape is to others, and of what it collides with."""
     surface: Surface | None = None
     """Contact properties of a collision; those that the engine does not report are None."""
-    surface_is_default: bool = False
-    """Whether the engine reports its `surface` for a shape without one, too."""
+    surface_default: Surface | None = None
+    """What the engine reports for a shape without contact properties."""
     rgba_is_default: bool = False
     """Whether the engine reports its `rgba` for a shape without one, too."""
 

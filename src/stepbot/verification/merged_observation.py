@@ -60,7 +60,7 @@ def _given(seen: Observation) -> Observation:
             replace(
                 one,
                 rgba=None if one.rgba_is_default else one.rgba,
-                surface=None if one.surface_is_default else one.surface,
+                surface=None if one.surface == one.surface_default else one.surface,
             )
             for one in shapes
         )

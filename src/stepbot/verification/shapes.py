@@ -1,7 +1,7 @@
 """Compares what links and joints have: visuals and collisions, excluded contacts, actuators and sensors."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from math import inf, isfinite
 from typing import TypeVar
@@ -11,7 +11,7 @@ import numpy as np
 from stepbot.engines.observation import Observation, ObservedActuator, ObservedLink, ObservedSensor, ObservedShape
 from stepbot.formats.lowering.joints import UNLIMITED
 from stepbot.robot.model import ActuatorKind
-from stepbot.robot.surfaces import SURFACE_FIELDS, Surface
+from stepbot.robot.surfaces import SURFACE_FIELDS
 
 from .deviation import COLOR, SURFACE, Deviations
 
@@ -105,18 +105,21 @@ def _compare_series(
             _compare_colors(deviations, f"colour of {which}", a.rgba, b.rgba)
         if a.ambient is not None and b.ambient is not None:
             _compare_colors(deviations, f"ambient colour of {which}", a.ambient, b.ambient)
-        if a.surface is not None and b.surface is not None:
-            _compare_surfaces(deviations, which, a.surface, b.surface)
+        _compare_surfaces(deviations, which, a, b)
         if a.groups is not None and b.groups is not None:
             words = f"{which}: in group, contype and conaffinity {b.groups}"
             deviations.equal(a.groups == b.groups, words, expected=f"{a.groups}")
 
 
-def _compare_surfaces(deviations: Deviations, which: str, ours: Surface, theirs: Surface) -> None:
-    """The contact properties that one side states and the other reports."""
-    for name in SURFACE_FIELDS:
-        expected, found = getattr(ours, name), getattr(theirs, name)
-        if expected is not None and found is not None:
+def _compare_surfaces(deviations: Deviations, which: str, ours: ObservedShape, theirs: ObservedShape) -> None:
+    """The contact properties that one side states and the other reports; the engine's own only between its files."""
+    a, b, own = ours.surface, theirs.surface, ours.surface_default
+    if own is not None and theirs.surface_default is not None:
+        a, b, own = a or own, b or theirs.surface_default, None
+    for name in SURFACE_FIELDS if a is not None and b is not None else ():
+        expected, found = getattr(a, name), getattr(b, name)
+        is_own = own is not None and expected == getattr(own, name)
+        if expected is not None and found is not None and not is_own:
             deviations.off(abs(found - expected), f"{name} of {which}", "SI", expected, tolerance=SURFACE)
 
 
@@ -173,14 +176,23 @@ def _compare_devices(
     """Compare pairs; a device on one side only is a failure."""
     ours: list[Device] = _named(reference, observed)
     theirs: list[Device] = _named(observed, reference)
-    pairs = {device.name: device for device in ours}
     for name in dict.fromkeys(device.name for device in (*ours, *theirs)):
         expected, found = _count(ours, name), _count(theirs, name)
         wrong = "is missing" if found < expected else "is not in the robot"
         deviations.equal(expected == found, f"{what} '{name}' {wrong}")
-    for device in theirs:
-        if device.name in pairs:
-            compare(deviations, pairs[device.name], device)
+    for expected_device, device in _pairs(ours, theirs):
+        compare(deviations, expected_device, device)
+
+
+def _pairs(ours: Iterable[Device], theirs: Iterable[Device]) -> Iterator[tuple[Device, Device]]:
+    """Devices of one name: those at the same place first, since SDFormat lets each joint have a sensor of that name."""
+    free, left = list(ours), list(theirs)
+    for key in (lambda one: (one.name, one.joint, getattr(one, "link", None)), lambda one: one.name):
+        for device in list(left):
+            same = next((n for n, one in enumerate(free) if key(one) == key(device)), None)
+            if same is not None:
+                left.remove(device)
+                yield free.pop(same), device
 
 
 def _count(devices: Sequence[Device], name: str) -> int:

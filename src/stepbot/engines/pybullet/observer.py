@@ -239,7 +239,7 @@ def _link(body: Body, index: int, request: Request) -> ObservedLink:
         has_visuals=None if collisions else bool(visuals),
         has_collisions=bool(collisions),
         visuals=tuple(_displayed(shape[7]) for shape in visuals),
-        collisions=tuple(ObservedShape(surface=surface, surface_is_default=surface == _UNSTATED) for _ in collisions),
+        collisions=tuple(ObservedShape(surface=surface, surface_default=surface and _UNSTATED) for _ in collisions),
     )
 
 
