@@ -342,7 +342,7 @@ def test_a_module_that_is_mounted_elsewhere_is_one_difference(tmp_path: Path, wr
 def test_frames_of_a_closure_between_modules_coincide(ends: str, composed: Compose) -> None:
     """Bars whose ends meet at an angle: formats that state one frame of a revolute closure have the other from it.
 
-    So they do where the triangle of bars is a module whose root link turns about another frame.
+    So are they in a module whose root turns about another frame, where sensors and frames stay at their places, too.
     """
     bar = urdf("bar", link("a"), link("b"), joint("end", "a", "b", "fixed", xyz="0.2 0 0"))
     turned = "{type: revolute, axis: z, parent: %s, child: %s, origin: {offset: {rpy: [0, 0, %s deg]}}, %s}"
@@ -353,6 +353,7 @@ def test_frames_of_a_closure_between_modules_coincide(ends: str, composed: Compo
 joints:
   p1: {turned % ("g/a", "c/a", 60, limits)}
   p2: {turned % ("c/b", "k/a", -120, limits)}
+sensors: {{imu: {{type: imu, link: g/a, origin: {{xyz: [0.2, 0, 0], relative_to: g/a}}}}}}
 closures: {{pin: {{type: revolute, {ends}, axis: z, origin: {{offset: {{xyz: [0, 0, 5 mm]}}}}}}}}
 """
     triangle = composing(*(f"{name}: {{file: bar.urdf}}" for name in "gck"), more=more)
@@ -364,11 +365,15 @@ closures: {{pin: {{type: revolute, {ends}, axis: z, origin: {{offset: {{xyz: [0,
     files = {"triangle.robot.yaml": triangle, "bar.urdf": bar}
     for one in (files, {"r.robot.yaml": whole, **files}):
         robot = composed(one, Diagnostics())
-        (pin,) = robot.closures
+        (pin,), (imu,) = robot.closures, robot.sensors
+        far = next(one for one in robot.frames if one.name.endswith("far"))
         X = link_poses(robot, initial_configuration(robot))
         X_A, X_B = X[pin.link_a] @ pin.X_AF, X[pin.link_b] @ pin.X_BF
         assert X_A.distance_to(X_B) == pytest.approx((0.0, 0.0), abs=1e-9)
         assert (X_A.turn(pin.axis)[2], X_A.position[2]) == pytest.approx((1.0, 0.005))
+        X_end = next(pose for name, pose in X.items() if name.endswith("g_b"))
+        for there in (X[far.link] @ far.X_LF, X[imu.link] @ imu.X_LS):
+            assert there.distance_to(X_end) == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
 @pytest.mark.parametrize(
