@@ -187,3 +187,14 @@ def test_a_module_that_is_too_weak_is_reported_where_it_is_named(composed: Compo
     (weak,) = [one for one in found if one.code == "SB464"]
     assert weak.message.startswith("actuator 'a_m': its effort limit of 10 N m does not hold the joint")
     assert (weak.span.file[-12:], weak.span.line) == ("r.robot.yaml", 5)
+
+
+def test_excluded_contacts_of_each_module_stay_excluded(composed: Compose) -> None:
+    """Under the names that their links have in the whole, beside those of the composing file."""
+    links = [link(name) for name in ("base", "one", "two")]
+    arm = urdf("arm", *links, joint("a", "base", "one"), joint("b", "one", "two"))
+    own = composing("arm: {file: arm.urdf, prefix: ''}", more="excluded_contacts: [[arm/base, arm/two]]")
+    more = "excluded_contacts: [[x/arm/one, y/arm/two]]"
+    whole = composing("x: {file: x.robot.yaml}", "y: {file: x.robot.yaml, at: x/arm/two}", more=more)
+    robot = composed({"r.robot.yaml": whole, "x.robot.yaml": own, "arm.urdf": arm}, Diagnostics())
+    assert robot.excluded_contacts == (("x_base", "x_two"), ("x_one", "y_two"), ("y_base", "y_two"))
