@@ -25,7 +25,7 @@ from stepbot.draft.mechanism import locked
 from stepbot.draft.mechanism.decide import Decision, adopt, decide
 from stepbot.draft.mechanism.gaps import tie_by_seams
 from stepbot.draft.mechanism.joints import Mechanism, slide_in_struts, stop_spinning_rods
-from stepbot.draft.mechanism.locked import JointKey, choose_slides, missing_joints, note_doubts, promote
+from stepbot.draft.mechanism.locked import JointKey, choose_slides, missing_joints, note_doubts, one_per_pair, promote
 from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, spanning_tree
 from stepbot.draft.mechanism.round_contacts import lone_pivots
 from stepbot.draft.mechanism.unconnected import LooseEnds, find_root
@@ -140,7 +140,8 @@ def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: 
     LooseEnds(made, mechanism, structure).tie(root)
     groups = made.clusters.groups()
     number = {cluster: n for n, cluster in enumerate(groups)}
-    arcs = spanning_tree([j for j in mechanism.joints if j.a != j.b], number, number[made.clusters.find(root)])
+    joints = one_per_pair([j for j in mechanism.joints if j.a != j.b])
+    arcs = spanning_tree(joints, number, number[made.clusters.find(root)])
     choose_slides(made.survey, arcs)
     note_doubts(arcs, structure, has_drives=bool(motors))
     largest = {root: max(members, key=lambda i: (made.survey.parts[i].volume, -i)) for root, members in groups.items()}

@@ -32,6 +32,20 @@ def test_axle_turns_in_the_seat() -> None:
     assert found.arcs[0].evidence.through == 5
 
 
+def test_two_rods_in_linear_bearings_are_one_slide() -> None:
+    """A carriage with two LM8UU on the rods of a frame slides, with a mark; the list of bearings is no link."""
+    bush = cylinder(7.5, 24).at(0, 0, -12) - cylinder(4, 24).at(0, 0, -12)
+    carriage, frame = box(80, 30, 24), box(80, 40, 20).at(0, 0, -100)
+    for x in (-25, 25):
+        carriage -= cylinder(7.5, 24).at(x, 0, -12)
+        frame += cylinder(4, 190).at(x, 0, -95)
+    frame += box(80, 40, 20).at(0, 0, 100)
+    bushes = group("bought", *(part("LM8UU", bush, x) for x in (-25, 25)))
+    found = inferred(part("frame", frame), part("carriage", carriage), bushes)
+    assert [(arc.evidence.type, bool(arc.evidence.review)) for arc in found.arcs] == [(JointKind.PRISMATIC, True)]
+    assert {"carriage", "bought/LM8UU"} in links(found)
+
+
 def test_a_bearing_with_drawn_balls_is_one() -> None:
     """What is named a bearing need not be symmetric: balls and cages are not."""
     found = inferred(*nodes(4, BALLS))

@@ -94,6 +94,18 @@ def test_numbered_pieces_of_one_servo_are_one_motor() -> None:
     assert [(motor.case, motor.parts) for motor in motors(nodes)] == [(2, (2, 3, 4)), (5, (5, 6, 7))]
 
 
+def test_a_shaft_drawn_as_a_product_of_its_own_is_the_output() -> None:
+    """A motor's shaft beside it in the tree, named after it, turns with the wheel on it in the one motor."""
+    body = box(42, 42, 40).at(0, 0, -20) - cylinder(2.5, 30).at(0, 0, -30)
+    wheel = cylinder(30, 10) - cylinder(2.5, 10)
+    shaft = part("37D gearmotor shaft", cylinder(2.5, 50), z=-30)
+    nodes = [part("chassis", box(200, 100, 6), z=-43), part("37D gearmotor", body), shaft, part("hub", wheel, z=5)]
+    assert [len(motor.outputs) for motor in motors(nodes)] == [1]
+    found = inferred(*nodes)
+    assert joints(found) == [("revolute", "chassis", "hub")]
+    assert {"37D gearmotor shaft", "hub"} in links(found)
+
+
 def test_blocks_in_which_shafts_run_with_play_are_bearing_blocks() -> None:
     """Two equal blocks on a base, each with the shaft of an arm in its bore, are no motors; without play they are."""
     for radius, count in ((7.95, 0), (8.0, 2)):

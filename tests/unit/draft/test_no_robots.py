@@ -8,7 +8,7 @@ import pytest
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
 from stepbot.draft.draft_robot import infer
 from stepbot.step.assembly import Assembly
-from tests.assembled import BARE, Node, assembled, group, part
+from tests.assembled import BARE, Node, assembled, group, inferred, joints, part
 from tests.solids import Solid, box, cylinder
 
 SOURCES = pytest.mark.parametrize("sources", [ALL_SOURCES, BARE], ids=["as it is", "bare"])
@@ -84,3 +84,13 @@ def test_what_is_screwed_or_soldered_does_not_move(draw: Callable[[], Assembly],
     joints = [joint for joint in (*draft.joints, *draft.closures) if joint.confidence.is_chosen]
     assert not [joint.confidence.evidence for joint in joints]
     assert any(note.startswith("no moving parts found: ") for note in draft.notes)
+
+
+def test_equal_feet_turn_on_nothing() -> None:
+    """Four feet with studs in the legs of a table spin only: not the last of them is a link, either."""
+    foot = cylinder(12, 10).at(0, 0, -10) + cylinder(2, 12)
+    corners = [(x, y) for x in (-140, 140) for y in (-140, 140)]
+    table = box(320, 320, 10).at(0, 0, 305)
+    for x, y in corners:
+        table += box(20, 20, 300).at(x, y, 150) - cylinder(2.1, 200).at(x, y, 0)
+    assert joints(inferred(part("table", table), *(part("foot", foot, x, y) for x, y in corners))) == []

@@ -114,3 +114,19 @@ def test_small_subassembly_is_a_link_of_its_own() -> None:
     assert links(found) == [{"base/block"}, {"forearm/tube"}, {"wrist/ring", "wrist/drive"}, {"hand/palm"}]
     assert ("revolute", "forearm/tube", "wrist/drive") in joints(found)
     assert ("revolute", "hand/palm", "wrist/drive") in joints(found)
+
+
+def test_three_equal_hinges_on_one_line_hold_a_door() -> None:
+    """Hinges in a list of their own, each with a leaf of two knuckles and one of one: the door turns, in one joint."""
+    pair, single = box(30, 3, 90).at(-16, 6, 0), box(30, 3, 30).at(16, 6, 0)
+    knuckle = cylinder(7, 29.6).at(0, 0, -14.8) - cylinder(4, 29.6).at(0, 0, -14.8)
+    gap = box(20, 20, 30.4)
+    pair = pair - gap + knuckle.at(0, 0, -30) + knuckle.at(0, 0, 30)
+    hinges = [
+        part(name, solid, z=z)
+        for z in (-300, 0, 300)
+        for name, solid in (("leaf", pair), ("flap", single - cylinder(7, 40).at(0, 0, -20) + knuckle))
+    ]
+    wall, door = part("wall", box(100, 40, 900), x=-53, y=27.5), part("door", box(400, 40, 800), x=203, y=27.5)
+    found = inferred(wall, door, group("bought", *hinges))
+    assert [arc.evidence.why for arc in found.arcs] == ["knuckles that alternate on one line"]

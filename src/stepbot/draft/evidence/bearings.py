@@ -1,5 +1,6 @@
 """Joints at bearings: the part that holds the outer ring turns about the part in the bore, screwed on or not."""
 
+import re
 from dataclasses import dataclass
 
 from stepbot.draft.contacts.relations import Relation, Via
@@ -10,6 +11,8 @@ from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import Part
 from stepbot.robot.model import JointKind
 
+_LINEAR = re.compile(r"(?:^|[\W_])(?:lm[a-z]{0,2}|scs)[ _\-]?\d+|linear|直线", re.IGNORECASE)
+"""Names of bearings that a shaft slides in."""
 _RINGS = 0.93
 """Score of two rings that are each bolted to another part: above that of a bearing in its seat."""
 _SEATED = 0.87
@@ -121,9 +124,10 @@ def _say(survey: Survey, bearing: int, found: Evidence) -> None:
         path, is_named = survey.parts[bearing].path, Role.BEARING in survey.parts[bearing].roles
         why = f"the bearing '{path}' is between them" if is_named else f"'{path}' has the dimensions of a bearing"
         review = "" if is_named else "not named as a bearing"
-        hinge = JointEvidence(
-            _SEATED, a, b, JointKind.REVOLUTE, axis, why, held.relation, by_role=is_named, review=review
-        )
+        kind = JointKind.REVOLUTE
+        if is_named and _LINEAR.search(survey.parts[bearing].name):
+            kind, review = JointKind.PRISMATIC, "slides in a linear bearing; may turn, too, if nothing else holds it"
+        hinge = JointEvidence(_SEATED, a, b, kind, axis, why, held.relation, by_role=is_named, review=review)
         hinge.through = bearing
         found.joint(hinge)
 

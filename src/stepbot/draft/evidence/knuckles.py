@@ -1,5 +1,6 @@
 """Knuckle hinges: two parts whose bores alternate along one line, as those of a lid and its box on one pin."""
 
+from collections import Counter
 from itertools import pairwise
 
 from stepbot.draft.contacts.contacts import CoaxialLine
@@ -14,6 +15,8 @@ _SCORE = 0.91
 """Above that of faces that lock two parts: a closed lid lies on its box."""
 _FEWEST = 4
 """Number of bores that alternate, from which they are knuckles and not a fork with a bolt."""
+_FORK = 3
+"""Number of bores of one of several equal hinges on one line, which have enough together."""
 _EQUAL = 1e-5
 """Difference of radii [m] up to which bores are for one pin."""
 
@@ -23,8 +26,11 @@ def knuckle_evidence(survey: Survey, found: Evidence) -> None:
     for line in survey.contacts.lines:
         parts = {i for i in line.faces if i not in survey.small and survey.parts[i].volume > 0.0}
         # Bores that alternate are beside each other.
-        for a, b in neighbours_on(line):
-            if not parts.issuperset((a, b)) or _alternations(line, a, b) < _FEWEST or _other_lines(survey, line, a, b):
+        runs = {(a, b): _alternations(line, a, b) for a, b in neighbours_on(line) if parts.issuperset((a, b))}
+        kinds = Counter(_kind(survey, a, b) for (a, b), count in runs.items() if count >= _FORK)
+        for (a, b), count in runs.items():
+            least = _FORK if kinds[_kind(survey, a, b)] > 1 else _FEWEST
+            if count < least or _other_lines(survey, line, a, b):
                 continue
             middle = min(f.low for f in line.faces[a])
             axis = Axis(line.axis.point + line.axis.d * middle, line.axis.d)
@@ -41,6 +47,10 @@ def _alternations(line: CoaxialLine, a: int, b: int) -> int:
         return 0
     owners = [row[3] for row in bores]
     return 1 + sum(one != two for one, two in pairwise(owners)) if owners else 0
+
+
+def _kind(survey: Survey, a: int, b: int) -> tuple[str, ...]:
+    return tuple(sorted(f"{survey.parts[i].volume:.4g}" for i in (a, b)))
 
 
 def _other_lines(survey: Survey, line: CoaxialLine, a: int, b: int) -> bool:

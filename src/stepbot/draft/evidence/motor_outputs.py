@@ -29,6 +29,8 @@ _LEVEL = 1e-2
 """Angle [rad] up to which a contact is normal to the output axis."""
 _MOST_OUTPUT_VOLUME, _LEAST_OUTPUT_VOLUME = 0.25, 0.01
 """Shares of the case's volume between which an unnamed part may be its output."""
+_SHAFT = 0.05
+"""Share of the case's volume up to which what turns on it may be its shaft."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -337,6 +339,7 @@ class _OneMotor:
                 self._found.weld(0.94, o, side.part, f"fastened to the output of '{self._motor.path}'")
             if not mine:
                 self._joint(side.part, score, why, review)
+                self._mount(side.part)
         for o in anchors:
             self._joint(o, score, why, review)
         if not anchors and not self._outputs:
@@ -349,6 +352,18 @@ class _OneMotor:
                 self._found.weld(
                     0.58, anchors[0] if beside else self._motor.case, o, "a horn or idler that carries nothing"
                 )
+
+    def _mount(self, shaft: int) -> None:
+        """What is on a turned shaft that is no part of the motor, such as a horn on its spline, is fixed to it."""
+        assert self._output is not None
+        survey, case = self._survey, self._motor.case
+        small = survey.parts[shaft].volume < _SHAFT * survey.parts[case].volume
+        if not small or not survey.parts[shaft].is_balanced(self._output.axis):
+            return
+        for other, r in survey.around(shaft):
+            about = r.turns is not None and r.turns.same(self._output.axis, SAME_AXIS)
+            if about and other not in self._motor.parts and survey.relation(case, other) is None:
+                self._found.weld(0.9, shaft, other, f"on the shaft of '{self._motor.path}'")
 
     def _joint(self, part: int, score: float, why: str, review: str) -> None:
         assert self._output is not None

@@ -2,7 +2,7 @@
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -91,11 +91,12 @@ def _named_motors(survey: Survey) -> list[Motor]:
             taken.update(below)
             found.append((c, members))
     motors = []
-    for c, members in _reunited(survey, found):
+    shafts = _shafts(survey, [members for _, members in found])
+    for c, members in _reunited(survey, found, shafts):
         if survey.total_volume(members) < _WIRE:
             continue
         case = largest([parts[i] for i in members]).index
-        pieces = [i for i in members if _is_piece(survey, i, case)] if c.index in in_pieces else []
+        pieces = [i for i in members if i in shafts or (c.index in in_pieces and _is_piece(survey, i, case))]
         outputs = tuple(
             i
             for i in members
@@ -105,10 +106,35 @@ def _named_motors(survey: Survey) -> list[Motor]:
     return motors
 
 
+def _shafts(survey: Survey, motors: Sequence[tuple[int, ...]]) -> dict[int, int]:
+    """Shafts that are products named after a motor: for each the part of the one motor that it turns in.
+
+    A piece with the name of the case and a number may be anything of a motor.
+    """
+    named = {i: members for members in motors for i in members}
+    found = {}
+    for part in (members[0] for members in motors if len(members) == 1):
+        inside = [(i, r) for i, r in survey.around(part) if i in named and named[i] != named[part]]
+        if any(_own_name(survey, i) == _own_name(survey, part) for i, _ in inside):
+            continue
+        least = survey.parts[part].volume / _PIECE
+        if len({named[i] for i, _ in inside}) != 1 or survey.total_volume(named[inside[0][0]]) < least:
+            continue
+        if all(r.turns is not None and survey.parts[part].is_balanced(r.turns) for _, r in inside):
+            found[part] = inside[0][0]
+    return found
+
+
+def _own_name(survey: Survey, part: int) -> str:
+    return _NUMBERED.sub("", survey.parts[part].name)
+
+
 def _reunited(
-    survey: Survey, found: Sequence[tuple[Component, tuple[int, ...]]]
+    survey: Survey, found: Sequence[tuple[Component, tuple[int, ...]]], shafts: Mapping[int, int]
 ) -> list[tuple[Component, tuple[int, ...]]]:
-    """Motors, those that were imported as several products with numbered names as one, named after its largest part.
+    """Motors, those that were imported as several products as one, named after its largest part.
+
+    Such products are shafts, and pieces with numbered names.
 
     The pieces of one motor touch each other, and no two of them are of one product.
     """
@@ -117,6 +143,8 @@ def _reunited(
         numbered[c.parent, _NUMBERED.sub("", c.product)].append(n)
     owner = {i: n for n, (_, members) in enumerate(found) for i in members}
     tied = Clusters(range(len(found)))
+    for shaft, inside in shafts.items():
+        tied.join(owner[shaft], owner[inside])
     for alike in numbered.values():
         for n in alike:
             touching = {owner.get(r.other(i), n) for i in found[n][1] for r in survey.near.get(i, ())}

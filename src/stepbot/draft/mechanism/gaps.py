@@ -5,7 +5,7 @@ that one turns on the other. Such a joint is always a guess.
 """
 
 from collections import defaultdict
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
@@ -18,7 +18,7 @@ from stepbot.draft.contacts.freedom import Freedom, FreedomKind
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.evidence.evidence import ONLY_CONNECTION, JointEvidence, Verdict
 from stepbot.draft.mechanism.decide import Decision
-from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.scene import PlacedFace, Scene
 from stepbot.geometry.spatial import Array, perpendicular_frame
@@ -216,9 +216,37 @@ def tie_by_seams(made: Decision) -> None:
         if made.clusters.join(bar, other):
             tied.join(made.clusters.find(bar), made.clusters.find(other))
             made.guess([bar], _AT_END)
-    for h in seams.joints():
+    across = seams.joints()
+    for h in across:
         made.evidence.joint(h)
+        if tied.find(made.clusters.find(h.a)) != tied.find(made.clusters.find(h.b)) and _is_beside_motor(
+            made, h, across
+        ):
+            smaller = min((h.a, h.b), key=lambda i: made.survey.total_volume(made.clusters.members(i)))
+            roots, members = (made.clusters.find(h.a), made.clusters.find(h.b)), made.clusters.members(smaller)
+            if made.clusters.join(h.a, h.b):
+                tied.join(*roots)
+                made.guess(members, "not connected: on the axis of a motor, which turns already")
+                continue
         _tie(made, tied, h, "")
+
+
+def _is_beside_motor(made: Decision, h: JointEvidence, across: Sequence[JointEvidence]) -> bool:
+    """Whether a joint across a gap repeats that of a motor: one side turns about the same axis on the motor already.
+
+    What is beside both the motor's case and its output may be either's: it is the output's.
+    """
+    find, sides = made.clusters.find, {made.clusters.find(h.a), made.clusters.find(h.b)}
+    for j in made.joints:
+        if not j.drives or not j.axis.same(h.axis, SAME_LINE):
+            continue
+        case, output = find(j.a), find(j.b)
+        if output in sides:
+            return True
+        beside_output = (sides - {case}) | {output}
+        if case in sides and not any({find(k.a), find(k.b)} == beside_output for k in across):
+            return True
+    return False
 
 
 def _is_one(tied: Clusters, big: dict[int, list[int]]) -> bool:

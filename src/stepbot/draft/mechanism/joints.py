@@ -73,6 +73,8 @@ class Mechanism:
         self._clusters = made.clusters
         self.joints: list[Joint] = []
         self.offered: list[JointEvidence] = []
+        self._dropped: list[float] = []
+        """Volumes of the spinning bodies that were united with what holds them."""
         while self._gather():
             pass
         self._drop_repeated()
@@ -93,7 +95,7 @@ class Mechanism:
                 self.offered.append(h)
             elif (a, b) not in taken:
                 taken[a, b] = Joint(h, a, b)
-            elif _same_joint(h, taken[a, b].evidence):
+            elif same_joint(h, taken[a, b].evidence):
                 h.verdict = Verdict.REPEATED
                 first = taken[a, b].evidence
                 first.drives = first.drives or h.drives
@@ -161,6 +163,7 @@ class Mechanism:
             victim = self._held_by(root, of[root], is_one_of_two=len(of) <= 2)
             if victim is None:
                 continue
+            self._dropped.append(volume)
             other = victim.other(root)
             ends = of.pop(root) + of.pop(other)
             self._unite(root, other, ends)
@@ -286,7 +289,10 @@ class Mechanism:
         is_inner = r is not None and any(fit.shaft in members for fit in r.shafts)
         if is_inner and along > _ROD * hypot(*across):
             return True
-        return len(self.joints) > 1 and not self._is_wheel(members, joint)
+        # The last of several equal feet is none, either; a lone disc may be all that moves.
+        volume = self._survey.total_volume(members)
+        is_like_others = any(abs(volume - other) <= _EQUAL * volume for other in self._dropped)
+        return (len(self.joints) > 1 or is_like_others) and not self._is_wheel(members, joint)
 
     def _is_wheel(self, members: Sequence[int], joint: Joint) -> bool:
         if any(Role.WHEEL in self._survey.parts[i].roles or Role.WHEEL in self._structure.names(i) for i in members):
@@ -313,7 +319,8 @@ def _is_plain(h: JointEvidence) -> bool:
     return is_pin and h.type == JointKind.REVOLUTE and h.score < SURE and not is_stronger
 
 
-def _same_joint(one: JointEvidence, two: JointEvidence) -> bool:
+def same_joint(one: JointEvidence, two: JointEvidence) -> bool:
+    """Whether two joints between the same bodies are one."""
     if one.type == two.type == JointKind.PRISMATIC:
         return are_parallel(one.axis.d, two.axis.d)
     if {one.type, two.type} & {JointKind.UNIVERSAL, JointKind.BALL}:

@@ -9,6 +9,7 @@ from collections.abc import Collection, Mapping, Sequence
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict
 from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.mechanism.joints import Joint, same_joint
 from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, loop_motions
 from stepbot.robot.model import JointKind
 
@@ -93,3 +94,16 @@ def note_doubts(arcs: Sequence[TreeJoint], structure: Structure, *, has_drives: 
             h.review = "its loop of joints cannot move as drafted"
         elif not has_drives and not any(arc.is_closure for arc in arcs):
             h.review = "no motor found: the assembly may not be a mechanism"
+
+
+def one_per_pair(joints: Sequence[Joint]) -> list[Joint]:
+    """One joint between two links that parts were added to since; one on another axis is to be reviewed with it."""
+    first: dict[tuple[int, int], Joint] = {}
+    for j in sorted(joints, key=lambda j: (-round(j.evidence.score, 6), j.evidence.a, j.evidence.b)):
+        of_pair = first.setdefault((min(j.a, j.b), max(j.a, j.b)), j)
+        if of_pair is not j and same_joint(j.evidence, of_pair.evidence):
+            j.evidence.verdict = Verdict.REPEATED
+        elif of_pair is not j:
+            for h in (j.evidence, of_pair.evidence):
+                h.review = h.review or "two axes between two links: they slide, or are one link"
+    return [j for j in joints if j.evidence.verdict != Verdict.REPEATED]
