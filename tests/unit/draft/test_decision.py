@@ -9,7 +9,7 @@ from stepbot.draft.draft_robot import _Drafting
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict
 from stepbot.draft.inference import Inferred
 from stepbot.draft.mechanism.decide import decide, nearest
-from stepbot.draft.mechanism.joints import _same_joint
+from stepbot.draft.mechanism.joints import same_joint
 from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
@@ -118,14 +118,14 @@ def test_joints_of_the_same_motion() -> None:
 
     x, z, here, aside = (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), (0.03, 0.0, 0.0)
     slide, hinge, ball, cardan = JointKind.PRISMATIC, JointKind.REVOLUTE, JointKind.BALL, JointKind.UNIVERSAL
-    assert _same_joint(joint(slide, here, z), joint(slide, aside, z))
-    assert not _same_joint(joint(slide, here, z), joint(slide, here, x))
-    assert _same_joint(joint(hinge, here, z), joint(hinge, (0.0, 0.0, 0.5), z))
-    assert not _same_joint(joint(hinge, here, z), joint(hinge, aside, z))
-    assert not _same_joint(joint(slide, here, z), joint(hinge, aside, z))
-    assert _same_joint(joint(ball, here, z), joint(ball, here, x))
-    assert not _same_joint(joint(ball, here, z), joint(ball, aside, z))
-    assert _same_joint(joint(ball, here, z), joint(cardan, aside, x))
+    assert same_joint(joint(slide, here, z), joint(slide, aside, z))
+    assert not same_joint(joint(slide, here, z), joint(slide, here, x))
+    assert same_joint(joint(hinge, here, z), joint(hinge, (0.0, 0.0, 0.5), z))
+    assert not same_joint(joint(hinge, here, z), joint(hinge, aside, z))
+    assert not same_joint(joint(slide, here, z), joint(hinge, aside, z))
+    assert same_joint(joint(ball, here, z), joint(ball, here, x))
+    assert not same_joint(joint(ball, here, z), joint(ball, aside, z))
+    assert same_joint(joint(ball, here, z), joint(cardan, aside, x))
 
 
 def test_weak_axes_are_offered_where_no_joint_is() -> None:
