@@ -40,7 +40,7 @@ $(STAMP): pyproject.toml requirements-ci.txt Makefile
 demo: install  ## convert the four-bar linkage to all formats and verify the files
 	$(BIN)/stepbot convert $(DEMO) -o build/demo/four_bar
 
-test: install  ## run the tests that take less than a second or two; SLOW=1 runs the others too, as CI does
+test: install  ## run the tests that take less than about a third of a second; SLOW=1 runs the others too, as CI does
 	$(BIN)/pytest -n $(JOBS) -m "not long$(if $(SLOW),, and not slow)"
 
 test-long: install  ## run the tests that `make test SLOW=1` skips; some require build123d, dask, pre-commit

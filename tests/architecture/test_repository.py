@@ -114,6 +114,7 @@ def test_codes_in_use_exist() -> None:
     assert [code for code in sorted(used) if code not in CODES] == []
 
 
+@pytest.mark.slow
 def test_codes_are_used() -> None:
     """Every code of the table is used in the source, with each feature; formats declare those of SB76x."""
     text = "".join(file.read_text(encoding="utf-8") for root in OURS for file in (ROOT / root).rglob("*.py"))

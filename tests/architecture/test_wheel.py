@@ -51,6 +51,7 @@ def test_wheel_holds_both_packages_and_no_more(wheel: zipfile.ZipFile) -> None:
     assert {"stepbot/py.typed", "stepbot_cli/py.typed"} <= content
 
 
+@pytest.mark.slow
 def test_wheel_holds_of_every_robot_what_it_is_made_from(wheel: zipfile.ZipFile) -> None:
     """The wheel has drawing, sidecar and page of each robot, and the notices; no scripts, no pictures; and is small."""
     library = ROOT / "robot_library"
@@ -119,6 +120,7 @@ def test_installed_wheel_exports_a_robot(built: Path, tmp_path: Path) -> None:
     assert run("python", "-c", load).strip() == "5"  # the world and four links
 
 
+@pytest.mark.slow
 def test_wheel_names_the_command_and_the_licence(wheel: zipfile.ZipFile) -> None:
     """The wheel declares the command ``stepbot`` and contains the licence."""
     metadata = {name.partition(".dist-info/")[2]: name for name in wheel.namelist() if ".dist-info/" in name}

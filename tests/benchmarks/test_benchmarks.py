@@ -91,6 +91,7 @@ def test_same_bytes_each_time(tmp_path: Path) -> None:
     assert (tmp_path / "one" / "made.step").read_bytes() == (tmp_path / "two" / "made.step").read_bytes()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "wait4"), reason="times of process trees are taken where there is wait4")
 def test_time_of_all_processes(tmp_path: Path) -> None:
     """CPU time includes child processes; a command that fails has no result."""
@@ -102,6 +103,7 @@ def test_time_of_all_processes(tmp_path: Path) -> None:
         timed([sys.executable, "-c", "raise SystemExit(3)"], tmp_path, os.environ)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="orphans are adopted on Linux")
 def test_time_of_processes_that_outlive_the_command(tmp_path: Path) -> None:
     """CPU time includes child processes that the command does not wait for."""
@@ -109,6 +111,7 @@ def test_time_of_processes_that_outlive_the_command(tmp_path: Path) -> None:
     assert timed([sys.executable, "-c", left], tmp_path, os.environ).cpu >= 0.3
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/proc/self/smaps_rollup").exists(), reason="memory is measured on Linux")
 def test_memory_of_all_processes(tmp_path: Path) -> None:
     """Memory includes child processes."""
@@ -177,6 +180,7 @@ def test_contenders_name_each_other_apart() -> None:
     assert len({contender.name for contender in everyone}) == len(everyone)
 
 
+@pytest.mark.slow
 def test_copies_in_a_row_do_not_touch(robot_library: Path, found: ReadDiagnostics) -> None:
     """Copies have paths of their own, the same shapes, and boxes one after the other."""
     single = read_assembly(robot_library / "stepbot_four_bar" / "four_bar.step", ReadOptions(), found)
@@ -193,6 +197,7 @@ def test_copies_in_a_row_do_not_touch(robot_library: Path, found: ReadDiagnostic
     assert all(before[1] < after[0] for before, after in pairwise(ends))
 
 
+@pytest.mark.slow
 def test_pieces_are_compared_without_coacd(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where CoACD is not installed, the table has stepbot's columns, and the means of its results."""
     monkeypatch.setattr(collision, "find_spec", lambda _: None)

@@ -13,6 +13,7 @@ ROOT = Path(__file__).resolve().parents[2]
 LIBRARY = ROOT / "robot_library"
 
 
+@pytest.mark.slow
 def test_copies_are_distinct_and_in_turn(tmp_path: Path) -> None:
     """Two robots, five copies: other names, other bytes, and the kernel reads the same assembly from each."""
     listed = tmp_path / "two.txt"

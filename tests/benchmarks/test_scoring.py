@@ -25,6 +25,7 @@ def four_bar() -> tuple[Inferred, Truth]:
     return infer_mechanism(assembly), read_truth(FOUR_BAR / "four_bar.robot.yaml", assembly)
 
 
+@pytest.mark.slow
 def test_all_right(four_bar: tuple[Inferred, Truth]) -> None:
     """The four joints of a four-bar, one of them a closure, count as found."""
     result = score(*four_bar)
@@ -52,6 +53,7 @@ def test_a_wrong_type_is_wrong_and_seen(four_bar: tuple[Inferred, Truth]) -> Non
     assert (result.found, result.seen, len(result.wrong)) == (3, 4, 1)
 
 
+@pytest.mark.slow
 def test_a_link_torn_apart_loses_volume(four_bar: tuple[Inferred, Truth]) -> None:
     """Parts in the wrong link count by their volume."""
     inferred, truth = four_bar

@@ -13,6 +13,8 @@ from stepbot.serving.webgl import examine_webgl
 
 from .page import Page
 
+pytestmark = pytest.mark.slow
+
 
 def test_the_browser_reports_its_renderer(page: Page) -> None:
     """Without a graphics card the processor draws, and the report says that it is slow."""

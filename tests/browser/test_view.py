@@ -200,6 +200,7 @@ def test_names_cannot_become_markup(page: Page, tmp_path: Path) -> None:
     assert EVIL in page.text("#name")
 
 
+@pytest.mark.slow
 def test_overlapping_links_are_red(page: Page, tmp_path: Path) -> None:
     """A click on a pair of links that overlap selects both and shows their collision shapes in red."""
     scene = scene_document(ROBOTS["four_bar"]())

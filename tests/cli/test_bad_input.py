@@ -104,6 +104,7 @@ def assert_place(place: str, file: Path, text: str) -> None:
 # The sidecar
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("old", "new", "code", "there", "says"),
     [

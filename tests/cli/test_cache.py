@@ -134,6 +134,7 @@ def test_changed_step_is_read(four_bar: Path, cache: Path, stepbot: Stepbot, ask
     assert asked == READ
 
 
+@pytest.mark.slow
 def test_finer_mesh_is_read_anew(four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str]) -> None:
     """Read options are part of the cache key."""
     with four_bar.open("a", encoding="utf-8") as file:
@@ -175,6 +176,7 @@ def test_cached_diagnostics_are_identical(
     assert asked == [], "the edit changes nothing about how the STEP is read"
 
 
+@pytest.mark.slow
 def test_unchanged_check_loads_nothing_heavy(tmp_path: Path, four_bar: Path, cache: Path) -> None:
     """A second check imports neither numpy nor a YAML reader."""
     for options in ([], ["--step"]):
@@ -212,6 +214,7 @@ def test_limit_from_the_environment(cache: Path, stepbot: Stepbot, monkeypatch: 
     assert stepbot("cache", "info").code == 2
 
 
+@pytest.mark.slow
 def test_unwritable_cache_is_a_note(four_bar: Path, stepbot: Stepbot, tmp_path: Path, cache: Path) -> None:
     """An unwritable cache is a note; the command succeeds."""
     shutil.rmtree(cache)
@@ -222,6 +225,7 @@ def test_unwritable_cache_is_a_note(four_bar: Path, stepbot: Stepbot, tmp_path: 
     assert b"SB006" not in (tmp_path / "four_bar" / "report.json").read_bytes()
 
 
+@pytest.mark.slow
 def test_other_code_finds_nothing(
     four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

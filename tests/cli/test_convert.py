@@ -123,6 +123,7 @@ def test_default_output(name: str, folder: str) -> None:
     assert default_output(Path(name)) == Path(folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("replacements", "message"),
     [
@@ -246,6 +247,7 @@ def test_same_bytes_wherever_and_however(arm: Path, stepbot: Stepbot) -> None:
     assert snapshot(arm / "here") == snapshot(arm / "there")
 
 
+@pytest.mark.slow
 def test_verbose_lists_the_mass_of_each_link(stepbot: Stepbot, arm: Path) -> None:
     """With -v each link has its mass, as in the report."""
     run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--no-verify", "-v")

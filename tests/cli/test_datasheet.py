@@ -18,6 +18,7 @@ def sheet_of(stepbot: Stepbot, robot: str) -> Any:
     return json.loads(stepbot("datasheet", str(sidecar), "--json").out)["datasheet"]
 
 
+@pytest.mark.slow
 def test_ur5e(stepbot: Stepbot) -> None:
     """Denavit-Hartenberg parameters are those that Universal Robots publishes, the reach is 850 mm, the payload 5 kg.
 

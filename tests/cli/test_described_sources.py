@@ -34,6 +34,7 @@ def test_base_and_packages_are_options_of_all_conversions(cart: Path, stepbot: S
     assert "SB874:base" not in stepbot("check", "cart.urdf", "--base", "floating").out
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "text", "format_"),
     [("r.usda", '#usda 1.0\ndef Xform "r" {}\n', "usd"), ("r.proto", "#VRML_SIM R2023b utf8\n", "webots")],

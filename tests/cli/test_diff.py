@@ -30,6 +30,7 @@ def differences(stepbot: Stepbot, old: str, new: str, code: int) -> list[dict[st
     return rows
 
 
+@pytest.mark.slow
 def test_every_kind_of_change_in_a_step(lever: Revision, stepbot: Stepbot) -> None:
     """Each change is one row: renamed, moved, reshaped, removed, added; two exports of one assembly have none."""
     lever.write(Path("same.step"))
@@ -51,6 +52,7 @@ def test_every_kind_of_change_in_a_step(lever: Revision, stepbot: Stepbot) -> No
     assert "volume" in rows[3]["detail"]
 
 
+@pytest.mark.slow
 def test_sidecars_are_compared_by_their_robots(lever: Revision, stepbot: Stepbot) -> None:
     """Sidecars are compared by their robots: limits, masses and frames differ, the order of keys does not."""
     shutil.copy("old.step", "lever.step")

@@ -142,6 +142,7 @@ def test_a_joint_to_a_link_that_is_missing(old: str, tmp_path: Path, stepbot: St
         assert "SB901" not in run.err
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_diff_quotes_texts_with_commas(tmp_path: Path, stepbot: Stepbot) -> None:
     """Where the old text ends is not guessed from what it has in it."""
@@ -155,6 +156,7 @@ def test_diff_quotes_texts_with_commas(tmp_path: Path, stepbot: Stepbot) -> None
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_robots_without_masses_are_compared(tmp_path: Path, stepbot: Stepbot) -> None:
     """A robot of frames alone has no centre of mass to compare."""
@@ -289,6 +291,7 @@ def test_an_effort_that_means_unlimited_is_none(tmp_path: Path, stepbot: Stepbot
     assert _diff(stepbot, stated, larger)[0] == 1
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_a_warning_hides_no_difference(tmp_path: Path, stepbot: Stepbot) -> None:
     """MuJoCo warns of both files that an attribute is deprecated; what no engine reports is compared all the same."""
@@ -316,6 +319,7 @@ def test_surroundings_are_no_robot(command: str, tmp_path: Path, stepbot: Stepbo
     assert "SB901" not in run.err
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_an_engine_that_crashes_ends_no_comparison(tmp_path: Path, stepbot: Stepbot) -> None:
     """PyBullet ends in an abort over a joint limited by its defaults and without range; MuJoCo reports all of both."""

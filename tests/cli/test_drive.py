@@ -204,6 +204,7 @@ def test_an_engine_that_is_needed_is_exit_code_2(
     assert (other in document["diagnostics"][0]["help"]) == (absent == ("pybullet",))
 
 
+@pytest.mark.slow
 def test_a_file_without_its_other_engine(folder: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
     """PyBullet drives no MJCF, so that its absence is not worth a word there."""
     missing(monkeypatch, "pybullet")

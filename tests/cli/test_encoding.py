@@ -41,6 +41,7 @@ def write_sidecar(folder: Path, encoding: str = "") -> None:
     (folder / "crate.robot.yaml").write_text(SIDECAR.format(encoding=encoding), encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_inspect(crate: Path, stepbot: Stepbot) -> None:
     """`inspect --encoding` decodes paths and names; without the option a warning suggests code pages."""
     run = stepbot("inspect", "crate.step", "--encoding", "GBK")

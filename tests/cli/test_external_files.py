@@ -95,6 +95,7 @@ def test_a_changed_part_is_another_input(lever: Path, stepbot: Stepbot) -> None:
     assert snapshot(Path("out")) != before
 
 
+@pytest.mark.slow
 def test_a_part_that_goes_missing(lever: Path, stepbot: Stepbot) -> None:
     """The cached assembly is not used while one of its files is missing, and is used again afterwards."""
     assert stepbot("convert", "lever.robot.yaml", "-o", "out", *FAST).code == 0
@@ -109,6 +110,7 @@ def test_a_part_that_goes_missing(lever: Path, stepbot: Stepbot) -> None:
     assert stepbot("uptodate", "lever.robot.yaml", "-o", "out", "-f", "urdf").code == 0
 
 
+@pytest.mark.slow
 def test_an_assembly_with_a_missing_part_is_shown(lever: Path, stepbot: Stepbot) -> None:
     """`inspect` lists all components, marks the missing one, reports the error, and caches nothing."""
     complete = json.loads(stepbot("inspect", "machine.step", "--json").out)
@@ -125,6 +127,7 @@ def test_an_assembly_with_a_missing_part_is_shown(lever: Path, stepbot: Stepbot)
     assert json.loads(stepbot("inspect", "machine.step", "--json").out) == complete
 
 
+@pytest.mark.slow
 def test_diagnostics_name_a_part_from_the_cache_too(lever: Path, stepbot: Stepbot) -> None:
     """A diagnostic about a part names the part's file, relative to the current folder, also from the cache."""
     bar = parts.draw(lever / "bar.step", drawn("bar", box(80, 10, 10), "", STEEL)).path
@@ -150,6 +153,7 @@ def test_inspect_lists_the_files(lever: Path, stepbot: Stepbot) -> None:
     assert [c["path"] for c in document["components"]] == [".", "foot", "arm", "arm/bar:1", "arm/bar:2"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("as_bytes", [False, True], ids=["same machine", "other machine"])
 def test_batch(as_bytes: bool, lever: Path) -> None:
     """A batch sends every file to the executor; a changed part is converted again."""

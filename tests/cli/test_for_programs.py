@@ -77,6 +77,7 @@ def _value(node: ast.expr) -> Any:
         return ast.unparse(node)
 
 
+@pytest.mark.slow
 def test_each_file_loads_a_description_beside_it(folder: Path) -> None:
     """The formats that programs load are written, too, and no name is one of a file that is missing."""
     for program in LOADED:

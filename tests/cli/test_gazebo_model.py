@@ -39,6 +39,7 @@ print(plant.num_joints(), scene.model_inspector().num_geometries())
 """
 
 
+@pytest.mark.slow
 def test_the_folder_is_a_model_that_engines_prove(stepbot: Stepbot, arm: Path) -> None:
     """Only mesh paths change and model.config is added; engines read the file, and `uptodate` expects the same."""
     assert stepbot("convert", "arm2.robot.yaml", "-o", "plain", "--no-verify", "-f", "sdf").code == 0

@@ -24,6 +24,7 @@ def test_a_page_is_written_with_the_files(arm: Path, stepbot: Stepbot) -> None:
     assert not (arm / "out" / "report.html").exists()
 
 
+@pytest.mark.slow
 def test_a_cached_page_has_the_same_bytes(arm: Path, stepbot: Stepbot) -> None:
     """A second conversion takes the page from the cache."""
     pages = []

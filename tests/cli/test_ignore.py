@@ -33,6 +33,7 @@ def with_losses(arm: Path) -> None:
 CONVERT = ("convert", SIDECAR, "--no-verify", "-f", "sdf")
 
 
+@pytest.mark.slow
 def test_ignored_by_the_sidecar_and_on_the_command_line(arm: Path, stepbot: Stepbot) -> None:
     """Ignored findings are omitted, counted on the screen and in the report, and accepted by `--strict`."""
     with_losses(arm)

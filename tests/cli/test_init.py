@@ -141,6 +141,7 @@ def test_folder_that_cannot_be_written_is_a_finding(slider: Path, stepbot: Stepb
     assert "error[SB004]" in run.err
 
 
+@pytest.mark.slow
 def test_interactive_asks_for_the_root_link(slider: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
     """`--interactive` changes the root link; questions go to standard error; Enter keeps the draft."""
     import io

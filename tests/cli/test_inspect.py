@@ -35,6 +35,7 @@ def test_components_with_paths_to_paste(arm: Path, stepbot: Stepbot) -> None:
     assert "48, 48, 9" in line
 
 
+@pytest.mark.slow
 def test_names_of_an_occurrence(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch) -> None:
     """An occurrence with its own name is listed; a narrow screen omits names that the path contains."""
     text = Path("arm2.step").read_text(encoding="utf-8")
@@ -77,6 +78,7 @@ def test_odd_characters_in_names(tmp_path: Path, stepbot: Stepbot) -> None:
     assert [component["path"] for component in document["components"][1:]] == pasted
 
 
+@pytest.mark.slow
 def test_what_is_watertight_and_of_what(tmp_path: Path, stepbot: Stepbot) -> None:
     """The header counts closed meshes and lists materials; an open solid has the reason in its row."""
     out = stepbot("inspect", str(parts.write_nested(tmp_path / "nested.step").path)).out
@@ -89,6 +91,7 @@ def test_what_is_watertight_and_of_what(tmp_path: Path, stepbot: Stepbot) -> Non
     assert "materials:" not in out
 
 
+@pytest.mark.slow
 def test_every_path_means_one_component(arm: Path, stepbot: Stepbot) -> None:
     """Each printed path selects exactly its component."""
     from stepbot.pipeline.stages import Options, inspect
@@ -331,6 +334,7 @@ def test_names_along_the_branches_of_a_tree_are_paths(
     assert stepbot("inspect", "arm2.step", "--tree", "--features").code == 2
 
 
+@pytest.mark.slow
 def test_between_lists_the_strongest_axes_first(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot
 ) -> None:

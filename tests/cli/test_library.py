@@ -45,6 +45,7 @@ def test_unknown_robot_is_wrong_usage(name: str, remedy: str, stepbot: Stepbot) 
     assert remedy in " ".join(run.err.split())
 
 
+@pytest.mark.slow
 def test_export_of_the_source(
     stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path
 ) -> None:
@@ -93,6 +94,7 @@ def test_settings_of_an_editor_point_to_the_schema(stepbot: Stepbot) -> None:
     assert all(any(fnmatch(name, pattern) for pattern in patterns) for name in ("arm.robot.yaml", "robot.yml"))
 
 
+@pytest.mark.slow
 def test_export_writes_what_was_asked_for(stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """`export -f` writes one format with meshes and report to the current folder."""
     monkeypatch.chdir(tmp_path)

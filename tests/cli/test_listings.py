@@ -33,6 +33,7 @@ def test_formats_as_json(stepbot: Stepbot) -> None:
     assert urdf["notions"]["mimic"]["level"] == "exact"
 
 
+@pytest.mark.slow
 def test_schema_is_a_schema(stepbot: Stepbot) -> None:
     """`schema` prints a valid JSON Schema that accepts a small sidecar and rejects an unknown key."""
     schema = json.loads(stepbot("schema").out)

@@ -58,6 +58,7 @@ def rewrite(**replaced: str) -> None:
     lock(Path("lever.robot.yaml"))
 
 
+@pytest.mark.slow
 def test_lock_is_valid_and_deterministic(lever: Revision, stepbot: Stepbot) -> None:
     """`lock` writes a valid file with every component and joint; the bytes are deterministic."""
     before = Path("lever.lock.json").read_bytes()
@@ -81,6 +82,7 @@ def test_nothing_changes_without_a_lock(lever: Revision, stepbot: Stepbot) -> No
     assert {code for code, _ in findings(stepbot)} == {"SB301", "SB304"}
 
 
+@pytest.mark.slow
 def test_export_anew_changes_nothing(lever: Revision, stepbot: Stepbot) -> None:
     """Another export of the same assembly, with other entity numbers and order of faces, has no findings."""
     lever.write(Path("lever.step"))
@@ -159,6 +161,7 @@ def test_removed_reshaped_and_added(lever: Revision, stepbot: Stepbot) -> None:
     ]
 
 
+@pytest.mark.slow
 def test_findings_stand_at_the_line_that_binds(lever: Revision, stepbot: Stepbot) -> None:
     """A moved part is reported at the path that binds it."""
     lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
@@ -197,6 +200,7 @@ def test_convert_reports_the_same(lever: Revision, stepbot: Stepbot) -> None:
     assert Path("out/lever.urdf").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_new_lock_counts_at_once(lever: Revision, stepbot: Stepbot) -> None:
     """A new lock invalidates cached results."""
     lever.move("motor:1", pose((0, 5.0, 0))).write(Path("lever.step"))
@@ -376,6 +380,7 @@ def test_fix_rewrites_only_globs_of_one(glob: str, becomes: str | None, lever: R
         assert run.code == 0
 
 
+@pytest.mark.slow
 def test_a_glob_that_matched_several_names_all_of_them(lever: Revision, stepbot: Stepbot) -> None:
     """In a list the remedy is a list; a key of `parts` cannot be one, so that each component gets a rule."""
     rewrite(**{"[base]": '[plate, "**/M*"]', "links:": 'parts:\n  "**/M3": {density: 7800}\nlinks:'})

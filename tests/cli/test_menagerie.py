@@ -64,6 +64,7 @@ def test_folder_has_what_the_checks_ask_for(folder: Path) -> None:
             assert not [line for line in text.split("\n") if line != line.rstrip()], path
 
 
+@pytest.mark.slow
 def test_xml_has_the_form_that_is_asked_for(folder: Path) -> None:
     """No declaration, 120 columns, and as many attributes in a line as fit; the elements are those of the MJCF."""
     for name, original in (("arm2.xml", "arm2.xml"), ("scene.xml", "arm2.scene.xml")):
@@ -105,6 +106,7 @@ def test_random_inputs_cause_no_warnings(
     assert not any(run_with_noise(folder / "scene.xml"))
 
 
+@pytest.mark.slow
 def test_readme_states_where_numbers_are_from(folder: Path) -> None:
     """Densities with their rules, faces of axes, the hash of the STEP, and how gains were computed."""
     readme = (folder / "README.md").read_text(encoding="utf-8")

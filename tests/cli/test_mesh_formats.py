@@ -54,6 +54,7 @@ def test_engines_prove_the_files(
         assert "read from a copy with OBJ in place of" in json.dumps(report["notes"])
 
 
+@pytest.mark.slow
 def test_budgets_hold_for_a_link_and_the_robot(
     stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

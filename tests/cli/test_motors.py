@@ -36,6 +36,7 @@ def hinge(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "hinge.robot.yaml"
 
 
+@pytest.mark.slow
 def test_mujoco_gets_the_figures_of_the_motor(hinge: Path, stepbot: Stepbot) -> None:
     """MuJoCo compiles the numbers that the maker's simulation files of SO-101 have for this servo, within 2 %."""
     mujoco = pytest.importorskip("mujoco")
@@ -68,6 +69,7 @@ def test_mujoco_gets_the_figures_of_the_motor(hinge: Path, stepbot: Stepbot) -> 
     assert 'effort="1.912" velocity="5.454"' in Path("hinge/hinge.urdf").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("more", "mass"),
     [("", 0.0572), ("parts: {plate: {mass: 60 g}}\n", 0.06), ("parts: {plate: {density: 300}}\n", None)],
@@ -85,6 +87,7 @@ def test_the_part_of_a_motor_has_its_mass_if_nothing_else_gives_one(
     )
 
 
+@pytest.mark.slow
 def test_a_change_of_the_users_motors_is_a_change(hinge: Path, stepbot: Stepbot) -> None:
     """No cached result of an earlier file of motors is taken."""
     own = "motors:\n  mine: {{kind: servo, source: measured, stall_torque: {}, no_load_speed: 6}}\n"

@@ -12,6 +12,7 @@ from .conftest import Stepbot
 NAME = "arm2_description"
 
 
+@pytest.mark.slow
 def test_mesh_paths_name_the_package(stepbot: Stepbot, arm: Path) -> None:
     """Only the mesh paths of the URDF change, and the engines prove the file with the package resolved."""
     assert stepbot("convert", "arm2.robot.yaml", "-o", "plain", "--no-verify").code == 0
@@ -26,6 +27,7 @@ def test_mesh_paths_name_the_package(stepbot: Stepbot, arm: Path) -> None:
     assert all(word in proven for word in ("URDF", "MuJoCo", "yourdfpy"))
 
 
+@pytest.mark.slow
 def test_readers_of_packages_find_every_mesh(stepbot: Stepbot, arm: Path) -> None:
     """A reader that knows where the package is loads all meshes: yourdfpy, with the package's folder."""
     assert stepbot("convert", "arm2.robot.yaml", "-o", "out", "--package", NAME, "-f", "urdf", "--no-verify").code == 0

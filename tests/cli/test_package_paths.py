@@ -53,6 +53,7 @@ def test_missing_meshes_are_an_error(package: Path, stepbot: Stepbot, arguments:
     assert stepbot(*arguments, "--package-path", "src/arm").code == 0
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 @pytest.mark.pybullet
 def test_drive_finds_the_package(package: Path, stepbot: Stepbot) -> None:

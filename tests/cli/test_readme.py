@@ -87,6 +87,7 @@ def test_rule_in_a_makefile(example: Path) -> None:
     assert not is_made()
 
 
+@pytest.mark.slow
 def test_what_a_core_install_does_not_prove_of_sdformat(example: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Beside stepbot's parser, PyBullet confirms SDFormat except for the README's list, which Drake would confirm."""
     shutil.copy(library_robot("arm2").step, example)

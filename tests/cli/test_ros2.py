@@ -389,6 +389,7 @@ def test_placeholders_start_in_the_drawn_pose(package: Path, tmp_path: Path) -> 
     assert float(made.findtext(path.format("shoulder")) or "nan") == stated["shoulder"], "the drawn pose elsewhere"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [tree, gripper_with_mimic, floating_biped], ids=lambda make: make.__name__)
 def test_all_links_have_a_place_in_rviz(make: Any, tmp_path: Path) -> None:
     """Where one joint is driven, the placeholder and Gazebo state all others but mimics; other hardware has its own."""
@@ -684,6 +685,7 @@ def test_domains_for_examples(address: str, is_placeholder: bool) -> None:
     assert Metadata(email=address).is_placeholder is is_placeholder
 
 
+@pytest.mark.slow
 def test_engines_prove_the_urdf_of_the_package(stepbot: Stepbot, arm: Path) -> None:
     """The conversion of a package is verified like any other; `--package` and other formats do not fit."""
     run = stepbot("convert", "arm2.robot.yaml", "-o", "out", "--ros2", "arm2", "-f", "urdf")

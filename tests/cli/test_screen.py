@@ -85,6 +85,7 @@ def test_quiet_folds_as_the_default_does(capsys: pytest.CaptureFixture[str]) -> 
     assert not any("SB505" in line for line in quiet)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", ["60", "80", "120"])
 def test_success_is_one_screen(arm: Path, stepbot: Stepbot, monkeypatch: pytest.MonkeyPatch, width: str) -> None:
     """A successful conversion of a small arm is a few lines, at any width, and ends with the command that shows it."""

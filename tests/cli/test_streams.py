@@ -31,6 +31,7 @@ def test_closed_streams(tmp_path: Path, words: str, redirection: str) -> None:
     assert b"SB901" not in result.stdout + result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [words for words, code in COMMANDS.items() if code == 0])
 def test_results_that_cannot_be_printed(tmp_path: Path, words: str) -> None:
     """Results that nobody got are an error, with the system's reason."""

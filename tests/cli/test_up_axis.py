@@ -78,6 +78,7 @@ def test_against_the_upright_drawing(
         np.testing.assert_allclose(turned[quantity], values, rtol=1e-6, atol=1e-7, err_msg=quantity)
 
 
+@pytest.mark.slow
 def test_the_warning_and_its_remedy(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, stepbot: Stepbot) -> None:
     """`check --step` suggests the axis; with the suggested line there are no findings."""
     monkeypatch.chdir(tmp_path)

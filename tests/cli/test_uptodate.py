@@ -37,6 +37,7 @@ def written(converted: Path, arm: Path, monkeypatch: pytest.MonkeyPatch) -> Path
     return arm / "out" / "arm2"
 
 
+@pytest.mark.slow
 def test_changed_files_are_reported(written: Path, stepbot: Stepbot) -> None:
     """Current files cause no output; an edited, removed or obsolete file is reported."""
     run = stepbot(*UPTODATE)
@@ -63,6 +64,7 @@ def test_success_is_one_line(written: Path, stepbot: Stepbot) -> None:
     assert "ok:" not in stepbot(*command).out
 
 
+@pytest.mark.slow
 def test_edited_sidecar_and_left_over_mesh(written: Path, stepbot: Stepbot) -> None:
     """The current sidecar is compared, and files of an earlier run are reported."""
     sidecar = Path("arm2.robot.yaml")
@@ -108,6 +110,7 @@ def test_step_instead_of_a_sidecar_is_one_error(output: str, written: Path, step
     assert [line.partition("[")[2][:5] for line in run.out.splitlines()] == ["SB102"]
 
 
+@pytest.mark.slow
 def test_ignored_warnings_are_those_of_convert(written: Path, stepbot: Stepbot) -> None:
     """Output of `convert --strict --ignore CODE` is up to date for `uptodate` with the same options only."""
     sidecar = Path("arm2.robot.yaml")
@@ -155,6 +158,7 @@ def test_batch_then_uptodate(written: Path, stepbot: Stepbot) -> None:
     assert stepbot("uptodate", "right", "--concise").code == 0
 
 
+@pytest.mark.slow
 def test_two_robots_in_one_folder(written: Path, stepbot: Stepbot) -> None:
     """Files of another robot in the same folder are not obsolete; its report is replaced with a warning."""
     text = Path("arm2.robot.yaml").read_text(encoding="utf-8")
@@ -190,6 +194,7 @@ def test_stamp_is_newer_than_the_input(written: Path, stepbot: Stepbot) -> None:
     assert (written / "arm2.urdf").stat().st_mtime == 1e9
 
 
+@pytest.mark.slow
 def test_stamp_of_an_unchanged_robot_of_a_batch(written: Path, stepbot: Stepbot) -> None:
     """A robot that a batch finds unchanged gets a new stamp, too."""
     assert stepbot("batch", ".", "-o", "build", "--no-verify").code == 0

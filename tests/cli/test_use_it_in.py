@@ -53,6 +53,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("heading", "module", "printed"),
     [
@@ -161,6 +162,7 @@ def test_launch_file_for_rviz_finds_every_mesh(folder: Path, monkeypatch: pytest
     assert all(mesh.startswith("file:///") and Path(mesh.removeprefix("file://")).is_file() for mesh in meshes)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("number", "name"), [(0, "arm_description"), (1, "my_robots")])
 def test_the_commands_for_ros_packages_fill_them(
     number: int, name: str, folder: Path, monkeypatch: pytest.MonkeyPatch

@@ -117,6 +117,7 @@ def test_missing_file(stepbot: Stepbot, tmp_path: Path) -> None:
     assert "error[SB001]" in run.err
 
 
+@pytest.mark.slow
 def test_required_engine_that_is_not_there(files: list[str], stepbot: Stepbot) -> None:
     """A required engine that is not installed is an error: not run is not passed."""
     run = stepbot("verify", "--require", "nosuchengine", files[0])

@@ -14,6 +14,7 @@ from stepbot_cli.view import _announce, _check_writable, _editable
 from tests.parts import write_hinge
 
 
+@pytest.mark.slow
 def test_a_step_file_is_drafted_once(tmp_path: Path) -> None:
     """Without a sidecar one is drafted that passes its check; an existing one is taken as it is."""
     step = tmp_path / "hinge.step"

@@ -118,6 +118,7 @@ def test_each_configuration_is_computed_once(composed: Callable[..., Robot], mon
     assert counts[0] == counts[1] > 0
 
 
+@pytest.mark.slow
 def test_a_bare_step_needs_a_density(composed: Callable[..., Robot]) -> None:
     """The warning is at the module, since there is no other file to write a density into; `set` gives it."""
     text = "fixture: {file: LIBRARY/robotiq_2f85/2f85.step%s}"
@@ -273,6 +274,7 @@ def test_a_mistake_is_one_error_with_place_and_remedy(expected: str, errors: Err
     assert remedy in " ".join(help)
 
 
+@pytest.mark.slow
 def test_paths_lead_into_modules_of_modules(composed: Callable[..., Robot], errors: Errors) -> None:
     """`home` and `without` take paths; unknown ones list paths, and a middle part that is unknown is not skipped."""
     inner = composing(ARM_ALONE, HAND_AT_TIP)

@@ -66,6 +66,7 @@ def test_loops_for_drake_have_the_names_of_the_module(folder: Path) -> None:
     assert all(name in links and name.startswith("grip_") for name in ends if name is not None)
 
 
+@pytest.mark.slow
 def test_the_macro_can_be_used_twice(folder: Path, tmp_path: Path) -> None:
     """Two instances in one file have no link, joint, material or system of the same name."""
     macro = folder / "urdf/two.macro.xacro"

@@ -82,6 +82,7 @@ def test_quadruped_of_one_leg_is_the_drawn_one(of_library: Callable[[str], Robot
     ]
 
 
+@pytest.mark.slow
 def test_meshes_of_a_mirrored_leg(of_library: Callable[[str], Robot]) -> None:
     """Symmetric parts share their meshes; the others have new ones that enclose their volume from outside."""
     dog = of_library("composed/dog")

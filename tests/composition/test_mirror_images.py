@@ -56,6 +56,7 @@ def test_followers_are_at_their_images(flip: str, q: float, composed: Compose) -
         assert np.allclose(poses[f"right_{name}"].matrix, expected, rtol=0.0, atol=1e-12), name
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("of_arm", "of_hand"),
     [("", ""), ("*_lift", ""), ("*_roll", "*_turn"), ("", "*_turn"), ("*", "*"), ("*', '*_roll", "*_roll")],
@@ -109,6 +110,7 @@ def reflected(pose: np.ndarray, plane: str, frame: str) -> np.ndarray:
     return np.asarray(m @ pose @ of_frame)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("plane", ["x", "y", "z"])
 @pytest.mark.parametrize("hand_plane", ["x", "y", "z"])
 @pytest.mark.parametrize("at", ["spot", "left_arm/tail", "left_arm/finger"])
@@ -131,6 +133,7 @@ def test_what_is_on_a_mirrored_module_is_on_its_image(at: str, plane: str, hand_
             assert np.allclose(poses[f"right_{part}_{name}"].matrix, expected, rtol=0.0, atol=1e-12), (part, name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("first", "second"), [("", ""), ("*_roll", ""), ("", "*_roll"), ("*", "*_roll"), ("*", "*")])
 @pytest.mark.parametrize(("of", "plane"), [("y", "y"), ("x", "y"), ("z", "x")])
 def test_the_image_of_an_image(of: str, plane: str, first: str, second: str, composed: Compose) -> None:
@@ -176,6 +179,7 @@ def test_a_foot_is_on_the_image_through_its_plane(composed: Compose) -> None:
     assert above["other_foot_torso"] == "front_right_tail"
 
 
+@pytest.mark.slow
 def test_a_foot_between_two_legs(errors: Callable[..., list[str]], composed: Compose) -> None:
     """Two legs through one plane: the names decide, and if they do not, it is an error."""
     second = ("far_right: {mirror_of: front_left, at: torso, offset: {xyz: [1, 0, 0]}}",)
@@ -207,6 +211,7 @@ ON_CART = (
 PLATE = ("plate: {file: torso.urdf, at: body/torso, offset: {xyz: [0, -0.5, 0]}}", ON_CART[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("modules", "off"),
     [

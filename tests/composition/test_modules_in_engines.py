@@ -252,6 +252,7 @@ def of_pybullet(folder: Path, name: str) -> tuple[list[str], np.ndarray]:
         return names, np.array(pybullet.calculateMassMatrix(body, [0.1] * len(names), physicsClientId=client))
 
 
+@pytest.mark.slow
 @MODULES
 def test_pybullet_reads_the_module(alone: str, prefix: str, folder: Path) -> None:
     """Mass, inertia, axis and limits of every link, and its pose in the joint's parent."""
@@ -275,6 +276,7 @@ def owner(name: str) -> str:
     return next((one for one in ("hand", "other") if name.startswith(f"{one}_")), "")
 
 
+@pytest.mark.slow
 def test_one_home_and_the_drives_of_all(folder: Path) -> None:
     """`home` has all coordinates and controls, within their ranges, each module as in its own file or as stated."""
     whole, hand = mjcf(folder, "both"), mjcf(folder, "2f85")
@@ -332,6 +334,7 @@ def gap_of_loops(model: mujoco.MjModel, data: mujoco.MjData, prefix: str) -> flo
     return max(gaps)
 
 
+@pytest.mark.slow
 def test_a_gripper_on_an_arm_closes_as_alone(folder: Path) -> None:
     """Opening and closing in a second: what follows the drive is at most as far off it as in the gripper's own file.
 

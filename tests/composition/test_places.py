@@ -50,6 +50,7 @@ def test_attached_by_a_link_that_is_fixed_to_the_root(composed: Compose) -> None
     assert poses["tool_body"].distance_to(poses["tip"] @ turned) == pytest.approx((0.0, 0.0), abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("q", [0.0, 0.4, -0.9])
 def test_a_joint_turns_about_its_port(q: float, composed: Compose) -> None:
     """A joint whose child is a port beside the root link: the port stays, and everything turns about its axis."""
@@ -160,6 +161,7 @@ def test_names_that_formats_do_not_like(composed: Compose) -> None:
     assert [one.name for one in robot.links] == ["dö $x_base", "dö $x_tip", "ä $ base", "ä $ tip"]
 
 
+@pytest.mark.slow
 def test_meshes_of_one_name_with_other_bytes(tmp_path: Path, write: Write) -> None:
     """Each module has its own `part.obj`; MuJoCo loads the right size for both, and no third file."""
     files = {

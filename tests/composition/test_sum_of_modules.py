@@ -142,6 +142,7 @@ NESTED = """<mujoco model="nested"><compiler angle="degree" autolimits="true"/><
 """
 
 
+@pytest.mark.slow
 def test_a_module_of_mjcf_is_what_convert_reads(converted: Callable[..., Conversion], tmp_path: Path) -> None:
     """Defaults, degrees, several keyframes: the same links, joints and drives as the file converted alone."""
     (tmp_path / "nested.xml").write_text(NESTED, encoding="utf-8")
@@ -177,6 +178,7 @@ def test_home_of_a_module_with_a_branch(converted: Callable[..., Conversion], tm
     assert where["arm_j2"] < where["hand_lift"] < where["arm_p"]
 
 
+@pytest.mark.slow
 def test_each_module_is_in_the_report(tmp_path: Path) -> None:
     """Poses, masses, inertias and settings of each module against its own file, for the report and for CI servers."""
     (tmp_path / "arm.urdf").write_text(ARM_URDF)
@@ -254,6 +256,7 @@ def _with_joint(robot: Robot, **changes: Any) -> Robot:
     return replace(robot, joints=(replace(robot.joints[0], **changes),))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("quantity", OTHERS)
 @pytest.mark.parametrize("module", ["left", "right"])
 def test_engines_are_compared_with_the_module_alone(

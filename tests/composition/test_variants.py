@@ -77,6 +77,7 @@ def effort(robot: Robot, joint: str) -> float:
     return robot.joint_by_name[joint].limit.effort
 
 
+@pytest.mark.slow
 def test_values_of_a_module_are_changed(variant: Callable[..., Robot]) -> None:
     """``set`` changes what it names in a description, ``variant`` what the module's own variant names."""
     robot = variant("", Diagnostics())
@@ -89,6 +90,7 @@ def test_values_of_a_module_are_changed(variant: Callable[..., Robot]) -> None:
 IMPOSSIBLE = 'ixx="1" iyy="1" izz="9" ixy="0.5" ixz="0" iyz="0"'
 
 
+@pytest.mark.slow
 def test_an_impossible_inertia_is_replaced(variant: Callable[..., Robot]) -> None:
     """What ``set`` gives is judged, not what it replaces; an inertia is one value, with its products."""
     arm = ARM.replace('ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"', IMPOSSIBLE)
@@ -151,6 +153,7 @@ def test_a_variant_like_another_is_both_patches(variant: Callable[..., Robot]) -
     assert (len(bare.links), bare.base.value) == (2, "floating")
 
 
+@pytest.mark.slow
 def test_a_module_is_a_robot_of_the_library(composed: Callable[..., Robot]) -> None:
     """``library:NAME`` is its sidecar, with either name; an unknown one lists near names; no path is in a message."""
     text = "{version: 1, robot: r, modules: {arm: {file: 'library:arm2'}}}"
@@ -250,6 +253,7 @@ def test_a_variant_is_one_of_a_sidecar(arguments: tuple[str, ...], tmp_path: Pat
     assert "--variant" in run.err
 
 
+@pytest.mark.slow
 def test_a_variant_has_its_own_results_in_the_cache(tmp_path: Path, write: Callable[[Mapping[str, str]], None]) -> None:
     """The second run of a variant gives its own bytes, not those of the sidecar as it is."""
     write(FILES)

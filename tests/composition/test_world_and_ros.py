@@ -42,6 +42,7 @@ CELL = """
 FILES = {"cell.robot.yaml": CELL, "arm.xml": ARM, "box.xml": BALL}
 
 
+@pytest.mark.slow
 def test_parts_stand_in_the_world(composed: Compose) -> None:
     """Fixed robots are welded to one root without mass; a floating one is free, its lowest point where `offset` is."""
     robot = composed(FILES, Diagnostics())
@@ -69,6 +70,7 @@ def test_a_fixed_root_is_in_the_world_itself(composed: Compose, other: str) -> N
     assert robot.joint_by_name["box_free"].X_PC.position == pytest.approx((0.0, 0.0, 0.3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "tamper",
     [
@@ -94,6 +96,7 @@ def test_a_module_that_is_composed_wrongly_is_an_error(
         composed(FILES, Diagnostics())
 
 
+@pytest.mark.slow
 def test_a_turned_part_of_a_module_is_an_error(composed: Compose, monkeypatch: pytest.MonkeyPatch) -> None:
     """So does a joint whose axis is reversed without its positions."""
     forearm = """<body name="hand" pos="0 0 0.3"><joint name="grip" axis="1 0 0" range="-1 1" limited="true"/>
@@ -118,6 +121,7 @@ def test_a_turned_part_of_a_module_is_an_error(composed: Compose, monkeypatch: p
         composed({**FILES, "arm.xml": arm}, Diagnostics())
 
 
+@pytest.mark.slow
 def test_a_mirror_image_stands_at_the_image_of_the_place(composed: Compose) -> None:
     """Through the plane y = 0 of the world, fixed or free."""
     modules = """

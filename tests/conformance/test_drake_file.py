@@ -36,6 +36,7 @@ def _constraints(top: Any) -> list[tuple[str, list[float], str, list[float]]]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LOOPS)
 def test_constraints_hold_wherever_the_loops_close(name: str) -> None:
     """Both points of every constraint coincide over the whole range; their number depends on the kind of closure."""
@@ -60,6 +61,7 @@ def test_neither_file_holds_what_the_other_needs(name: str) -> None:
     assert not [element for element in plain.iter() if "drake" in str(element.tag)]
 
 
+@pytest.mark.slow
 def test_trees_have_no_file_for_drake() -> None:
     """A tree has no file for Drake, which would be a duplicate."""
     for name in ROBOTS:

@@ -73,6 +73,7 @@ def test_no_unmarked_joint_where_there_is_no_robot(corpus: Path, step: str, sour
     assert not [arc.evidence.why for arc in inferred.arcs if is_unmarked(arc)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("step", ["as1-oc-214", "box_sides_inch", "dm1_ideas_inch", "eight_cylinders_multi_root"])
 def test_no_joint_is_drafted_where_nothing_moves(corpus: Path, step: str) -> None:
     """Brackets, boxes, a clamp and loose cylinders: all is fixed, and the draft says why."""

@@ -250,6 +250,7 @@ def test_forked_calls_answer_again_and_again(serve: Callable[[str], ForkServer])
     assert [server.call(number).result(10.0) for number in range(5)] == [0, 2, 4, 6, 8]
 
 
+@pytest.mark.slow
 @forking
 @pytest.mark.parametrize(
     ("name", "argument", "timeout", "reason"),

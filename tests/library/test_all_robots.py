@@ -127,6 +127,7 @@ def test_the_three_files_are_one_robot(robot: str, converted: Converted) -> None
     assert run.code == 0, run.err
 
 
+@pytest.mark.slow
 @every_converted_robot
 def test_files_hold_no_absolute_path_and_miss_no_mesh(robot: str, converted: Converted) -> None:
     """Referenced meshes exist, by relative paths and in metres; none is unused; no local path is written."""
@@ -159,6 +160,7 @@ def test_its_files_are_one_robot(robot: str, converted: Converted, tmp_path: Pat
 # The simulation
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 @every_converted_robot
 @pytest.mark.parametrize("noise", [False, True], ids=["at rest", "noise"])

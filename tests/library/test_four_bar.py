@@ -91,6 +91,7 @@ def test_newton_over_the_equality_rows_follows_the_four_bar_equation(four_bar: C
     assert max(swing) - min(swing) == pytest.approx(1.0872, abs=1e-3)  # 62 degrees
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_the_loop_holds_while_mujoco_drives_the_crank(four_bar: Conversion) -> None:
     """The crank's actuator makes a full turn; the pin stays in its bore, and the rocker follows the closed form."""

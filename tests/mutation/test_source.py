@@ -43,6 +43,7 @@ def test_every_change_of_a_module() -> None:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", ["src/stepbot/robot/closures.py", "src/stepbot/draft/mechanism/joints.py"])
 def test_changed_source_is_python(path: str) -> None:
     """Each change gives another program, also after characters of several bytes."""
@@ -67,6 +68,7 @@ def test_changes_are_drawn_alike_and_have_tests() -> None:
     assert selected("src/stepbot/robot/loop_followers.py")[0] == "tests/unit/robot/test_loop_followers.py"
 
 
+@pytest.mark.slow
 def test_section_has_shares_and_what_is_not_noticed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A section is replaced; the others stay."""
     one, two, *_ = drawn(2, 1)

@@ -79,6 +79,7 @@ def test_three_formats_are_the_same_robot(name: str, tmp_path: Path) -> None:
         assert {"links", "joints", "mass", "inertia", "poses", "mass matrix", "meshes"} <= set(row.compared)
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 @pytest.mark.usefixtures("brief")
 def test_a_difference_between_files_is_found(arm: Folder, found: ReadDiagnostics) -> None:

@@ -117,6 +117,7 @@ def _changed_joint(folder: Folder, name: str, *changes: tuple[str, str]) -> Path
 # The same
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("turned", [False, pytest.param(True, marks=pytest.mark.long)], ids=["first", "last"])

@@ -154,6 +154,7 @@ def test_nothing_fails(proof: tuple[str, Report, list[str]]) -> None:
     assert not diagnostics
 
 
+@pytest.mark.slow
 def test_what_can_be_compared_is_compared(proof: tuple[str, Report, list[str]]) -> None:
     """Each engine compares every quantity that it can report of this robot."""
     name, report, _ = proof

@@ -70,6 +70,7 @@ def test_drake_holds_what_follows_the_crank(tmp_path: Path) -> None:
     assert 0.0 < closure.residual < 1e-11
 
 
+@pytest.mark.slow
 @pytest.mark.pybullet
 def test_pybullet_closes_the_tree_by_a_constraint(folder: Folder) -> None:
     """With the constraint the URDF's residual is below 1e-5 m at 1 ms steps and 1 rad/s, over a full turn."""
@@ -96,6 +97,7 @@ def test_the_closing_joint_parsed_back_is_the_models(build: type, tmp_path: Path
     assert failures(folder.expected("sdf"), observed) == set()
 
 
+@pytest.mark.slow
 @pytest.mark.mujoco
 def test_a_loop_without_its_constraint_does_not_follow(folder: Folder, tmp_path: Path) -> None:
     """Without the equality MuJoCo has a tree, and the check fails."""

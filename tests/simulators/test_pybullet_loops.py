@@ -73,6 +73,7 @@ def _report(robot: Robot) -> dict[str, Any]:
     return report_document(Report(robot=robot), Diagnostics())
 
 
+@pytest.mark.slow
 @pytest.mark.pybullet
 def test_erp_of_a_point_constraint_changes_nothing(tmp_path: Path) -> None:
     """PyBullet accepts `erp` of a point-to-point constraint and ignores it: `closure_stiffness` cannot be set there."""

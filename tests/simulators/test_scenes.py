@@ -83,6 +83,7 @@ def test_marks_of_closures_and_sensors_are_not_drawn(tmp_path: Path) -> None:
             assert (model.site_group[s] < 3) == (model.site(s).name in frames), model.site(s).name
 
 
+@pytest.mark.slow
 @every_robot
 def test_a_world_has_the_robot_and_a_floor(name: str, tmp_path: Path) -> None:
     """The robot of the world is that of the SDFormat, as stepbot's parser reads both; time step and systems fit it."""

@@ -117,6 +117,7 @@ def test_a_camera_looks_along_x_with_z_up(tmp_path: Path) -> None:
     assert 2 * math.atan(wide * math.tan(up / 2)) == pytest.approx(camera.view.fov, rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", [name for name in ("ball", "universal", "screw", "floating", "planar") if name in ROBOTS]
 )

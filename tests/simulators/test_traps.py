@@ -217,6 +217,7 @@ def test_pybullet_names_the_missing_mesh(tmp_path: Path) -> None:
     assert str(tmp_path) not in caught.value.text
 
 
+@pytest.mark.slow
 @pytest.mark.pybullet
 def test_pybullet_does_not_remember_a_former_file(arm: Folder, tmp_path: Path) -> None:
     """Two meshes of one name in two folders stay distinct in one process."""

@@ -109,6 +109,7 @@ def test_floating_root_without_mass(tmp_path: Path) -> None:
     assert any("PyBullet fixes" in note for notes in conversion.report.notes.values() for note in notes)
 
 
+@pytest.mark.slow
 def test_servo_without_gains_holds_its_joint(tmp_path: Path) -> None:
     """Gains are computed, and reported; the arm then sags by less than 0.04 rad."""
     servo = """<transmission name="servo"><type>transmission_interface/SimpleTransmission</type>
@@ -125,6 +126,7 @@ def test_servo_without_gains_holds_its_joint(tmp_path: Path) -> None:
     assert 0.0 < abs(data.joint("turn").qpos[0]) < 0.04
 
 
+@pytest.mark.slow
 def test_actuator_with_a_gain_of_0_is_lost(tmp_path: Path) -> None:
     """It exerts no force, and MuJoCo has no such position actuator."""
     control = """<ros2_control name="c" type="system"><hardware><plugin>p</plugin></hardware><joint name="turn">
@@ -185,6 +187,7 @@ def test_what_formats_have_no_word_for(tmp_path: Path) -> None:
 SDF = '<sdf version="1.9"><model name="m"><link name="a">{}</link>{}</model></sdf>'
 
 
+@pytest.mark.slow
 def test_geometry_that_is_not_read(tmp_path: Path) -> None:
     """It is reported, and what remains is proven."""
     geometry = "<collision name='c'><geometry><cone><radius>.1</radius><length>1</length></cone></geometry></collision>"

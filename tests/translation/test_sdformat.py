@@ -61,6 +61,7 @@ def test_poses_of_nested_models(rig: Path) -> None:
     assert visual.X_LG.position == pytest.approx((0.0, 0.0, -0.02))
 
 
+@pytest.mark.slow
 def test_conversion_is_proven_and_declares_losses(rig: Path, tmp_path: Path) -> None:
     """The MJCF moves like the source; contact properties, new names and added links are declared."""
     conversion = convert(rig, Options(tmp_path / "out", formats=("mjcf",)))

@@ -51,6 +51,7 @@ def test_conversion_is_proven_against_model_and_source(converted: tuple[Path, Co
     assert set(report["inputs"]) == {"arm.urdf", "upper.stl"}
 
 
+@pytest.mark.slow
 def test_mujoco_sees_what_the_source_states(converted: tuple[Path, Conversion]) -> None:
     """Mass, centre of mass, inertia, limits and the scaled mesh are those of the URDF's text."""
     folder, _ = converted
@@ -108,6 +109,7 @@ def test_misreading_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     assert all("against arm.urdf" in one.message for one in wrong)
 
 
+@pytest.mark.slow
 def test_check_reads_the_source(tmp_path: Path, found: ReadDiagnostics) -> None:
     """`check` reports the losses of a conversion, and the missing package as an error."""
     path = write_arm(tmp_path)

@@ -96,6 +96,7 @@ def test_planar_and_floating_joints_convert_with_proof(stage: tuple[Path, Conver
     }
 
 
+@pytest.mark.slow
 def test_joints_that_engines_do_not_read_are_reported(stage: tuple[Path, Conversion]) -> None:
     """The warning names them; bounds of the planar joint, which URDF does not define, are declared as lost."""
     _, conversion = stage

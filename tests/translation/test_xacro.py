@@ -184,6 +184,7 @@ def test_files_and_environment_are_not_reached(tmp_path: Path, monkeypatch: pyte
     assert "document type" in expanded(file).error
 
 
+@pytest.mark.slow
 def test_the_process_runs_nothing_and_writes_nothing(tmp_path: Path) -> None:
     """Beneath the expressions, the interpreter itself refuses programs and files."""
     with Worker(f"{__name__}:barred") as worker:

@@ -311,6 +311,7 @@ def test_the_death_of_the_worker_is_reported(tmp_path: Path, found: ReadDiagnost
     assert "the process that intersects solids ended: killed by SIGKILL" in error.message
 
 
+@pytest.mark.slow
 def test_many_pairs_are_intersected_in_processes() -> None:
     """Balls in a row, intersected in forked processes and in this one: the same to the last digit, as lenses are."""
     radius, step, count = 0.01, 0.008, 5

@@ -253,6 +253,7 @@ def test_a_gear_drawn_round_with_a_splined_bore_has_its_outer_circle() -> None:
     assert not mesh.are_counted
 
 
+@pytest.mark.slow
 def test_equal_gears_are_searched_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """Which outlines may have teeth is looked up once for each definition; the teeth are found in each part."""
     searched: list[int] = []

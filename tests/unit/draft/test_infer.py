@@ -90,6 +90,7 @@ def test_joints_are_mates_where_the_drawing_has_them(drafted: Callable[[str], Dr
         assert joint.axis == "z"
 
 
+@pytest.mark.slow
 def test_evidence_stands_with_every_joint(drafted: Callable[[str], Draft]) -> None:
     """Each joint has evidence, and each uncertain one a mark."""
     for joint in drafted("stepbot_quadruped").joints:
@@ -97,6 +98,7 @@ def test_evidence_stands_with_every_joint(drafted: Callable[[str], Draft]) -> No
         assert joint.is_reviewed or joint.confidence.score >= 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("sources", [Sources(), Sources(names=False), Sources(names=False, tree=False)])
 def test_same_assembly_same_draft(sources: Sources) -> None:
     """Two drafts of an assembly agree in every number and text."""
@@ -104,6 +106,7 @@ def test_same_assembly_same_draft(sources: Sources) -> None:
     assert infer(assembly(folder), "robot", sources) == infer(assembly(folder), "robot", sources)
 
 
+@pytest.mark.slow
 def test_rods_between_balls_do_not_spin() -> None:
     """Each rod of a delta robot has a universal joint at the arm and a ball at the platform, in either order."""
     draft = infer(assembly("stepbot_delta"), "delta")
@@ -113,6 +116,7 @@ def test_rods_between_balls_do_not_spin() -> None:
     assert all(j.is_reviewed for j in (*draft.joints, *draft.closures) if j.type == JointKind.UNIVERSAL)
 
 
+@pytest.mark.slow
 def test_struts_slide_without_names() -> None:
     """The six legs of a Stewart platform are slides: a shaft in a bore between two swivels."""
     draft = infer(assembly("stepbot_stewart"), "stewart", Sources(names=False))
@@ -128,6 +132,7 @@ def test_motors_by_their_use() -> None:
     assert all(j.is_reviewed for j in draft.joints)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("folder", "found", "volume"),
     [

@@ -49,6 +49,7 @@ def test_a_real_arm_in_all_orientations(up: Direction, arm: Assembly) -> None:
     assert sidecar.document.root.up == up
 
 
+@pytest.mark.slow
 def test_the_ground_is_below_the_root(arm: Assembly) -> None:
     """The largest flat side of the arm is below its base."""
     found = grounds(arm)

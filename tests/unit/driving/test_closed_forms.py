@@ -133,6 +133,7 @@ def test_objects_are_held_in_place_of_the_cube(engine: str, tmp_path: Path) -> N
     assert [grip.slip < 2.0 for grip in run("grip", stage).grips] == [True] * 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", ["sphere", "cylinder", "cube"])
 def test_heavy_objects_do_not_creep_between_light_fingers(shape: str, tmp_path: Path) -> None:
     """MuJoCo's friction is a damper: 1 kg between fingers of 20 g creeps by less than 1 mm in 5 s.

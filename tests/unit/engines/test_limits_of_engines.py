@@ -88,6 +88,7 @@ _BOUNDS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.pybullet
 @pytest.mark.mujoco
 @pytest.mark.parametrize("kind", ["prismatic", "revolute"])

@@ -3,6 +3,8 @@
 from dataclasses import replace
 from xml.etree import ElementTree as ET
 
+import pytest
+
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import format_named
 from stepbot.formats.lowering import lower
@@ -28,6 +30,7 @@ def devices(tree: ET.Element) -> list[ET.Element]:
     return [one for part in ("actuator", "sensor") for section in tree.findall(part) for one in section]
 
 
+@pytest.mark.slow
 def test_version_3_3_has_no_attribute_that_mujoco_3_3_rejects() -> None:
     """What newer versions have is there in 3.7, and absent, or reported, in 3.3; the gains are the same in sum."""
     seen = set[str]()

@@ -36,6 +36,7 @@ def add_to_theirs(parent: Any, tree: Any) -> None:
         add_to_theirs(child, one)
 
 
+@pytest.mark.slow
 @given(TREES)
 def test_documents_are_those_of_lxml(tree: Any) -> None:
     """Elements, texts, attributes and indentation are written as lxml writes them."""

@@ -85,6 +85,7 @@ def test_a_subject_without_surface_cannot_be_drawn() -> None:
         draw(Subject((), ("base",)), SMALL)
 
 
+@pytest.mark.slow
 def test_a_file_has_the_same_bytes_again_and_the_pixels_of_the_picture() -> None:
     """PNG is lossless and has no time in it; text chunks are kept."""
     sheet = Sheet(200, 150, samples=2, labels=True)

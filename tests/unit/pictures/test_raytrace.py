@@ -70,6 +70,7 @@ def test_the_nearer_of_two_shapes_is_visible() -> None:
     assert found.owners[Renderer(found, camera).triangles()[HEIGHT // 2, WIDTH // 2]] == 1
 
 
+@pytest.mark.slow
 def test_the_background_is_plain_and_shadows_are_dark() -> None:
     """Above the horizon every pixel is paper; in the shadow of a box on the floor it is darker."""
     found = scene_with(shape(trimesh.creation.box(extents=(0.2, 0.2, 0.2))), view=View(0.0, 20.0))

@@ -33,6 +33,7 @@ def turning(kind: JointKind) -> Robot:
     return Robot("turning", (base, arm), (Joint("joint", kind, "base", "arm", axis=axis),), meshes=shop.sorted_meshes())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("kind", "q", "middle"),
     [

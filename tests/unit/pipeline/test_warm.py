@@ -19,6 +19,7 @@ def parent_of(worker: Worker) -> int:
     return int(text.rpartition(")")[2].split()[1])
 
 
+@pytest.mark.slow
 def test_workers_have_one_parent_that_stays() -> None:
     """Two workers of the same function are forked from one process, which ends with the others."""
     with started_by(spawned), warm_processes():

@@ -17,6 +17,7 @@ DOCUMENTS: st.SearchStrategy[Any] = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(DOCUMENTS)
 def test_text_is_that_of_json(document: Any) -> None:
     """Any document is written as json.dumps writes it."""

@@ -228,6 +228,7 @@ def test_ways_start_as_drawn_stay_closed_and_span_the_range(robot: Robot) -> Non
     assert max(reached) == pytest.approx(pi, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_a_way_ends_before_a_dead_centre() -> None:
     """Driven by its piston, the slider-crank stops before the dead centres, which are singular."""
     robot = replace(slider_crank(), actuators=(Actuator("m", "piston", ActuatorKind.MOTOR),))
@@ -300,6 +301,7 @@ def test_without_closures_there_are_no_ways() -> None:
     assert close_loops(robot, q, driven_joints(robot)) == q
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tilt", [1e-7, 1e-5, 5e-5])
 def test_pins_that_are_not_quite_parallel_do_not_lock_the_mechanism(tilt: float) -> None:
     """Slightly tilted pins leave one degree of freedom, and the loop opens by no more than the tilt causes."""

@@ -75,6 +75,7 @@ def test_plane_arm() -> None:
     assert arm.dh.tool.position == pytest.approx((0.3, 0.0, 0.0))
 
 
+@pytest.mark.slow
 def test_jerk_is_what_the_gains_follow() -> None:
     """In MuJoCo the acceleration of a servo lags behind that of a target of constant jerk by acceleration / jerk.
 
@@ -112,6 +113,7 @@ def test_workspace_is_within_the_reach() -> None:
     assert max(far for _, _, far in plane.workspace) > 0.97 * reach
 
 
+@pytest.mark.slow
 def test_masses_by_material() -> None:
     """Components are summed by motor, by material, by density without a name; the table is heaviest first."""
     parts = (
@@ -183,6 +185,7 @@ def test_com_of_a_tripod_is_inside_of_its_feet() -> None:
     assert margin == pytest.approx(0.3 / sqrt(5.0), rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(6))
 def test_every_robot_has_one(seed: int) -> None:
     """No robot breaks it, and masses are those of its links."""

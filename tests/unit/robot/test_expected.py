@@ -38,6 +38,7 @@ def test_reach_of_a_planar_arm(a: float, b: float, low: float, wide: float) -> N
     assert reach(planar(a, b, Limit(low, high)), "tip", "base") == pytest.approx(expected, rel=1e-7)
 
 
+@pytest.mark.slow
 def test_reach_of_a_slide_and_of_a_follower() -> None:
     """A slide reaches to its end; a follower goes where its leader can take it."""
     slide = replace(planar(0.5, 0.1, Limit(-0.1, 0.3), JointKind.PRISMATIC))

@@ -40,6 +40,7 @@ def test_open_chains_are_sampled_uniformly() -> None:
         assert np.abs(shares - steps).max() < 1.95 / np.sqrt(len(shares))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CLOSED)
 def test_loops_are_closed_in_every_configuration(name: str) -> None:
     """Every sampled configuration of a closed mechanism closes its loops, as the gaps of its closures show."""
@@ -55,6 +56,7 @@ def test_loops_are_closed_in_every_configuration(name: str) -> None:
         assert angle < max(1e-8, 2 * drawn[1])
 
 
+@pytest.mark.slow
 def test_the_range_of_a_four_bar_is_covered() -> None:
     """The crank of a four-bar is sampled over its whole turn, and the other angles are those of its closed form."""
     robot = four_bar_with_zeros()
@@ -67,6 +69,7 @@ def test_the_range_of_a_four_bar_is_covered() -> None:
         np.testing.assert_allclose(np.exp(1j * angles), np.exp(1j * expected), atol=1e-6)
 
 
+@pytest.mark.slow
 def test_the_same_every_time() -> None:
     """Samples are reproducible, and depend on the seed."""
     for robot in (two_link_arm(), delta()):

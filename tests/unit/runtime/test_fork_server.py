@@ -82,6 +82,7 @@ def test_the_message_of_an_exit_is_the_last_line(server: ForkServer) -> None:
     assert caught.value.last_lines == ("condition failed",)
 
 
+@pytest.mark.slow
 def test_too_long_is_a_death(server: ForkServer) -> None:
     """A call is ended after its timeout."""
     with pytest.raises(WorkerDied, match=r"no result after 0.5 s"):
@@ -148,6 +149,7 @@ def test_nothing_outlives_a_caller_that_is_killed() -> None:
     assert all(map(ended, pids))
 
 
+@pytest.mark.slow
 def test_threads_of_an_import(server: ForkServer) -> None:
     """A server with a thread does not fork; its workers have their own interpreter."""
     with ForkServer((f"{HERE}:prepare", f"{HERE}:start_thread")) as threaded:
@@ -175,6 +177,7 @@ def test_threads_that_the_user_asks_for(monkeypatch: pytest.MonkeyPatch, name: s
         assert call(server, "prepared") == 2  # was forked
 
 
+@pytest.mark.slow
 def test_a_server_started_from_a_thread_that_ends() -> None:
     """Server and workers started from a thread end with the process, not with the thread."""
     servers: list[ForkServer] = []

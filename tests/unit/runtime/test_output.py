@@ -297,6 +297,7 @@ for number in range(20):
 """
 
 
+@pytest.mark.slow
 def test_concurrent_runs_into_one_folder(tmp_path: Path) -> None:
     """After concurrent runs the list has the files of all, and no unneeded mesh remains."""
     names = [f"robot{number}" for number in range(4)]
@@ -334,6 +335,7 @@ with locked(Path(sys.argv[1]), 1.0):
 """
 
 
+@pytest.mark.slow
 def test_run_that_keeps_a_folder_locked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """While a run holds the lock, others fail after some time; after it has died, they write."""
     write_atomically(ARM, tmp_path)

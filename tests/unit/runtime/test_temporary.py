@@ -73,6 +73,7 @@ def test_next_run_removes_what_a_killed_one_left(tmp_path: Path) -> None:
             end(process)
 
 
+@pytest.mark.slow
 @posix
 def test_runs_that_begin_at_once_take_nothing_from_each_other(tmp_path: Path) -> None:
     """Runs that start at the same time keep their folders."""

@@ -92,6 +92,7 @@ def test_an_exit_without_a_result_is_a_death() -> None:
         call_isolated(f"{HERE}:leave", 3)
 
 
+@pytest.mark.slow
 def test_too_long_is_a_death() -> None:
     """The worker is ended after its timeout."""
     start = time.monotonic()

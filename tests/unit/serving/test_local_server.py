@@ -43,6 +43,7 @@ def post(server: LocalServer, question: object, **headers: str) -> tuple[int, st
     return request(server, "POST", f"/{server.token}/ask/echo", json.dumps(question).encode(), **kind)
 
 
+@pytest.mark.slow
 def test_page_scene_and_questions_need_the_token(server: LocalServer) -> None:
     """With the token everything is answered; without it, or with another one, nothing is."""
     assert request(server, "GET", f"/{server.token}/")[:2] == (200, "<p>page")
@@ -74,6 +75,7 @@ def test_tokens_differ() -> None:
         one.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "headers",
     [
@@ -93,12 +95,14 @@ def test_requests_from_elsewhere_are_refused(server: LocalServer, headers: dict[
     assert post(server, {}, **filled)[0] == 403
 
 
+@pytest.mark.slow
 def test_own_origin_is_answered(server: LocalServer) -> None:
     """What the page itself sends."""
     own = f"http://127.0.0.1:{server.port}"
     assert post(server, {}, Origin=own, Sec_Fetch_Site="same-origin")[0] == 200
 
 
+@pytest.mark.slow
 def test_invalid_questions(server: LocalServer) -> None:
     """No JSON, no object, too large, of another type, about nothing: an error each, and the server goes on."""
     ask = f"/{server.token}/ask/echo"
@@ -116,6 +120,7 @@ def test_invalid_questions(server: LocalServer) -> None:
     assert post(server, {})[0] == 200
 
 
+@pytest.mark.slow
 def test_answers_are_neither_kept_nor_framed(server: LocalServer) -> None:
     """Headers of every answer."""
     _, _, headers = request(server, "GET", f"/{server.token}/")
@@ -125,6 +130,7 @@ def test_answers_are_neither_kept_nor_framed(server: LocalServer) -> None:
     assert "Access-Control-Allow-Origin" not in headers
 
 
+@pytest.mark.slow
 def test_events_reach_open_and_later_pages(server: LocalServer) -> None:
     """A page that opens later gets the last event of each name; all open pages get new ones."""
     server.send("scene", {"revision": 1})
@@ -151,6 +157,7 @@ def test_events_reach_open_and_later_pages(server: LocalServer) -> None:
         assert page.read() == b"\n"
 
 
+@pytest.mark.slow
 def test_server_listens_on_this_machine_only(server: LocalServer) -> None:
     """The address is the loopback interface."""
     assert server._http.server_address[0] == "127.0.0.1"
@@ -161,6 +168,7 @@ JSON = {"Content_Type": "application/json"}
 TOO_LARGE = [b"9" * 400, b"-" + b"9" * 400, b"9" * 5000, b"1e400", b"-1e999", b"Infinity", b"NaN"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", TOO_LARGE, ids=lambda number: number[:9].decode())
 @pytest.mark.parametrize("place", [b'{"q": %s}', b'{"q": {"elbow": [%s]}}', b"%s"])
 def test_numbers_that_are_none(server: LocalServer, number: bytes, place: bytes) -> None:
@@ -170,6 +178,7 @@ def test_numbers_that_are_none(server: LocalServer, number: bytes, place: bytes)
     assert text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("body", [rb'{"name": "\ud800"}', rb'{"\udfff": 1}', rb'{"a": [{"b": "\ud8"}]}', b"\xff\xfe{"])
 def test_text_that_is_none(server: LocalServer, body: bytes) -> None:
     """Half of a surrogate pair, and what is not UTF-8, are refused; a whole pair is text."""
@@ -178,6 +187,7 @@ def test_text_that_is_none(server: LocalServer, body: bytes) -> None:
     assert request(server, "POST", f"/{server.token}/ask/echo", pair, **JSON)[0] == 200
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("length", ["9" * 5000, "9" * 13, "-1", "1_0", "0x10", "1e3", "\u00b2", ""])
 def test_lengths_that_are_none(server: LocalServer, length: str) -> None:
     """A length with more digits than any request has, or that is no number, is refused."""

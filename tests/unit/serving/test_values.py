@@ -144,6 +144,7 @@ def test_merged_links() -> None:
 FOUR_BAR = "stepbot_four_bar"
 
 
+@pytest.mark.slow
 def test_another_root_moves_the_same(robot_library: Path, tmp_path: Path) -> None:
     """With another root a joint's axis in the world is opposite, about the same line, and its limits stay."""
     path = robot_library / FOUR_BAR / "four_bar.robot.yaml"

@@ -54,6 +54,7 @@ def test_full_sidecar_is_sound() -> None:
     assert codes(sound) == []
 
 
+@pytest.mark.slow
 @given(tree=trees())
 def test_trees_are_sound(tree: tuple[int, list[tuple[int, int]]]) -> None:
     """A tree has no errors, for any order of its joints."""

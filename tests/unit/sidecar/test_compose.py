@@ -74,6 +74,7 @@ VALUES = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(data=st.dictionaries(KEYS, VALUES, max_size=5))
 def test_json_comes_back(data: object) -> None:
     """Output of the standard library's JSON writer is read unchanged."""
@@ -82,6 +83,7 @@ def test_json_comes_back(data: object) -> None:
     assert len(found) == 0
 
 
+@pytest.mark.slow
 @given(data=st.dictionaries(KEYS, VALUES, max_size=5))
 def test_block_style_comes_back(data: object) -> None:
     """Block-style output of ruamel.yaml is read unchanged."""

@@ -142,6 +142,7 @@ def test_text_without_a_line_end() -> None:
     assert edited(TEXT.rstrip("\n"), [Put(("joints", "wrist", "axis"), "-z")]).endswith("limits: todo\n    axis: -z\n")
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(st.lists(st.text(st.characters(exclude_categories=("C", "Zl", "Zp")), min_size=1, max_size=12), max_size=4))
 def test_any_path_comes_back(paths: list[str]) -> None:

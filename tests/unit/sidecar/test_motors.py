@@ -81,6 +81,7 @@ def test_the_catalogue_has_the_figures_and_sources_of_the_reference() -> None:
     assert count == 895
 
 
+@pytest.mark.slow
 def test_the_catalogue_has_the_form_of_a_users_own_file() -> None:
     """The catalogue has the form of a users own file."""
     schema = json.loads(motors_schema_text())

@@ -47,6 +47,7 @@ def subschemas(schema: Any) -> list[dict[str, Any]]:
     return ([schema] if isinstance(schema, dict) else []) + [found for value in inner for found in subschemas(value)]
 
 
+@pytest.mark.slow
 def test_is_a_schema() -> None:
     """The schema is valid by the meta-schema, and has `$schema` and `$id`."""
     jsonschema.Draft202012Validator.check_schema(SCHEMA)
@@ -54,6 +55,7 @@ def test_is_a_schema() -> None:
     assert SCHEMA["$id"]
 
 
+@pytest.mark.slow
 def test_file_is_fresh(tmp_path: Path) -> None:
     """The file in the repository is the generated one, to the byte."""
     committed = ROOT / "schemas" / "robot-1.schema.json"

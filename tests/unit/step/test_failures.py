@@ -128,6 +128,7 @@ def test_a_body_without_a_mesh_costs_this_body(
     assert assembly.bodies[1].defect
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="without fork, a crash ends the test")
 @pytest.mark.parametrize("step", ["estimated", "axis_faces", "share_within", "integrate"])
 def test_a_step_that_crashes_costs_the_measures_of_its_body(

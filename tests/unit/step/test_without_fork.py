@@ -94,6 +94,7 @@ class _Stuck:
         """Do nothing."""
 
 
+@pytest.mark.slow
 def test_limit_in_the_message_is_the_one_that_was_given(
     tmp_path: Path, found: ReadDiagnostics, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -560,6 +560,7 @@ def _changed(value: object, change: Callable[[float], float | None]) -> Iterator
                 yield place, (*value[:index], other, *value[index + 1 :])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["equipped", "universal", "screw", "gripper_with_mimic", "four_bar"])
 def test_each_number_is_compared(name: str) -> None:
     """Two observations that differ in any one number differ; where one lacks a number, nothing breaks."""

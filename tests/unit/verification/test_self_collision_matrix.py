@@ -177,6 +177,7 @@ def test_mimics_follow() -> None:
     assert_share(the_pair(alone), share)
 
 
+@pytest.mark.slow
 def test_many_shapes_are_as_one() -> None:
     """A bar of ten pieces has the contacts of the bar in one piece, in the same poses."""
     wall, one = Box((0.2, 4.0, 1.0)), robot(Box((0.2, 4.0, 1.0)), Box((1.0, 0.1, 0.1)), at=(0.55, 0, 0))

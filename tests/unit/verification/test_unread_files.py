@@ -30,6 +30,7 @@ def test_openusd_without_its_library_is_reported_with_the_remedy(
     assert {check.status for check in report.checks if check.format == "usd"} == {Status.NOT_RUN}
 
 
+@pytest.mark.slow
 def test_companions_for_optional_engines_alone_are_not_reported(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -28,6 +28,7 @@ def hinge(tmp_path: Path) -> Assembly:
     return read(path)
 
 
+@pytest.mark.slow
 def test_every_triangle_of_a_cylinder_gives_its_own_axis(hinge: Assembly) -> None:
     """Each triangle whose corners lie on a cylinder, rounded as in a drawing, gives an axis through the cylinder's."""
     clicked = 0

@@ -55,6 +55,7 @@ def test_lines_of_each_part_where_none_is_shared(tmp_path: Path) -> None:
     assert distance(hinge, moving, (0.1, 0.011, 0.05)) == pytest.approx(1e-3)
 
 
+@pytest.mark.slow
 def test_lines_of_the_link_where_the_part_shares_none(robot_library: Path) -> None:
     """A pillar shares no line with a crank; the bar on the same link has the pin that the crank turns on."""
     assembly = read(robot_library / "stepbot_four_bar" / "four_bar.step")

@@ -50,6 +50,7 @@ def test_hull_of_a_bracket() -> None:
     assert score.overshoot == pytest.approx(0.018, abs=0.004 * 0.073)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "volume"),
     [
@@ -88,6 +89,7 @@ def test_mesh_that_is_not_convex() -> None:
     assert score.overshoot == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_overshoot_in_the_middle_of_a_face() -> None:
     """The lid of a pocket is as far away as the pocket is deep, though the solid has thousands of corners elsewhere."""
     cube = manifold3d.Manifold.cube((0.1, 0.1, 0.1), True)

@@ -204,6 +204,7 @@ def test_sets_are_scored() -> None:
     assert made[0].score.iou == pytest.approx(1.0, abs=1e-5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("primitives", [True, False])
 def test_score_of_shapes_that_enclose(primitives: bool) -> None:
     """The quotient of the volumes is the intersection over union that Booleans measure."""

@@ -252,6 +252,7 @@ def test_canonical_paths_of_any_tree_bind(rows: list[tuple[int, str, str]]) -> N
         assert paths.find_one(component.path).indices == (component.index,)
 
 
+@pytest.mark.slow
 def test_thousands_of_components_are_found() -> None:
     """A glob and a name match all of ten thousand components."""
     rows = [(".", f"part {i % 200}", f"part {i % 200}:{i}") for i in range(10_000)]

@@ -29,6 +29,7 @@ def test_small_meshes_are_displayed_as_they_are() -> None:
     assert shown.deviation == pytest.approx(1.3 / 65535 / 2)
 
 
+@pytest.mark.slow
 def test_large_meshes_fit_the_budget_and_keep_their_bound() -> None:
     """Every point of the exact meshes is within the stated distance of a displayed one, as trimesh measures it."""
     ball = trimesh.creation.icosphere(5, radius=0.2)

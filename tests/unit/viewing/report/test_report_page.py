@@ -89,6 +89,7 @@ def test_data_sheet_is_that_of_the_command(arm: Pages, robot_library: Path) -> N
             assert (x, width) == pytest.approx((scale * near, scale * (far - near)), rel=0.01, abs=0.2)
 
 
+@pytest.mark.slow
 def test_joints_are_those_of_the_report(arm: Pages) -> None:
     """Names, types, limits, and how each axis was found."""
     joints = {joint["name"]: joint for joint in arm.report["robot"]["joints"]}
