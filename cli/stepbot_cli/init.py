@@ -27,10 +27,9 @@ if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Options
 
 _FUSED = 8
-"""Number of fused parts that are listed; -v lists all."""
+"""Number of fused parts that are listed, equal ones as one; -v lists all."""
 _LONGEST_FACTS = 96
 """Width of the evidence; -v prints all of it."""
-_CLOSES = ", closes a loop"
 _MARK = "REVIEW:"
 
 
@@ -42,14 +41,12 @@ def draft_text(draft: "Draft", sidecar: Path, text: str, *, verbose: bool = Fals
     questions = _questions(draft, text)
     verdict = f"{printable(sidecar.as_posix())}: {_counts(draft)}; root link '{names.links[draft.root]}'"
     lines = [f"{verdict}; to decide: {', '.join(questions)}" if questions else verdict]
-    shown: list[tuple[DraftJoint | DraftClosure, str, str]] = []
-    sure: list[str] = []
-    for one, name, ends in _connections(draft, names):
-        if verbose or one.is_reviewed:
-            shown.append((one, name, ends))
-        else:
-            sure.append(f"{printable(name)} ({one.type}{_CLOSES if ends.endswith(_CLOSES) else ''})")
-    lines += _reviewed(shown, verbose=verbose)
+    lines += _reviewed(draft, names, verbose=verbose)
+    sure = [
+        f"{printable(name)} ({one.type}{loop})"
+        for one, name, _, loop in _connections(draft, names)
+        if not (verbose or one.is_reviewed)
+    ]
     if sure:
         lines.append(f"  on strong evidence: {', '.join(sure)}; -v shows it")
     lines += _fused(draft, names.freed, verbose=verbose)
@@ -152,29 +149,33 @@ def _geometry(one: "DraftJoint | DraftClosure") -> dict[str, Any]:
     }
 
 
-def _connections(draft: "Draft", names: "DraftNames") -> Iterator[tuple["DraftJoint | DraftClosure", str, str]]:
-    """Each joint and closure, its name, and the links at its ends."""
+def _connections(draft: "Draft", names: "DraftNames") -> Iterator[tuple["DraftJoint | DraftClosure", str, str, str]]:
+    """Each joint and closure, its name, the links at its ends, and whether it closes a loop, in words."""
     for joint, name in zip(draft.joints, names.joints, strict=True):
-        yield joint, name, f"{names.links[joint.parent]} -> {names.links[joint.child]}"
+        yield joint, name, f"{names.links[joint.parent]} -> {names.links[joint.child]}", ""
     for closure, name in zip(draft.closures, names.closures, strict=True):
-        yield closure, name, f"{names.links[closure.link_a]} - {names.links[closure.link_b]}{_CLOSES}"
+        yield closure, name, f"{names.links[closure.link_a]} - {names.links[closure.link_b]}", ", closes a loop"
 
 
-def _reviewed(connections: Sequence[tuple["DraftJoint | DraftClosure", str, str]], *, verbose: bool) -> list[str]:
-    """Each joint with its doubts; of several with the same ones, as in equal limbs, the first and further names."""
+def _reviewed(draft: "Draft", names: "DraftNames", *, verbose: bool) -> list[str]:
+    """Each joint to review, or all, with its doubts; of several with the same ones, as in equal limbs, the first."""
     groups: dict[tuple[str, ...], list[tuple[str, str]]] = {}
-    for one, name, ends in connections:
+    for one, name, ends, loop in _connections(draft, names):
+        if not (verbose or one.is_reviewed):
+            continue
         facts = _facts(one, verbose=verbose)
         score = f"score {one.confidence.score:.2f}{'  REVIEW' * one.is_reviewed}"
         key = (name,) if verbose or not facts else (one.written, score, facts)
-        line = f"  {printable(name)}: {one.written}, {printable(ends)}, {score}"
+        line = f"{one.written}, {printable(ends)}{loop}, {score}"
         groups.setdefault(key, []).append((name, f"{line}\n    {printable(facts)}" if facts else line))
-    lines = []
-    for (_, first), *others in groups.values():
-        lines.append(first)
-        if others:
-            lines.append(f"    the same: {', '.join(printable(name) for name, _ in others)}")
-    return lines
+    return [line for rows in groups.values() for line in _alike(rows, "  ", ": ")]
+
+
+def _alike(rows: Sequence[tuple[str, str]], indent: str, mark: str) -> list[str]:
+    """The name of the first row and what all of them share, then the names of the others."""
+    (name, text), *others = rows
+    lines = [f"{indent}{printable(name)}{mark}{text}"]
+    return [*lines, f"{indent}  the same: {', '.join(printable(name) for name, _ in others)}"] if others else lines
 
 
 def _facts(one: "DraftJoint | DraftClosure", *, verbose: bool) -> str:
@@ -190,18 +191,14 @@ def _fused(draft: "Draft", names: Sequence[str], *, verbose: bool) -> list[str]:
     """Parts that look movable and were fused; how to free them."""
     if not draft.fused:
         return []
-    groups: dict[tuple[str, ...], list[str]] = {}
+    groups: dict[tuple[str, ...], list[tuple[str, str]]] = {}
     for one, name in zip(draft.fused, names, strict=True):
-        held = f"({one.type}) in '{printable(one.link)}', held by: {printable(one.held)}"
-        groups.setdefault((name,) if verbose else (one.type, one.held), []).extend((printable(name), held))
+        text = f"({one.type}) in '{printable(one.link)}', held by: {printable(one.held)}"
+        groups.setdefault((name,) if verbose else (one.type, one.held), []).append((name, text))
     shown = [*groups.values()][: None if verbose else _FUSED]
-    more = len(draft.fused) - sum(len(one) for one in shown) // 2
+    more = len(draft.fused) - sum(len(rows) for rows in shown)
     head = f"  fused, though {counted(len(draft.fused), 'part')} might move: uncomment the lines of a part to free it"
-    lines = [head]
-    for name, held, *others in shown:
-        lines.append(f"    {name} {held}")
-        if others:
-            lines.append(f"      the same: {', '.join(others[::2])}")
+    lines = [head, *(line for rows in shown for line in _alike(rows, "    ", " "))]
     return [*lines, f"    {more} more; -v shows them"] if more else lines
 
 

@@ -80,15 +80,10 @@ def command(
     compared = 0
     with progress_bar(options=options) as progress:
         for path in paths:
-            written = filled.get(resolved(path))
-            folders = (
-                list(written.items())
-                if written
-                else [
-                    (_folder(output or "{name}", robot_name(path, variant), path), variant)
-                    for variant in ("", *variants_of(path))
-                ]
-            )
+            folders = list(filled.get(resolved(path), {}).items()) or [
+                (_folder(output or "{name}", robot_name(path, variant), path), variant)
+                for variant in ("", *variants_of(path))
+            ]
             for folder, variant in folders:
                 model = model_of(folder, formats) if gazebo else ""
                 asked = options._replace(output=folder, gazebo=model, variant=variant)

@@ -23,6 +23,7 @@ _OF_LOCKED = (
     *(Quantity.JOINTS, Quantity.AXES, Quantity.LIMITS, Quantity.DYNAMICS, Quantity.MIMIC, Quantity.POSES),
     *(Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS, Quantity.INITIAL),
 )
+"""Quantities in which a joint that its limits lock differs from a fixed one."""
 _UNLIMITED = (
     *(("lower", -inf), ("upper", inf), ("velocity", inf), ("effort", inf)),
     *(("acceleration", inf), ("deceleration", inf), ("jerk", inf)),
@@ -47,17 +48,20 @@ def tree_of(description: Description, found: list[Finding]) -> tuple[list[Joint]
 def surroundings_of(description: Description) -> frozenset[str]:
     """Links of what lies loose around the robot: trees without joints that move freely beside one with joints.
 
-    If the robot itself moves freely, those that stand in the world are not part of it either. What a closure or a mimic
-    of the robot holds is.
+    If the robot itself moves freely, those that stand in the world are not part of it either. What a closure of the
+    robot holds is.
     """
     seen = description.observation
-    above = {joint.child: joint for joint in seen.joints}
-    roots = {}
+    if not description.free_roots:
+        return frozenset()
+    above = {joint.child: joint.parent for joint in seen.joints}
+    roots: dict[str, str] = {}
     for link in seen.links:
-        one = link.name
-        for _ in seen.links:
-            one = above[one].parent if one in above else one
-        roots[link.name] = one
+        one, way = link.name, dict[str, None]()
+        while one in above and one not in roots and one not in way:
+            way[one] = None
+            one = above[one]
+        roots |= dict.fromkeys((*way, one), roots.get(one, one))
     jointed = {roots[joint.child] for joint in seen.joints if joint.kind != JointKind.FIXED}
     held = {roots.get(link) for one in seen.closures or () for link in (one.link_a, one.link_b)}
     free, loose = set(description.free_roots), set(roots.values()) - jointed - held
@@ -253,11 +257,11 @@ def with_locked_fixed(joints: Sequence[Joint], of_urdf: bool, found: list[Findin
         if joint.kind in MOVING and joint.mimic is None and joint.limit.lower == joint.limit.upper:
             at[joint.name] = joint.limit.lower
             text[joint.name] = f"joint '{joint.name}': lower and upper limit are both {joint.limit.lower:g}"
-    followers = [joint for joint in joints if joint.mimic is not None] if at else []
-    for joint in followers * len(followers):  # chains of followers, in any order
-        if joint.mimic is not None and joint.mimic.joint in at and joint.name not in at:
-            at[joint.name] = joint.mimic.multiplier * at[joint.mimic.joint] + joint.mimic.offset
-            text[joint.name] = f"joint '{joint.name}' mimics '{joint.mimic.joint}', which cannot move"
+    followers = {joint.name: joint.mimic for joint in joints if joint.mimic is not None}
+    while held := {name: mimic for name, mimic in followers.items() if mimic.joint in at and name not in at}:
+        for name, mimic in held.items():
+            at[name] = mimic.multiplier * at[mimic.joint] + mimic.offset
+            text[name] = f"joint '{name}' mimics '{mimic.joint}', which cannot move"
     for name, q in at.items():
         differs = () if of_urdf and q == 0.0 else _OF_LOCKED
         found.append(Finding(OPEN_LIMIT, f"{text[name]}: converted to a fixed joint", differs))

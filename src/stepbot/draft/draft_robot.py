@@ -204,9 +204,11 @@ class _Drafting:
 
     def _rolls(self, tree: Sequence[TreeJoint]) -> bool:
         """Whether nothing fixes the root to the ground: two wheels turn on it, or on any links what all stands on."""
+        turning = [arc for arc in tree if self._is_wheel(arc, self._wheels)]
+        if len(turning) < 2 or len([arc for arc in turning if arc.parent == self._found.root]) > 1:
+            return len(turning) > 1
         standing = dict(rolling(self._found.survey))
-        on_root = [arc for arc in tree if arc.parent == self._found.root and self._is_wheel(arc, self._wheels)]
-        return len(on_root) > 1 or len([arc for arc in tree if self._is_wheel(arc, standing)]) > 1
+        return len([arc for arc in turning if self._is_wheel(arc, standing)]) > 1
 
     def _is_wheel(self, arc: TreeJoint, known: Collection[int]) -> bool:
         """Whether a joint turns one of the known wheels about its axis of symmetry."""

@@ -11,10 +11,10 @@ from pathlib import Path
 
 from stepbot.compose.pruning import elements
 from stepbot.described.assumed import check_inertials, lacking, with_assumed
-from stepbot.described.finding import ASSUMED, Finding
+from stepbot.described.finding import ASSUMED, UNSUPPORTED, Finding
 from stepbot.described.robot import Described, robot_of_description
 from stepbot.diagnostics import Diagnostics, Ignore, Span
-from stepbot.engines.description import NO_INERTIA, Description
+from stepbot.engines.description import Description
 from stepbot.engines.workers import check_required
 from stepbot.formats import format_named
 from stepbot.robot.gains import tuned
@@ -140,10 +140,13 @@ def _robot(
         found.add("SB872", f"textures or further colours of meshes not converted: {meshes}", span)
     if options.assume_inertia:
         described = _with_assumed(described, options)
-    half = [one for one in described.findings if one.text.endswith(NO_INERTIA)]
+    without_inertia = () if options.assume_inertia else description.without_inertia
+    for link in without_inertia:
+        text = f"link '{link}': <inertial> has a mass and no <inertia>"
+        help = ["state it, or `--assume-inertia DENSITY` computes it from the geometry"]
+        found.add(UNSUPPORTED, text, place_of(text, path, description), help=help)
     for one in described.findings:
-        help = ["state it, or `--assume-inertia DENSITY` computes it from the geometry"] if one in half else []
-        found.add(one.code, one.text, place_of(one.text, path, description), help=help)
+        found.add(one.code, one.text, place_of(one.text, path, description))
     computed = {one.text.split("'")[1] for one in described.findings if one.code == ASSUMED}
     links = ", ".join(f"'{link}'" for link in description.assumed if link not in computed | described.surroundings)
     if links:
@@ -174,7 +177,7 @@ def _robot(
     check_robot(described.robot, judged, span, massless_between=True)
     if not judged.has_errors:
         check_inertials(described.robot, judged, span)
-    subjects = (*(f"link '{link}': " for link in replaced), *(one.text.removesuffix(NO_INERTIA) for one in half))
+    subjects = tuple(f"link '{link}': " for link in (*replaced, *without_inertia))
     found.extend(one for one in judged if not one.message.startswith(subjects))
     found.raise_if_errors()
     robot = _tuned(described.robot, span, found)
@@ -186,8 +189,7 @@ def _with_assumed(described: Described, options: Options) -> Described:
     robot, findings = described.robot, list[Finding]()
     solids = options.workers.call("stepbot.described.assumed:solids_of", lacking(robot))
     robot = with_assumed(robot, solids, options.assume_inertia, findings)
-    given = (one for one in described.findings if not one.text.endswith(NO_INERTIA))
-    return replace(described, robot=robot, findings=(*given, *findings))
+    return replace(described, robot=robot, findings=(*described.findings, *findings))
 
 
 def computed_gains(actuator: Actuator) -> str:

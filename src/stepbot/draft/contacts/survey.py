@@ -154,8 +154,9 @@ class Survey:
     @cached_property
     def one_part(self) -> list[list[int]]:
         """The bodies of each product with several, but for one that has all: no placement moves them apart."""
-        found = {tuple(self.bodies_of_same_part(i)) for i in self.parts}
-        return [list(bodies) for bodies in sorted(found) if 1 < len(bodies) < len(self.parts)]
+        one_of_each = {self.assembly.components[i].parent: i for i in self.parts}
+        found = map(self.bodies_of_same_part, one_of_each.values())
+        return sorted(bodies for bodies in found if 1 < len(bodies) < len(self.parts))
 
     def has_screw_at(self, axis: Axis) -> bool:
         """Whether a screw is on a line, near the given position."""

@@ -3,6 +3,6 @@
 Unlike an engine it needs no meshes: a shape whose file is missing, or of an unsupported type, is listed and left out.
 """
 
-from .description import NO_INERTIA, DescribedShape, Description
+from .description import DescribedShape, Description
 
-__all__ = ["NO_INERTIA", "DescribedShape", "Description"]
+__all__ = ["DescribedShape", "Description"]

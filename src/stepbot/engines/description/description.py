@@ -77,10 +77,6 @@ def _scaled(mesh: TriMesh, scale: tuple[float, ...]) -> TriMesh:
     return TriMesh.of(mesh.vertices * scale, faces)
 
 
-NO_INERTIA = "<inertial> has a mass and no <inertia>"
-"""What is wrong with a link of a URDF that ROS, MuJoCo and PyBullet reject."""
-
-
 @dataclass(frozen=True, eq=False)
 class DescribedShape:
     """A visual or a collision of a link."""
@@ -150,6 +146,8 @@ class Description:
     """Settings that the file states."""
     assumed: tuple[str, ...] = ()
     """Links whose mass properties the file does not give: the format defines them otherwise."""
+    without_inertia: tuple[str, ...] = ()
+    """Links with a mass and no inertia: ROS, MuJoCo and PyBullet reject a URDF with one."""
     open_limits: tuple[OpenLimit, ...] = ()
     """Position limits that are missing, although the format requires them."""
     expanded: bytes = b""

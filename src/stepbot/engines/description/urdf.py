@@ -19,7 +19,7 @@ from ..observation import EngineRefused, Observation, Request
 from ..urdf_extensions.observer import initial_positions
 from ..urdf_versions import EXTRA_LIMITS, extra_limits, newer_than_stated, with_rpy
 from ..xml import Element, xml_root
-from .description import NO_INERTIA, DescribedShape, Description, MeshFiles
+from .description import DescribedShape, Description, MeshFiles
 from .urdf_structure import check_structure, open_limits
 from .urdf_vocabulary import BULLET, URDF
 
@@ -54,7 +54,7 @@ def describe_urdf(file: str, packages: Iterable[Path] = ()) -> Description:
         assumed=tuple(_name(link) for link in top.findall("link") if _is_unweighed(link)),
         open_limits=tuple(open_limits(top)),
         newer=newer,
-        unsupported=tuple(f"link '{_name(link)}': {NO_INERTIA}" for link in top.findall("link") if _is_half(link)),
+        without_inertia=tuple(_name(link) for link in top.findall("link") if _lacks_inertia(link)),
     )
 
 
@@ -83,8 +83,8 @@ def _with_extensions(seen: Observation, blocks: Observation, extra: Mapping[str,
     )
 
 
-def _is_half(link: Element) -> bool:
-    """Whether a link has a mass and no inertia: ROS, MuJoCo and PyBullet reject the file."""
+def _lacks_inertia(link: Element) -> bool:
+    """Whether a link has a mass and no inertia."""
     mass = link.find("inertial/mass")
     return mass is not None and float(mass.get("value", 0.0)) != 0.0 and link.find("inertial/inertia") is None
 

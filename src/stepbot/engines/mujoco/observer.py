@@ -150,7 +150,7 @@ def _without_inferred_masses(spec: Any) -> tuple[str, ...]:
     MuJoCo computes the mass of these from the volume of their collisions and a density of 1000 kg/m^3.
     """
     unstated = [body for body in spec.bodies if body.name != "world" and not body.explicitinertial]
-    inferred = [body.name.replace(WORLD_LINK, "world") for body in unstated if body.geoms]
+    inferred = ["world" if body.name == WORLD_LINK else body.name for body in unstated if body.geoms]
     for body in unstated:
         body.explicitinertial, body.mass, body.inertia, body.ipos = True, 0.0, [0.0] * 3, [0.0] * 3
     names = ", ".join(inferred)
