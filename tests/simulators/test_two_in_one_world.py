@@ -64,6 +64,7 @@ def _world(files: list[Path], path: Path) -> Path:
         model = etree.parse(str(file)).getroot().find("model")
         assert model is not None
         model.set("name", side)
+        etree.strip_elements(model, "gz_frame_id")  # Drake rejects it, as docs/use-it-in.md states
         for uri in model.iter("uri"):
             uri.text = (file.parent / (uri.text or "")).resolve().as_posix()
         world.append(model)
