@@ -126,6 +126,30 @@ def test_name_type_and_range_of_a_joint(page: Page, edited: Callable[[str], Sess
     assert "rocker_swing: {type: continuous, parent: ground, child: rocker, axis: -z}" in text_of(session, cache)
 
 
+def test_a_screw_and_a_universal_joint(page: Page, edited: Callable[[str], Session], cache: Path) -> None:
+    """A type that needs a value has a field for it, of a joint that exists and of a new one; nothing else has."""
+    session = edited(PARTS_OF_THE_ROOT)
+    page.run("stepbot.state.select({connection: 'crank_turn'})")
+    assert not page.element("#card [data-edit=needed]").is_displayed()
+    enter(page, "[data-edit=type]", "screw")
+    assert page.element("#card [data-edit=needed]").is_displayed()
+    enter(page, "[data-edit=needed]", "soon")
+    page.wait("return document.querySelector('#notice').textContent.includes('soon')")
+    assert session.target.read_text(encoding="utf-8") == PARTS_OF_THE_ROOT
+    enter(page, "[data-edit=type]", "screw")
+    enter(page, "[data-edit=needed]", "2 mm/rev")
+    page.wait("return stepbot.state.find({connection: 'crank_turn'}).kind === 'screw'")
+    assert "    axis: -z\n    pitch: 2 mm/rev\n" in text_of(session, cache)
+    assert not page.element("#card [data-edit=needed]").is_displayed()
+    pick(page, "crank", "coupler")
+    lines(page, "#joint-form")
+    enter(page, "#joint-form [data-edit=kind]", "universal")
+    enter(page, "#joint-form [data-edit=needed]", "x")
+    press(page, "add")
+    page.wait("return stepbot.state.find({connection: 'coupler_joint'})?.kind === 'universal'")
+    assert "axis2: x" in text_of(session, cache).split("coupler_joint:")[1]
+
+
 def test_review_marks_are_those_of_the_sidecar(page: Page, edited: Callable[[str], Session]) -> None:
     """A drafted joint has a question mark while its REVIEW comment is there; its axis is given in the STEP's frame."""
     session = edited(PARTS_OF_THE_ROOT)

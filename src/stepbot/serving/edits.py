@@ -14,19 +14,20 @@ from stepbot.sidecar.draft_comments import (
     without_questions,
     without_reviews,
 )
-from stepbot.sidecar.editing import Annotate, Append, CannotEdit, Change, Put, Remove, value_of
+from stepbot.sidecar.editing import Annotate, Append, Change, Put, Remove
 from stepbot.sidecar.ignored import KEY as IGNORED
 from stepbot.sidecar.ignored import can_ignore
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.tree import ELEMENTS, Keys, Mapping, plain_data, way
 
-from .joint_edits import KINDS, WITH_LIMITS, change_type, choose_line, confirm, flip, set_limits, stops_gone
+from .joint_edits import WITH_LIMITS, change_type, choose_line, confirm, flip, kind_of, set_limits, stops_gone
 from .local_server import Refused
 from .questions import (
     NAMED,
     Json,
     limits,
     names_of,
+    one_line,
     origin,
     paths,
     references_to_links,
@@ -36,8 +37,6 @@ from .questions import (
     text,
 )
 
-_LONGEST = 4000
-"""Characters of a value."""
 _DEEPEST = 8
 """Keys on the way to a value."""
 _OF_MASS = ("density", "mass", "material")
@@ -113,7 +112,7 @@ def drive(sidecar: Sidecar, question: Json) -> list[Change]:
         raise Refused("the draft has no actuator of these joints")
     entries: list[Change] = []
     for one in [] if question.get("drop") is True else drafted:
-        value = _value({"text": one.values})
+        value = one_line(one.values)
         if question.get("motor"):
             value["motor"] = text(question, "motor").strip()
         entries.append(Put(("actuators", one.name), value))
@@ -144,15 +143,7 @@ def _has_other(sidecar: Sidecar, keys: Keys) -> bool:
 def _value(question: Json) -> Any:
     if "value" in question:
         return question["value"]
-    written = text(question, "text").strip()
-    if not written:
-        return None
-    if len(written) > _LONGEST or not written.isprintable():
-        raise Refused("a value is one line")
-    try:
-        return value_of(written)
-    except CannotEdit as error:
-        raise Refused(str(error)) from error
+    return one_line(text(question, "text"))
 
 
 _REVERSIBLE = (*kinds_with(is_pair=True), "fixed")
@@ -259,20 +250,18 @@ def _assigned(document: Document, parts: Sequence[str], link: str) -> list[Chang
 
 
 def _add_joint(sidecar: Sidecar, question: Json) -> list[Change]:
-    """``{name, kind, parent, child, origin, lower, upper, paths}``; ``paths`` become the child if it is new."""
+    """``{name, kind, needed, parent, child, origin, lower, upper, paths}``; ``paths`` become the child if it is new."""
     document = sidecar.document
-    name, kind = text(question, "name").strip(), text(question, "kind")
-    parent, child = text(question, "parent"), text(question, "child").strip()
+    name, parent, child = (text(question, key).strip() for key in ("name", "parent", "child"))
+    kind, needed = kind_of(question)
     require_portable(name)
     if child not in document.links:
         require_portable(child)
     require_free(document, "joints", name)
-    if kind not in KINDS:
-        raise Refused(f"no joints of type '{kind}' here; edit the sidecar")
     if parent not in document.links:
         raise Refused(f"no link '{parent}'")
     changes = [] if child in document.links else _assigned(document, paths(question), child)
-    joint: Json = {"type": kind, "parent": parent, "child": child}
+    joint: Json = {"type": kind.value, "parent": parent, "child": child, **needed}
     if question.get("origin") is not None:
         joint["origin"] = origin(question["origin"])
     if kind in WITH_LIMITS:

@@ -10,10 +10,9 @@ from stepbot.sidecar.text import file_name
 from stepbot.sidecar.tree import plain_data
 
 from .local_server import Refused
-from .questions import Json, axis, limits, selectors, text
+from .questions import Json, axis, limits, one_line, selectors, text
 
 WITH_LIMITS = kinds_with(bounded=True)
-KINDS = kinds_with(needs="")
 _TURNING = kinds_with(is_hinge=True)
 _BOUNDS = ("lower", "upper")
 
@@ -49,15 +48,17 @@ def flip(sidecar: Sidecar, question: Json) -> list[Change]:
 
 
 def change_type(sidecar: Sidecar, question: Json) -> list[Change]:
-    """``{joint, kind}``; limits that do not fit the new type go, and `todo` takes their place where it needs some."""
-    name, kind = _joint(sidecar, question), text(question, "kind")
-    former = sidecar.document.joints[name].type.value
-    if kind not in KINDS:
-        raise Refused(f"no joints of type '{kind}' here; edit the sidecar")
+    """``{joint, kind, needed}``; limits that do not fit the new type go, `todo` takes their place where it needs some."""
+    name = _joint(sidecar, question)
+    kind, needed = kind_of(question)
+    former = sidecar.document.joints[name].type
     if kind == former:
         return []
     place, written = ("joints", name), _written(sidecar, "joints", name)
-    changes: list[Change] = [Put((*place, "type"), kind)]
+    changes: list[Change] = [Put((*place, "type"), kind.value)]
+    changes += [Put((*place, key), value) for key, value in needed.items()]
+    if former.needs in written:
+        changes.append(Remove((*place, former.needs)))
     bounds = written.get("limits")
     # Limits of a description stay with its type, and give way to another one.
     others = (
@@ -73,9 +74,23 @@ def change_type(sidecar: Sidecar, question: Json) -> list[Change]:
         changes.append(Put((*place, "limits"), "todo"))
     elif bounds is not None:
         changes.append(Remove((*place, "limits")))
-    if not JointKind(kind).has_axis and "axis" in written:
+    if not kind.has_axis and "axis" in written:
         changes.append(Remove((*place, "axis")))
     return [*changes, *(stops_gone(sidecar, name) if "prismatic" in (kind, former) else [])]
+
+
+def kind_of(question: Json) -> tuple[JointKind, Json]:
+    """The type at ``kind``, and what it needs beside its axis: the value at ``needed``, as YAML on one line."""
+    name = text(question, "kind")
+    if name not in list(JointKind):
+        raise Refused(f"no joint type '{name}'")
+    kind = JointKind(name)
+    if not kind.needs:
+        return kind, {}
+    value = None if question.get("needed") is None else one_line(text(question, "needed"))
+    if value is None:
+        raise Refused(f"a {kind} joint needs `{kind.needs}`")
+    return kind, {kind.needs: value}
 
 
 def choose_line(sidecar: Sidecar, question: Json) -> list[Change]:

@@ -9,7 +9,7 @@ from typing import Any
 
 from stepbot.robot.mesh_names import free_name
 from stepbot.sidecar.document import Document, ExplicitOrigin
-from stepbot.sidecar.editing import Change, Put, Rename
+from stepbot.sidecar.editing import CannotEdit, Change, Put, Rename, value_of
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.origins import Origin
 from stepbot.sidecar.tree import Keys
@@ -17,6 +17,8 @@ from stepbot.sidecar.tree import Keys
 from .local_server import Refused
 
 Json = dict[str, Any]
+_LONGEST = 4000
+"""Characters of a value."""
 
 
 def text(question: Json, key: str) -> str:
@@ -25,6 +27,19 @@ def text(question: Json, key: str) -> str:
     if not isinstance(value, str):
         raise Refused(f"'{key}' is missing")
     return value
+
+
+def one_line(written: str) -> Any:
+    """The value that a text means as YAML on one line; None for an empty one."""
+    written = written.strip()
+    if not written:
+        return None
+    if len(written) > _LONGEST or not written.isprintable():
+        raise Refused("a value is one line")
+    try:
+        return value_of(written)
+    except CannotEdit as error:
+        raise Refused(str(error)) from error
 
 
 def paths(question: Json) -> list[str]:

@@ -118,7 +118,7 @@ def scene_document(
         "joint_types": {
             kind.value: {
                 "hinge": kind.is_hinge,
-                "complete": not kind.needs,
+                "needs": kind.needs,
                 "bounded": kind.bounded,
                 "closes": kind.closes,
             }

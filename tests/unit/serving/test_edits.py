@@ -9,6 +9,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.robot.joint_types import JointKind
 from stepbot.serving.edits import changes_of
 from stepbot.serving.local_server import Refused
 from stepbot.sidecar.check import check_sidecar
@@ -279,6 +280,26 @@ def test_joints_come_and_go(sidecar: Sidecar) -> None:
         changes_of(sidecar, {"action": "remove_joint", "joint": "elbow"})
 
 
+def test_a_type_comes_with_what_it_needs(sidecar: Sidecar) -> None:
+    """A screw gets its pitch and a universal joint its second axis with the type, and other types lose them."""
+    screw = after(TEXT, action="type", joint="lift", kind="screw", needed="2 mm/rev")
+    joint = parsed(screw).document.joints["lift"]
+    assert (joint.type, joint.pitch) == (JointKind.SCREW, pytest.approx(2e-3 / math.tau))
+    assert "limits" not in screw.split("lift")[1]
+    universal = after(screw, action="type", joint="lift", kind="universal", needed="[1, 0, 0]")
+    joint = parsed(universal).document.joints["lift"]
+    assert (joint.type, joint.pitch, joint.axis2) == (JointKind.UNIVERSAL, None, (1.0, 0.0, 0.0))
+    assert after(universal, action="type", joint="lift", kind="prismatic") == TEXT
+    made = {"parent": "hand", "child": "jaw", "paths": ["jaw"], "kind": "screw"}
+    added = parsed(after(TEXT, action="add_joint", name="nut", needed="-1 mm/rev", **made)).document.joints["nut"]
+    assert added.pitch == pytest.approx(-1e-3 / math.tau)
+    for needed in (None, " "):
+        with pytest.raises(Refused, match="a screw joint needs `pitch`"):
+            changes_of(sidecar, {"action": "type", "joint": "lift", "kind": "screw", "needed": needed})
+    with pytest.raises(Refused, match="no joint type 'hinge'"):
+        changes_of(sidecar, {"action": "type", "joint": "lift", "kind": "hinge"})
+
+
 _JSON = st.recursive(
     st.none()
     | st.booleans()
@@ -296,6 +317,7 @@ _KEYS = (
     "near",
     "name",
     "kind",
+    "needed",
     "parent",
     "child",
     "paths",

@@ -10,6 +10,7 @@ import { mistyped, parsed } from "./numbers.js";
 const { state } = app;
 
 const FORMS = { mate: (a, b) => ({ mate: [a, b] }), auto: () => ({ auto: true }), second: (a, b) => ({ axis_of: b }), first: (a) => ({ axis_of: a }) };
+const EXAMPLES = { pitch: "2 mm/rev", axis2: "x" };
 const PARTS = { second: (a, b) => b, first: (a) => a };
 
 // Between the first picked part, on the parent link, and the second. That becomes a link of its own, or the joint
@@ -21,6 +22,7 @@ export function jointForm([a, b]) {
   const child = element("input", { type: "text", value: state.free(nameOf(b)), "data-edit": "child" });
   const name = element("input", { type: "text", "data-edit": "name" });
   const kind = choice([], undefined, { "data-edit": "kind" });
+  const needed = neededField();
   const lower = element("input.number", { type: "text", value: "-90", "data-edit": "lower" });
   const upper = element("input.number", { type: "text", value: "90", "data-edit": "upper" });
   const unit = element("span.quiet", { "data-edit": "unit" });
@@ -45,6 +47,7 @@ export function jointForm([a, b]) {
   }
   function retype() {
     range.hidden = !isLimited();
+    needed.show(kind.value);
     unit.textContent = kind.value === "prismatic" ? "mm (a guess)" : "° (a guess)";
   }
   function draw() {
@@ -62,7 +65,7 @@ export function jointForm([a, b]) {
     if (isLimited() && wrong) return say(mistyped(joint, wrong[0].value));
     const line = origin.value === "" ? null : lines[Number(origin.value)];
     const made = await edit(closes() ? "add_closure" : "add_joint", {
-      name: name.value, kind: kind.value, parent, child: closes() ? other : child.value, paths: [b],
+      name: name.value, kind: kind.value, needed: needed.value(), parent, child: closes() ? other : child.value, paths: [b],
       origin: line ? { ...FORMS[line.form](a, b), radius: line.radius, near: line.near } : null,
       lower: low, upper: high,
     });
@@ -83,7 +86,20 @@ export function jointForm([a, b]) {
   }).catch((error) => say(error.message));
   retarget();
   return submits(element("div.form", { id: "joint-form" }, title, element("p.quiet", {}, `from ${parent}`),
-    field("to", target), childField, field("name", name), field("type", kind), element("div.field", {}, element("span", {}, "axis"), element("div", {}, origin)), words, range, add), add);
+    field("to", target), childField, field("name", name), field("type", kind), needed.node, element("div.field", {}, element("span", {}, "axis"), element("div", {}, origin)), words, range, add), add);
+}
+
+// What a type needs beside its axis, as the sidecar writes it: the pitch of a screw.
+export function neededField() {
+  const box = element("input", { type: "text", "data-edit": "needed" });
+  const label = element("span");
+  const node = element("label.field", { hidden: true }, label, box);
+  const show = (kind) => {
+    const key = state.scene.joint_types[kind]?.needs ?? "";
+    [node.hidden, label.textContent, box.placeholder] = [!key, key, EXAMPLES[key] ?? ""];
+    return !node.hidden;
+  };
+  return { node, box, show, value: () => (node.hidden ? null : box.value) };
 }
 
 // The last name of a path, as a name of a link.

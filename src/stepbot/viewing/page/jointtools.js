@@ -4,6 +4,7 @@ import { edit, nextClick, rename, say } from "./changes.js";
 import { element } from "./dom.js";
 import { bound, button, choice, field, options } from "./form.js";
 import { followTools } from "./following.js";
+import { neededField } from "./jointform.js";
 import { limitTools } from "./limittools.js";
 import { ask, faceOf } from "./live.js";
 import { app } from "./main.js";
@@ -105,13 +106,27 @@ export function nameField(what, label, former) {
 function typeField(current) {
   const select = choice([]);
   select.dataset.edit = "type";
-  const keep = bound(select, () => current().kind, (kind) => edit("type", () => ({ joint: current().name, kind })));
+  const needed = neededField();
+  const change = (kind) => edit("type", () => ({ joint: current().name, kind, needed: needed.value() }));
+  let waiting = () => {};
+  const keep = bound(select, () => current().kind, (kind) => {
+    waiting();
+    if (!needed.show(kind) || kind === current().kind) return change(kind);
+    needed.box.value = "";
+    needed.box.focus();
+    return new Promise((resolve) => (waiting = resolve)); // for what it needs
+  });
+  needed.box.addEventListener("change", async () => {
+    await change(select.value);
+    waiting();
+  });
   const update = () => {
     const kinds = [...new Set([current().kind, ...state.kinds(false)])];
     if (select.length !== kinds.length) options(select, kinds.map((kind) => [kind, kind]), select.value);
     keep();
+    needed.show(select.value === current().kind ? "" : select.value);
   };
-  return { node: field("type", select), update };
+  return { node: element("div.form", {}, field("type", select), needed.node), update };
 }
 
 // The lines that could be its axis: choosing one writes the origin.

@@ -17,7 +17,7 @@ export class State {
   // The types that an edit may give a joint, or a closure.
   kinds(closes) {
     const types = Object.entries(this.scene.joint_types);
-    return types.filter(([, one]) => (closes ? one.closes : one.complete)).map(([kind]) => kind);
+    return types.filter(([, one]) => !closes || one.closes).map(([kind]) => kind);
   }
 
   // Show a scene; joints of the same name keep their positions where the new robot allows it.
