@@ -150,6 +150,34 @@ def test_a_screw_and_a_universal_joint(page: Page, edited: Callable[[str], Sessi
     assert "axis2: x" in text_of(session, cache).split("coupler_joint:")[1]
 
 
+FUSED = PARTS_OF_THE_ROOT.replace(
+    "joints:\n",
+    """  # Fused parts that look movable. To free one, uncomment it and its joint, and take it off its link.
+  # coupler: {parts: [coupler]}
+joints:
+""",
+) + (
+    "  # fused: 'coupler' and 'crank' are one link: round face on a face\n"
+    "  # coupler_joint: {type: continuous, parent: crank, child: coupler, origin: auto}  # score 0.40: round face\n"
+)
+
+
+def test_a_fused_part_is_freed(page: Page, edited: Callable[[str], Session], cache: Path) -> None:
+    """A part that `init` drafted as fixed is a question: its place selects it, and `it moves` gives it its joint."""
+    session = edited(FUSED)
+    page.tab("todo")
+    page.wait("return document.querySelector('[data-kind=fused]')")
+    assert "Does it move? coupler" in page.text("[data-kind=fused]")
+    page.element("[data-kind=fused] .place").click()
+    assert str(page.run("return stepbot.state.selection.component")).endswith("coupler")
+    page.element("[data-kind=fused] [data-decide=free]").click()
+    page.wait("return stepbot.state.find({connection: 'coupler_joint'})?.kind === 'continuous'")
+    text = text_of(session, cache)
+    assert "  coupler: {parts: [coupler]}\n" in text
+    assert "fused" not in text.lower()
+    page.wait("return !document.querySelector('[data-kind=fused]')")
+
+
 def test_review_marks_are_those_of_the_sidecar(page: Page, edited: Callable[[str], Session]) -> None:
     """A drafted joint has a question mark while its REVIEW comment is there; its axis is given in the STEP's frame."""
     session = edited(PARTS_OF_THE_ROOT)

@@ -16,7 +16,13 @@ from stepbot.draft.text.densities import typical_densities
 from stepbot.pipeline.conversion import is_description
 from stepbot.pipeline.sidecars import LIBRARY
 from stepbot.robot.model import Module, Robot
-from stepbot.sidecar.draft_comments import drafted_actuators, drafted_questions, reviews
+from stepbot.sidecar.draft_comments import (
+    DraftedFused,
+    drafted_actuators,
+    drafted_fused,
+    drafted_questions,
+    reviews,
+)
 from stepbot.sidecar.editing import Annotate, Append, Change, Put, Remove, Rename
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.motors import catalogue_names
@@ -203,8 +209,8 @@ def decisions(sidecar: Sidecar, scene: Json) -> list[Json]:
 
     Each is ``{kind, keys, text, help, code, rank}``: ``keys`` lists the places of all elements that it is about.
     ``kind`` is ``question`` for those of `init --interactive`, ``axis`` for a joint on weak evidence, ``review`` for
-    another mark of the draft, ``todo`` for a placeholder, ``motor`` for actuators in comments of the draft, ``finding``
-    for a diagnostic.
+    another mark of the draft, ``todo`` for a placeholder, ``fused`` for parts that look movable, ``motor`` for
+    actuators in comments of the draft, ``finding`` for a diagnostic.
     """
     found = [*_questions(sidecar), *_axes(scene)]
     about = {tuple(keys) for one in found for keys in one["keys"]}
@@ -218,7 +224,7 @@ def decisions(sidecar: Sidecar, scene: Json) -> list[Json]:
             is_joint = keys[0] == "joints" and len(keys) == 3
             places[(kinds.get(str(keys[1])), keys[2]) if is_joint else keys].append(keys)
     found += [_decision("todo", equal, str(equal[0][-1])) for equal in places.values()]
-    found += _motors(sidecar)
+    found += [*_fused(sidecar), *_motors(sidecar)]
     listed = about | {keys[:2] for keys in todo}
     alike: dict[tuple[Any, ...], Json] = {}
     for one in scene.get("diagnostics", ()):
@@ -271,6 +277,17 @@ def _marks(sidecar: Sidecar, about: Container[Keys]) -> Iterator[Json]:
         equal[keys[0], of_contact, "; ".join(dict.fromkeys(text for text, _ in texts))].append(keys)
     for (_, of_contact, text), places in equal.items():
         yield _decision("review", places, text, rank=_FRICTION if of_contact else None)
+
+
+def _fused(sidecar: Sidecar) -> Iterator[Json]:
+    """Parts that look movable; those of one type that the same holds together."""
+    groups: dict[tuple[str, str], list[DraftedFused]] = defaultdict(list)
+    for one in drafted_fused(sidecar.text):
+        groups[str(one.values.get("type")), one.held.rpartition(": ")[2]].append(one)
+    for (kind, _), fused in groups.items():
+        text = "\n".join(f"{one.held}. Or {kind}, score {one.score}" for one in fused)
+        keys: list[Keys] = [("parts", one.parts[0]) for one in fused]
+        yield _decision("fused", keys, text, rank=_PLACES["joints"])
 
 
 def _motors(sidecar: Sidecar) -> Iterator[Json]:

@@ -10,7 +10,9 @@ from stepbot.robot.joint_types import kinds_with
 from stepbot.sidecar.document import Document
 from stepbot.sidecar.draft_comments import (
     drafted_actuators,
+    drafted_fused,
     without_actuators,
+    without_fused,
     without_questions,
     without_reviews,
 )
@@ -117,6 +119,20 @@ def drive(sidecar: Sidecar, question: Json) -> list[Change]:
             value["motor"] = text(question, "motor").strip()
         entries.append(Put(("actuators", one.name), value))
     return [*entries, Annotate((), without_actuators(joints))]
+
+
+def free(sidecar: Sidecar, question: Json) -> list[Change]:
+    """``{parts}``: links and joints in comments of the draft that free fused parts; with ``drop: true`` they go."""
+    wanted = names_of(question, "parts")
+    fused = [one for one in drafted_fused(sidecar.text) if not set(wanted).isdisjoint(one.parts)]
+    if not fused:
+        raise Refused("the draft has no joint of these parts")
+    changes: list[Change] = []
+    for one in [] if question.get("drop") is True else fused:
+        if str(one.values.get("parent")) not in sidecar.document.links:
+            raise Refused(f"link '{one.values.get('parent')}' is gone; put a joint between two parts")
+        changes += [*_assigned(sidecar.document, one.parts, one.link), Put(("joints", one.joint), one.values)]
+    return [*changes, Annotate((), without_fused({one.link for one in fused}))]
 
 
 def keys_of(question: Json) -> Keys:
@@ -318,5 +334,6 @@ _ACTIONS: dict[str, Callable[[Sidecar, Json], list[Change]]] = {
     "settle": confirm_marks,
     "ignore": ignore,
     "drive": drive,
+    "free": free,
     "keep_draft": keep_draft,
 }

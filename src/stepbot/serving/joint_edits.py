@@ -48,7 +48,7 @@ def flip(sidecar: Sidecar, question: Json) -> list[Change]:
 
 
 def change_type(sidecar: Sidecar, question: Json) -> list[Change]:
-    """``{joint, kind, needed}``; limits that do not fit the new type go, `todo` takes their place where it needs some."""
+    """``{joint, kind, needed}``; limits that do not fit the new type go, or become `todo` where it needs some."""
     name = _joint(sidecar, question)
     kind, needed = kind_of(question)
     former = sidecar.document.joints[name].type

@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite, radians
+from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
@@ -20,6 +21,9 @@ _NAME = r"\"[^\"]*\"|'[^']*'|[^,}]*"
 _ACTUATOR = re.compile(rf"#   (\S.*?): (\{{joint: ({_NAME})(?:, motor: ({_NAME}))?.*?\}})(?:  # REVIEW: (.*))?")
 _SCALAR = r"\"(?:[^\"\\]|\\.)*\"|[^\"\s].*?"
 _QUESTION = re.compile(rf"  # ({_SCALAR}): ({_SCALAR})  # as drafted; or (.*)")
+_FUSED = re.compile(r"  # fused: (.*)")
+_FREED = re.compile(rf"  # ({_SCALAR}): (\{{.*\}})(?:  # score (\d.*))?")
+_FUSED_HEAD = "  # Fused parts that look movable."
 _SCORE = re.compile(r" *# score \d")
 _ENTRY = re.compile(r"  (\S.*?):(?: .*)?$")
 
@@ -155,6 +159,68 @@ def without_actuators(joints: Container[str]) -> "Rewrite":
         return [None if at in gone else line for at, line in enumerate(lines)]
 
     return rewrite
+
+
+@dataclass(frozen=True)
+class DraftedFused:
+    """A part that looks movable and that `stepbot init` drafted as fixed, with the entries in comments that free it."""
+
+    link: str
+    parts: tuple[str, ...]
+    joint: str
+    values: dict[str, Any]
+    """Of the joint."""
+    held: str
+    """Between which parts, and what holds them."""
+    score: str
+    """Of the joint, with the evidence for it."""
+
+
+def drafted_fused(text: str) -> tuple[DraftedFused, ...]:
+    """The fused parts in comments; one whose entry was changed by hand is not among them."""
+    return tuple(one for one, _ in _fused(text.split("\n")))
+
+
+def without_fused(links: Container[str]) -> "Rewrite":
+    """Removes the entries that would free some links from the comments of a file, and with the last one the heads."""
+
+    def rewrite(lines: Sequence[str]) -> Sequence[str | None]:
+        entries = list(_fused(lines))
+        gone = {at for one, places in entries if one.link in links for at in places}
+        if gone and all(one.link in links for one, _ in entries):
+            gone |= {at for at, line in enumerate(lines) if line == "# joints:" or line.startswith(_FUSED_HEAD)}
+        return [None if at in gone else line for at, line in enumerate(lines)]
+
+    return rewrite
+
+
+def _fused(lines: Sequence[str]) -> Iterator[tuple[DraftedFused, set[int]]]:
+    """Fused parts, and the lines about each: its link, the reason, its joint."""
+    entries = {at: found for at, line in enumerate(lines) if (found := _FREED.fullmatch(line))}
+    values = {at: _mapping(found[2]) for at, found in entries.items()}
+    links = {_scalar(found[1]): at for at, found in entries.items() if set(values[at]) == {"parts"}}
+    for start, line in enumerate(lines):
+        if not (found := _FUSED.fullmatch(line)):
+            continue
+        at, held = start + 1, found[1]
+        while at < len(lines) and _CONTINUED.match(lines[at]):
+            held += f" {lines[at].lstrip(' #')}"
+            at += 1
+        joint = values.get(at, {})
+        link = str(joint.get("child"))
+        if link in links and entries[at][3]:
+            parts = values[links[link]]["parts"]
+            fused = DraftedFused(link, tuple(parts), _scalar(entries[at][1]), joint, held, entries[at][3])
+            yield fused, {links[link], *range(start, at + 1)}
+
+
+def _mapping(text: str) -> dict[str, Any]:
+    """A mapping of a comment; an empty one for a text that is none."""
+    try:
+        found = YAML(typ="safe", pure=True).load(text)
+    except YAMLError:
+        return {}
+    return found if isinstance(found, dict) else {}
 
 
 def _scalar(text: str) -> str:

@@ -1,4 +1,4 @@
-"""Motors that a draft has in comments become actuators in the page, and marks on lines below an element are settled."""
+"""What a draft has in comments becomes entries in the page: motors, fused parts; marks below an element are settled."""
 
 from typing import Any
 
@@ -104,3 +104,60 @@ def test_findings_of_actuators_are_ignored_once() -> None:
     """Actuators have no list of ignored codes: that of the robot gets the code once."""
     edits = [{"action": "ignore", "keys": ["actuators", name], "code": "SB524"} for name in ("pan", "tilt")]
     assert after(TEXT, action="all", edits=edits).count("SB524") == 1
+
+
+FUSED = """version: 1
+robot: press
+step: press.step
+links:
+  base: {rest: true}
+  jaw: {parts: [jaw, "pin #2"]}
+  # Fused parts that look movable. To free one, uncomment it and its joint, and take it off its link.
+  # knob: {parts: ["knob#1"]}
+  # "pin 2": {parts: ["pin #2"]}
+  # my own note: keep
+
+joints:
+  slide: {type: prismatic, parent: base, child: jaw, limits: todo}
+  # fused: 'knob#1' and 'base' are one link: pressed in by 0.02 mm, with a shoulder that is as wide as the whole collar
+  #   of the knob
+  # knob_joint: {type: continuous, parent: base, child: knob, origin: {xyz: [1 mm, 0, 0]}}  # score 0.40: shaft in bore
+  # fused: 'pin #2' and 'jaw' are one link: a screw through both
+  # "pin joint": {type: revolute, parent: jaw, child: "pin 2", limits: todo}  # score 0.30: round face
+  # mine: keep
+"""
+
+
+def test_a_fused_part_is_freed_or_stays() -> None:
+    """Its link and joint are written as drafted, its part leaves its list, and comments of the user stay."""
+    assert listed(FUSED)[:2] == [
+        (
+            "fused",
+            ["knob#1"],
+            "'knob#1' and 'base' are one link: pressed in by 0.02 mm, with a shoulder that is as wide as the whole"
+            " collar of the knob. Or continuous, score 0.40: shaft in bore",
+        ),
+        (
+            "fused",
+            ["pin #2"],
+            "'pin #2' and 'jaw' are one link: a screw through both. Or revolute, score 0.30: round face",
+        ),
+    ]
+    freed = after(FUSED, action="free", parts=["pin #2"])
+    document = parsed(freed).document
+    assert document.links["jaw"].parts == ("jaw",)
+    assert document.links["pin 2"].parts == ("pin #2",)
+    assert (document.joints["pin joint"].parent, document.joints["pin joint"].limits) == ("jaw", "todo")
+    assert '# "pin' not in freed
+    assert [one[1] for one in listed(freed) if one[0] == "fused"] == [["knob#1"]]
+    fixed = after(FUSED, action="free", parts=["knob#1", "pin #2"], drop=True)
+    kept = [line for line in FUSED.split("\n") if not line.startswith("  #") or "keep" in line]
+    assert fixed == "\n".join(kept)
+    with pytest.raises(Refused, match="no joint of these parts"):
+        after(fixed, action="free", parts=["knob#1"])
+    with pytest.raises(Refused, match="link 'base' is gone"):
+        after(
+            FUSED.replace("  base:", "  plate:").replace("parent: base, child: jaw", "parent: plate, child: jaw"),
+            action="free",
+            parts=["knob#1"],
+        )

@@ -64,7 +64,7 @@ def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = S
     fused = list(zip(draft.fused, names.freed, strict=True))[:_OFFERED]
     if fused:
         lines.append(
-            "  # Fused parts that look movable. To free one, uncomment its line here and the one under `joints`."
+            "  # Fused parts that look movable. To free one, uncomment it and its joint, and take it off its link."
         )
         lines += [f"  # {scalar(name)}: {flow([('parts', listed([one.moving]))])}" for one, name in fused]
         lines += _more(len(draft.fused) - len(fused))

@@ -35,7 +35,7 @@ export function decisionsPanel() {
 }
 
 const SECTIONS = new Set(["links", "joints", "closures", "frames", "actuators", "sensors", "parts", "materials"]);
-const TITLES = { axis: "Does it move like this?", review: "Is this right?", todo: "Not known yet", motor: "Does a motor drive it?", finding: "Finding" };
+const TITLES = { axis: "Does it move like this?", review: "Is this right?", todo: "Not known yet", fused: "Does it move?", motor: "Does a motor drive it?", finding: "Finding" };
 
 const kindOf = ({ keys: [[, name]] }) => state.find({ connection: name })?.kind;
 const isLimits = ({ kind, keys: [keys] }) => kind === "todo" && keys?.length === 3 && keys[0] === "joints" && keys[2] === "limits" && state.scene.joint_types[state.find({ connection: keys[1] })?.kind]?.bounded;
@@ -94,6 +94,10 @@ function answers(one) {
         type?.scrollIntoView({ block: "start" });
       }),
     ];
+  }
+  if (one.kind === "fused") {
+    const parts = one.keys.map(([, part]) => part);
+    return [act("free", many ? `they move,${many}` : "it moves", () => edit("free", { parts })), act("drop", many ? `fixed,${many}` : "fixed", () => edit("free", { parts, drop: true }))];
   }
   if (one.kind === "motor") {
     const models = element("datalist", { id: `models-${one.keys[0][1]}` }, one.models.map((value) => element("option", { value })));
