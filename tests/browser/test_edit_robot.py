@@ -196,6 +196,8 @@ def edge_pixel(page: Page, path: str, wanted: str) -> Place:
     return found[0], found[1]
 
 
+IDENTITY = [1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0]
+"""The pose of the root."""
 TOP = "hit.triangle.every(corner => Math.abs(corner[2] - hit.triangle[0][2]) < 1e-6)"
 """Of a hit on a face that is level in the frame of its part."""
 
@@ -222,6 +224,45 @@ def test_the_rim_of_a_hole_is_its_axis(page: Page, edited: Callable[[str], Sessi
     place = origin.replace('"', "")
     assert f"\nsensors:\n  sensor: {{type: imu, link: ground, {place}}}\n" in text_of(session, cache)
     assert page.run("return document.querySelector('#card [data-new=sensors]').value") == "sensor_2"
+
+
+def test_a_camera_looks_away_from_a_flat_face(page: Page, edited: Callable[[str], Session], cache: Path) -> None:
+    """On a flat face a frame has z along the normal, and a sensor x, with z as far up as the face allows."""
+    session = edited(BARE)
+    page.run("stepbot.view.camera.look(-Math.PI / 4, 0.3); stepbot.view.fit()")
+    front = """const {view} = stepbot; const box = view.canvas.getBoundingClientRect();
+      for (let y = 70; y < box.height; y += 3) for (let x = 4; x < box.width; x += 3) {
+        const at = [box.left + x, box.top + y];
+        if (document.elementFromPoint(...at) !== view.canvas) continue;
+        const hit = view.hit(...at);
+        const [a, b, c] = hit?.component === 'frame/base' && !hit.edge ? hit.triangle : [[0], [1], [2]];
+        if (Math.abs(a[0] - b[0]) < 1e-9 && Math.abs(a[0] - c[0]) < 1e-9) return at;
+      } return null;"""
+    place = page.run(front)
+    assert place is not None
+    page.click(tuple(place))
+    page.wait("return stepbot.state.selection?.face?.why")
+    point = page.run("return stepbot.state.selection.point")
+    outwards = 1.0 if 1e3 * point[0] > BASE_CENTRE[0] else -1.0
+    for section, kind in (("frames", ""), ("sensors", "camera")):
+        page.run(
+            f"const type = document.querySelector(\"#card [data-set='{section}..type']\");"
+            f"if (type) type.value = '{kind}';"
+            f"document.querySelector('#card [data-group=\"new {section}\"]').open = true;"
+            f"document.querySelector('#card [data-add={section}]').click()"
+        )
+        page.wait(f"return stepbot.state.scene.{section}.length === 1")
+        settled(page)
+    text_of(session, cache)
+    poses = page.run(
+        "const {state} = stepbot; const pose = ([one]) => [state.pose(one.link), one.X];"
+        "return [state.scene.frames, state.scene.sensors].map(pose)"
+    )
+    for (X_WL, X_LF), column in zip(poses, (2, 0), strict=True):
+        assert X_WL == IDENTITY
+        assert X_LF[column:9:3] == pytest.approx([outwards, 0.0, 0.0], abs=1e-6)
+        assert X_LF[9:] == pytest.approx(point, abs=1e-6)
+    assert poses[1][1][8] == pytest.approx(1.0)
 
 
 def placed_centre(page: Page) -> list[float]:

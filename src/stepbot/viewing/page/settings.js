@@ -4,6 +4,7 @@ import { edit } from "./changes.js";
 import { element } from "./dom.js";
 import { bound, button, choice, field, submits } from "./form.js";
 import { app } from "./main.js";
+import { across, anglesOf, cross, dot, minus, norm, scaled, unit } from "./vectors.js";
 import { excerpt, valueAt } from "./written.js";
 
 const { state } = app;
@@ -215,6 +216,7 @@ export function selectedSheets(selection) {
   if (!state.written) return [];
   const wanted = selection.connection ? ofConnection(selection) : selection.component ? ofPart(selection) : [[["links", selection.link], ["parts"]]];
   const place = state.written.described ? `{xyz: [0, 0, 0], relative_to: ${flow(selection.link)}}` : selection.face?.origin;
+  const places = place ? { frames: place, sensors: place } : selection.face?.why ? onFlat(selection) : null;
   const about = JSON.stringify(wanted);
   if (current.about !== about) {
     const sheets = wanted.map(([keys, except, words]) => {
@@ -229,14 +231,30 @@ export function selectedSheets(selection) {
     };
   }
   current.update();
-  return selection.component || (place && !selection.connection) ? [...current.nodes, ...placed(selection.link, place)] : current.nodes;
+  return selection.component || (places && !selection.connection) ? [...current.nodes, ...placed(selection.link, places ?? {})] : current.nodes;
 }
 
 let placing = { about: "", nodes: [] };
 
+// Where a face without an axis was clicked: z of a frame points away from it, and so does x of a sensor, whose z is up.
+function onFlat({ component, triangle: [a, b, c], at, up }) {
+  const normal = unit(cross(minus(b, a), minus(c, a)));
+  const upright = minus(up, scaled(normal, dot(up, normal)));
+  const z = norm(upright) > 1e-3 ? unit(upright) : across(normal)[0];
+  const rounded = (value, digits) => Number(value.toFixed(digits)) + 0;
+  const xyz = at.map((value) => `${rounded(1e3 * value, 3)} mm`);
+  const { quoted } = state.scene.components.find(({ path }) => path === component);
+  const origin = (axes) => {
+    const rpy = anglesOf(axes).map((angle) => rounded((angle * 180) / Math.PI, 4));
+    const turned = rpy.some(Boolean) ? `rpy: [${rpy.map((angle) => (angle ? `${angle} deg` : 0)).join(", ")}], ` : "";
+    return `{xyz: [${xyz.join(", ")}], ${turned}relative_to: ${quoted}}`;
+  };
+  return { frames: origin([...across(normal), normal]), sensors: origin([normal, cross(z, normal), z]) };
+}
+
 // Forms for a frame and a sensor where a face was clicked.
-function placed(link, origin) {
-  const given = [["frames", "frame"], ["sensors", "sensor"]].map(([section, noun]) => [section, { link, origin, name: state.free(noun) }]);
+function placed(link, places) {
+  const given = [["frames", "frame"], ["sensors", "sensor"]].map(([section, noun]) => [section, { link, origin: places[section], name: state.free(noun) }]);
   const about = JSON.stringify(given);
   if (placing.about !== about) {
     const nodes = given.map(([section, values], i) => Object.assign(adding(section, values), { open: Boolean(placing.nodes[i]?.open) }));

@@ -60,6 +60,13 @@ export function screw(axis, angle, distance) {
   ];
 }
 
+// Roll, pitch and yaw [rad] about fixed axes of the rotation whose columns are x, y and z.
+export function anglesOf([x, y, z]) {
+  const pitch = Math.asin(Math.max(-1, Math.min(1, -x[2])));
+  if (Math.abs(x[2]) > 1 - 1e-9) return [0, pitch, Math.atan2(-y[0], y[1])];
+  return [Math.atan2(y[2], z[2]), pitch, Math.atan2(x[1], x[0])];
+}
+
 // Two unit vectors that are perpendicular to a direction and to each other; with it they are right-handed.
 // The same choice as in stepbot's geometry: the first is as close as possible to x, or y if the direction is near x.
 export function across(direction) {
