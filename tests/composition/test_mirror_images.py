@@ -264,6 +264,9 @@ def test_a_place_on_another_link(modules: tuple[str, ...], off: str | None, comp
         ("front_left_hip", "front_left", "front_right", "front_right_hip"),
         ("shoulder", "left_arm", "right_arm", "right_arm_shoulder"),
         ("leftmost_roll", "left_arm", "right_arm", "right_arm_leftmost_roll"),
+        ("shoulder_pan", "a", "b", "b_shoulder_pan"),
+        ("LeftLegRoll", "LeftLeg", "RightLeg", "RightLegRoll"),
+        ("leg10_hip", "leg1", "leg2", "leg2_leg10_hip"),
     ],
 )
 def test_the_image_of_a_joint_has_the_side_of_its_module(joint: str, of: str, name: str, image: str) -> None:

@@ -1,5 +1,6 @@
 """A module as it enters the composition: without what is left out, mirrored, in its initial pose, with its prefix."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
@@ -259,8 +260,10 @@ def image_name(joint: str, of: str, name: str) -> str:
     ``left_roll`` above ``left_arm`` becomes ``right_roll`` for ``right_arm``: what differs between the modules' names
     is replaced in the joint's. A joint without it gets the image's name in front.
     """
-    if of in joint:
-        return joint.replace(of, name)
+    begin = r"(?<![A-Z])" if of[:1].isupper() else r"(?<![A-Za-z0-9])"
+    words = re.sub(f"{begin}{re.escape(of)}(?![a-z0-9])", lambda _: name, joint)
+    if words != joint:
+        return words
     ours, theirs = of.split("_"), name.split("_")
     while len(ours) > 1 and len(theirs) > 1 and ours[-1] == theirs[-1]:
         ours, theirs = ours[:-1], theirs[:-1]

@@ -3,7 +3,7 @@
 Every result is bit for bit that of :class:`.Pose` for each pose alone.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import atan2, hypot
 
@@ -28,6 +28,11 @@ class Poses:
         listed = list(poses)
         R = np.array([pose.rotation for pose in listed], dtype=np.float64).reshape(-1, 3, 3)
         return Poses(R, np.array([pose.position for pose in listed], dtype=np.float64).reshape(-1, 3))
+
+    @staticmethod
+    def joined(several: "Sequence[Poses]") -> "Poses":
+        """The poses of several, one after the other."""
+        return Poses(np.concatenate([one.R for one in several]), np.concatenate([one.p for one in several]))
 
     def __len__(self) -> int:
         return len(self.p)

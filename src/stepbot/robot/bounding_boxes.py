@@ -54,7 +54,11 @@ def robot_bounds(
     placed = [(X_WL[link.name], link.collision_poses) for link in chosen]
     if not any(poses for _, poses in placed):
         placed = [(X_WL[link.name], link.visual_poses) for link in chosen]
-    boxes = [_bounds(robot, geometry, X_LG.seen_from(X)) for X, of in placed for geometry, X_LG in of.items()]
+    everywhere: dict[Geometry, list[Poses]] = {}
+    for X, of in placed:
+        for geometry, X_LG in of.items():
+            everywhere.setdefault(geometry, []).append(X_LG.seen_from(X))
+    boxes = [_bounds(robot, geometry, Poses.joined(poses)) for geometry, poses in everywhere.items()]
     return join_bounds(boxes) if boxes else None
 
 

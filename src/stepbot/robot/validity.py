@@ -172,7 +172,7 @@ def _check_poses(robot: Robot, report: Report) -> bool:
             arrays.append(poses)
     if not names:
         return True
-    poses = Poses(np.concatenate([one.R for one in arrays]), np.concatenate([one.p for one in arrays]))
+    poses = Poses.joined(arrays)
     finite = np.asarray(np.isfinite(poses.R).all(axis=(1, 2)) & (np.abs(poses.p) <= FARTHEST).all(axis=1))
     R = np.where(finite[:, None, None], poses.R, np.eye(3))
     skew = np.abs(R @ R.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))

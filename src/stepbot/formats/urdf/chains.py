@@ -1,5 +1,6 @@
 """The serial chains of a robot's tree: what MoveIt plans for."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -70,19 +71,31 @@ def _is_free(along: Sequence[Joint]) -> bool:
 
 
 def module_of_joint(robot: Robot) -> dict[str, str]:
-    """The module that each joint is in, by the joint's name, as part of a name: ``arm``, ``arm_hand`` for ``arm/hand``.
+    """The module that each joint is in, by the joint's name, as part of a name.
 
-    Of modules in modules, the innermost. Joints between modules are left out, and all those of a robot that is one
-    module alone.
+    Of modules in modules, the innermost, with the prefix of what it is in, as its elements have: ``arm_hand`` for
+    ``arm/hand``, or ``hand`` if ``arm`` has no prefix. Joints between modules are left out, and all those of a robot
+    that is one module alone.
     """
     inside: dict[str, str] = {}
+    names = _module_names(robot)
     for module in robot.modules:  # modules of modules come after them
         links = set(module.links)
         for joint in robot.joints:
             if joint.parent in links and joint.child in links:
-                inside[joint.name] = module.name.replace("/", "_")
+                inside[joint.name] = names[module.name]
     moving = {inside.get(joint.name, "") for joint in robot.joints if joint.kind is not JointKind.FIXED}
     return inside if len(moving) > 1 else {}
+
+
+def _module_names(robot: Robot) -> dict[str, str]:
+    """The names of modules in files, by their paths; of several that would have one name, the path is the name."""
+    prefixes, names = {one.name: one.prefix for one in robot.modules}, dict[str, str]()
+    for path in prefixes:
+        around, _, name = path.rpartition("/")
+        names[path] = f"{prefixes.get(around, '')}{name}"
+    often = Counter(names.values())
+    return {path: name if often[name] == 1 else path.replace("/", "_") for path, name in names.items()}
 
 
 def moving_joints(robot: Robot) -> dict[str, list[Joint]]:

@@ -52,10 +52,11 @@ def transmissions(top: Element, robot: Robot) -> None:
 def systems(robot: Robot) -> dict[str, str]:
     """The ``<ros2_control>`` blocks of a robot: the name of each, by its module; empty for what is in none."""
     inside = module_of_joint(robot)
-    modules = [inside.get(actuator.joint, "") for actuator in robot.actuators]
+    used = {inside.get(actuator.joint, "") for actuator in robot.actuators}
     if any(sensor.kind in _READINGS for sensor in robot.sensors):
-        modules.append("")
-    return {module: f"{robot.name}_{module}" if module else robot.name for module in sorted(set(modules))}
+        used.add("")
+    ordered = ("", *dict.fromkeys(inside.values()))
+    return {module: f"{robot.name}_{module}" if module else robot.name for module in ordered if module in used}
 
 
 def ros2_control(top: Element, robot: Robot) -> None:
