@@ -185,6 +185,7 @@ class ComponentPaths:
         self._occurrence_names: list[str] = []
         self._ordinals: list[int] = []
         self._by_name: dict[str, list[int]] = defaultdict(list)
+        self._children: dict[tuple[int, str], list[int]] = defaultdict(list)
         for component in components:
             canonical = _parse_segment(component.segment)
             product, occurrence = plain_name(component.product), plain_name(component.occurrence)
@@ -198,6 +199,7 @@ class ComponentPaths:
             if component.parent >= 0:
                 for name in dict.fromkeys((*names, occurrence)):
                     self._by_name[name].append(component.index)
+                    self._children[component.parent, name].append(component.index)
         self._occurrence_ordinals = self._count_occurrences()
 
     def find(self, pattern: str) -> Binding:
@@ -208,10 +210,9 @@ class ComponentPaths:
         if any(segment.is_glob for segment in segments):
             matches = self._glob(segments)
             return self._bound(pattern, segments, matches) if matches else self._unknown(pattern, segments)
-        anchors = self._match_ends(segments)
-        exact = [index for index, anchor in anchors.items() if anchor == 0]
-        if exact:
+        if exact := self._match_whole(segments):
             return self._bound(pattern, segments, exact)
+        anchors = self._match_ends(segments)
         top = self._topmost(sorted(anchors))
         if not top:
             literal = [c.index for c in self._components if c.path == pattern]
@@ -259,6 +260,14 @@ class ComponentPaths:
             and segment.accepts(occurrence)
             and (segment.ordinal in (0, self._occurrence_ordinals[index]))
         )
+
+    def _match_whole(self, segments: Sequence[_Segment]) -> list[int]:
+        """Components whose whole path matches segments without stars, in file order."""
+        found = [0]
+        for segment in segments:
+            named = (child for parent in found for child in self._children.get((parent, segment.name), ()))
+            found = [child for child in named if self._matches(segment, child)]
+        return sorted(found)
 
     def _match_ends(self, segments: Sequence[_Segment]) -> dict[int, int]:
         """Components whose path ends with the segments, each with the parent of the first segment."""
