@@ -76,6 +76,16 @@ def test_a_cell_bears_the_weight_of_what_hangs_from_it(name: str, tmp_path: Path
     np.testing.assert_allclose(data.sensor(f"{name}::torque").data, -X_WS.R.T @ torque, atol=1e-9)
 
 
+@pytest.mark.parametrize("place", [at(0.1, 0.2, 0.3), at(rpy=(0, 0, 0.5)), at(0.1, rpy=(0, 0, 0.5))])
+def test_a_cell_away_from_its_joint_is_at_its_place_in_every_file(place: Pose, tmp_path: Path) -> None:
+    """SDFormat and URDF state the sensor's pose, and that it measures in these axes, however little it is moved."""
+    cell = Sensor("cell", SensorKind.FORCE_TORQUE, "arm", place, joint="shoulder")
+    folder = write(replace(equipped(), sensors=(cell,)), tmp_path)
+    for written_in, engine in (("mjcf", "mujoco"), ("urdf", "extensions"), ("sdf", "reader")):
+        request = replace(folder.request(written_in), simulate=0.0)
+        assert failures(folder.expected(written_in), look(engine, request)) == set()
+
+
 def test_rays_of_a_lidar_meet_a_wall_ahead(tmp_path: Path) -> None:
     """Each ray to a wall 2 m away, perpendicular to x, measures 2 m over its cosine; the first is on the right."""
     lidar = Sensor("lidar", SensorKind.LIDAR, "base", at(x=0.5, z=0.3), view=View(math.pi / 2, 5, 1))

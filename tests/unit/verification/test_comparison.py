@@ -55,6 +55,18 @@ def test_a_robot_is_itself(name: str) -> None:
     assert all(one.deviations.worst.ratio == 0.0 for one in compare(observation, observation) if one.deviations.worst)
 
 
+def test_a_stand_in_for_a_missing_inertia_is_no_other_mass_matrix() -> None:
+    """MJCF gives moving links without mass 1e-14 kg m^2, which is more than the tolerance of a very light robot."""
+    arm = two_link_arm()
+    body = arm.links[-1].mass_properties
+    tiny = replace(arm, links=tuple(replace(link, mass_properties=body.scaled(1e-9)) for link in arm.links))
+    ours = seen(tiny)
+    massless = replace(ours, links=(*ours.links[:-1], replace(ours.links[-1], mass=0.0)))
+    off = [replace(one, mass_matrix=np.array(one.mass_matrix) + 1e-14) for one in ours.dynamics]
+    assert statuses(massless, replace(massless, dynamics=off))[Quantity.MASS_MATRIX] is Status.PASSED
+    assert statuses(ours, replace(ours, dynamics=off))[Quantity.MASS_MATRIX] is Status.FAILED
+
+
 def on_link(name: str, **changes: object) -> Change:
     """The observation with one link changed."""
 

@@ -61,7 +61,7 @@ def sdf_sensor(parent: Element, sensor: Sensor, shapes: Sequence[str] = ()) -> E
     match sensor.kind:
         case SensorKind.FORCE_TORQUE:
             cell = element(xml, "force_torque")
-            if sensor.X_LS.rotation != IDENTITY.rotation:
+            if not sensor.X_LS.is_identity:
                 element(cell, "frame", "sensor")
             element(cell, "measure_direction", "parent_to_child")
         case SensorKind.CAMERA:
