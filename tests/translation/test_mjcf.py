@@ -318,4 +318,6 @@ def test_two_robots_that_move_freely_are_no_robot(tmp_path: Path) -> None:
         encoding="utf-8",
     )
     conversion = convert(path, Options(tmp_path / "out"))
-    assert "SB861" in {one.code for one in conversion.diagnostics}
+    (error,) = (one for one in conversion.diagnostics if one.severity == "error")
+    assert error.code == "SB861"
+    assert "of one robot" in error.remedies[0]

@@ -170,3 +170,30 @@ def test_several_bases_on_the_world_stay_where_they_are(tmp_path: Path) -> None:
     assert conversion.robot is not None
     X = link_poses(conversion.robot, {})
     assert (X["base_0"].inverse() @ X["base_1"]).position == pytest.approx((np.sin(0.3), np.cos(0.3), 0.0))
+
+
+_OBJECT = '<model name="can"><pose>2 0 0 0 0 0</pose><link name="can"/></model>'
+_FLOOR = '<model name="floor"><static>true</static><link name="ground"/></model>'
+
+
+def test_robot_of_a_world_is_the_model_with_joints(rig: Path, tmp_path: Path) -> None:
+    """What lies around a robot is not converted, and is reported."""
+    model = RIG.partition("<model")[2].rpartition("</sdf>")[0]
+    world = f'<sdf version="1.11"><world name="w">{_FLOOR}{_OBJECT}<model{model}</world></sdf>'
+    rig.write_text(world, encoding="utf-8")
+    conversion = convert(rig, Options(tmp_path / "out", formats=("sdf",)))
+    assert not conversion.diagnostics.has_errors, list(map(str, conversion.diagnostics))
+    assert conversion.robot is not None
+    assert {joint.name for joint in conversion.robot.joints if joint.kind != "fixed"} == {"rail", "wrist", "hand_grip"}
+    assert "<model> in <world>: not converted (2 times)" in {one.message for one in conversion.diagnostics}
+
+
+def test_world_of_two_robots_names_both(rig: Path) -> None:
+    """One of them declared static is part of the surroundings, as a floor is."""
+    arm = RIG.partition("<model")[2].rpartition("</sdf>")[0]
+    two = f'<sdf version="1.11"><world name="w"><model{arm}<model{arm.replace("rig", "other", 1)}</world></sdf>'
+    rig.write_text(two, encoding="utf-8")
+    with pytest.raises(EngineCannotRead, match=r"'rig', 'other'.*<static>true</static>"):
+        describe(str(rig), "sdf")
+    rig.write_text(two.replace('name="other">', 'name="other"><static>true</static>'), encoding="utf-8")
+    assert len(describe(str(rig), "sdf").observation.joints) == 3

@@ -26,3 +26,5 @@ class Finding:
     """``subject: problem``, as the message of a diagnostic."""
     differs: tuple[Quantity, ...] = ()
     """Quantities in which the written files therefore differ from the source."""
+    help: tuple[str, ...] = ()
+    """Remedies that are closer than those of the code."""

@@ -24,6 +24,7 @@ _OF_LOCKED = (
     *(Quantity.MASS_MATRIX, Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS, Quantity.INITIAL),
 )
 """Quantities in which a joint that its limits lock differs from a fixed one."""
+_TWO_ROBOTS = "a conversion is of one robot: remove the other one from the file"
 _UNLIMITED = (
     *(("lower", -inf), ("upper", inf), ("velocity", inf), ("effort", inf)),
     *(("acceleration", inf), ("deceleration", inf), ("jerk", inf)),
@@ -129,8 +130,8 @@ class _Tree:
         name = free_name(f"{loose}_fixed", "_joint", self._taken)
         self._joints.append(Joint(name, JointKind.FIXED, root, loose, X_RL))
         if loose in self._free or root in self._free:
-            text = f"link '{loose}' is not connected to '{root}', and moves freely: convert a file of the robot alone"
-            self._found.append(Finding(UNSUPPORTED, text))
+            text = f"link '{loose}' is not connected to '{root}', and moves freely"
+            self._found.append(Finding(UNSUPPORTED, text, help=(_TWO_ROBOTS,)))
         else:
             text = f"link '{loose}' is not connected to '{root}'; a fixed joint holds it in its place"
             code = TAKEN_AS_FIXED if self._are_loose_links_unknown else REARRANGED

@@ -146,7 +146,7 @@ def _robot(
         help = ["state it, or `--assume-inertia DENSITY` computes it from the geometry"]
         found.add(UNSUPPORTED, text, place_of(text, path, description), help=help)
     for one in described.findings:
-        found.add(one.code, one.text, place_of(one.text, path, description))
+        found.add(one.code, one.text, place_of(one.text, path, description), help=one.help)
     computed = {one.text.split("'")[1] for one in described.findings if one.code == ASSUMED}
     links = ", ".join(f"'{link}'" for link in description.assumed if link not in computed | described.surroundings)
     if links:

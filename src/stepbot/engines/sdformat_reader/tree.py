@@ -29,7 +29,7 @@ _READABLE = (".obj", ".stl", ".dae")
 
 
 def read_model(file: Path) -> Element:
-    """The only model of an SDFormat file, or of several the only one that is not static, in plain form.
+    """The robot of an SDFormat file (:func:`the_model`), in plain form.
 
     Nested models are part of it, their elements named ``model::element``; poses of shapes are relative to their link.
 
@@ -71,22 +71,40 @@ def repeated_names(model: Element) -> Iterator[str]:
 
 
 def the_model(top: Element) -> Element:
-    """The only model below a root element, or of several the only one that is not static.
+    """The only model below a root element; of several the only one that is not static, or the only one with joints.
 
-    A sun and a floor that a world includes are its surroundings.
+    A sun and a floor that a world includes are its surroundings, and so is what stands or lies around a robot.
 
     Raises:
         EngineCannotRead: It has no model, several, or an include of another model.
     """
     models: list[Element] = [*top.findall("model"), *top.findall("world/model")]
-    if len(models) > 1:  # a floor is not a robot
-        models = [model for model in models if (model.findtext("static") or "").strip() not in ("true", "1")]
-    included = [include.findtext("uri") or "" for include in top.iter("include")]
-    if any(uri.strip().rstrip("/").rpartition("/")[2] not in _SURROUNDINGS for uri in included):
-        raise EngineCannotRead("<include> is not supported")
+    for is_robot in (_is_mobile, _has_joints):
+        if len(models) > 1:
+            models = [model for model in models if is_robot(model)] or models
+    included = [(include.findtext("uri") or "").strip() for include in top.iter("include")]
+    unknown = [uri for uri in included if uri.rstrip("/").rpartition("/")[2] not in _SURROUNDINGS]
+    if unknown:
+        raise EngineCannotRead(
+            f"<include> of '{unknown[0]}' is not supported: `gz sdf -p FILE` prints the file with what it includes"
+        )
     if len(models) != 1:
-        raise EngineCannotRead(f"{len(models)} models in the file, one expected")
+        names = ", ".join(f"'{model.get('name', '')}'" for model in models)
+        raise EngineCannotRead(
+            f"{len(models)} models that may be the robot ({names}), one expected: remove the others, or declare them "
+            "<static>true</static>"
+            if models
+            else "no model in the file"
+        )
     return models[0]
+
+
+def _is_mobile(model: Element) -> bool:
+    return (model.findtext("static") or "").strip() not in ("true", "1")
+
+
+def _has_joints(model: Element) -> bool:
+    return model.find("joint") is not None or any(map(_has_joints, model.findall("model")))
 
 
 def joints_to_world(model: Element) -> list[Element]:

@@ -6,7 +6,7 @@ Gazebo's only lidar is rendered on the graphics card: hence ``gpu_lidar``. The f
 import re
 from collections.abc import Sequence
 
-from stepbot.geometry.spatial import IDENTITY, Pose
+from stepbot.geometry.spatial import Pose
 from stepbot.robot.gains import force_range
 from stepbot.robot.model import Actuator, ActuatorKind, Joint, Link, Robot
 from stepbot.robot.sensors import Sensor, SensorKind
