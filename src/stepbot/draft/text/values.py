@@ -91,8 +91,8 @@ def alternative_origin(point: Vector3, direction: Vector3 | None) -> str:
 
 
 def z_along(direction: Vector3) -> Vector3:
-    """Roll, pitch and yaw [rad] of a frame whose z axis is a unit direction."""
-    x, y, z = direction
+    """Roll, pitch and yaw [rad] of a frame whose z axis is a unit direction, without its rounding errors."""
+    x, y, z = (round(value, 9) for value in direction)
     return (0.0, atan2(hypot(x, y), z), atan2(y, x) if x or y else 0.0)
 
 
