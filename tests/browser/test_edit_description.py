@@ -55,6 +55,18 @@ def test_a_description_is_edited(page: Page, tmp_path: Path) -> None:
         page.run("document.querySelector('#card [data-group=\"new frames\"]').open = true")
         page.element("#card [data-add=frames]").click()
         settled(page)
+        place = page.run(
+            "const {state, view} = stepbot; const box = view.canvas.getBoundingClientRect();"
+            "for (let y = 70; y < box.height; y += 4) for (let x = 4; x < box.width; x += 4) {"
+            "  const hit = view.hit(box.left + x, box.top + y);"
+            "  if (hit?.link === 'upper_arm') { state.select(hit); return hit.point; } }"
+        )
+        X = page.run("return stepbot.state.pose('upper_arm')")
+        origin = page.run("return document.querySelector(\"#card [data-set='sensors..origin']\").value")
+        xyz = [float(one) for one in origin.split("xyz: [")[1].split("]")[0].replace("mm", "").split(",")]
+        assert X[:9] == [1, 0, 0, 0, 1, 0, 0, 0, 1]
+        assert xyz == pytest.approx([1e3 * (place[i] - X[9 + i]) for i in range(3)], abs=1e-3)
+        assert origin.endswith("relative_to: upper_arm}")
         page.run("stepbot.state.select({connection: 'lift'})")
         assert not page.element("#card [data-edit=remove]").is_displayed()
         replaced(page, "4 N*m", "joints.lift.limits.effort")

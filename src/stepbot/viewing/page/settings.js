@@ -4,7 +4,7 @@ import { edit } from "./changes.js";
 import { element } from "./dom.js";
 import { bound, button, choice, field, submits } from "./form.js";
 import { app } from "./main.js";
-import { across, anglesOf, cross, dot, minus, norm, scaled, unit } from "./vectors.js";
+import { across, anglesOf, apply, cross, dot, inverse, minus, norm, scaled, turn, turnBack, unit } from "./vectors.js";
 import { excerpt, valueAt } from "./written.js";
 
 const { state } = app;
@@ -215,8 +215,9 @@ let current = { about: "", nodes: [], update() {} };
 export function selectedSheets(selection) {
   if (!state.written) return [];
   const wanted = selection.connection ? ofConnection(selection) : selection.component ? ofPart(selection) : [[["links", selection.link], ["parts"]]];
+  const isFlat = selection.triangle && (state.written.described || selection.face?.why);
   const place = state.written.described ? `{xyz: [0, 0, 0], relative_to: ${flow(selection.link)}}` : selection.face?.origin;
-  const places = place ? { frames: place, sensors: place } : selection.face?.why ? onFlat(selection) : null;
+  const places = isFlat ? onFlat(selection) : place ? { frames: place, sensors: place } : null;
   const about = JSON.stringify(wanted);
   if (current.about !== about) {
     const sheets = wanted.map(([keys, except, words]) => {
@@ -237,17 +238,20 @@ export function selectedSheets(selection) {
 let placing = { about: "", nodes: [] };
 
 // Where a face without an axis was clicked: z of a frame points away from it, and so does x of a sensor, whose z is up.
-function onFlat({ component, triangle: [a, b, c], at, up }) {
-  const normal = unit(cross(minus(b, a), minus(c, a)));
+// In the frame of the part, or of the link of a description.
+function onFlat({ link, component, triangle: [a, b, c], point, X }) {
+  const part = state.scene.components.find(({ path }) => path === component);
+  const frame = part ? X : state.pose(link);
+  const normal = unit(turnBack(frame, turn(X, cross(minus(b, a), minus(c, a)))));
+  const up = turnBack(frame, [0, 0, 1]);
   const upright = minus(up, scaled(normal, dot(up, normal)));
   const z = norm(upright) > 1e-3 ? unit(upright) : across(normal)[0];
   const rounded = (value, digits) => Number(value.toFixed(digits)) + 0;
-  const xyz = at.map((value) => `${rounded(1e3 * value, 3)} mm`);
-  const { quoted } = state.scene.components.find(({ path }) => path === component);
+  const xyz = apply(inverse(frame), point).map((value) => `${rounded(1e3 * value, 3)} mm`);
   const origin = (axes) => {
     const rpy = anglesOf(axes).map((angle) => rounded((angle * 180) / Math.PI, 4));
     const turned = rpy.some(Boolean) ? `rpy: [${rpy.map((angle) => (angle ? `${angle} deg` : 0)).join(", ")}], ` : "";
-    return `{xyz: [${xyz.join(", ")}], ${turned}relative_to: ${quoted}}`;
+    return `{xyz: [${xyz.join(", ")}], ${turned}relative_to: ${part ? part.quoted : flow(link)}}`;
   };
   return { frames: origin([...across(normal), normal]), sensors: origin([normal, cross(z, normal), z]) };
 }

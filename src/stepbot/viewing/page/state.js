@@ -110,7 +110,7 @@ export class State {
     return this.X[this.tree.linkIndex.get(link)];
   }
 
-  // selection: { link, component, triangle, point, X }, { link, overlapped } or { connection }.
+  // selection: { link, component, triangle, point, X }, the triangle in the frame at X, { link, overlapped } or { connection }.
   // What the scene does not have yet is selected when it comes.
   select(selection) {
     this.wanted = selection && !this.find(selection) ? selection : null;

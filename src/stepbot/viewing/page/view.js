@@ -8,7 +8,7 @@ import { boxOf, edgeAt, pick } from "./picking.js";
 import { Renderer } from "./renderer.js";
 import { drawable, meshOf, unpacked } from "./shapes.js";
 import { linkColor } from "./state.js";
-import { add, apply, inverse, minus, norm, position, scaled, times, turn, turnBack } from "./vectors.js";
+import { add, apply, inverse, minus, norm, position, scaled, times, turn } from "./vectors.js";
 
 const AXIS = [0.95, 0.55, 0.1, 1];
 const PASSIVE = [0.55, 0.58, 0.64, 0.9];
@@ -303,8 +303,8 @@ export class View {
     if (!hit) return null;
     const { link, component, kind, geometry, X } = hit.item;
     const perPixel = (2 * norm(minus(hit.point, ray.origin)) * Math.tan(this.camera.field / 2)) / height;
-    const at = apply(inverse(X), hit.point); // in the part's frame, as its triangle and what is up
-    return { link, component, kind, point: hit.point, triangle: hit.triangle, edge: edgeAt(geometry, at, EDGE_REACH * perPixel), at, up: turnBack(X, [0, 0, 1]) };
+    const edge = edgeAt(geometry, apply(inverse(X), hit.point), EDGE_REACH * perPixel);
+    return { link, component, kind, point: hit.point, triangle: hit.triangle, X, edge };
   }
 
   // Paths of the parts that are wholly inside a frame of the window, whether or not others hide them.
