@@ -65,6 +65,10 @@ _NOT_SHAPES = re.compile("TEXT|CALLOUT|ANNOTATION|DIMENSION|TOLERANCE|DATUM|SYMB
 """Types among the items of a shape that are drawing annotations, which may be dropped."""
 
 _SYNTAX = re.compile(r"Undefined Parsing: Line (\d+): (?:Incorrect syntax: )?(.*)", re.DOTALL)
+_AROUND_DATA = re.compile(rb"\A.*?\bDATA\s*;|\bSIGNATURE\s*;[\w+/=\s]*?\bENDSEC\s*;(?=\s*END-ISO-10303-21)", re.DOTALL)
+_LATER_SECTION = re.compile(rb"\b(?:ANCHOR|REFERENCE|SIGNATURE)\s*;.*?\bENDSEC\s*;", re.DOTALL)
+"""Sections of the third edition of ISO 10303-21, before and after the data, which the kernel skips as faults."""
+_UNKNOWN_SECTION = re.compile(r"unexpected TYPE, expecting (?:DATA|ENDSTEP)")
 _UNRESOLVED = re.compile(r"Unresolved Reference,.*\(Id\.#(\d+)\)")
 _DUPLICATE = re.compile(r"Ident defined SEVERAL TIMES : #(\d+)")
 _WRONG_KIND = re.compile(r"Parameter \S+ \((?:.*\.)?(\w+)\) : Entity has illegal type")
@@ -93,8 +97,19 @@ class _Statements:
 
     @cached_property
     def data(self) -> bytes:
-        """The bytes of the file."""
-        return read_regular(self._path)
+        """The bytes of the file, without what entities of other files and signatures are stated in."""
+        return self._without_later_sections[0]
+
+    @property
+    def has_later_sections(self) -> bool:
+        """Whether there are sections that the kernel does not know."""
+        return self._without_later_sections[1]
+
+    @cached_property
+    def _without_later_sections(self) -> tuple[bytes, bool]:
+        content = read_regular(self._path)
+        blanked = _AROUND_DATA.sub(lambda around: _LATER_SECTION.sub(_blanks, around[0]), content)
+        return blanked, blanked != content
 
     @cached_property
     def all(self) -> list[Statement]:
@@ -149,7 +164,7 @@ def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) ->
     check = model.GlobalCheck(True)
     messages = [str(check.CFail(index)) for index in range(1, check.NbFails() + 1)]
     statements = _Statements(path, model)
-    broken = [*_broken(messages), *_duplicates(messages, statements)]
+    broken = [*_broken(messages, statements), *_duplicates(messages, statements)]
     lacking = [*_missing(messages, statements), *_wrong_kinds(session, statements)]
     essential = [fault for fault in lacking if fault.is_essential]
     others = [fault for fault in lacking if not fault.is_essential]
@@ -159,9 +174,16 @@ def check_integrity(session: Any, path: Path, place: str, found: Diagnostics) ->
     return not (broken or essential)
 
 
-def _broken(messages: Sequence[str]) -> Iterator[_Fault]:
+def _blanks(found: re.Match[bytes]) -> bytes:
+    """As many blanks, and the same lines."""
+    return re.sub(rb"[^\r\n]", b" ", found[0])
+
+
+def _broken(messages: Sequence[str], statements: _Statements) -> Iterator[_Fault]:
     for message in messages:
-        if match := _SYNTAX.search(message):
+        if (match := _SYNTAX.search(message)) and not (
+            statements.has_later_sections and _UNKNOWN_SECTION.search(match[2])
+        ):
             yield _Fault(int(match[1]), " ".join(match[2].split()))
 
 

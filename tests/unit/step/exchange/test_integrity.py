@@ -107,3 +107,25 @@ def test_many_faults_are_counted(text: str, tmp_path: Path) -> None:
     (fault,) = complaints(damaged, tmp_path)
     assert len(fault.notes) == 6
     assert re.fullmatch(r"and \d+ more", fault.notes[-1])
+
+
+_ANCHORS = "ANCHOR;\n<a>=#5;\nENDSEC;\nREFERENCE;\n#90000=<other.step#1>;\nENDSEC;\n"
+_SIGNATURE = "SIGNATURE;\nMIIB\nENDSEC;\nEND-ISO-10303-21;"
+
+
+def test_sections_of_the_third_edition(text: str, tmp_path: Path) -> None:
+    """Anchors, references and signatures, which the kernel does not know, are no syntax errors; other text there is."""
+    later = text.replace("DATA;", f"{_ANCHORS}DATA;", 1)
+    assert complaints(later, tmp_path) == []
+    for unsigned in (text, later):
+        assert complaints(unsigned.replace("END-ISO-10303-21;", _SIGNATURE), tmp_path) == []
+    assert [one.code for one in complaints(text.replace("DATA;", "DATTA;\nENDSEC;\nDATA;", 1), tmp_path)] == ["SB221"]
+
+
+def test_an_entity_of_another_file_is_missing(text: str, tmp_path: Path) -> None:
+    """A surface that a reference section places in another file is named with what needs it."""
+    plane = first("PLANE", text)
+    elsewhere = text.replace("DATA;", f"{_ANCHORS.replace('90000', plane[1])}DATA;", 1).replace(plane[0], "")
+    (fault,) = complaints(elsewhere, tmp_path)
+    assert fault.code == "SB221"
+    assert any(f"#{plane[1]} is not defined" in note for note in fault.notes)
