@@ -115,7 +115,7 @@ def test_actuators_of_other_kinds_are_listed(described: Described) -> None:
     servo = described.robot.actuators[0].limit
     assert (servo.lower, servo.upper, servo.effort) == (-0.5, 0.4, 30.0)
     lost = [one.text for one in described.findings if one.code == "SB863"]
-    assert [text.split("'")[1] for text in lost] == ["drive", "integrated", "pull", "acc", "sensor_1", "sensor_2"]
+    assert [text.split("'")[1] for text in lost] == ["drive", "integrated", "pull", "sensor_1"]
     assert lost[0] == "actuator 'drive': speed from 0 to 3 at the joint: not symmetric, 3 taken for both directions"
     assert described.robot.actuators[1].limit.velocity == 3.0
 
@@ -321,3 +321,39 @@ def test_two_robots_that_move_freely_are_no_robot(tmp_path: Path) -> None:
     (error,) = (one for one in conversion.diagnostics if one.severity == "error")
     assert error.code == "SB861"
     assert "of one robot" in error.remedies[0]
+
+
+_MEASURED = """<mujoco><worldbody><body name="trunk"><freejoint/>
+<geom size="0.1"/><site name="imu" pos="0.01 0.02 0.03"/>
+<body name="leg"><joint name="hip" axis="0 1 0"/><geom size="0.1" pos="0 0 -0.3"/><site name="load" pos="0 0 -0.1"/>
+</body></body></worldbody><sensor><gyro name="w" site="imu"/><accelerometer name="a" site="imu"/>{more}
+<jointpos name="q" joint="hip"/><jointvel name="qd" joint="hip"/><jointactuatorfrc name="tau" joint="hip"/>
+<force name="f" site="load"/><torque name="t" site="load"/></sensor></mujoco>"""
+
+
+@pytest.mark.parametrize("more", ["", '<framequat name="r" objtype="site" objname="imu"/>'])
+def test_readings_of_others_at_one_place_are_one_sensor(more: str, tmp_path: Path) -> None:
+    """They have the name of their site or joint; what no sensor of the model measures is listed."""
+    path = tmp_path / "leg.xml"
+    path.write_text(_MEASURED.format(more=more), encoding="utf-8")
+    conversion = convert(path, Options(tmp_path / "out"))
+    assert not conversion.diagnostics.has_errors, list(map(str, conversion.diagnostics))
+    assert conversion.robot is not None
+    found = {one.name: (one.kind.value, one.link, one.joint, one.X_LS.position) for one in conversion.robot.sensors}
+    assert found == {
+        "imu": ("imu", "trunk", "", (0.01, 0.02, 0.03)),
+        "hip": ("joint", "leg", "hip", (0.0, 0.0, 0.0)),
+        "load": ("force_torque", "leg", "hip", (0.0, 0.0, -0.1)),
+    }
+    assert [one.message for one in conversion.diagnostics if one.code == "SB863"] == [
+        "sensor 'tau' of type 'jointactfrc': not converted"
+    ]
+
+
+def test_a_reading_alone_is_no_sensor(tmp_path: Path) -> None:
+    """Nor are two at different rates, nor at different sites."""
+    path = tmp_path / "leg.xml"
+    apart = _MEASURED.format(more="").replace('name="w"', 'name="w" interval="0.01" nsample="1"')
+    path.write_text(apart.replace('<torque name="t" site="load"/>', '<torque name="t" site="imu"/>'), encoding="utf-8")
+    robot = robot_of_description(describe(str(path), "mjcf"), "leg", path.name).robot
+    assert [one.name for one in robot.sensors] == ["hip"]

@@ -32,6 +32,13 @@ _ACTUATORS = {
     "general": f"{_ACTUATOR} dyntype gaintype biastype dynprm gainprm biasprm",
     "*": "*",  # of other kinds, which are reported one by one
 }
+_TIMING = "name interval nsample"
+_SENSORS = {
+    **dict.fromkeys(("accelerometer", "gyro", "force", "torque"), f"{_TIMING} site"),
+    **dict.fromkeys(("jointpos", "jointvel", "ballquat", "ballangvel"), f"{_TIMING} joint"),
+    "framequat": f"{_TIMING} objtype objname",
+    "*": "*",  # of other kinds, which are reported one by one
+}
 _DEFAULTS = {
     **_IN_BODIES,
     **_ACTUATORS,
@@ -69,7 +76,7 @@ MJCF = Vocabulary(
         "mujoco/actuator": "",
         **paths("mujoco/actuator", _ACTUATORS),
         "mujoco/sensor": "",
-        "mujoco/sensor/*": "*",  # those of other kinds are reported one by one
+        **paths("mujoco/sensor", _SENSORS),
         "mujoco/custom": "",
         "mujoco/custom/velocity": "*",
         "mujoco/keyframe": "",

@@ -1,7 +1,8 @@
 """Actuators, sensors and frames of a MuJoCo model.
 
-Each of MuJoCo's sensors has one reading: sensors whose names share a prefix up to ``::`` are one sensor. The type of a
-group follows from its readings; an unknown group keeps MuJoCo's names.
+Each of MuJoCo's sensors has one reading: sensors whose names share a prefix up to ``::`` are one sensor, and in other
+files those that measure what one does, at one site or joint. The type of a group follows from its readings; an unknown
+group keeps MuJoCo's names.
 """
 
 from collections.abc import Iterator, Sequence
@@ -30,6 +31,14 @@ _GROUPS = {
     frozenset({"rangefinder"}): SensorKind.LIDAR,
     frozenset({"contact"}): SensorKind.CONTACT,
 }
+_OF_OTHERS = (
+    frozenset({"accelerometer", "gyro", "framequat"}),
+    frozenset({"accelerometer", "gyro"}),
+    frozenset({"force", "torque"}),
+    frozenset({"jointpos", "jointvel"}),
+    frozenset({"ballquat", "ballangvel"}),
+)
+"""Readings that are one sensor wherever they are at one site or joint; the first that are all there."""
 _FOUND_FORCE_TORQUE, _NET_FORCE = 0b111, 3
 """The settings of stepbot's contact sensors: `data` and `reduce`, as MuJoCo stores them."""
 # Axes of a camera, and of a ray, in those of the sensor: a camera looks along -z with y up, a ray goes along z.
@@ -118,14 +127,36 @@ def _range(bounds: Any, limited: Any) -> tuple[float, float]:
 def observed_sensors(compiled: "Compiled") -> tuple[ObservedSensor, ...]:
     """The sensors: groups of readings, and cameras; a reading without a name is a group of its own."""
     groups: dict[str, list[_Reading]] = {}
+    others: dict[tuple[str, int], list[_Reading]] = {}
     for s in range(compiled.model.nsensor):
         engine, model = compiled.engine, compiled.model
         word = engine.mjtSensor(model.sensor_type[s]).name.removeprefix("mjSENS_").lower()
         on = engine.mjtObj(model.sensor_objtype[s]).name.removeprefix("mjOBJ_")
         reading = _Reading(s, compiled.name("SENSOR", s), word, (on, int(model.sensor_objid[s])))
-        groups.setdefault(reading.name.split(SCOPE)[0] or f"sensor_{s}", []).append(reading)
+        if SCOPE in reading.name:
+            groups.setdefault(reading.name.split(SCOPE)[0], []).append(reading)
+        else:
+            others.setdefault(reading.on, []).append(reading)
     sensors = [_sensor(compiled, name, readings) for name, readings in groups.items()]
+    for on, readings in others.items():
+        sensors += _sensors_of_others(compiled, on, readings, set(groups))
     return (*sensors, *_cameras(compiled))
+
+
+def _sensors_of_others(
+    compiled: "Compiled", on: tuple[str, int], readings: "Sequence[_Reading]", taken: set[str]
+) -> Iterator[ObservedSensor]:
+    """The sensors of one site, joint or body: one with its name if it can be, and one for each further reading."""
+    left = {reading.word: reading for reading in reversed(readings)}
+    name = compiled.name(*on) if on[0] in ("SITE", "JOINT") else ""
+    together = next((words for words in _OF_OTHERS if words <= left.keys()), frozenset[str]())
+    group = [left[word] for word in sorted(together)]
+    if name and name not in taken and len({_interval(compiled, reading.index) for reading in group}) == 1:
+        sensor = _sensor(compiled, name, group, _GROUPS.get(together, SensorKind.IMU))
+        if sensor.kind in set(SensorKind):
+            yield sensor
+            readings = [reading for reading in readings if reading not in group]
+    yield from (_sensor(compiled, one.name or f"sensor_{one.index}", [one]) for one in readings)
 
 
 @dataclass(frozen=True)
@@ -140,10 +171,12 @@ class _Reading:
     """Type and index of the element it is attached to."""
 
 
-def _sensor(compiled: "Compiled", name: str, readings: Sequence[_Reading]) -> ObservedSensor:
-    """The sensor that a group of readings forms."""
+def _sensor(
+    compiled: "Compiled", name: str, readings: Sequence[_Reading], kind: SensorKind | None = None
+) -> ObservedSensor:
+    """The sensor that a group of readings forms, of a kind that is known or follows from the readings."""
     words = sorted({reading.word for reading in readings})
-    kind = _GROUPS.get(frozenset(words))
+    kind = kind or _GROUPS.get(frozenset(words))
     rates = {_interval(compiled, reading.index) for reading in readings}
     interval = rates.pop()
     seen = ObservedSensor(name, " and ".join(words), rate=1.0 / interval if interval else 0.0)
