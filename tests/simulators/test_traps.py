@@ -354,3 +354,22 @@ def test_an_engine_that_is_not_there_is_absent(arm: Folder, monkeypatch: pytest.
         outcomes = {outcome.engine: outcome for outcome in engines.results(120.0)}
     assert outcomes["yourdfpy"].fate is Fate.ABSENT
     assert outcomes["yourdfpy"].reason == "yourdfpy is not installed"
+
+
+_TRAPPED = """<mujoco><worldbody><body name="box"><geom type="box" size="1 1 0.1" pos="0 0 0.12"/>
+  <body name="ball" pos="{x} 0 0"><joint type="slide" axis="0 0 1"{more}/><geom size="0.1" solref="-1e15 -1"/>
+</body></body></worldbody><option><flag filterparent="disable"/></option></mujoco>"""
+
+
+@pytest.mark.mujoco
+def test_links_that_are_pushed_apart_are_named(tmp_path: Path) -> None:
+    """A stiff contact that begins deep makes the simulation diverge, which excluding it would mend."""
+    path = tmp_path / "trapped.xml"
+    request = Request(str(path), "mjcf", configurations=({},), simulate=0.1)
+    path.write_text(_TRAPPED.format(x=0.0, more=""), encoding="utf-8")
+    seen = look("mujoco", request)
+    assert (seen.simulation_finite, seen.pushed_apart, seen.warnings) == (False, (("ball", "box"),), ())
+    path.write_text(_TRAPPED.format(x=3.0, more=""), encoding="utf-8")
+    assert look("mujoco", request).simulation_finite
+    path.write_text(_TRAPPED.format(x=3.0, more=' stiffness="-1e15" ref="1" springref="0"'), encoding="utf-8")
+    assert look("mujoco", request).pushed_apart == ()

@@ -278,7 +278,9 @@ def _compare_initial(deviations: Deviations, reference: Observation, observed: O
 
 def _compare_simulation(deviations: Deviations, _reference: Observation, observed: Observation) -> None:
     if observed.simulation_finite is not None:
-        deviations.equal(observed.simulation_finite, "simulation diverged")
+        pairs = ", ".join(f"'{a}' and '{b}'" for a, b in observed.pushed_apart)
+        cause = f"; it does not without contacts of links that overlap in the initial pose: {pairs}" if pairs else ""
+        deviations.equal(observed.simulation_finite, f"simulation diverged{cause}")
 
 
 def _compare_warnings(deviations: Deviations, _reference: Observation, observed: Observation) -> None:

@@ -44,6 +44,24 @@ def simulate(compiled: "Compiled", request: Request) -> tuple[bool, tuple[str, .
     return bool(np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all() and not bad), gimbals.notes
 
 
+def pushed_apart(compiled: "Compiled", request: Request) -> tuple[tuple[str, str], ...]:
+    """The links whose overlap in the initial pose alone makes the simulation diverge; empty if it is not that."""
+    model, data = compiled.model, compiled.data(request.initial)
+    compiled.engine.mj_collision(model, data)
+    deep = [(int(one.geom1), int(one.geom2)) for one in data.contact if one.dist < 0.0]
+    masks = model.geom_contype.copy(), model.geom_conaffinity.copy()
+    geoms = [geom for pair in deep for geom in pair]
+    model.geom_contype[geoms] = model.geom_conaffinity[geoms] = 0
+    try:
+        finite = bool(deep) and simulate(compiled, request)[0]
+    finally:
+        model.geom_contype[:], model.geom_conaffinity[:] = masks
+    if not finite:
+        return ()
+    links = [sorted(compiled.name("BODY", int(model.geom_bodyid[geom])) for geom in pair) for pair in deep]
+    return tuple(sorted({(a, b) for a, b in links}))
+
+
 def close_by_newton(compiled: "Compiled", request: Request) -> tuple[ObservedClosure, ...]:
     """The closures in the file, and how well each agrees with the reference's closure of the same name.
 

@@ -74,7 +74,7 @@ def observe(request: Request) -> Observation:
     """
     import mujoco as engine
 
-    from .motion import close_by_newton, simulate
+    from .motion import close_by_newton, pushed_apart, simulate
 
     with readable(request) as (request, replaced), collected_warnings() as warnings:
         model, notes = _compile(engine, request)
@@ -85,8 +85,12 @@ def observe(request: Request) -> Observation:
         if request.format == "mjcf":
             observation = replace(observation, closures=close_by_newton(compiled, request))
         if request.simulate:
+            known = len(warnings)
             finite, reversals = simulate(compiled, request)
-            observation, notes = replace(observation, simulation_finite=finite), (*notes, *reversals)
+            pushed = () if finite else pushed_apart(compiled, request)
+            del warnings[len(warnings) if finite else known :]  # that it diverged is known
+            observation = replace(observation, simulation_finite=finite, pushed_apart=pushed)
+            notes = (*notes, *reversals)
         if request.format == "urdf":
             observation = replace(observation, joints=_without_ignored_bounds(observation.joints, warnings, request))
     notes = (*replaced, *notes, *_strays(compiled))
