@@ -44,6 +44,29 @@ def largest_gap(model: Any, seed: int = 1, efforts: float = 5.0, fastest: float 
     return worst
 
 
+def largest_gap_of_motors(model: Any, seed: int = 1) -> float:
+    """Largest gap [m, or rad of a mimic] while the motors go to random ends of their ranges, a new one every ``HOLD``.
+
+    Args:
+        model: A compiled MuJoCo model, whose first keyframe closes the loops; all its actuators have ranges.
+        seed: Of the random ends.
+    """
+    import mujoco
+
+    assert model.actuator_ctrllimited.all()
+    data = mujoco.MjData(model)
+    if model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+    random, worst = np.random.Generator(np.random.PCG64(seed)), 0.0
+    for k in range(round(DURATION / model.opt.timestep)):
+        if k % round(HOLD / model.opt.timestep) == 0:
+            data.ctrl[:] = model.actuator_ctrlrange[range(model.nu), random.integers(0, 2, model.nu)]
+        mujoco.mj_step(model, data)
+        worst = max(worst, *(_gap(model, data, e) for e in range(model.neq)))
+    assert not any(warning.number for warning in data.warning)
+    return worst
+
+
 def _effort(model: Any, actuator: int, joint: int, otherwise: float) -> float:
     """The smaller limit of the actuator, at the joint, and of the joint."""
     limits = [otherwise]

@@ -7,14 +7,17 @@ import numpy as np
 import pytest
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.formats import format_named
+from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import render
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.model import Joint, JointKind, LoopClosure, Robot
+from stepbot.robot.dynamics import mobilities
+from stepbot.robot.model import FormatVersions, Joint, JointKind, LoopClosure, Robot
 from stepbot.robot.simulation_settings import LOOP_TIMESTEP, OPEN_TIMESTEP, settings_of
 from stepbot.robot.tuning import Integrator, Simulation
 from tests.robots import ROBOTS
 from tests.simulators.conftest import skip_without
-from tests.stiffness import largest_gap
+from tests.stiffness import largest_gap, largest_gap_of_motors
 from tests.workshop import Workshop, at
 
 pytestmark = pytest.mark.mujoco
@@ -79,6 +82,56 @@ def test_loops_and_mimics_hold_at_random_drives(name: str) -> None:
     gap = largest_gap(model)
     model.eq_solref[:], model.eq_solimp[:, :3] = (0.02, 1.0), (0.9, 0.95, 0.001)
     assert gap < min(1e-4, 0.1 * largest_gap(model))
+
+
+@pytest.mark.parametrize("version", [3.3, 3.7])
+def test_mimics_hold_motors_with_damping(version: float) -> None:
+    """The torque-speed line of a motor, 20 N at 0.1 m/s for fingers of 65 g, opens no mimic by 0.02 mm or mrad.
+
+    As damping of the driven finger it opens them by more than 0.2. The finger still moves at its limit of speed.
+    """
+    robot = replace(ROBOTS["gripper_with_mimic"](), versions=FormatVersions(mjcf=version))
+    (motor,) = robot.actuators
+    model = compiled(replace(robot, actuators=(replace(motor, kp=5000.0, kv=200.0),)))
+    implicit = compiled(replace(robot, actuators=(replace(motor, kp=5000.0, kv=0.0),)))
+    implicit.dof_damping[implicit.joint("finger").dofadr] += 200.0
+    assert largest_gap_of_motors(model) < 2e-5
+    assert largest_gap_of_motors(implicit) > 2e-4
+    model.jnt_limited[:], model.actuator_ctrllimited[:] = 0, 0
+    assert speed_of_far_target(model) == pytest.approx(0.1, rel=1e-3)
+
+
+def speed_of_far_target(model: Any) -> float:
+    """Speed [m/s] of the first joint on its way to a target that its motor pushes it to with its whole effort."""
+    import mujoco
+
+    data = mujoco.MjData(model)
+    data.ctrl[0] = 100.0
+    for _ in range(round(0.2 / model.opt.timestep)):
+        mujoco.mj_step(model, data)
+    return float(data.qvel[0])
+
+
+@pytest.mark.parametrize("name", sorted(ROBOTS))
+def test_mobilities_are_those_of_the_compiled_model(name: str) -> None:
+    """The diagonal of the inverse of MuJoCo's mass matrix at q = 0: of floating bases, balls and screws, too."""
+    import mujoco
+
+    robot = lower(ROBOTS[name](), format_named("mjcf"), Diagnostics())
+    model = compiled(robot)
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    found = mobilities(robot)
+    seen = 0
+    for joint in range(model.njnt):
+        if mujoco.mjtJoint(model.jnt_type[joint]) in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
+            unit, moved = np.zeros((2, 1, model.nv))
+            unit[0, model.jnt_dofadr[joint]] = 1.0
+            mujoco.mj_solveM(model, data, moved, unit)
+            mobility = moved[0, model.jnt_dofadr[joint]]
+            assert found[model.joint(joint).name] == pytest.approx(mobility, rel=1e-6)
+            seen += 1
+    assert seen or not found
 
 
 def test_settings_are_those_of_the_sidecar_or_fit_the_robot() -> None:

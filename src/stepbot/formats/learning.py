@@ -75,7 +75,7 @@ def program_files(
         robot = lowered[program.format]
         if why := program.rejects(robot):
             help = [f"convert without `--for {name}`"]
-            found.add("SB644", f"{name}: {why}", Span(robot.source), help=help)
+            found.add("SB644", f"{name}: {why}", Span(robot.source or robot.name), help=help)
             continue
         text = program.write(gears_at_joints(robot), main_file(robot, FORMATS[program.format]))
         path = f"{re.sub(r'[^A-Za-z0-9_]', '_', robot.name)}_{name}.py"

@@ -7,14 +7,16 @@ share no step with the algorithms of the engines that they verify.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stepbot.geometry.spatial import Array, Vector3, cross, matrix_product, rotated, turn_inertia
 
 from .kinematics import Configuration, Tree, complete
-from .model import Robot
+from .mesh_names import free_name
+from .model import Base, Joint, JointKind, Link, Robot
+from .multi_dof import screw_to_mimic, unfolded
 
 GRAVITY: Vector3 = (0.0, 0.0, -9.81)
 """Acceleration of gravity [m/s^2] for computing and observing gravity forces."""
@@ -74,6 +76,28 @@ def equations_of_motion(
         c = _efforts(J, np.concatenate([torques, mass * moving], axis=1))
     M = 0.5 * (M + M.T)
     return Equations(M, g, (M * a).sum(axis=1) + c + g)
+
+
+def mobilities(robot: Robot) -> dict[str, float]:
+    """Acceleration [rad/s^2] or [m/s^2] that an effort of 1 gives each moving joint at q = 0, if all others are free.
+
+    The base moves if it floats, followers follow nothing, the two joints of a screw are two, and armatures count.
+
+    Raises:
+        numpy.linalg.LinAlgError: A joint moves no mass.
+    """
+    free = unfolded(screw_to_mimic(robot))
+    free = replace(free, joints=tuple(replace(joint, mimic=None) for joint in free.joints))
+    if robot.base is Base.FLOATING:
+        world = Link(free_name("world", "_link", set(robot.link_by_name)))
+        name = free_name("base", "_joint", set(free.joint_by_name))
+        base = Joint(name, JointKind.FLOATING, world.name, robot.root.name)
+        free = replace(free, links=(world, *free.links), joints=(base, *free.joints))
+    tree = Tree(free)
+    M = equations_of_motion(free, {}, tree=tree).mass_matrix
+    armature = {joint.name: joint.dynamics.armature for joint in free.joints}
+    inverse = np.linalg.inv(M + np.diag([armature.get(name, 0.0) for name in tree.joints]))
+    return dict(zip(tree.joints, np.diag(inverse).tolist(), strict=True))
 
 
 def _efforts(J: Array, forces: Array) -> Array:

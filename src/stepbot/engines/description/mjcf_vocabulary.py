@@ -49,6 +49,8 @@ _DEFAULTS = {
 del _DEFAULTS["*"]
 LED = "equality constraint of a mocap body"
 """By it programs lead a robot in a simulation: it closes no loop of the robot."""
+LINE = f"{SCOPE}line"
+"""End of the name of a tendon with a motor's torque-speed line, as stepbot writes it."""
 _CONTACT = "contact friction and stiffness are those of the formats' defaults"
 
 MJCF = Vocabulary(
@@ -79,6 +81,7 @@ MJCF = Vocabulary(
         **paths("mujoco/sensor", _SENSORS),
         "mujoco/custom": "",
         "mujoco/custom/velocity": "*",
+        **each(("mujoco/lines", "mujoco/lines/fixed", "mujoco/lines/fixed/joint"), {"": "*"}),
         "mujoco/keyframe": "",
         "mujoco/keyframe/key[home]": "name qpos",
     },
@@ -132,4 +135,7 @@ def unread_of_mjcf(root: Any, file: str, at: str) -> tuple[Unread, ...]:
     for number in root.iter("numeric"):
         if number.get("name", "").endswith(f"{SCOPE}velocity"):  # a limit, as stepbot writes it
             number.tag = "velocity"
+    for tendons in root.iter("tendon"):
+        if all(one.get("name", "").endswith(LINE) for one in tendons):
+            tendons.tag = "lines"
     return MJCF.unread(root, file, at)

@@ -17,6 +17,7 @@ from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.model import ActuatorKind
 from stepbot.robot.sensors import SensorKind
 
+from ..description.mjcf_vocabulary import LINE
 from ..observation import ObservedActuator, ObservedSensor
 
 if TYPE_CHECKING:
@@ -85,10 +86,28 @@ def _actuator(compiled: "Compiled", a: int) -> ObservedActuator:
     if strange:
         return replace(seen, kind=strange)
     if bias[1]:
-        return replace(seen, kind=ActuatorKind.POSITION.value, kp=gain, kv=float(model.actuator_damping[a]) - bias[2])
+        kv = motor_damping(compiled, a) / gear**2 - bias[2]
+        return replace(seen, kind=ActuatorKind.POSITION.value, kp=gain, kv=kv)
     if bias[2]:
         return replace(seen, kind=ActuatorKind.VELOCITY.value, kv=gain)
     return replace(seen, gear=gear * gain)
+
+
+def line_tendon(compiled: "Compiled", a: int) -> int:
+    """The tendon with the torque-speed line of an actuator, as stepbot writes it; -1 if there is none."""
+    name = f"{compiled.name('ACTUATOR', a)}{LINE}"
+    return int(compiled.engine.mj_name2id(compiled.model, compiled.engine.mjtObj.mjOBJ_TENDON, name))
+
+
+def motor_damping(compiled: "Compiled", a: int) -> float:
+    """Damping at the joint of an actuator [N m s/rad] or [N s/m] that its limit of force does not cut off."""
+    model, tendon = compiled.model, line_tendon(compiled, a)
+    damping = float(model.actuator_damping[a] * model.actuator_gear[a][0] ** 2)
+    if tendon < 0 or not model.tendon_frictionloss[tendon]:
+        return damping
+    time = max(float(model.tendon_solref_fri[tendon][0]), 2.0 * float(model.opt.timestep))
+    compliance = (1.0 - float(model.tendon_solimp_fri[tendon][0])) * float(model.tendon_invweight0[tendon])
+    return damping + 2.0 / (time * compliance)
 
 
 def _word(value: Any) -> str:

@@ -1,4 +1,4 @@
-"""Closures and mimics in MJCF: sites, equality constraints, and their stiffness.
+"""Closures and mimics in MJCF: sites, equality constraints, their stiffness, and the damping of motors that move them.
 
 Closures constrain sites: ``<closure>::a`` and ``<closure>::b`` are the two F frames. A revolute closure is two
 ``connect``, at F and at a second point of its axis: six rows, five of which are independent, two in a planar loop.
@@ -6,13 +6,17 @@ Sites, not anchors, because MuJoCo places an anchor in the second body by the po
 close; the keyframe ``home`` is the drawn pose, where it does.
 """
 
-from math import sqrt
+from math import floor, log10, sqrt
 
 import numpy as np
 
+from stepbot.robot.closures import Loops
+from stepbot.robot.dynamics import mobilities
+from stepbot.robot.gains import actuator_limit, line_damping
+from stepbot.robot.kinematics import mimic_relation
 from stepbot.robot.mesh_names import SCOPE
-from stepbot.robot.model import JointKind, Link, LoopClosure, Mimic, Robot
-from stepbot.robot.multi_dof import steps_by_child
+from stepbot.robot.model import Actuator, JointKind, Link, LoopClosure, Mimic, Robot
+from stepbot.robot.multi_dof import screw_to_mimic, steps_by_child
 from stepbot.robot.simulation_settings import Settings, settings_of
 
 from ..xml import Element, Value, element
@@ -20,6 +24,14 @@ from .devices import MARK, mjcf_pose
 
 _IMPEDANCE = (0.99, 0.999, 0.001)
 """`solimp` of equality constraints: almost rigid at once, and more so beyond a gap of 1 mm or 1 mrad."""
+LINE = "line"
+"""Last part of the name of a tendon with a motor's torque-speed line."""
+_LEAST, _MOST = 1e-4, 1e4
+"""Range of the damping that MuJoCo's impedance, of at most 0.9999, expresses, times time step and mobility."""
+_FAR = 10.0
+"""Multiple of the effort limit at which the line ends: at as many times the velocity limit."""
+_DIGITS = 12
+"""Significant digits of numbers that a decomposition finds."""
 _CLOSURE = "closure"
 """Class of equality constraints."""
 
@@ -87,3 +99,60 @@ def equality(top: Element, robot: Robot) -> None:
         if closure.kind is JointKind.REVOLUTE:
             on_axis = {side: f"{site}{SCOPE}axis" for side, site in sides.items()}
             element(xml, kind, name=f"{closure.name}{SCOPE}axis", class_=_CLOSURE, **on_axis)
+
+
+def motor_lines(robot: Robot) -> dict[str, tuple[float, float]]:
+    """Time constant [s] and impedance of the line of each actuator that moves others through mimics or loops, by name.
+
+    As a constraint with the damping 2 / (time constant * impedance) and MuJoCo's regularization, (1 - impedance) /
+    impedance times the mobility of the joint at q = 0, it is the implicit damping of one step.
+    """
+    coupled = _coupled(robot)
+    lines = [(one, _line(one, robot)) for one in robot.actuators if one.joint in coupled]
+    if not any(line for _, line in lines):
+        return {}
+    try:
+        mobility = mobilities(robot)
+    except np.linalg.LinAlgError:
+        return {}
+    step, found = settings_of(robot).timestep, {}
+    for actuator, line in lines:
+        strength = line * step * mobility[actuator.joint]
+        if _LEAST < strength < _MOST:
+            impedance = strength / (1.0 + strength)
+            found[actuator.name] = _rounded(2.0 * step / impedance), _rounded(impedance)
+    return found
+
+
+def _coupled(robot: Robot) -> set[str]:
+    """Joints that move others by mimics or loops."""
+    robot = screw_to_mimic(robot)
+    mimics = {joint.name for joint in robot.joints if joint.mimic is not None}
+    return (
+        mimics
+        | {mimic_relation(robot, name)[0] for name in mimics}
+        | set(Loops(robot).involved if robot.closures else ())
+    )
+
+
+def _line(actuator: Actuator, robot: Robot) -> float:
+    """The damping at the joint that is not cut off by the effort limit."""
+    return min(line_damping(actuator, robot.joint_by_name[actuator.joint]), actuator.kv * actuator.gear**2)
+
+
+def _rounded(value: float) -> float:
+    return round(value, _DIGITS - 1 - floor(log10(value)))
+
+
+def tendons(top: Element, robot: Robot, lines: dict[str, tuple[float, float]]) -> None:
+    """Add the tendons that brake motors along their torque-speed lines."""
+    if lines:
+        xml = element(top, "tendon")
+        for actuator in robot.actuators:
+            if actuator.name in lines:
+                time, impedance = lines[actuator.name]
+                effort = actuator_limit(actuator, robot.joint_by_name[actuator.joint]).effort
+                name = f"{actuator.name}{SCOPE}{LINE}"
+                soft = {"solreffriction": (time, 1.0), "solimpfriction": (impedance, impedance, 0.001)}
+                tendon = element(xml, "fixed", name=name, frictionloss=_FAR * effort, **soft)
+                element(tendon, "joint", joint=actuator.joint, coef=1.0)

@@ -4,6 +4,7 @@ The readings of a sensor are named ``<sensor>::<reading>``, and its site ``<sens
 can be. MuJoCo's cameras look along -z with y up, its rangefinders along z.
 """
 
+from collections.abc import Collection
 from math import atan, degrees, isfinite, tan
 
 from stepbot.geometry.spatial import Pose
@@ -38,22 +39,32 @@ AT_SITES = frozenset({*_READINGS, SensorKind.LIDAR})
 """Kinds of sensors that have sites."""
 
 
-def actuators(top: Element, robot: Robot) -> None:
-    """Add the actuators."""
+def actuators(top: Element, robot: Robot, lines: Collection[str]) -> None:
+    """Add the actuators.
+
+    Args:
+        lines: Actuators whose torque-speed line is a constraint.
+    """
     if robot.actuators:
         xml = element(top, "actuator")
         for actuator in robot.actuators:
-            _actuator(xml, actuator, robot.joint_by_name[actuator.joint], has_damping=robot.versions.mjcf >= NEW)
+            joint, has_damping = robot.joint_by_name[actuator.joint], robot.versions.mjcf >= NEW
+            _actuator(xml, actuator, joint, has_damping=has_damping, has_line=actuator.name in lines)
 
 
-def _actuator(parent: Element, actuator: Actuator, joint: Joint, *, has_damping: bool) -> None:
-    """An actuator; its control and force are on the actuator's side of the gear, its joint's limits on the other."""
+def _actuator(parent: Element, actuator: Actuator, joint: Joint, *, has_damping: bool, has_line: bool) -> None:
+    """An actuator; its control and force are on the actuator's side of the gear, its joint's limits on the other.
+
+    Args:
+        has_damping: Whether this version of MuJoCo has damping of actuators.
+        has_line: Whether a constraint has the damping of its torque-speed line.
+    """
     optional: dict[str, Value] = {"gear": actuator.gear} if actuator.gear != 1.0 else {}
     if actuator.kind is ActuatorKind.POSITION:
         optional["kp"] = actuator.kp
     # The part of kv that the effort limit does not cut off: at the velocity limit it uses up the effort.
-    line = min(line_damping(actuator, joint) / actuator.gear**2, actuator.kv) if has_damping else 0.0
-    if line:
+    line = min(line_damping(actuator, joint) / actuator.gear**2, actuator.kv) if has_damping or has_line else 0.0
+    if line and not has_line:
         optional["damping"] = line
     if actuator.kind is ActuatorKind.VELOCITY or actuator.kv > line:
         optional["kv"] = actuator.kv - line

@@ -85,8 +85,8 @@ EXPRESSES = {
     Feature.OPEN_EFFORT: exact("no attribute"),
     Feature.EFFORT: exact("`actuatorfrcrange`, `forcerange`"),
     Feature.VELOCITY: lowered(
-        "velocity limits are `<numeric>` data, which MuJoCo does not enforce; up to effort / velocity limit, kv of a "
-        "position actuator is its `damping`, beside its force range (not in version 3.3)",
+        "velocity limits are `<numeric>` data, which MuJoCo does not enforce; kv of a position actuator, up to effort "
+        "/ velocity limit, is damping that its force range does not cut off (in 3.3 only in loops and with mimics)",
     ),
     Feature.ACCELERATION: reported("limits of acceleration, deceleration and jerk are omitted"),
     Feature.FRICTION: exact("`damping`, `frictionloss`"),
@@ -166,7 +166,9 @@ def render(robot: Robot) -> bytes:
     _bodies(top, robot)
     contacts.excludes(top, robot)
     constraints.equality(top, robot)
-    devices.actuators(top, robot)
+    lines = constraints.motor_lines(robot)
+    constraints.tendons(top, robot, lines)
+    devices.actuators(top, robot, lines)
     devices.sensors(top, robot)
     _velocity_limits(top, robot)
     keyframe(top, robot)
