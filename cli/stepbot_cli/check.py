@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostic, Diagnostics, listed
 
 from .command import PATH, Command, display_options, ignore_option
 from .diagnostic_text import counted, printable
@@ -16,6 +16,8 @@ from .progress import progress_bar
 from .reading import description_options, reading_options, reject_descriptions, report_trouble, variant_option
 from .table import show_joint_rows, write_filled
 from .terminal import Display, show_diagnostics, write_document, write_result
+
+_MOST_LISTED = 6
 
 if TYPE_CHECKING:
     from stepbot.pipeline.conversion import Checked, Options
@@ -119,6 +121,7 @@ def command(
             progress(str(sidecar))
             if fix and (fixed := fix_paths(sidecar, options, found)) is not None:
                 fixes.append(fixed)
+            reported: dict[Diagnostic, list[str]] = {}
             for variant in (options.variant,) if options.variant else ("", *variants_of(sidecar)):
                 label = f"{sidecar.as_posix()} ({variant})" if variant else sidecar.as_posix()
                 of_one = Diagnostics()
@@ -126,7 +129,10 @@ def command(
                 if strict:
                     of_one.make_strict()
                 failed |= {label} if of_one.has_errors else set()
-                _add(of_one, variant, found)
+                for one in of_one:
+                    reported.setdefault(one, []).append(variant)
+                found.add_ignored(of_one.ignored)
+            found.extend(_of_variants(one, variants) for one, variants in reported.items())
     report_trouble(options.cache, found)
     if display.json:
         from stepbot.report.words import joint_table_document
@@ -155,12 +161,12 @@ def _document(fixed: "FixedSidecar") -> dict[str, Any]:
     return {"file": fixed.path.as_posix(), "paths": dict(fixed.paths), "diff": _difference(fixed)}
 
 
-def _add(of_one: Diagnostics, variant: str, found: Diagnostics) -> None:
-    """Add the diagnostics of a sidecar; of a variant, those that the sidecar itself does not have, with its name."""
-    known = set(found) if variant else set()
-    note = (f"variant '{variant}'",) if variant else ()
-    found.extend(one._replace(notes=(*one.notes, *note)) for one in of_one if one not in known)
-    found.add_ignored(of_one.ignored)
+def _of_variants(one: Diagnostic, variants: list[str]) -> Diagnostic:
+    """A diagnostic of some variants of a sidecar, with their names; as it is if the sidecar itself has it."""
+    if "" in variants:
+        return one
+    names = listed(variants, _MOST_LISTED)
+    return one._replace(notes=(*one.notes, f"variant{'s' * (len(variants) > 1)} {names}"))
 
 
 def _show(checked: "Mapping[str, Checked]", failed: set[str], display: Display, *, open_step: bool) -> None:

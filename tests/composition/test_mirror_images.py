@@ -274,6 +274,19 @@ def test_the_image_of_a_joint_has_the_side_of_its_module(joint: str, of: str, na
     assert image_name(joint, of, name) == image
 
 
+@pytest.mark.parametrize("plane", ["x", "y", "z"])
+def test_the_upper_end_of_a_capsule_is_the_image_of_the_upper_end(plane: str, composed: Compose) -> None:
+    """URDF has a sphere at each end, with a name."""
+    capsule = "<geom type='capsule' size='0.1 0.3' pos='0.1 0.2 0.3' euler='10 20 30'/>"
+    files = {
+        "r.robot.yaml": composing(f"a: {{file: rod.xml, mirror: {plane}}}", "b: {file: rod.xml, at: a}"),
+        "rod.xml": f"<mujoco><worldbody><body name='rod'>{capsule}</body></worldbody></mujoco>",
+    }
+    robot = composed(files, Diagnostics())
+    image, own = (robot.link_by_name[name].collisions[0].X_LG.apply((0.0, 0.0, 0.3)) for name in ("a_rod", "b_rod"))
+    assert np.allclose(image, own * [-1.0 if axis == plane else 1.0 for axis in "xyz"], rtol=0.0, atol=1e-12)
+
+
 def test_flipped_twice_is_the_robot(composed: Compose) -> None:
     """Reversed twice, nothing has changed; a limit of one side is on the other side in between."""
     robot = composed({"r.robot.yaml": composing("hand: {file: hand.urdf}"), "hand.urdf": HAND}, Diagnostics())

@@ -91,10 +91,14 @@ IMPOSSIBLE = 'ixx="1" iyy="1" izz="9" ixy="0.5" ixz="0" iyz="0"'
 
 
 @pytest.mark.slow
-def test_an_impossible_inertia_is_replaced(variant: Callable[..., Robot]) -> None:
+@pytest.mark.parametrize(
+    ("inertia", "error"),
+    [(f"<inertia {IMPOSSIBLE}/>", r"SB509.*link 'base'.*moment"), ("", r"SB861.*link 'base'.*no <inertia>")],
+)
+def test_an_impossible_inertia_is_replaced(inertia: str, error: str, variant: Callable[..., Robot]) -> None:
     """What ``set`` gives is judged, not what it replaces; an inertia is one value, with its products."""
-    arm = ARM.replace('ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"', IMPOSSIBLE)
-    with pytest.raises(StepbotError, match=r"SB509.*link 'base'.*moment"):
+    arm = ARM.replace('<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>', inertia)
+    with pytest.raises(StepbotError, match=error):
         variant("", Diagnostics(), {**FILES, "arm.urdf": arm})
     new = "links: {%s: {inertial: {mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 2, izz: IZZ}}}}"
     sets = WHOLE.replace("set: {", "set: {" + f"{(new % 'base')[:-1]}, {(new % 'upper').removeprefix('links: {')}, ")
@@ -241,6 +245,16 @@ def test_each_variant_is_a_robot_of_a_batch(tmp_path: Path, write: Callable[[Map
     checked = json.loads(stepbot("check", sidecar, "--json", "--no-cache", cwd=tmp_path).out)
     (error,) = [one for one in checked["diagnostics"] if one["severity"] == "error"]
     assert "variant 'bare_named'" in error["notes"]
+
+
+def test_a_finding_of_several_variants_is_reported_once(
+    tmp_path: Path, write: Callable[[Mapping[str, str]], None]
+) -> None:
+    """With the names of the variants that have it."""
+    write({**FILES, "whole.robot.yaml": WHOLE.replace("strong: {modules", "strong: {base: flying, modules")})
+    checked = json.loads(stepbot("check", str(tmp_path / "whole.robot.yaml"), "--json", cwd=tmp_path).out)
+    (error,) = [one for one in checked["diagnostics"] if one["severity"] == "error"]
+    assert "variants 'strong', 'strong_named'" in error["notes"]
 
 
 @pytest.mark.parametrize(

@@ -61,9 +61,9 @@ def mirrored(robot: Robot, normal: str) -> Robot:
     chiral = _named(robot.meshes, images)
 
     def shape(one: _Shape) -> _Shape:
+        if not isinstance(one.geometry, MeshRef):  # its own image; formats without capsules name their two ends along z
+            return replace(one, X_LG=conjugated(one.X_LG, m, np.array(NORMALS["y"])))
         X_LG = conjugated(one.X_LG, m)
-        if not isinstance(one.geometry, MeshRef):
-            return replace(one, X_LG=X_LG)
         image = images[one.geometry.name]
         if isinstance(image, Pose):
             return replace(one, X_LG=X_LG if image.is_identity else tidy(X_LG @ image))

@@ -237,11 +237,11 @@ class Places:
         original = self._document.modules[of]
         m = np.array(NORMALS[section.mirror or "y"])
         if original.at == WORLD:
-            self._stand(name, section, conjugated(moved_by(original.offset), m) @ moved_by(section.offset))
+            self._stand(name, section, conjugated(moved_by(original.offset), m))
         elif original.at is not None:
             port = self._images.port(name, original.at, ("modules", of, "at"), moved_by(original.offset), m)
             if port is not None:
-                self._weld(name, section, port, moved_by(section.offset))
+                self._weld(name, section, port, IDENTITY)
         for above in joints_above(self._document, of):
             joint = self._document.joints[above]
             offset = self._offset(above, joint)

@@ -140,7 +140,8 @@ def _robot(
         found.add("SB872", f"textures or further colours of meshes not converted: {meshes}", span)
     if options.assume_inertia:
         described = _with_assumed(described, options)
-    without_inertia = () if options.assume_inertia else description.without_inertia
+    lacking_inertia = () if options.assume_inertia else description.without_inertia
+    without_inertia = [link for link in lacking_inertia if link not in replaced]
     for link in without_inertia:
         text = f"link '{link}': <inertial> has a mass and no <inertia>"
         help = ["state it, or `--assume-inertia DENSITY` computes it from the geometry"]
@@ -148,7 +149,8 @@ def _robot(
     for one in described.findings:
         found.add(one.code, one.text, place_of(one.text, path, description), help=one.help)
     computed = {one.text.split("'")[1] for one in described.findings if one.code == ASSUMED}
-    links = ", ".join(f"'{link}'" for link in description.assumed if link not in computed | described.surroundings)
+    known = computed | described.surroundings | set(replaced)
+    links = ", ".join(f"'{link}'" for link in description.assumed if link not in known)
     if links:
         taken = _ASSUMED[description.observation.format]
         found.add("SB867", f"mass properties not given in the file: {links}", span, notes=[taken])
