@@ -161,6 +161,52 @@ def test_names_that_formats_do_not_like(composed: Compose) -> None:
     assert [one.name for one in robot.links] == ["dö $x_base", "dö $x_tip", "ä $ base", "ä $ tip"]
 
 
+CUBE = "".join(f"v {i & 1} {i >> 1 & 1} {i >> 2}\n" for i in range(8)) + "".join(
+    f"f {a} {b} {d}\nf {a} {d} {c}\n"
+    for a, b, c, d in [(1, 3, 2, 4), (5, 6, 7, 8), (1, 2, 5, 6), (3, 7, 4, 8), (1, 5, 3, 7), (2, 4, 6, 8)]
+)
+"""A cube of 1 m as a mesh."""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("shape", "place", "expected"),
+    [
+        ("mesh", "at: a, offset: {xyz: [0, 0, 1]}", ""),
+        ("mesh", "at: a, offset: {xyz: [0.5, 0, 0.99]}", "SB166:overlap 'b_cube' of link 'b_cube' shares 5e+03 cm^3"),
+        ("mesh", "at: a, offset: {xyz: [0.5, 0.9995, 0]}", ""),  # less than a thousandth of it
+        ("open mesh", "at: a, offset: {xyz: [0.5, 0, 0.9]}", ""),
+        ("mesh", "at: a", "SB166:part 'b_cube' of link 'b_cube'"),
+        ("box", "at: a", "SB166:part 'b_cube' of link 'b_cube'"),
+        ("box", "at: a, offset: {xyz: [0.5, 0, 0]}", ""),
+        ("mesh", "joint", ""),  # what moves can be in contact, which engines report
+    ],
+)
+def test_what_is_inside_its_neighbour_is_reported(
+    shape: str, place: str, expected: str, tmp_path: Path, composed: Compose
+) -> None:
+    """The common volume is that of two boxes; what only touches, is no solid, or moves, is none."""
+    (tmp_path / "cube.obj").write_text(CUBE if shape == "mesh" else CUBE.rpartition("f")[0], encoding="utf-8")
+    geometry = '<box size="1 1 1"/>' if shape == "box" else '<mesh filename="cube.obj"/>'
+    more = "joints: {turn: {type: continuous, parent: a, child: b}}\n" if place == "joint" else ""
+    files = {
+        "r.robot.yaml": composing("a: {file: m.urdf}", f"b: {{file: m.urdf, {place if not more else ''}}}", more=more),
+        "m.urdf": urdf("m", link("cube", 1.0, f'<visual name="cube"><geometry>{geometry}</geometry></visual>')),
+    }
+    found = Diagnostics()
+    composed(files, found)
+    texts = [f"{one.code} {one.message}" for one in found if one.code.startswith("SB166")]
+    if not expected:
+        assert not texts
+    else:
+        (text,) = texts
+        code, _, rest = expected.partition(" ")
+        part, _, volume = rest.partition(" shares ")
+        assert text.startswith(f"{code} module 'b': ")
+        assert part in text
+        assert text.endswith(volume)
+
+
 @pytest.mark.slow
 def test_meshes_of_one_name_with_other_bytes(tmp_path: Path, write: Write) -> None:
     """Each module has its own `part.obj`; MuJoCo loads the right size for both, and no third file."""

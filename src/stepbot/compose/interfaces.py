@@ -1,69 +1,118 @@
-"""Parts that both sides of a mount have: an adapter plate that is in the files of the arm and of the hand."""
+"""What both sides of a mount have: one part twice, such as an adapter plate in both files, or one space."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
-from stepbot.diagnostics import Diagnostics
+from stepbot.diagnostics import Diagnostics, cut
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.solids.box_pairs import box_pairs
+from stepbot.geometry.solids.manifolds import TOUCHING
+from stepbot.geometry.solids.overlapping import Candidate, Group, Overlaps, Search
 from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.bounding_boxes import mesh_bounds, primitive_bounds
 from stepbot.robot.kinematics import link_poses, rigid_bodies
-from stepbot.robot.model import JointKind, MeshRef, Robot
+from stepbot.robot.model import Geometry, MeshRef, Robot
 from stepbot.sidecar.located import Sidecar
-
-from .parts import Part
-from .placing import Mount
 
 _NEAR = 1e-5
 """Distance [m] between the corners of two boxes around one part."""
+_MAX_FACES = 200_000
+"""Maximum number of faces to intersect: some tenths of a second."""
+_MOST_NOTES = 4
+
+Intersect = Callable[[Search], Mapping[str, Overlaps]]
+"""Intersects solids; the result is by module."""
 
 
-def report_shared_parts(
-    sidecar: Sidecar, robot: Robot, parts: Mapping[str, Part], mounts: Mapping[str, Mount], found: Diagnostics
-) -> None:
-    """Report SB166: a part of a module that the other side of its mount has, too, at the same place.
+def report_interfaces(sidecar: Sidecar, robot: Robot, intersect: Intersect, found: Diagnostics) -> None:
+    """Report SB166: a part of a module that what it is fixed to has, too, at the same place, or solids that overlap.
 
-    Args:
-        mounts: The joint above each root link.
+    Compared are the visuals of links that are one body; a mesh that is no solid overlaps nothing.
     """
     body, poses = rigid_bodies(robot.root.name, robot.joints), link_poses(robot, {})
-    mounted = {
-        name: part
-        for name, part in parts.items()
-        if (mount := mounts.get(part.robot.root.name)) is not None and mount.joint.kind is JointKind.FIXED
-    }
-    bodies = {body[part.robot.root.name] for part in mounted.values()}
-    shown = list(_shown(robot, [link for link, of in body.items() if of in bodies], poses))
+    modules = {link: one.name for one in robot.modules if "/" not in one.name for link in one.links}
+    mixed = {of for of in body.values() if len({modules.get(link, "") for link in body if body[link] == of}) > 1}
+    shown = list(_shown(robot, [link.name for link in robot.links if body[link.name] in mixed], poses))
     if not shown:
         return
-    boxes: Array = np.array([one.box for one in shown])
-    for name, part in mounted.items():
-        own = part.robot.link_by_name
-        there = np.array([one.link not in own and body[one.link] == body[part.robot.root.name] for one in shown])
-        for one in (one for one in shown if one.link in own and body[one.link] == body[part.robot.root.name]):
-            near = np.flatnonzero(there & (np.abs(boxes - one.box).max(axis=1) < _NEAR))
-            if len(near):
-                twin = shown[near[0]]
-                twins = f"'{one.part}' of link '{one.link}' and '{twin.part}' of link '{twin.link}'"
-                message = f"module '{name}': equal parts at the same place: {twins}"
-                help = [f"if it is in both files, leave it out of one: `parts: {{'{one.part}': {{ignore: true}}}}`"]
-                found.add("SB166", message, sidecar.key_span("modules", name), help=help)
+    low, high = (np.array([one.box[side] for one in shown]) for side in (0, 1))
+    order = [*sidecar.document.modules]
+    twins: dict[str, tuple[_Shown, _Shown]] = {}
+    meeting = list[tuple[str, int, int]]()
+    for i, j in zip(*(side.tolist() for side in box_pairs(low, high, TOUCHING)), strict=True):
+        a, b = shown[i], shown[j]
+        of = [modules.get(one.link, "") for one in (a, b)]
+        if body[a.link] != body[b.link] or of[0] == of[1]:
+            continue
+        module, i, j = (
+            (of[0], i, j) if of[0] and (not of[1] or order.index(of[0]) > order.index(of[1])) else (of[1], j, i)
+        )
+        is_twin = type(a.geometry) is type(b.geometry) and np.abs(a.box - b.box).max() < _NEAR
+        if is_twin:
+            twins.setdefault(module, (shown[i], shown[j]))
+        elif isinstance(a.geometry, MeshRef) and isinstance(b.geometry, MeshRef):
+            meeting.append((module, i, j))
+    for module, (mine, other) in twins.items():
+        message = f"module '{module}': equal parts at the same place: {mine} and {other}"
+        out = f": `parts: {{'{mine.part}': {{ignore: true}}}}`" if mine.is_component else ""
+        help = [f"if it is in both files, leave it out of one{out}"]
+        found.add("SB166:part", message, sidecar.key_span("modules", module), help=help)
+    for module, overlaps in intersect(_search(robot, shown, meeting)).items() if meeting else ():
+        lines = [
+            f"{shown[pair.first]} and {shown[pair.second]} share {1e6 * pair.volume:.3g} cm^3"
+            for pair in overlaps.pairs
+        ]
+        if lines and module not in twins:
+            message = f"module '{module}': solids overlap where it is fixed: {lines[0]}"
+            help = ["move it by its `offset`, or place it by another port; `without` leaves out what makes room"]
+            notes = cut(lines[1:], _MOST_NOTES)
+            found.add("SB166:overlap", message, sidecar.key_span("modules", module), help=help, notes=notes)
 
 
 class _Shown(NamedTuple):
     link: str
     part: str
     """Its component, or the name of the visual."""
+    is_component: bool
+    geometry: Geometry
+    X_RG: Pose
+    """Its pose in the root's frame."""
     box: Array
-    """Shape (6,) [m]: the corners of its box in the root's frame."""
+    """Shape (2, 3) [m]: the corners of its box in the root's frame."""
+
+    def __str__(self) -> str:
+        return f"'{self.part}' of link '{self.link}'"
 
 
 def _shown(robot: Robot, links: Iterable[str], poses: Mapping[str, Pose]) -> Iterator[_Shown]:
-    """The visual meshes of some links."""
-    meshes = {asset.name: asset.mesh for asset in robot.meshes}
+    """The visuals of some links."""
     for link in links:
-        for visual in robot.link_by_name[link].visuals:
-            if isinstance(visual.geometry, MeshRef):
-                points = (poses[link] @ visual.X_LG).apply(meshes[visual.geometry.name].vertices)
-                box = np.concatenate([points.min(axis=0), points.max(axis=0)])
-                yield _Shown(link, visual.component or visual.name, box)
+        for one in robot.link_by_name[link].visuals:
+            X_RG, geometry = poses[link] @ one.X_LG, one.geometry
+            if isinstance(geometry, MeshRef):
+                box = mesh_bounds(robot.mesh_by_name[geometry.name].mesh.vertices, X_RG)
+            else:
+                box = primitive_bounds(geometry, X_RG)
+            yield _Shown(link, one.component or one.name, bool(one.component), geometry, X_RG, np.array(box))
+
+
+def _search(robot: Robot, shown: list[_Shown], meeting: list[tuple[str, int, int]]) -> Search:
+    """The solids to intersect, of pairs whose boxes overlap."""
+    number = {asset.name: index for index, asset in enumerate(robot.meshes)}
+    groups, meshes = list[Group](), dict[int, TriMesh]()
+    for module, i, j in meeting:
+        bodies = tuple(number[one.geometry.name] for one in (shown[i], shown[j]) if isinstance(one.geometry, MeshRef))
+        meshes |= {body: robot.meshes[body].mesh for body in bodies}
+        smaller = min(_volume(meshes[body]) for body in bodies)
+        common = np.minimum(shown[i].box[1], shown[j].box[1]) - np.maximum(shown[i].box[0], shown[j].box[0])
+        pair = Candidate(module, i, j, 1.0, float(common.prod()))
+        groups.append(Group((bodies[0], bodies[1]), shown[i].X_RG.inverse() @ shown[j].X_RG, smaller, (pair,)))
+    modules = tuple(dict.fromkeys(module for module, _, _ in meeting))
+    return Search(modules, tuple(groups), meshes, {i: shown[i].X_RG for _, i, _ in meeting}, _MAX_FACES)
+
+
+def _volume(mesh: TriMesh) -> float:
+    a, b, c = mesh.vertices[mesh.faces].swapaxes(0, 1)
+    return abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6.0

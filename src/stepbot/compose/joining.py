@@ -42,7 +42,6 @@ from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.own_part import TIE
 from stepbot.sidecar.tree import ELEMENTS
 
-from .interfaces import report_shared_parts
 from .parts import Part, Parts, coinciding, module_record
 from .placing import Mount, Places
 from .ports import Port, Ports, moved_by
@@ -70,7 +69,6 @@ def composed(sidecar: Sidecar, own: Robot | None, robots: Mapping[str, Robot], f
         return None
     ports.attach(mount.joint for mount in places.mounts.values())
     robot = _Joining(sidecar, own, parts, ports, found).robot(root, places)
-    report_shared_parts(sidecar, robot, parts, places.mounts, found)
     return tune_actuators(robot, sidecar, found)
 
 

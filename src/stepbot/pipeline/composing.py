@@ -8,6 +8,7 @@ from pathlib import Path
 
 from stepbot.assemble.devices import place_of
 from stepbot.compose.changing import changed, with_names
+from stepbot.compose.interfaces import report_interfaces
 from stepbot.compose.joining import composed
 from stepbot.diagnostics import Diagnostics, Span, StepbotError, cut, did_you_mean
 from stepbot.report.robot import Check
@@ -45,6 +46,7 @@ _OPEN_BASE = "SB874:base"
 """A description does not say whether its base is fixed; what it is attached to decides."""
 _NO_DENSITY = "SB522"
 _UNPORTABLE = "SB129"
+_INTERSECT = "stepbot.geometry.solids.overlapping:overlaps_of"
 _GAINS = "SB874:gains"
 """Computed gains of a description's actuators, which the whole robot computes again."""
 
@@ -146,6 +148,7 @@ class _Files:
         robot = composed(sidecar, own, robots, found)
         found.raise_if_errors()
         assert robot is not None  # a missing robot always has an error
+        report_interfaces(sidecar, robot, lambda search: self._options.workers.call(_INTERSECT, search), found)
         self.alone = _modules_alone(sidecar, robot, robots)
         self.checks = _compared(sidecar, robot, self.alone, found)  # last those of the file that composes all
         check_robot(robot, found, sidecar.span(), massless_between=True, places=lambda: _places(sidecar, robot))
