@@ -528,3 +528,47 @@ def test_sensors_of_one_name_are_those_of_their_joints(tmp_path: Path) -> None:
         (tmp_path / f"{name}.sdf").write_text(text(*rates))
     assert stepbot("diff", "one.sdf", "copy.sdf", cwd=tmp_path).code == 0
     assert stepbot("diff", "one.sdf", "other.sdf", cwd=tmp_path).code == 1
+
+
+_FOLDED = (  # position, height of the com, mass, moments, axis, and half sizes of each link of a chain
+    ((-0.145, -0.084, 0.003), 0.024, 0.787, 0.00732, "0 0 1", (0.078, 0.089, 0.045)),
+    ((-0.026, -0.121, 0.075), 0.096, 1.52, 9.03e-07, "0 1 0", (0.068, 0.157, 0.061)),
+    ((-0.037, -0.094, -0.01), 0.084, 0.0219, 0.000184, "0 0 1", (0.095, 0.109, 0.181)),
+    ((-0.148, 0.094, -0.045), 0.094, 0.0338, 3.99e-06, "1 0 0", (0.094, 0.128, 0.16)),
+    ((-0.07, -0.091, -0.069), -0.032, 0.308, 1.52e-05, "1 0 0", (0.047, 0.03, 0.033)),
+)
+
+
+def _folded() -> str:
+    """A URDF of light links that are in one another, as humanoids' convex hulls are."""
+    box = '<collision><geometry><box size="{} {} {}"/></geometry></collision>'
+    links = [f'<link name="link_0">{_INERTIAL}{box.format(0.4, 0.4, 0.4)}</link>']
+    for n, (at, height, mass, moment, axis, half) in enumerate(_FOLDED, start=1):
+        body = f'<mass value="{mass}"/><inertia ixx="{moment}" iyy="{moment}" izz="{moment}" ixy="0" ixz="0" iyz="0"/>'
+        links.append(
+            f'<link name="link_{n}"><inertial><origin xyz="0 0 {height}"/>{body}</inertial>'
+            f'{box.format(*(2 * one for one in half))}</link><joint name="joint_{n}" type="continuous">'
+            f'<parent link="link_{n - 1}"/><child link="link_{n}"/><origin xyz="{at[0]} {at[1]} {at[2]}"/>'
+            f'<axis xyz="{axis}"/></joint>'
+        )
+    return f'<robot name="folded">{"".join(links)}</robot>'
+
+
+def test_links_that_start_in_one_another(tmp_path: Path) -> None:
+    """A URDF states no contacts: those that would burst the robot are excluded, and named; an MJCF's are its own."""
+    path = tmp_path / "folded.urdf"
+    path.write_text(_folded(), encoding="utf-8")
+    conversion = convert(path, Options(tmp_path / "out", formats=("urdf", "mjcf"), base="fixed"))
+    assert not conversion.diagnostics.has_errors, list(map(str, conversion.diagnostics))
+    (message,) = told(conversion, "SB874:contacts")
+    excluded = ET.parse(tmp_path / "out" / "folded.xml").findall("contact/exclude")
+    pairs = {(str(one.get("body1")), str(one.get("body2"))) for one in excluded} - {("link_0", "link_1")}  # adjacent
+    assert pairs
+    assert all(f"'{a}' and '{b}'" in message for a, b in pairs)
+    model = mujoco.MjSpec.from_file(str(tmp_path / "out" / "folded.xml"))
+    for one in [one for one in model.excludes if (one.bodyname1, one.bodyname2) in pairs]:
+        model.delete(one)
+    (tmp_path / "burst.xml").write_text(model.to_xml(), encoding="utf-8")
+    again = convert(tmp_path / "burst.xml", Options(tmp_path / "again", formats=("mjcf",)))
+    assert "SB811" in {one.code for one in again.diagnostics}
+    assert not told(again, "SB874:contacts")

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from stepbot.engines.observation import Quantity
 
 ASSUMED = "SB874:mass"
+ASSUMED_CONTACTS = "SB874:contacts"
 LOST = "SB860"
 UNSUPPORTED = "SB861"
 """Of what a picture of the robot lacks or shows otherwise, too."""

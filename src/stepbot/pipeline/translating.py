@@ -4,17 +4,18 @@ What of the file does not reach the model is reported; the engines compare the w
 the file that they came from.
 """
 
-from collections.abc import Callable, Collection, Iterable
-from contextlib import ExitStack
+from collections.abc import Callable, Collection, Iterable, Sequence
+from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
 from stepbot.compose.pruning import elements
 from stepbot.described.assumed import check_inertials, lacking, with_assumed
-from stepbot.described.finding import ASSUMED, UNSUPPORTED, Finding
+from stepbot.described.finding import ASSUMED, ASSUMED_CONTACTS, UNSUPPORTED, Finding
 from stepbot.described.robot import Described, robot_of_description
 from stepbot.diagnostics import Diagnostics, Ignore, Span
 from stepbot.engines.description import Description
+from stepbot.engines.observation import Quantity
 from stepbot.engines.workers import check_required
 from stepbot.formats import format_named
 from stepbot.robot.gains import tuned
@@ -76,7 +77,16 @@ def produce_translation(
             found.make_strict()
         found.raise_if_errors()
         progress("verify")
-        report = proven(written, provers, options, found)
+        report = proven(written, provers, options, proof := Diagnostics())
+        if report.pushed_apart and description.observation.format != "mjcf":
+            described = _without_contacts(described, report.pushed_apart)
+            found.add(described.findings[-1].code, described.findings[-1].text, Span(path.as_posix()))
+            pairs = described.robot.excluded_contacts
+            robot = replace(robot, excluded_contacts=pairs)
+            written = rendered(robot, formats, options, found)
+            again = running.enter_context(started_provers(formats, options, None) or nullcontext())
+            report = proven(written, again, options, proof := Diagnostics())
+        found.extend(proof)
     if options.verify:
         from .source_proof import compared_with_source
 
@@ -87,6 +97,19 @@ def produce_translation(
     if options.strict:
         found.make_strict()
     return Conversion(found, robot, all_files(written, report, options, found), report)
+
+
+def _without_contacts(described: Described, pairs: Sequence[tuple[str, str]]) -> Described:
+    """The robot of a file that does not state which of its links touch, without contacts of these.
+
+    By default, Gazebo and PyBullet have no contacts within a robot; MuJoCo has.
+    """
+    links = ", ".join(f"'{a}' and '{b}'" for a, b in pairs)
+    text = f"contacts excluded of links that overlap in the initial pose, with which a simulation diverges: {links}"
+    excluded = tuple(sorted({*described.robot.excluded_contacts, *pairs}))
+    robot = replace(described.robot, excluded_contacts=excluded)
+    finding = Finding(ASSUMED_CONTACTS, text, (Quantity.CONTACTS,))
+    return replace(described, robot=robot, findings=(*described.findings, finding))
 
 
 def check_description(path: Path, options: Options, found: Diagnostics) -> Checked:

@@ -83,6 +83,8 @@ class Report(Results):
 
     robot: Robot | None = None
     bodies: tuple[MeasuredBody, ...] = ()
+    pushed_apart: tuple[tuple[str, str], ...] = ()
+    """Pairs of links without whose contacts a simulation would not have diverged."""
 
 
 def number(value: float | None) -> float | None:
