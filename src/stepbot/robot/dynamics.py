@@ -18,6 +18,8 @@ from .mesh_names import free_name
 from .model import Base, Joint, JointKind, Link, Robot
 from .multi_dof import screw_to_mimic, unfolded
 
+_SINGULAR = 1e-12
+"""Share of its own inertia below which what a joint moves beyond the other joints is rounding."""
 GRAVITY: Vector3 = (0.0, 0.0, -9.81)
 """Acceleration of gravity [m/s^2] for computing and observing gravity forces."""
 
@@ -96,8 +98,29 @@ def mobilities(robot: Robot) -> dict[str, float]:
     tree = Tree(free)
     M = equations_of_motion(free, {}, tree=tree).mass_matrix
     armature = {joint.name: joint.dynamics.armature for joint in free.joints}
-    inverse = np.linalg.inv(M + np.diag([armature.get(name, 0.0) for name in tree.joints]))
-    return dict(zip(tree.joints, np.diag(inverse).tolist(), strict=True))
+    inverse = _inverse_diagonal(M + np.diag([armature.get(name, 0.0) for name in tree.joints]))
+    return dict(zip(tree.joints, inverse.tolist(), strict=True))
+
+
+def _inverse_diagonal(M: Array) -> Array:
+    """Diagonal (n,) of the inverse of a positive definite matrix (n, n), by elimination without BLAS: it is written.
+
+    Rows and columns are scaled first, so that light joints on heavy links keep their digits.
+    """
+    if not (M.diagonal() > 0.0).all():
+        raise np.linalg.LinAlgError("a joint moves no mass")
+    scale = 1.0 / np.sqrt(M.diagonal())
+    left, inverse = M * scale[:, None] * scale, np.eye(len(M))
+    for k in range(len(M)):
+        pivot = left[k, k]
+        if not pivot > _SINGULAR:
+            raise np.linalg.LinAlgError("joints move no mass")
+        row, own = left[k] / pivot, inverse[k] / pivot
+        column = left[:, k].copy()
+        left -= column[:, None] * row
+        inverse -= column[:, None] * own
+        left[k], inverse[k] = row, own
+    return np.asarray(inverse.diagonal() * scale**2)
 
 
 def _efforts(J: Array, forces: Array) -> Array:

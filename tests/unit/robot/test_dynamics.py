@@ -1,6 +1,7 @@
 """Mass matrix, gravity forces and inverse dynamics, against textbook formulas and conservation of energy."""
 
 from dataclasses import replace
+from fractions import Fraction
 from math import cos, pi, sin
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.dynamics import GRAVITY, equations_of_motion
+from stepbot.robot.dynamics import GRAVITY, equations_of_motion, mobilities
 from stepbot.robot.kinematics import Tree, complete, configurations, link_poses, rates
 from stepbot.robot.model import Joint, JointKind, Link, Robot
 from tests.robots import ROBOTS
@@ -45,6 +46,35 @@ def test_two_link_arm_of_the_textbook(q1: float, q2: float) -> None:
     second = m2 * c2 * 9.81 * cos(q1 + q2)
     first = (m1 * c1 + m2 * a1) * 9.81 * cos(q1) + second
     np.testing.assert_allclose(equations_of_motion(_vertical_arm(), q).gravity, [first, second], rtol=1e-13, atol=1e-14)
+
+
+def _inverse_in_fractions(M: list[list[float]]) -> list[float]:
+    """The diagonal of an inverse, in exact arithmetic."""
+    n = len(M)
+    rows = [[Fraction(x) for x in row] + [Fraction(i == k) for k in range(n)] for i, row in enumerate(M)]
+    for k in range(n):
+        rows[k] = [x / rows[k][k] for x in rows[k]]
+        for i in range(n):
+            if i != k:
+                rows[i] = [x - rows[i][k] * y for x, y in zip(rows[i], rows[k], strict=True)]
+    return [float(rows[k][n + k]) for k in range(n)]
+
+
+@pytest.mark.parametrize("share", [1.0, 1e-6, 1e-12])
+def test_mobilities_are_the_exact_inverse(share: float) -> None:
+    """Of the mass matrix as computed, to 1e-12, also where the last link weighs a millionth of a millionth."""
+    arm = _vertical_arm()
+    light = Link("fore", MassProperties.of(share * m2, (c2, 0, 0), share * np.diag([0.0, I2, I2])))
+    arm = replace(arm, links=(*arm.links[:2], light))
+    M = equations_of_motion(arm, {"one": 0.0, "two": 0.0}).mass_matrix.tolist()
+    assert list(mobilities(arm).values()) == pytest.approx(_inverse_in_fractions(M), rel=1e-12)
+
+
+def test_a_joint_without_mass_has_no_mobility() -> None:
+    """Below it nothing has mass."""
+    arm = _vertical_arm()
+    with pytest.raises(np.linalg.LinAlgError):
+        mobilities(replace(arm, links=(*arm.links[:2], Link("fore"))))
 
 
 @pytest.mark.parametrize(("q1", "q2"), [(0.3, -1.1), (2.0, 0.7), (-1.5, pi / 2)])

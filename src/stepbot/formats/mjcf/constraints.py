@@ -6,7 +6,7 @@ Sites, not anchors, because MuJoCo places an anchor in the second body by the po
 close; the keyframe ``home`` is the drawn pose, where it does.
 """
 
-from math import floor, log10, sqrt
+from math import sqrt
 
 import numpy as np
 
@@ -30,8 +30,6 @@ _LEAST, _MOST = 1e-4, 1e4
 """Range of the damping that MuJoCo's impedance, of at most 0.9999, expresses, times time step and mobility."""
 _FAR = 10.0
 """Multiple of the effort limit at which the line ends: at as many times the velocity limit."""
-_DIGITS = 12
-"""Significant digits of numbers that a decomposition finds."""
 _CLOSURE = "closure"
 """Class of equality constraints."""
 
@@ -120,7 +118,7 @@ def motor_lines(robot: Robot) -> dict[str, tuple[float, float]]:
         strength = line * step * mobility[actuator.joint]
         if _LEAST < strength < _MOST:
             impedance = strength / (1.0 + strength)
-            found[actuator.name] = _rounded(2.0 * step / impedance), _rounded(impedance)
+            found[actuator.name] = 2.0 * step / impedance, impedance
     return found
 
 
@@ -138,10 +136,6 @@ def _coupled(robot: Robot) -> set[str]:
 def _line(actuator: Actuator, robot: Robot) -> float:
     """The damping at the joint that is not cut off by the effort limit."""
     return min(line_damping(actuator, robot.joint_by_name[actuator.joint]), actuator.kv * actuator.gear**2)
-
-
-def _rounded(value: float) -> float:
-    return round(value, _DIGITS - 1 - floor(log10(value)))
 
 
 def tendons(top: Element, robot: Robot, lines: dict[str, tuple[float, float]]) -> None:
