@@ -15,6 +15,8 @@ import pytest
 import stepbot as api
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats.learning import PROGRAMS, SIMREADY, program_files
+from stepbot.formats.mjcf.learning import rejected_by_mjx
+from stepbot.robot.model import Box, Collision, Cylinder, Joint, JointKind, Link, Robot, Sphere
 from tests.command_line import convert_once
 from tests.processes import python_with
 from tests.robots import ROBOTS, two_link_arm
@@ -195,6 +197,44 @@ def test_robosuite_takes_arms_alone(name: str) -> None:
     found = Diagnostics()
     assert program_files(["robosuite"], {"mjcf": ROBOTS[name]()}, found) == {}
     assert [one.code for one in found] == ["SB644"]
+
+
+def test_maniskill_gets_the_limits_of_speeds() -> None:
+    """Of motors and joints the narrower one; ManiSkill itself knows those of positions alone."""
+    written = program_files(["maniskill"], {"urdf": ROBOTS["equipped"]()}, Diagnostics())["urdf"]
+    (content,) = written.values()
+    (control,) = [
+        node
+        for node in ast.walk(ast.parse(content))
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("PDJointVelControllerConfig")
+    ]
+    given = {one.arg: ast.literal_eval(one.value) for one in control.keywords if one.arg in ("lower", "upper")}
+    assert given == {"lower": [-20.0], "upper": [20.0]}
+
+
+def test_playground_gets_no_robot_that_mjx_rejects() -> None:
+    """A contact sensor, or a cylinder that may touch a box or hull; the remedy is named."""
+    found = Diagnostics()
+    assert program_files(["playground"], {"mjcf": ROBOTS["equipped"]()}, found) == {}
+    (one,) = found
+    assert one.code == "SB644"
+    assert "{collision: {for: mjx}}" in one.help[0]
+    arm = three_in_a_row()
+    ends = "'first'", "'third'"
+    assert all(name in rejected_by_mjx(arm) for name in ends)
+    assert rejected_by_mjx(replace(arm, excluded_contacts=(("first", "third"),))) == ""
+    assert rejected_by_mjx(replace(arm, links=(arm.links[0], arm.links[1], replace(arm.links[2], collisions=())))) == ""
+
+
+def three_in_a_row() -> Robot:
+    """A cylinder, a sphere and a box on two joints: neighbours never touch."""
+    shapes = {"first": Cylinder(0.1, 0.2), "second": Sphere(0.1), "third": Box((0.1, 0.1, 0.1))}
+    links = tuple(Link(name, collisions=(Collision(name, shape),)) for name, shape in shapes.items())
+    joints = (
+        Joint("a", JointKind.CONTINUOUS, "first", "second"),
+        Joint("b", JointKind.CONTINUOUS, "second", "third"),
+    )
+    return Robot("row", links, joints)
 
 
 @pytest.mark.long

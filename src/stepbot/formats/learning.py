@@ -11,11 +11,12 @@ from math import inf
 from typing import NamedTuple
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.robot.gains import actuator_limit
 from stepbot.robot.model import Actuator, ActuatorKind, Base, JointKind, Robot
 
 from . import FORMATS
 from .lowering.devices import gears_at_joints
-from .mjcf.learning import genesis, mjlab, playground, robosuite
+from .mjcf.learning import genesis, mjlab, playground, rejected_by_mjx, robosuite
 from .python_text import class_name, height, home, literal, table, words
 from .rendering import main_file
 from .urdf.chains import Chain, chains
@@ -25,6 +26,8 @@ MENAGERIE = "menagerie"
 """MuJoCo Menagerie, which gets a folder with the MJCF instead of a Python file."""
 SIMREADY = "simready"
 """Libraries of SimReady assets, for Isaac Sim: a folder with the layers of OpenUSD."""
+_UNLIMITED = 1e10
+"""Limit of speed or effort that the robot does not state, where a program needs a number, in SI."""
 FOLDERS = {MENAGERIE: "mjcf", SIMREADY: "usd"}
 """Programs that get a folder, and the format that it is made of."""
 
@@ -37,6 +40,8 @@ class Program(NamedTuple):
     """The Python file of a robot lowered for the format, whose description has that name."""
     rejects: Callable[[Robot], str] = lambda _robot: ""
     """Why the program cannot use such a robot; empty if it can."""
+    remedy: str = ""
+    """What makes the robot one that it can use, instead of converting without the program."""
 
 
 def program_names(given: Iterable[str]) -> tuple[str, ...]:
@@ -74,7 +79,7 @@ def program_files(
             continue
         robot = lowered[program.format]
         if why := program.rejects(robot):
-            help = [f"convert without `--for {name}`"]
+            help = [*([program.remedy] if program.remedy else []), f"convert without `--for {name}`"]
             found.add("SB644", f"{name}: {why}", Span(robot.source or robot.name), help=help)
             continue
         text = program.write(gears_at_joints(robot), main_file(robot, FORMATS[program.format]))
@@ -200,13 +205,16 @@ def _controllers(robot: Robot) -> list[tuple[str, str, list[str], str]]:
         group = [one for one in robot.actuators if one.kind is kind]
         if not group:
             continue
-        effort = [min(one.limit.effort, robot.joint_by_name[one.joint].limit.effort) for one in group]
+        limits = [actuator_limit(one, robot.joint_by_name[one.joint]) for one in group]
+        effort = [one.effort for one in limits]
+        fastest = [_UNLIMITED if one.velocity == inf else one.velocity for one in limits]
+        is_speed = kind is ActuatorKind.VELOCITY  # None: the limits of the joints, which are positions
         rows = {
-            "lower": None,
-            "upper": None,
+            "lower": [-one for one in fastest] if is_speed else None,
+            "upper": fastest if is_speed else None,
             **({"stiffness": [one.kp for one in group]} if kind is ActuatorKind.POSITION else {}),
             "damping": [one.kv for one in group],
-            "force_limit": [1e10 if one == inf else one for one in effort],
+            "force_limit": [_UNLIMITED if one == inf else one for one in effort],
             "normalize_action": False,
         }
         arguments = "".join(f"                {key}={literal(value)},\n" for key, value in rows.items())
@@ -300,7 +308,7 @@ PROGRAMS = {
     "maniskill": Program("urdf", _maniskill),
     "genesis": Program("mjcf", genesis),
     "isaaclab": Program("usd", _isaaclab),
-    "playground": Program("mjcf", playground),
+    "playground": Program("mjcf", playground, rejected_by_mjx, "`defaults: {collision: {for: mjx}}` in the sidecar"),
     "lerobot": Program("urdf", _lerobot, lambda robot: "" if _turning(robot) else "no chain of turning joints"),
     "newton": Program("usd", _newton),
     "robosuite": Program("mjcf", robosuite, _other_than_an_arm),

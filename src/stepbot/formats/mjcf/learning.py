@@ -3,7 +3,9 @@
 import re
 
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.model import JointKind, Robot
+from stepbot.robot.kinematics import without_contacts
+from stepbot.robot.model import Box, Cylinder, JointKind, MeshRef, Robot
+from stepbot.robot.sensors import SensorKind
 from stepbot.robot.simulation_settings import settings_of
 from stepbot.robot.tuning import Integrator
 
@@ -54,6 +56,20 @@ if __name__ == "__main__":
     scene = Scene(SceneCfg(num_envs=1, entities={{"robot": ROBOT}}), device="cpu")
     print(scene.compile().nu, "actuators;", *scene["robot"].joint_names)
 '''
+
+
+def rejected_by_mjx(robot: Robot) -> str:
+    """Why MJX does not load the MJCF of a robot; empty if it does."""
+    contacts = [sensor.name for sensor in robot.sensors if sensor.kind is SensorKind.CONTACT]
+    if contacts:
+        return f"MJX has no contact sensor of a body, as '{contacts[0]}'"
+    apart = without_contacts(robot)
+    solids = {link.name: {type(shape.geometry) for shape in link.collisions} for link in robot.links}
+    round_ = [name for name, kinds in solids.items() if Cylinder in kinds]
+    for one, other in ((one, other) for one in round_ for other in solids if one != other):
+        if solids[other] & {Box, MeshRef} and frozenset((one, other)) not in apart:
+            return f"MJX has no contact of a cylinder, as of '{one}', with a box or hull, as of '{other}'"
+    return ""
 
 
 def playground(robot: Robot, file: str) -> str:
