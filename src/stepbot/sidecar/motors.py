@@ -109,7 +109,7 @@ def find_motor(name: str, own: Mapping[str, MotorSection] = {}) -> Found:
     """A motor by any of its names; a user's own motors first.
 
     Args:
-        name: Its name, in any case, with any separators.
+        name: Its name, in any case, with any separators or none.
 
     Raises:
         AmbiguousMotor: It is the name of a family.
@@ -119,6 +119,9 @@ def find_motor(name: str, own: Mapping[str, MotorSection] = {}) -> Found:
     of_own = _by_name((name, one.names, one.family) for name, one in own.items())
     known: dict[str, tuple[str, ...]] = {}
     for names, families in (of_own, _names_of_catalogue()):
+        if wanted not in names and wanted not in families:
+            joined = {word.replace("-", ""): word for word in (*families, *names)}
+            wanted = joined.get(wanted.replace("-", ""), wanted)
         if wanted in names:
             found = names[wanted]
             return Found(found, own[found] if names is of_own[0] else catalogue_motor(found))
@@ -126,7 +129,9 @@ def find_motor(name: str, own: Mapping[str, MotorSection] = {}) -> Found:
             raise AmbiguousMotor(name, families[wanted])
         known |= {word: (one,) for word, one in names.items()} | families
     near = get_close_matches(wanted, known, n=_NEAREST, cutoff=_SIMILAR)
-    raise UnknownMotor(name, tuple(dict.fromkeys(one for word in near for one in known[word])))
+    raise UnknownMotor(
+        name, tuple(dict.fromkeys((*motors_named_in(name), *(one for word in near for one in known[word]))))
+    )
 
 
 _Names = tuple[dict[str, str], dict[str, tuple[str, ...]]]

@@ -105,6 +105,21 @@ def test_a_family_asks_which_member() -> None:
             assert name in raised.value.members
 
 
+@pytest.mark.parametrize("typed", ["STS-3215-7.4V", "sts 3215 7.4v", "sts3215_7.4V", " STS3215-7.4V"])
+def test_separators_of_names_do_not_matter(typed: str) -> None:
+    """Names are found with other separators, or none, and mean one motor each."""
+    assert find_motor(typed).name == "STS3215-7.4V"
+    joined = [bare(one).replace("-", "") for one in catalogue_names()]
+    assert len(set(joined)) == len(joined)
+
+
+def test_motors_named_with_their_maker_are_proposed() -> None:
+    """The members of a family come before names that are spelled alike."""
+    with pytest.raises(UnknownMotor) as raised:
+        find_motor("dynamixel xm430")
+    assert raised.value.nearest == ("XM430-W210", "XM430-W350")
+
+
 def test_an_unknown_motor_has_neighbours() -> None:
     """An unknown motor has neighbours."""
     with pytest.raises(UnknownMotor) as raised:
