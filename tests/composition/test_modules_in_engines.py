@@ -15,9 +15,10 @@ import pytest
 
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.stages import convert
+from stepbot.report.results import Status
 from stepbot.runtime.cache import Cache
 
-from .described import composing
+from .described import composing, joint, link, urdf
 
 ARM, HAND = "stepbot_arm2/arm2", "robotiq_2f85/2f85"
 WHOLE = """
@@ -377,3 +378,37 @@ def test_loops_start_where_home_is(tmp_path: Path) -> None:
     assert {("pybullet", "urdf"), ("reader", "sdf")} <= {(one.engine, one.format) for one in closed}
     against = {one.against for one in made.report.checks if one.format == "sdf" and one.quantity == "limits"}
     assert against == {"model", *(f"module '{name}' alone" for name in ("left", "right", "bar"))}
+
+
+LEFT = urdf(
+    "left",
+    *(link(name) for name in ("base", "crank", "coupler", "end")),
+    joint("crank", "base", "crank", xyz="0 0 0.1", lower="-2"),
+    joint("coupler", "crank", "coupler", xyz="0.1 0.1 0", lower="-2"),
+    joint("tip", "coupler", "end", "fixed", xyz="0.3 0 0"),
+)
+RIGHT = urdf(
+    "right",
+    *(link(name) for name in ("base", "rocker", "end")),
+    joint("rocker", "base", "rocker", xyz="0 0 0.1", lower="-2"),
+    joint("tip", "rocker", "end", "fixed", xyz="0.1 0.1 0"),
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("q", [0.0, 0.3])
+def test_a_loop_between_modules_is_proven(q: float, tmp_path: Path, cache: Cache) -> None:
+    """URDF has mimics for it, and SDFormat moves its zeros: neither is in the modules alone."""
+    text = composing(
+        f"left: {{file: left.urdf, home: {{crank: {q}, coupler: {-q}}}}}",
+        f"right: {{file: right.urdf, at: left/base, offset: {{xyz: [0.3, 0, 0]}}, home: {{rocker: {q}}}}}",
+        more="closures: {pin: {type: revolute, link_a: left/end, link_b: right/end}}\n"
+        "actuators: {motor: {joint: left/crank, kind: motor}}\n",
+    )
+    for name, content in {"r.robot.yaml": text, "left.urdf": LEFT, "right.urdf": RIGHT}.items():
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    made = convert(tmp_path / "r.robot.yaml", Options(tmp_path / "out", cache=cache))
+    assert not made.diagnostics.has_errors, list(made.diagnostics)
+    assert b"<mimic" in made.files["whole.urdf"]
+    against = {one.against for one in made.report.checks if one.status is Status.PASSED} if made.report else set()
+    assert {"module 'left' alone", "module 'right' alone"} <= against

@@ -174,6 +174,11 @@ CUBE = "".join(f"v {i & 1} {i >> 1 & 1} {i >> 2}\n" for i in range(8)) + "".join
     [
         ("mesh", "at: a, offset: {xyz: [0, 0, 1]}", ""),
         ("mesh", "at: a, offset: {xyz: [0.5, 0, 0.99]}", "SB166:overlap 'b_cube' of link 'b_cube' shares 5e+03 cm^3"),
+        (
+            "mesh",
+            "at: a, offset: {xyz: [1.2, 0.3, 0], rpy: [0, 0, 90 deg]}",
+            "SB166:overlap 'b_cube' shares 5.6e+05 cm^3",
+        ),
         ("mesh", "at: a, offset: {xyz: [0.5, 0.9995, 0]}", ""),  # less than a thousandth of it
         ("open mesh", "at: a, offset: {xyz: [0.5, 0, 0.9]}", ""),
         ("mesh", "at: a", "SB166:part 'b_cube' of link 'b_cube'"),
@@ -189,8 +194,16 @@ def test_what_is_inside_its_neighbour_is_reported(
     (tmp_path / "cube.obj").write_text(CUBE if shape == "mesh" else CUBE.rpartition("f")[0], encoding="utf-8")
     geometry = '<box size="1 1 1"/>' if shape == "box" else '<mesh filename="cube.obj"/>'
     more = "joints: {turn: {type: continuous, parent: a, child: b}}\n" if place == "joint" else ""
+    modules = (
+        "root: {file: root.urdf}",
+        "a: {file: m.urdf, at: root, offset: {xyz: [5, 0, 0], rpy: [0, 0, 30 deg]}}",
+        f"b: {{file: m.urdf, {place if not more else ''}}}",
+        "c: {file: m.urdf, at: b, offset: {xyz: [0, 0, 7]}}",  # each body has parts of several modules
+    )
+    twice = link("box", 1.0, 2 * box(1, 1, 1))
     files = {
-        "r.robot.yaml": composing("a: {file: m.urdf}", f"b: {{file: m.urdf, {place if not more else ''}}}", more=more),
+        "r.robot.yaml": composing(*modules, more=more),
+        "root.urdf": urdf("root", twice),
         "m.urdf": urdf("m", link("cube", 1.0, f'<visual name="cube"><geometry>{geometry}</geometry></visual>')),
     }
     found = Diagnostics()
@@ -205,6 +218,18 @@ def test_what_is_inside_its_neighbour_is_reported(
         assert text.startswith(f"{code} module 'b': ")
         assert part in text
         assert text.endswith(volume)
+
+
+@pytest.mark.parametrize("first", ["a", "z"])
+def test_meshes_are_written_in_the_order_of_their_names(first: str, tmp_path: Path, composed: Compose) -> None:
+    """Whichever module comes first."""
+    second = {"a": "z", "z": "a"}[first]
+    files = {"r.robot.yaml": composing(f"m: {{file: {first}.urdf}}", f"n: {{file: {second}.urdf, at: m}}")}
+    for name in "az":
+        (tmp_path / f"{name}.obj").write_text(CUBE.replace("v 1", f"v 1.{ord(name)}"), encoding="utf-8")
+        shape = f'<visual><geometry><mesh filename="{name}.obj"/></geometry></visual>'
+        files[f"{name}.urdf"] = urdf(name, link("body", 1.0, shape))
+    assert [one.name for one in composed(files, Diagnostics()).meshes] == ["a", "z"]
 
 
 @pytest.mark.slow

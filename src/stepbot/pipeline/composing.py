@@ -14,6 +14,7 @@ from stepbot.diagnostics import Diagnostics, Span, StepbotError, cut, did_you_me
 from stepbot.report.robot import Check
 from stepbot.revisions import lock_path
 from stepbot.robot.joint_table import JointRow
+from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.model import Robot
 from stepbot.robot.step_names import is_step_name, step_stem
 from stepbot.robot.validity import check_robot
@@ -256,13 +257,16 @@ class _Files:
 def _modules_alone(sidecar: Sidecar, robot: Robot, alone: MappingType[str, Robot]) -> list[Alone]:
     """The modules of a composed robot, each with its robot alone."""
     sections = sidecar.document.modules
+    followers = loop_followers(robot) if sidecar.document.closures else ()
+    led = {follower.joint for follower in followers}
     modules = []
     for module in robot.modules:  # a module of a module was compared where that was composed
         if module.name in sections:
             section = sections[module.name]
             of = alone[section.mirror_of or module.name]
             flips = _flips(of, section, sections)
-            modules.append(Alone(module, in_initial_pose(of, robot, module.prefix, flips), flips))
+            inside = frozenset(one.name for one in of.joints if module.prefix + one.name in led)
+            modules.append(Alone(module, in_initial_pose(of, robot, module.prefix, flips), flips, inside))
     return modules
 
 

@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING
 
 from stepbot.diagnostics import Diagnostics, source_lines
 from stepbot.formats import default_formats, format_named
+from stepbot.formats.features import Feature, Level
 from stepbot.formats.format import Format
 from stepbot.formats.lowering import lower
+from stepbot.formats.lowering.joints import joints_in_loops, with_moved_zeros
 from stepbot.formats.rendering import files_of, joined, main_file
 from stepbot.formats.sdformat import FORMAT as SDFORMAT
 from stepbot.formats.sdformat.gazebo_model import MODEL, gazebo_model
@@ -158,7 +160,7 @@ def _verified(
         place = Path(folder) / (options.package or options.gazebo)  # where `package://` and `model://` find the meshes
         write_atomically(joined(written.by_format), place)
         files = {
-            name: Written(place / next(iter(written.by_format[name])), one, _lowered(modules, name))
+            name: Written(place / next(iter(written.by_format[name])), one, _lowered(modules, name, written.robot))
             for name, one in written.lowered.items()
         }
         contents = {name: content_digest(of_format) for name, of_format in written.by_format.items()}
@@ -171,11 +173,23 @@ def _verified(
         return verify(written.robot, files, provers, found, require=require, timeout=timeout, observations=observations)
 
 
-def _lowered(modules: "Sequence[Alone]", name: str) -> "tuple[tuple[Alone, Robot], ...]":
-    """Modules with their robots as a format expresses them; its losses are reported for the whole robot."""
-    robots = {id(one.robot): one.robot for one in modules}
-    lowered = {key: lower(robot, format_named(name), Diagnostics()) for key, robot in robots.items()}
-    return tuple((one, lowered[id(one.robot)]) for one in modules)
+def _lowered(modules: "Sequence[Alone]", name: str, whole: Robot) -> "tuple[tuple[Alone, Robot], ...]":
+    """Modules with their robots as a format expresses them; its losses are reported for the whole robot.
+
+    A format that moves the zeros of loops does so for those between modules, too.
+    """
+    target = format_named(name)
+    is_moved = target.expresses[Feature.LOOP_ZERO].level is Level.LOWERED
+    in_loops = joints_in_loops(whole) if is_moved else set[str]()
+    known: dict[tuple[int, frozenset[str]], Robot] = {}
+
+    def lowered(robot: Robot, prefix: str) -> Robot:
+        moved = frozenset(one.name for one in robot.joints if prefix + one.name in in_loops)
+        if (id(robot), moved) not in known:
+            known[id(robot), moved] = lower(with_moved_zeros(robot, moved), target, Diagnostics())
+        return known[id(robot), moved]
+
+    return tuple((one, lowered(one.robot, one.module.prefix)) for one in modules)
 
 
 def _sources(written: Rendered) -> dict[str, str]:

@@ -33,6 +33,8 @@ class Alone(NamedTuple):
     """Its robot alone."""
     flips: Collection[str] = ()
     """Joints, by their names in ``robot``, whose positive direction is reversed."""
+    led: Collection[str] = ()
+    """Joints, likewise, that follow through a loop of the whole, which formats without loops write as mimics."""
 
     @property
     def against(self) -> str:
@@ -81,7 +83,7 @@ def in_model(robot: Robot, modules: Sequence[Alone]) -> Iterator[tuple[Alone, Co
     configurations: list[dict[str, float]] = [{} for _ in range(_CONFIGURATIONS)]
     joints = {joint.child: joint.name for joint in robot.joints}
     alone = {id(one.robot): _configurations(one.robot) for one in modules}
-    for module, of, flips in modules:
+    for module, of, flips, _ in modules:
         inside = {joints[link] for link in module.links if link in joints}
         for whole, q in zip(configurations, alone[id(of)], strict=True):
             of_module = {module.prefix + name: -v if name in flips else v for name, v in q.items()}
@@ -107,7 +109,7 @@ def as_alone(
         observed: The engine's observation of the file.
         request: What the engine was asked.
     """
-    module, alone, flips = one
+    module, alone, flips, led = one
     steps = _steps(alone) if module.mirror else {}
     added = {joint.parent for joint in lowered.joints} - set(alone.link_by_name)  # within joints of several steps
     links = {name: name.removeprefix(module.prefix) for name in module.links}
@@ -147,6 +149,9 @@ def as_alone(
     seen = with_new_names(
         _part(observed, tuple(compared_links), drives_here, is_moved=is_moved), NewNames(links, joints)
     )
+    on_their_own = {joint.name for joint in expected.joints if joint.mimic is None}.intersection(led)
+    freed = (replace(each, mimic=None) if each.name in on_their_own else each for each in seen.joints)
+    seen = replace(seen, joints=tuple(freed))
     drives = tuple(replace(each, name=each.name and given[each.joint]) for each in seen.actuators or ())
     for compared in compare(expected, replace(seen, actuators=None if seen.actuators is None else drives)):
         if compared.quantity in _OF_MODULES and not compared.not_run:

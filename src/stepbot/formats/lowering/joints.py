@@ -3,7 +3,7 @@
 Some formats have hinges with stops around 0, and limits of effort and velocity at motors alone.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import replace
 from math import inf, isfinite, isinf, pi
 
@@ -123,7 +123,7 @@ def mimic_followers(robot: Robot) -> Robot:
 
 def loop_zeros(robot: Robot) -> list[str]:
     """Joints of loops that are drawn at a position other than q = 0."""
-    moved = _joints_in_loops(robot)
+    moved = joints_in_loops(robot)
     return [
         f"'{joint.name}' by {joint.drawn_position:.6g}"
         for joint in robot.joints
@@ -132,8 +132,12 @@ def loop_zeros(robot: Robot) -> list[str]:
 
 
 def move_loop_zeros(robot: Robot) -> Robot:
-    """The robot with q = 0 at the drawn position for every joint of a loop; limits, springs and mimics are shifted."""
-    in_loops = _joints_in_loops(robot)
+    """The robot with q = 0 at the drawn position for every joint of a loop."""
+    return with_moved_zeros(robot, joints_in_loops(robot))
+
+
+def with_moved_zeros(robot: Robot, in_loops: Collection[str]) -> Robot:
+    """The robot with q = 0 at the drawn position for some joints; limits, springs and mimics are shifted."""
     shift = {joint.name: joint.drawn_position if joint.name in in_loops else 0.0 for joint in robot.joints}
 
     def moved(joint: Joint) -> Joint:
@@ -159,7 +163,7 @@ def _moved_spring(dynamics: JointDynamics, by: float) -> float:
     return dynamics.spring_reference - by if dynamics.stiffness else dynamics.spring_reference
 
 
-def _joints_in_loops(robot: Robot) -> set[str]:
+def joints_in_loops(robot: Robot) -> set[str]:
     """Joints on the path through the tree from one side of a closure to the other."""
     above = {joint.child: joint for joint in robot.joints}
 
