@@ -236,12 +236,13 @@ class Loops:
         return None
 
 
-def rank(J: Array) -> int:
-    """Numerical rank of a Jacobian."""
-    if not J.size:
+def rank(J: Array, columns: Sequence[int] | None = None) -> int:
+    """Numerical rank of a Jacobian, or of some of its columns: a joint that hardly moves its loop is one of no rank."""
+    chosen = J if columns is None else J[:, list(columns)]
+    if not chosen.size:
         return 0
-    sizes = np.linalg.svd(J, compute_uv=False)
-    return int(np.count_nonzero(sizes > RANK_TOLERANCE * sizes[0])) if sizes[0] > 0.0 else 0
+    least = RANK_TOLERANCE * float(np.linalg.norm(J, 2))
+    return int(np.count_nonzero(np.linalg.svd(chosen, compute_uv=False) > least))
 
 
 def degrees_of_freedom(robot: Robot) -> int:
@@ -278,7 +279,7 @@ def driven_joints(robot: Robot) -> tuple[str, ...]:
     followers: list[int] = []
     # Try the least preferred joints as followers first; a joint that adds no rank cannot follow, so it drives.
     for i in sorted(range(len(names)), key=lambda i: (names[i] in actuated, -above[i], -i)):
-        if rank(J[:, [*followers, i]]) > len(followers):
+        if rank(J, [*followers, i]) > len(followers):
             followers.append(i)
     return tuple(name for i, name in enumerate(names) if i not in followers)
 

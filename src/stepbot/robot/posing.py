@@ -62,6 +62,6 @@ def _followers(loops: Loops, drawn: Configuration, given: Sequence[str]) -> list
     _, J = loops.constraints(loops.tree.vector(drawn))
     followers: list[int] = []
     for i in sorted(range(len(names)), key=lambda i: (names[i] in given, -i)):
-        if names[i] not in given and rank(J[:, [*followers, i]]) > len(followers):
+        if names[i] not in given and rank(J, [*followers, i]) > len(followers):
             followers.append(i)
     return followers

@@ -301,6 +301,18 @@ def test_without_closures_there_are_no_ways() -> None:
     assert close_loops(robot, q, driven_joints(robot)) == q
 
 
+@pytest.mark.parametrize("off", [0.0, 1e-12, 1e-7])
+def test_a_joint_through_the_point_that_it_would_hold_cannot_follow(off: float) -> None:
+    """A wrist that turns about the ball between two arms moves nothing but by rounding; the loop has its followers."""
+    robot = four_bar()
+    (pin,) = robot.closures
+    wrist = Joint("wrist", JointKind.CONTINUOUS, pin.link_b, "hand", pin.X_BF)
+    ball = replace(pin, kind=JointKind.BALL, link_b="hand", X_BF=Pose.of(position=(off, 0.0, 0.0)))
+    robot = replace(robot, links=(*robot.links, Link("hand")), joints=(*robot.joints, wrist), closures=(ball,))
+    assert degrees_of_freedom(robot) == 2
+    assert driven_joints(robot) == ("crank_pin", "wrist")
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("tilt", [1e-7, 1e-5, 5e-5])
 def test_pins_that_are_not_quite_parallel_do_not_lock_the_mechanism(tilt: float) -> None:
