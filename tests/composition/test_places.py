@@ -220,6 +220,16 @@ def test_what_is_inside_its_neighbour_is_reported(
         assert text.endswith(volume)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("port", "codes"), [("tool0", set()), ("flange", {"SB166:overlap"})])
+def test_a_hand_on_the_flange_is_inside_the_wrist(port: str, codes: set[str], composed: Compose) -> None:
+    """REP 199's `flange` has x outwards: the hand sticks out sideways, through the last link."""
+    text = composing('arm: {file: "library:ur5e"}', f'hand: {{file: "library:2f85", at: arm/{port}}}')
+    found = Diagnostics()
+    composed({"r.robot.yaml": text}, found)
+    assert {one.code for one in found if one.code.startswith("SB166")} == codes
+
+
 @pytest.mark.parametrize("first", ["a", "z"])
 def test_meshes_are_written_in_the_order_of_their_names(first: str, tmp_path: Path, composed: Compose) -> None:
     """Whichever module comes first."""
