@@ -62,9 +62,23 @@ def test_a_stand_in_for_a_missing_inertia_is_no_other_mass_matrix() -> None:
     tiny = replace(arm, links=tuple(replace(link, mass_properties=body.scaled(1e-9)) for link in arm.links))
     ours = seen(tiny)
     massless = replace(ours, links=(*ours.links[:-1], replace(ours.links[-1], mass=0.0)))
-    off = [replace(one, mass_matrix=np.array(one.mass_matrix) + 1e-14) for one in ours.dynamics]
-    assert statuses(massless, replace(massless, dynamics=off))[Quantity.MASS_MATRIX] is Status.PASSED
-    assert statuses(ours, replace(ours, dynamics=off))[Quantity.MASS_MATRIX] is Status.FAILED
+
+    def off(amount: float) -> tuple[Dynamics, ...]:
+        return tuple(replace(one, mass_matrix=np.array(one.mass_matrix) + amount) for one in ours.dynamics)
+
+    assert statuses(massless, replace(massless, dynamics=off(1e-14)))[Quantity.MASS_MATRIX] is Status.PASSED
+    assert statuses(massless, replace(massless, dynamics=off(1.5e-14)))[Quantity.MASS_MATRIX] is Status.FAILED
+    assert statuses(ours, replace(ours, dynamics=off(1e-14)))[Quantity.MASS_MATRIX] is Status.FAILED
+
+
+@pytest.mark.parametrize("side", ["X_AF", "X_BF"])
+def test_a_turned_frame_of_a_closure_is_another_one(side: str) -> None:
+    """Its place alone is not enough: the axis of the pin is in the frame."""
+    ours = seen(four_bar())
+    (closure,) = ours.closures or ()
+    X = getattr(closure, side)
+    turned = replace(closure, **{side: X @ Pose.of(rotation_about((1.0, 0.0, 0.0), 2e-9), (0.0, 0.0, 0.0))})
+    assert failed(ours, replace(ours, closures=(turned,))) == {Quantity.CLOSURES}
 
 
 def on_link(name: str, **changes: object) -> Change:
