@@ -101,3 +101,25 @@ def test_rings_of_one_bearing_turn_on_each_other() -> None:
         frozenset({"stand", "608ZZ/in"}),
         frozenset({"arm", "608ZZ/out"}),
     }
+
+
+@pytest.mark.parametrize("outer_width", [7.0, 4.0])
+def test_rings_of_one_width_in_seats_of_their_own_turn(outer_width: float) -> None:
+    """Rings that no name or tree shows to be a bearing turn, marked, if they are equally wide."""
+    rings = [part("a", cylinder(5.6, 7) - cylinder(4, 7)), part("b", cylinder(11, outer_width) - cylinder(9.3, 7))]
+    shaft = cylinder(4, 60).at(0, 0, -30) + box(80, 80, 10).at(0, 0, -35)
+    found = inferred(part("c", shaft), part("d", SEAT), *rings)
+    assert any(arc.evidence.by_role and arc.evidence.review for arc in found.arcs) == (outer_width == 7.0)
+
+
+def test_rods_in_holders_of_their_own_do_not_turn() -> None:
+    """Rods that are parts, fixed in a can, carry what has linear bearings on them: one slide."""
+    bush = cylinder(10.5, 30).at(0, 0, -15) - cylinder(6, 30).at(0, 0, -15)
+    carriage, can = box(150, 50, 30), box(180, 60, 25).at(0, 0, -100)
+    nodes = []
+    for x in (-60, 60):
+        carriage -= cylinder(10.5, 30).at(x, 0, -15)
+        can -= cylinder(6, 25).at(x, 0, -112.5)
+        nodes += [part("shaft", cylinder(6, 200), x, z=-112.5), part("LM12UU", bush, x)]
+    found = inferred(part("can", can), part("carriage", carriage), *nodes)
+    assert joints(found) == [("prismatic", "can", "carriage")]

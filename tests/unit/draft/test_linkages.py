@@ -1,8 +1,10 @@
 """Linkages: bodies on one pin, one screw or one pair of holes."""
 
+from math import pi
+
 import pytest
 
-from tests.assembled import Node, inferred, joints, links, part
+from tests.assembled import Node, cut, inferred, joints, links, part, turned
 from tests.solids import Solid, box, cylinder
 
 
@@ -127,3 +129,20 @@ def test_two_screws_hold_what_one_lets_turn(screws: int) -> None:
     found = inferred(part("base", base), part("bracket", bracket), *parts)
     assert joints(found) == ([("revolute", "base", "bracket")] if screws == 1 else [])
     assert all(arc.evidence.review for arc in found.arcs)
+
+
+@pytest.mark.parametrize("gland", [5.1, 8.0])
+def test_a_piston_is_guided_from_its_head_to_its_gland(gland: float) -> None:
+    """Head and gland are short, but far apart: the rod slides in its barrel, if it goes through a gland."""
+    y = (-pi / 2, 0.0, 0.0)
+    barrel, rod = (
+        turned(cylinder(11, 59), 0, 9, 0, y) + box(16, 17, 15).at(0, 0.5, 0),
+        turned(cylinder(5, 66), 0, 30, 0, y),
+    )
+    barrel = cut(barrel, turned(cylinder(8, 45), 0, 15, 0, y), turned(cylinder(gland, 20), 0, 55, 0, y))
+    rod = rod + turned(cylinder(7.9, 8), 0, 30, 0, y) + box(16, 16, 20).at(0, 100, 2.5)
+    barrel, rod = barrel - cylinder(3, 40).at(0, 0, -20), rod - cylinder(3, 40).at(0, 100, -20)
+    base, beam = bar(0, 0, 80, 0, 10), bar(0, 100, 80, 0, 15)
+    found = inferred(part("base", base), part("barrel", barrel), part("rod", rod), part("beam", beam))
+    slides = [kind for kind, *_ in joints(found) if kind == "prismatic"]
+    assert len(slides) == (gland < 8.0)

@@ -44,3 +44,13 @@ def test_guessed_parts_are_named() -> None:
     draft = infer(assembled(part("one", CHASSIS), part("two", CHASSIS, z=500), *tiny), "robot")
     evidence = [fact for link in draft.links for fact in link.confidence.evidence]
     assert evidence == ["not connected: assigned to the nearest part: 'tiny 0', 'tiny 1', 'tiny 2' and 2 more"]
+
+
+def test_decks_on_standoffs_are_one_body() -> None:
+    """Screws and standoffs hold what nothing else does, if there are two; a single one may be anything."""
+    deck, standoff = box(120, 80, 4) - cylinder(2, 4).at(-50, 0, -2) - cylinder(2, 4).at(50, 0, -2), cylinder(4, 46)
+    pillars = [part("standoff M4", standoff - cylinder(2, 46), x, z=2) for x in (-50, 50)]
+    found = inferred(part("lower", deck), part("upper", deck, z=50), *pillars)
+    assert len(found.links) == 1
+    alone = inferred(part("lower", deck), part("upper", deck, z=50), pillars[0])
+    assert len(alone.links) == 2

@@ -151,3 +151,20 @@ def test_a_saddle_on_the_case_holds_the_motor(size: float, names: tuple[str, str
     assert {"stand", f"{names[0]}/shell"} <= links(found)[arc.parent]
     assert {"lever", f"{names[0]}/{names[1]}"} <= links(found)[arc.child]
     assert abs(arc.evidence.axis.d[1]) == pytest.approx(1.0)
+
+
+def test_a_tyre_turns_with_the_rotor_of_its_motor() -> None:
+    """A hub motor is held by its axle, which what is largest, the tyre, is not on."""
+    axle = cylinder(6, 90).at(0, 0, -45)
+    stator, rotor = cylinder(40, 20) - cylinder(6, 20), cylinder(60, 32).at(0, 0, -3) - cylinder(52, 26)
+    pieces = (
+        axle,
+        stator,
+        rotor - cylinder(6.3, 60).at(0, 0, -30),
+        cylinder(82, 36).at(0, 0, -5) - cylinder(60, 36).at(0, 0, -5),
+    )
+    hub = group("hub motor", *map(part, ("axle", "stator", "rotor", "tire"), pieces))
+    clamp = box(600, 300, 30).at(0, 0, -25) - cylinder(6, 30).at(0, 0, -40)
+    found = inferred(part("chassis", clamp), hub)
+    assert {"hub motor/rotor", "hub motor/tire"} in links(found)
+    assert {"chassis", "hub motor/axle", "hub motor/stator"} in links(found)

@@ -143,3 +143,12 @@ def test_a_rim_on_its_hub_turns_with_it_on_the_axle(size: float) -> None:
     found = inferred(part("a", axle), part("b", hub, z=10 * s), part("c", rim, z=25 * s))
     assert joints(found) == [("revolute", "a", "b")]
     assert found.links == [[1], [2, 3]]
+
+
+def test_an_axle_is_no_ring_of_its_wheel() -> None:
+    """What is named after a wheel, but an axle, is what the wheel turns on."""
+    arm = box(60, 14, 5).at(-20, 0, 2.5) - cylinder(1.6, 5)
+    wheel = cylinder(20, 14).at(0, 0, 6) - cylinder(1.65, 14).at(0, 0, 6)
+    axle = cylinder(1.6, 22) + cylinder(3, 2.5).at(0, 0, 22)
+    found = inferred(part("arm", arm), part("road wheel", wheel), part("wheel axle", axle))
+    assert joints(found) == [("revolute", "arm", "road wheel")]

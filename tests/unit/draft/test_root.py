@@ -157,3 +157,15 @@ def test_the_root_is_on_the_branch_that_outweighs_a_hand() -> None:
     pin = cylinder(5, 12).at(0, 0, -6.5)
     assert linkage(box(60, 60, 12).at(0, 0, -12) + pin, plate="part 1") == "hub"
     assert linkage(box(100, 100, 20).at(0, 0, -16) + pin, plate="part 1") == "part 1"
+
+
+@pytest.mark.parametrize("length", [20.0, 400.0])
+def test_a_housing_that_turns_a_stub_and_a_table_is_the_root(length: float) -> None:
+    """A motor's shaft is no end of a chain; what it turns, if it is as large as a link, is one."""
+    housing = box(160, 140, 40).at(0, 0, -20) - cylinder(10.02, 20).at(0, 0, -20)
+    motor = part("NEMA17", box(42, 42, 40).at(0, -91, -20) - cylinder(2.5, 20).at(0, -91, -20))
+    shaft = part("NEMA17 shaft", cylinder(2.5, 40).at(0, -91, -20))
+    load = part("coupling", cylinder(9, length).at(0, -91, 5) - cylinder(2.5, 15).at(0, -91, 5))
+    table = part("table", cylinder(85, 30) + cylinder(10, 19).at(0, 0, -19))
+    found = inferred(part("housing", housing), motor, shaft, load, table)
+    assert "housing" in links(found)[found.root]

@@ -39,6 +39,8 @@ class Fit:
     """The inner part."""
     full: bool = True
     """Whether both cover more than half of the circumference."""
+    guided: float = 0.0
+    """Length [m] from the first to the last place where the shaft is in the other part, as from piston to gland."""
 
     @property
     def radius(self) -> float:

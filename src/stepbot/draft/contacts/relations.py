@@ -95,6 +95,11 @@ class Relation:
         return [fit for fit in loose if self.via == Via.PIN and (fit.radius_a < fit.radius_b) == (fit.shaft == fit.a)]
 
     @property
+    def guided(self) -> float:
+        """Length [m] over which a shaft is guided."""
+        return max((fit.guided for fit in self.shafts), default=0.0)
+
+    @property
     def turns(self) -> Axis | None:
         """The axis, if it is a line that all contacts are centred on."""
         about = self.via in (Via.PIN, Via.BOLT, Via.FACE, Via.RING, Via.SEAM)

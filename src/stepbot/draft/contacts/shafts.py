@@ -5,6 +5,7 @@ Lines are found by sorting (``step.features.coaxial``); on a line only parts tha
 
 from collections import defaultdict
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -88,11 +89,17 @@ def neighbours_on(line: CoaxialLine) -> list[tuple[int, int]]:
 def _pair_fits(line: CoaxialLine, a: int, b: int) -> list[Fit]:
     """The strongest fit of each kind."""
     best: dict[FitKind, Fit] = {}
+    inside: list[tuple[float, float]] = []
     for face_a in line.faces[a]:
         for face_b in line.faces[b]:
             fit = None if face_a.cone or face_b.cone else _fit(line.axis, a, b, face_a, face_b)
             if fit is not None and (fit.kind not in best or _rank(fit) > _rank(best[fit.kind])):
                 best[fit.kind] = fit
+            if fit is not None and fit.kind == FitKind.SHAFT and fit.full:
+                inside.append((max(face_a.low, face_b.low), min(face_a.high, face_b.high)))
+    if inside and FitKind.SHAFT in best:
+        guided = max(high for _, high in inside) - min(low for low, _ in inside)
+        best[FitKind.SHAFT] = replace(best[FitKind.SHAFT], guided=guided)
     return [best[kind] for kind in sorted(best)]
 
 

@@ -151,6 +151,11 @@ class Survey:
         siblings = [i for i in self.assembly.children[above] if i in self.parts]
         return [i for i in siblings if not self.assembly.components[i].product]
 
+    def are_bodies_of_one_part(self, a: int, b: int) -> bool:
+        """Whether two bodies are of one product."""
+        one, two = self.assembly.components[a], self.assembly.components[b]
+        return self.sources.tree and one.parent == two.parent > 0 and not (one.product or two.product)
+
     @cached_property
     def one_part(self) -> list[list[int]]:
         """The bodies of each product with several, but for one that has all: no placement moves them apart."""

@@ -3,12 +3,15 @@
 import re
 from dataclasses import dataclass
 
+import numpy as np
+
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import Part
+from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.robot.model import JointKind
 
 _LINEAR = re.compile(r"(?:^|[\W_])(?:lm[a-z]{0,2}|scs)[ _\-]?\d+|linear|直线", re.IGNORECASE)
@@ -23,6 +26,8 @@ _CAGED = 4.0
 """How far a bearing with drawn balls may be from symmetric."""
 _BESIDE = 0.5
 """Share of the narrower ring's width that is inside of the wider one."""
+_SAME_WIDTH = 0.05
+"""Share of the width of two rings up to which they are equally wide."""
 _BOLTS, _SAME_AXIS, _EXACT = 3, 5e-5, 1e-6
 """Fewest holes in a circle; distance [m] up to which its axis is that of the rings; difference of radii [m] of a press
 fit.
@@ -54,9 +59,11 @@ def ring_evidence(survey: Survey, found: Evidence) -> None:
         if _are_bolted(survey, a, _Seat(b, r, r.length)):
             why = "rings in each other, each bolted to another part"
             found.joint(JointEvidence(_RINGS, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True))
-        elif are_rings and (path := _bearing_of(survey, r)):
-            why = f"rings of the bearing '{path}'"
-            found.joint(JointEvidence(_SEATED, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True))
+        elif are_rings and ((path := _bearing_of(survey, r)) or _are_seated(survey, r)):
+            is_named = bool(path) or any(Role.BEARING in survey.parts[i].roles for i in (a, b))
+            why = f"rings of the bearing '{path}'" if path else "rings of one width, each in a seat of its own"
+            review = "" if is_named else "not named as a bearing"
+            found.joint(JointEvidence(_SEATED, a, b, JointKind.REVOLUTE, r.axis, why, r, by_role=True, review=review))
             for ring in (a, b):
                 for other, s in survey.around(ring):
                     if s.via == Via.PIN and s.axis is not None and s.axis.same(r.axis):
@@ -72,6 +79,25 @@ def _is_around(survey: Survey, r: Relation) -> bool:
     assert r.axis is not None
     (low, high), (low2, high2) = (survey.scene.span(i, r.axis.d) for i in (r.a, r.b))
     return min(high, high2) - max(low, low2) > _BESIDE * min(high - low, high2 - low2)
+
+
+def _are_seated(survey: Survey, r: Relation) -> bool:
+    """Whether two rings across a gap are turned and equally wide, the inner one on a shaft, the outer one in a bore."""
+    assert r.axis is not None
+    if survey.are_bodies_of_one_part(r.a, r.b) or not all(
+        survey.parts[i].is_balanced(r.axis, _CAGED) for i in (r.a, r.b)
+    ):
+        return False
+    across = perpendicular_frame(r.axis.d)[:, 0]
+    inner, outer = sorted((r.a, r.b), key=lambda i: float(np.ptp(survey.scene.span(i, across))))
+    widths = [float(np.ptp(survey.scene.span(i, r.axis.d))) for i in (inner, outer)]
+    if abs(widths[0] - widths[1]) > _SAME_WIDTH * max(widths):
+        return False
+    seats = (*_seats(survey, inner)[:1], *_seats(survey, outer)[1:])
+    return all(
+        any(s.part not in survey.small and s.relation.axis.same(r.axis) for s in some if s.relation.axis)
+        for some in seats
+    )
 
 
 def _bearing_of(survey: Survey, r: Relation) -> str:

@@ -15,6 +15,7 @@ from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure, is_guide
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.names import Role
+from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.robot.model import JointKind
 
 REVIEW = "captured on four sides and free along one direction: it may be fastened"
@@ -51,7 +52,7 @@ def captured_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence, 
         tells = captured.is_profile or is_guide(survey, *pair)
         if tells != (structure is None) or in_motor.intersection(pair) or _share_screw(survey, pair):
             continue
-        if pair[1] in survey.bodies_of_same_part(pair[0]):
+        if survey.are_bodies_of_one_part(*pair):
             continue  # bodies that are drawn in one part have clearance to be put together
         if min(survey.parts[i].volume for i in pair) < _TAG * survey.volume:
             continue
@@ -84,7 +85,11 @@ def _share_screw(survey: Survey, pair: Pair) -> bool:
 
 
 def guide_evidence(survey: Survey, found: Evidence) -> None:
-    """A part with bores on two parallel rods of one body, not held along them, slides on them."""
+    """A part with bores on two parallel rods of one body, not held along them, slides on them.
+
+    So does one with linear bearings on two parallel rods, which are fixed in what else they fit.
+    """
+    _slides_in_bearings(survey, found)
     for i in survey.parts:
         if i in survey.small:
             continue
@@ -103,6 +108,37 @@ def guide_evidence(survey: Survey, found: Evidence) -> None:
                         found.weld(0.775, rod, holder, "rod in its holder")
                 a, b = sorted((i, rod))
                 found.joint(JointEvidence(0.77, a, b, JointKind.PRISMATIC, axis, "slides on two rods", r))
+
+
+def _slides_in_bearings(survey: Survey, found: Evidence) -> None:
+    """Fix the rods of what has linear bearings on two parallel ones."""
+    in_bearings: dict[int, list[JointEvidence]] = {}
+    for h in found.joints:
+        if h.type == JointKind.PRISMATIC and h.through >= 0:
+            for i in (h.a, h.b):
+                in_bearings.setdefault(i, []).append(h)
+    for i, slides in in_bearings.items():
+        rods = {h.a + h.b - i: h for h in slides if _is_shaft(survey, h.a + h.b - i, h.axis)}
+        for one, two in combinations(rods, 2):
+            axis = rods[one].axis
+            if axis.is_along(rods[two].axis.d) and axis.distance(rods[two].axis.point) > _APART:
+                _hold_rods(survey, found, (one, two), {i, rods[one].through, rods[two].through})
+
+
+def _hold_rods(survey: Survey, found: Evidence, rods: Sequence[int], sliding: set[int]) -> None:
+    """Weld rods to the parts whose bores they fill, other than those that slide on them."""
+    for rod in rods:
+        for holder, r in survey.around(rod):
+            if holder not in sliding and r.via == Via.PIN and Role.BEARING not in survey.parts[holder].roles:
+                found.weld(0.775, rod, holder, "rod in its holder")
+
+
+def _is_shaft(survey: Survey, part: int, axis: Axis) -> bool:
+    """Whether a part is turned about an axis, and longer than it is wide."""
+    across = perpendicular_frame(axis.d)[:, 0]
+    return survey.parts[part].is_balanced(axis) and np.ptp(survey.scene.span(part, axis.d)) > np.ptp(
+        survey.scene.span(part, across)
+    )
 
 
 def _is_rod(survey: Survey, other: int, r: Relation) -> bool:

@@ -56,7 +56,7 @@ _STACK = 2
 _LEVER = 1e-4
 """Distance [m] from a line beside which a face is a stop."""
 _GUIDED = 3.0
-"""Engaged length of a shaft in radii, from which it may slide in a loop that could not move otherwise."""
+"""Guided length of a shaft in radii, from which it may slide in a loop that could not move otherwise."""
 _TURNS = (FreedomKind.REVOLUTE, FreedomKind.CYLINDRICAL)
 
 
@@ -187,7 +187,7 @@ class _Linkages:
         """Whether one side is a long shaft in the other, free along it: what locks a loop if it only turns."""
         r = self._survey.relation(h.a, h.b)
         is_free = r is not None and r.via == Via.PIN and r.freedom.kind == FreedomKind.CYLINDRICAL
-        return is_free and r is not None and r.length > _GUIDED * r.radius
+        return is_free and r is not None and r.guided > _GUIDED * r.radius
 
     def _keep_axles(self, axes: Sequence[Axis]) -> None:
         """Weld each pin of a joint to the part that it fits most tightly: it is no link that turns in both."""

@@ -17,6 +17,7 @@ from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.near_outputs import NearOutput
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
+from stepbot.draft.parts.names import Role
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.robot.model import JointKind
@@ -265,6 +266,9 @@ class _OneMotor:
             about = whole.turns is not None and whole.turns.same(output.axis, SAME_AXIS)
             by_name = bool(self._outputs) and touched - survey.small <= set(self._anchors)
             sides.append(_Side(part, tuple(relations), whole, by_name or about or lies_on(output, relations)))
+        if any(Role.WHEEL in survey.parts[o].roles for o in self._outputs):
+            # What is on the axle of a hub motor holds it.
+            sides = [replace(side, on_output=self._is_on_anchor(side), is_seat=True) for side in sides]
         if any(self._is_on_anchor(side) for side in sides):
             # The output is drawn: what is on a wider face of the case about its axis, such as a saddle, holds the case.
             across = perpendicular_frame(output.axis.d)[:, 0]
@@ -324,7 +328,9 @@ class _OneMotor:
         self._joint(turning[0], 0.62, why, "nothing is fastened to it")
         for o in self._outputs:
             if o != turning[0]:
-                self._found.weld(0.5, self._motor.case, o, "an idler that carries nothing")
+                beside = self._survey.relation(turning[0], o) is not None
+                why = "an idler that carries nothing" if not beside else "on the output"
+                self._found.weld(0.5, turning[0] if beside else self._motor.case, o, why)
 
     def _drive(self, driven: list[_Side], score: float, why: str, review: str) -> None:
         """Parts that touch the output turn with it, and with the output's own part if there is one."""

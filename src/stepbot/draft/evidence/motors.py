@@ -95,12 +95,15 @@ def _named_motors(survey: Survey) -> list[Motor]:
     for c, members in _reunited(survey, found, shafts):
         if survey.total_volume(members) < _WIRE:
             continue
-        case = largest([parts[i] for i in members]).index
+        still = [parts[i] for i in members if not {Role.WHEEL, Role.HORN} & {*parts[i].roles}]
+        case = largest(still or [parts[i] for i in members]).index
         pieces = [i for i in members if i in shafts or (c.index in in_pieces and _is_piece(survey, i, case))]
         outputs = tuple(
             i
             for i in members
-            if i != case and (i in pieces or Role.HORN in parts[i].roles) and Role.FASTENER not in parts[i].roles
+            if i != case
+            and (i in pieces or {Role.HORN, Role.WHEEL} & {*parts[i].roles})
+            and Role.FASTENER not in parts[i].roles
         )
         motors.append(Motor(c.path, members, case, outputs))
     return motors

@@ -182,6 +182,8 @@ class PairEvidence:
         if r.axis is None:
             return False
         balanced = [part.is_balanced(r.axis, _TREAD) for part in (one, two)]
+        if Role.PIN in (*one.roles, *two.roles):
+            return False  # the axle of a wheel
         if any(balanced) and Role.WHEEL in one.roles and Role.WHEEL in two.roles:  # a rim may have two spokes
             return True
         if not all(balanced):

@@ -53,7 +53,7 @@ def promote(evidence: Evidence, needed: Mapping[JointKey, str]) -> None:
 
 _WORDS = ("piston", "slide", "rod", "cylinder", "telescop", "prismatic", "linear", "quill", "carriage")
 _SLIM = 3.0
-"""Engaged length in radii from which a shaft may be prismatic."""
+"""Guided length in radii from which a shaft may be prismatic."""
 
 
 def choose_slides(survey: Survey, arcs: Sequence[TreeJoint]) -> None:
@@ -65,7 +65,7 @@ def choose_slides(survey: Survey, arcs: Sequence[TreeJoint]) -> None:
         h, r = arc.evidence, arc.evidence.relation
         assert r is not None
         paths = " ".join(survey.parts[i].path.lower() for i in (h.a, h.b)) if survey.sources.names else ""
-        called_so = r.length > _SLIM * r.radius and any(word in paths for word in _WORDS)
+        called_so = r.guided > _SLIM * r.radius and any(word in paths for word in _WORDS)
         motion = motions.get(k)
         if motion is not None and motion.slides and not motion.turns:
             h.type, h.review = JointKind.PRISMATIC, "the loop can move only if it is prismatic"

@@ -3,6 +3,7 @@
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -28,6 +29,8 @@ _TRIMMINGS = ("pad", "tip", "cover", "nail")
 """Words for parts on a finger that are not fingers."""
 _GROUP = 0.01
 """The same for a subassembly."""
+_FEWEST_SCREWS = 2
+"""Number of screws from which two bodies with nothing else between them are one."""
 _SCORE_BY_NAME, _SCORE_BY_SHAPE = 0.55, 0.5
 
 
@@ -40,7 +43,8 @@ class LooseEnds:
 
     def tie(self, root: int) -> None:
         """Connect everything to one tree; ``root`` represents the root link."""
-        root = self._join_bases(root)
+        self._join_screwed()
+        root = self._join_bases(self._clusters.find(root))
         groups = self._clusters.groups()
         jointed = self._jointed()
         loose = [r for r in groups if r not in jointed and r != root]
@@ -66,6 +70,20 @@ class LooseEnds:
                     self._made.guess(groups[r], "not connected: assigned to the nearest part")
                 else:  # kept apart, as gears that mesh are
                     self._mechanism.joints.append(self._placeholder(groups, root, r))
+        self._find_again()
+
+    def _join_screwed(self) -> None:
+        """Join what has no joint to the body that two or more screws or standoffs also touch."""
+        survey, clusters, jointed = self._survey, self._clusters, self._jointed()
+        shared: Counter[tuple[int, int]] = Counter()
+        for i in sorted(survey.small):
+            shared.update(combinations(sorted({clusters.find(other) for other, _ in survey.around(i)}), 2))
+        for (a, b), count in sorted(shared.items(), key=lambda row: (-row[1], row[0])):
+            one, two = clusters.find(a), clusters.find(b)
+            if count < _FEWEST_SCREWS or one == two or (one in jointed and two in jointed):
+                continue
+            if clusters.join(one, two) and {one, two} & jointed:
+                jointed.add(clusters.find(one))
         self._find_again()
 
     def _join_bases(self, root: int) -> int:
@@ -196,6 +214,8 @@ _TWIN, _TWIN_WHOLE = 1e-5, 0.3
 """Shares of a volume up to which the largest parts of two clusters, but motors, are equal, or mirror images, and up to
 which the clusters are, which may have other screws and pins.
 """
+_STUB = 0.1
+"""Share of a cluster's volume up to which one at the end of a chain is a stub on it."""
 _BRANCHES, _TRUNK = 3, 1.6
 """Number of joints from which a cluster is a trunk, and what that counts: more joints do not count more, since the
 platform of a parallel robot has as many as its base, and a hand as many as a torso.
@@ -209,6 +229,10 @@ to which share branches are equal.
 def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], motors: Sequence[Motor]) -> int:
     """The representative of the root cluster."""
     degree = Counter(root for j in joints if not j.evidence.of_roller for root in (j.a, j.b))
+    neighbours: dict[int, list[int]] = defaultdict(list)
+    for j in joints:
+        neighbours[j.a].append(j.b)
+        neighbours[j.b].append(j.a)
     cases = {i for motor in motors for i in motor.parts}
     holds: Counter[int] = Counter()
     for j in joints:
@@ -230,7 +254,9 @@ def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], mot
     ranked = []
     for root in candidates:
         share, members = volumes[root] / made.survey.volume, groups[root]
-        one = _Candidate(members, share, volumes[root] / largest, degree[root] or 1, holds[root])
+        stubs = sum(degree[q] == 1 and volumes[q] < _STUB * volumes[root] for q in neighbours[root])
+        is_end = degree[root] <= 1 or (holds[root] > 0 and degree[root] - stubs <= 1)
+        one = _Candidate(members, share, volumes[root] / largest, degree[root] or 1, is_end, holds[root])
         rank = _rank(made.survey, structure, one, up) + _ON_GROUND * stands.get(root, 0.0)
         twins = (other for other in groups if abs(mains[other] - mains[root]) < _TWIN * mains[root])
         if any(q != root and abs(volumes[q] - volumes[root]) < _TWIN_WHOLE * volumes[root] for q in twins):
@@ -307,6 +333,8 @@ class _Candidate:
     """The same of the largest cluster's."""
     branches: int
     """Number of joints on it."""
+    is_end: bool
+    """Whether it has one joint at most, but for those of stubs, such as shafts, if it holds a motor."""
     holds: int
     """Number of motors whose cases it has, less those that drive it."""
 
@@ -318,6 +346,6 @@ def _rank(survey: Survey, structure: Structure, one: _Candidate, up: Direction) 
     rank += 0.5 * (1.0 - bottom / max(1e-9, survey.extent))
     if one.branches >= _BRANCHES and one.relative > _TRUNK_SHARE:
         rank += _TRUNK
-    if one.branches == 1:
+    if one.is_end:
         rank += 0.3 + 0.4 * ((one.holds > 0) - (one.holds < 0))
     return rank
