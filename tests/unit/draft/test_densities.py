@@ -19,6 +19,8 @@ from stepbot.draft.text.densities import typical_density
         ("PC-ABS", 1150), ("PLA", 1240), ("PLA+", 1240), ("PA12 (SLS)", 1130), ("Nylon 6/6", 1130), ("PA6 GF30", 1360),
         ("glass filled nylon", 1360), ("POM-C", 1410), ("Acrylic (PMMA)", 1190), ("UHMW-PE", 950), ("FR4", 1850),
         ("Silicone Rubber", 1150), ("Carbon Fiber", 1600), ("Wood (Oak)", 700),
+        ("S45C", 7850), ("SS400", 7850), ("SCM435", 7850), ("SKD11", 7850), ("SUS304", 7900), ("A5052P-H34", 2700),
+        ("A6061-T6", 2700), ("C3604BD", 8500), ("Tungsten Carbide", 14900), ("Tungsten", 19250),
         ("Generic", None), ("Unplated", None), ("", None), ("Material1", None), ("Spaceship", None),
     ],
 )  # fmt: skip
