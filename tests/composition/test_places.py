@@ -220,6 +220,19 @@ def test_what_is_inside_its_neighbour_is_reported(
         assert text.endswith(volume)
 
 
+def test_shapes_of_two_kinds_are_not_one_part(composed: Compose) -> None:
+    """A ball of a diameter of 1 m is not a cube of 1 m, though their boxes are equal."""
+    ball = '<visual><geometry><sphere radius="0.5"/></geometry></visual>'
+    files = {
+        "r.robot.yaml": composing("a: {file: cube.urdf}", "b: {file: ball.urdf, at: a}"),
+        "cube.urdf": urdf("cube", link("cube", 1.0, box(1, 1, 1))),
+        "ball.urdf": urdf("ball", link("ball", 1.0, ball)),
+    }
+    found = Diagnostics()
+    composed(files, found)
+    assert not [one for one in found if one.code.startswith("SB166")]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("port", "codes"), [("tool0", set()), ("flange", {"SB166:overlap"})])
 def test_a_hand_on_the_flange_is_inside_the_wrist(port: str, codes: set[str], composed: Compose) -> None:
