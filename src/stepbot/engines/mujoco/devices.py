@@ -93,15 +93,10 @@ def _actuator(compiled: "Compiled", a: int) -> ObservedActuator:
     return replace(seen, gear=gear * gain)
 
 
-def line_tendon(compiled: "Compiled", a: int) -> int:
-    """The tendon with the torque-speed line of an actuator, as stepbot writes it; -1 if there is none."""
-    name = f"{compiled.name('ACTUATOR', a)}{LINE}"
-    return int(compiled.engine.mj_name2id(compiled.model, compiled.engine.mjtObj.mjOBJ_TENDON, name))
-
-
 def motor_damping(compiled: "Compiled", a: int) -> float:
     """Damping at the joint of an actuator [N m s/rad] or [N s/m] that its limit of force does not cut off."""
-    model, tendon = compiled.model, line_tendon(compiled, a)
+    model, name = compiled.model, f"{compiled.name('ACTUATOR', a)}{LINE}"
+    tendon = int(compiled.engine.mj_name2id(model, compiled.engine.mjtObj.mjOBJ_TENDON, name))
     damping = float(model.actuator_damping[a] * model.actuator_gear[a][0] ** 2)
     if tendon < 0 or not model.tendon_frictionloss[tendon]:
         return damping

@@ -16,7 +16,7 @@ from stepbot.runtime.file import is_file
 from ..observation import EngineRefused
 from ..simulation import DOWN, FRICTION, GRAVITY, HEIGHT, Mechanism, Setup
 from .compiled import Compiled
-from .devices import line_tendon, motor_damping
+from .devices import motor_damping
 from .shapes import geom_bounds
 
 FORMAT = "mjcf"
@@ -62,10 +62,6 @@ class MujocoSimulation:
         self._root = self._id("BODY", mechanism.robot.root.name)
         self._flags = int(self.model.opt.disableflags)
         self._motor_damping = [motor_damping(self._compiled, a) for a in range(self.model.nu)]
-        lines = {a: line_tendon(self._compiled, a) for a in range(self.model.nu)}
-        self._lines = {
-            tendon: float(self.model.tendon_frictionloss[tendon]) for tendon in lines.values() if tendon >= 0
-        }
         self._actuator = {motor.name: self._id("ACTUATOR", motor.name) for motor in mechanism.motors}
         moving = [self._id("JOINT", name) for name in self._coordinates.names]
         self._joints = {name: joint for name, joint in zip(self._coordinates.names, moving, strict=True) if joint >= 0}
@@ -101,15 +97,12 @@ class MujocoSimulation:
 
     def command(self, targets: Mapping[str, float]) -> None:  # noqa: D102
         self.model.opt.disableflags = self._flags
-        for tendon, limit in self._lines.items():
-            self.model.tendon_frictionloss[tendon] = limit
         for motor in self._mechanism.motors:
             if motor.name in targets:
                 self.data.ctrl[self._actuator[motor.name]] = motor.gear * targets[motor.name]
 
     def release(self) -> None:  # noqa: D102
         self.model.opt.disableflags = self._flags | int(self._engine.mjtDisableBit.mjDSBL_ACTUATION)
-        self.model.tendon_frictionloss[list(self._lines)] = 0.0
         self.data.qfrc_applied[:] = 0.0
         self.data.xfrc_applied[:] = 0.0
 
