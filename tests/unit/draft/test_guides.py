@@ -11,7 +11,7 @@ from stepbot.draft.contacts.planes import Facing
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import JointKind
-from tests.assembled import BARE, Node, assembled, group, inferred, joints, links, part, turned
+from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, links, part, turned
 from tests.solids import box, cylinder
 
 ALONG_X, ALONG_Y = (0.0, pi / 2, 0.0), (pi / 2, 0.0, 0.0)
@@ -121,3 +121,14 @@ def test_equal_groups_of_bolted_parts_are_compared_once(
         counts.append(tried.count(False))
     assert counts[0] > 1
     assert counts[1] == counts[0]
+
+
+def test_a_link_of_a_wrist_is_no_cross() -> None:
+    """A small link that turns about one axis, and has the bore of a flange on one that intersects it, is a link."""
+    fork = box(600, 100, 30).at(-330, 0, 0) + box(60, 8, 30).at(0, 16, 0) + box(60, 8, 30).at(0, -16, 0)
+    fork = cut(fork, turned(cylinder(7, 60), 0, 30, 0, ALONG_Y))
+    link = box(54, 24, 20).at(17, 0, 0) + turned(cylinder(7, 40), 0, 20, 0, ALONG_Y)
+    link = cut(link, turned(cylinder(6, 20), 24, 0, 0, ALONG_X))
+    flange = turned(cylinder(6, 40), 24, 0, 0, ALONG_X) + box(10, 120, 20).at(69, 20, 0)
+    found = inferred(part("fork", fork), part("link", link), part("flange", flange))
+    assert joints(found) == [("revolute", "flange", "link"), ("revolute", "fork", "link")]

@@ -38,6 +38,8 @@ _MEET = 1e-5
 """Distance [m] up to which two axes intersect."""
 _CROSS_SHARE = 0.02
 """Share of the assembly's volume up to which a part can be a cross."""
+_CENTRED = 0.05
+"""Distance of a cross's centroid from where its axes intersect, as a share of its size, at most."""
 
 
 def captured_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence, structure: Structure | None) -> None:
@@ -197,6 +199,8 @@ def cross_evidence(survey: Survey, structure: Structure, found: Evidence) -> Non
             sides = min(survey.parts[one].volume, survey.parts[two].volume)
             if survey.parts[i].volume > min(_CROSS_SHARE * survey.volume, 2.0 * sides):
                 continue
+            if float(np.linalg.norm(survey.parts[i].com - centre)) > _CENTRED * survey.parts[i].size:
+                continue  # a link of a wrist
             # The cross goes with the side of its subassembly.
             moving, still = (r, s) if structure.are_together(i, two) else (s, r)
             assert moving.axis is not None
