@@ -2,6 +2,8 @@
 
 from math import pi
 
+import pytest
+
 from tests.assembled import Node, cut, group, inferred, joints, links, part, turned
 from tests.solids import box, cylinder, joined
 
@@ -36,3 +38,19 @@ def test_two_cheeks_on_one_pin_are_one_link() -> None:
     found = inferred(arm, group("fork", pin, *cheeks))
     assert links(found) == [{"arm/arm"}, {"fork/pin", "fork/cheek 0", "fork/cheek 1"}]
     assert [kind for kind, *_ in joints(found)] == ["revolute"]
+
+
+@pytest.mark.parametrize(("holes", "screws"), [(4, 0), (0, 0), (4, 4)])
+def test_a_tool_flange_at_the_end_of_a_chain_turns(holes: int, screws: int) -> None:
+    """A disc with a free circle of holes is where a tool goes; one without, or with its screws drawn, is a lid."""
+    base = box(100, 100, 100).at(0, 0, -50) + cylinder(20, 25)
+    arm = box(160, 60, 20).at(50, 0, 15) - cylinder(20, 20).at(0, 0, 5) - cylinder(12, 20).at(100, 0, 5)
+    flange = cylinder(12, 22).at(100, 0, 3) + cylinder(22, 8).at(100, 0, 25)
+    nodes = []
+    for n in range(holes):
+        x, y = ((16, 0), (0, 16), (-16, 0), (0, -16))[n]
+        flange -= cylinder(2, 8).at(100 + x, y, 25)
+        nodes += [part("DIN 912 M4", cylinder(2, 8), 100 + x, y, 25)] if n < screws else []
+    found = inferred(part("a", base), part("b", arm), part("c", flange), *nodes)
+    turning = [arc for arc in found.arcs if "c" in links(found)[arc.child] and len(links(found)) == 3]
+    assert [bool(arc.evidence.review) for arc in turning] == ([True] if holes and not screws else [])

@@ -168,3 +168,18 @@ def test_a_tyre_turns_with_the_rotor_of_its_motor() -> None:
     found = inferred(part("chassis", clamp), hub)
     assert {"hub motor/rotor", "hub motor/tire"} in links(found)
     assert {"chassis", "hub motor/axle", "hub motor/stator"} in links(found)
+
+
+def test_ears_of_a_servo_are_no_flange_about_its_output() -> None:
+    """Four screws at the corners of a rectangle hold a servo; its shaft, a product of its own, is where it turns."""
+    servo = box(40, 20, 36).at(0, 0, -18) + box(7, 20, 3).at(23.5, 0, -9) + box(7, 20, 3).at(-23.5, 0, -9)
+    wall = cut(box(70, 50, 4).at(0, 0, -12.5), box(41, 21, 4).at(0, 0, -12.5))
+    for x, y in product((-24, 24), (-5, 5)):
+        servo, wall = servo - cylinder(2, 3).at(x, y, -10.5), wall - cylinder(2, 4).at(x, y, -14.5)
+    disc, lever = cylinder(12, 3).at(0, 0, 1), box(90, 24, 4).at(40, 0, 6)
+    for x, y in ((8, 0), (0, 8), (-8, 0), (0, -8)):
+        disc, lever = disc - cylinder(1, 3).at(x, y, 1), lever - cylinder(1, 4).at(x, y, 4)
+    nodes = [part("wall", wall, z=-0.05), part("MG996R", servo), part("shaft", cylinder(2.95, 4), x=10)]
+    found = inferred(*nodes, part("disc", disc - cylinder(3, 3).at(0, 0, 1), x=10), part("lever", lever, x=10))
+    assert joints(found) == [("revolute", "MG996R", "lever")]
+    assert found.arcs[0].evidence.axis.distance(found.survey.parts[3].com) < 1e-9

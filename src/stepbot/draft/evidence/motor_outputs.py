@@ -15,7 +15,7 @@ from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.near_outputs import NearOutput
-from stepbot.draft.parts.axis import Axis, are_parallel
+from stepbot.draft.parts.axis import SAME_LINE, Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.geometry.fixed_point import exact_sum
@@ -30,6 +30,8 @@ _LEVEL = 1e-2
 """Angle [rad] up to which a contact is normal to the output axis."""
 _MOST_OUTPUT_VOLUME, _LEAST_OUTPUT_VOLUME = 0.25, 0.01
 """Shares of the case's volume between which an unnamed part may be its output."""
+_EVEN = 0.02
+"""Angle [rad] up to which holes are evenly spaced."""
 _SHAFT = 0.05
 """Share of the case's volume up to which what turns on it may be its shaft."""
 
@@ -78,6 +80,8 @@ class OutputAxes:
             for other, r in survey.around(motor.case):
                 if other in motor.parts or r.via not in _WEIGHTS or r.axis is None:
                     continue
+                if r.via == Via.RING and not _is_even(r, r.axis):
+                    continue  # the ears of a servo, at the corners of a rectangle
                 local = Axis(X.apply(r.axis.point), X.turn(r.axis.d))
                 ballot = _WEIGHTS[r.via], max(r.radius, r.ring_radius, reach(r.axis, [r]))
                 for axis, ballots in of_case:
@@ -107,6 +111,16 @@ class OutputAxes:
                 if fit.shaft == motor.case:
                     axis = fit.of(motor.case)
                     of_case.append((Axis(X.apply(axis.point), X.turn(axis.d)), [(1, fit.radius)]))
+
+
+def _is_even(r: Relation, axis: Axis) -> bool:
+    """Whether the gaps between holes around an axis are multiples of the smallest one."""
+    x, y, _ = perpendicular_frame(axis.d).T
+    away = [fit.axis.point - axis.point for fit in r.fits if axis.distance(fit.axis.point) > SAME_LINE]
+    angles = np.sort([np.arctan2(float(at @ y), float(at @ x)) for at in away])
+    gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
+    gaps = gaps[gaps > _EVEN]  # one hole may be on both sides of a flange
+    return bool(np.abs(gaps - gaps.min() * np.round(gaps / gaps.min())).max() < _EVEN)
 
 
 def _weight(vote: tuple[Axis, list[tuple[int, float]]]) -> float:

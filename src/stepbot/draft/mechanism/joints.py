@@ -41,6 +41,8 @@ _SCREW = 2e-3
 """Share of the assembly's volume up to which a subassembly that spins is a screw drawn as several bodies."""
 _ROD = 2.0
 """Length in diagonals of its section from which a body is a rod."""
+_CIRCLE, _HOLES = 1e-5, 4
+"""Distance [m] up to which holes are on one circle, and how many a flange has at least."""
 _CRUMB = 5e-5
 """Share of the assembly's volume below which a body that spins is a wire, a plug or a pin."""
 _WHEEL = 0.08
@@ -183,7 +185,7 @@ class Mechanism:
             return None
         if len(joints) >= 2 and not is_one_of_two and all(j.axis.same(joints[0].axis) for j in joints):
             return min(joints, key=self._hold)
-        if len(joints) == 1 and self._is_pin(members, joints[0]):
+        if len(joints) == 1 and self._is_pin(members, joints[0]) and not self._is_flange(root, members, joints[0]):
             return joints[0] if joints[0].evidence.type in (JointKind.REVOLUTE, JointKind.UNIVERSAL) else None
         return None
 
@@ -303,6 +305,29 @@ class Mechanism:
         is_large = self._survey.size_of(members) > _WHEEL * self._survey.extent
         is_heavy = self._survey.total_volume(members) > _SCREW * self._survey.volume
         return is_large or (is_group and is_heavy and len(members) > 1)
+
+    def _is_flange(self, root: int, members: Sequence[int], joint: Joint) -> bool:
+        """Whether a body at the end of a chain has a circle of holes that nothing is in or in line with, for a tool."""
+        beside = joint.other(root)
+        if self._volume(root) < _SCREW * self._survey.volume:
+            return False
+        if not any(beside in (j.a, j.b) for j in self.joints if j is not joint):
+            return False
+        near = {i for i, gap in self._survey.box_gaps(self._survey.box_of(members)).items() if gap < _AROUND}
+        if near - {*members, *self._clusters.members(beside)}:
+            return False  # the horn of what is beside it
+        holes = [
+            (joint.axis.distance(line.axis.point), round(min(face.radius for face in line.faces[i]), 6))
+            for line in self._survey.contacts.lines
+            for i in line.faces
+            if i in members and len(line.faces) == 1 and line.axis.is_along(joint.axis.d)
+        ]
+        circles = [
+            sum(abs(away - far) < _CIRCLE and radius == r for far, r in holes)
+            for away, radius in holes
+            if away > 2.0 * radius
+        ]
+        return max(circles, default=0) >= _HOLES
 
     def _are_equal(self, one: int, two: int) -> bool:
         volumes = [self._volume(root) for root in (one, two)]
