@@ -4,11 +4,11 @@ Fits are on the axis or evenly spaced on a circle around it; faces normal to it 
 around it. Also circles in outlines, and centres of symmetry of others.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 import numpy as np
 
-from stepbot.draft.contacts.contacts import Fit, FitKind, Patch
+from stepbot.draft.contacts.contacts import CoaxialLine, Fit, FitKind, Patch
 from stepbot.draft.parts.axis import SAME_LINE, Axis, are_parallel
 from stepbot.geometry.fixed_point import distinct
 from stepbot.geometry.spatial import Array, perpendicular_frame
@@ -24,6 +24,8 @@ _CIRCLE = 2e-5
 _SMALLEST_ARC = 5e-4
 _LONGEST_CHORD = 0.7
 """Share of the radius up to which a chord is a segment of an arc."""
+_FLANGE = 4
+"""Number of holes in a circle from which they are those of a flange."""
 _ORDER = {FitKind.SHAFT: 0, FitKind.FLUSH: 1, FitKind.HOLES: 2}
 
 
@@ -129,6 +131,18 @@ def round_share(patches: Sequence[Patch], axis: Axis) -> float:
         total += float(chords.sum())
         about += float(chords[arcs].sum())
     return about / total if total else 0.0
+
+
+def has_free_circle(lines: Iterable[CoaxialLine], parts: Collection[int], axis: Axis) -> bool:
+    """Whether some parts have four equal holes in a circle about an axis, with nothing else on their lines."""
+    holes = [
+        (axis.distance(line.axis.point), round(min(face.radius for face in line.faces[i]), 6))
+        for line in lines
+        for i in line.faces
+        if i in parts and len(line.faces) == 1 and line.axis.is_along(axis.d)
+    ]
+    away = [(far, radius) for far, radius in holes if far > 2.0 * radius]
+    return any(sum(abs(far - r) < SAME_LINE and radius == s for r, s in away) >= _FLANGE for far, radius in away)
 
 
 _FEWEST = 12

@@ -12,6 +12,7 @@ from math import hypot, nan
 
 import numpy as np
 
+from stepbot.draft.contacts.concentric import has_free_circle
 from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import Via
 from stepbot.draft.draft import SURE
@@ -25,26 +26,17 @@ from stepbot.draft.parts.parts import box_gap
 from stepbot.geometry.spatial import perpendicular_frame, unit
 from stepbot.robot.model import JointKind
 
-_SAME_AXIS = 5e-5
-_SAME_CENTRE = 1e-4
-_SPINNER = 0.05
-"""Share of the assembly's volume up to which a body that spins about its own axis is a pin or a ring, not a link."""
-_TRIFLE = 0.02
-"""Share of a cluster's volume below which a part is ignored."""
-_AROUND = 1e-3
-"""Distance [m] between the boxes of two bodies, up to which they may reach around a third."""
-_IDLER = 0.02
-"""Share of a body's volume up to which another one on it is its horn or idler."""
-_EQUAL = 0.01
-"""Relative difference of volume up to which two bodies are equal."""
-_SCREW = 2e-3
-"""Share of the assembly's volume up to which a subassembly that spins is a screw drawn as several bodies."""
-_ROD = 2.0
-"""Length in diagonals of its section from which a body is a rod."""
-_CIRCLE, _HOLES = 1e-5, 4
-"""Distance [m] up to which holes are on one circle, and how many a flange has at least."""
-_CRUMB = 5e-5
-"""Share of the assembly's volume below which a body that spins is a wire, a plug or a pin."""
+_SAME_AXIS, _SAME_CENTRE = 5e-5, 1e-4
+_SPINNER, _SCREW = 0.05, 2e-3
+"""Share of the assembly's volume up to which a body that spins about its own axis is a pin or a ring, not a link; and
+a subassembly is a screw drawn as several bodies.
+"""
+_TRIFLE, _AROUND = 0.02, 1e-3
+"""Share of a cluster's volume below which a part is ignored; distance [m] of two boxes that may be around a third."""
+_IDLER, _EQUAL = 0.02, 0.01
+"""Share of a body's volume up to which another one on it is its horn or idler; difference up to which two are equal."""
+_ROD, _CRUMB = 2.0, 5e-5
+"""Length in diagonals of its section from which a body is a rod; share of all volume below which it is a pin."""
 _WHEEL = 0.08
 """Share of the assembly's size from which a spinning body in its own subassembly is a wheel."""
 
@@ -309,25 +301,13 @@ class Mechanism:
     def _is_flange(self, root: int, members: Sequence[int], joint: Joint) -> bool:
         """Whether a body at the end of a chain has a circle of holes that nothing is in or in line with, for a tool."""
         beside = joint.other(root)
-        if self._volume(root) < _SCREW * self._survey.volume:
-            return False
-        if not any(beside in (j.a, j.b) for j in self.joints if j is not joint):
+        is_last = any(beside in (j.a, j.b) for j in self.joints if j is not joint)
+        if not is_last or self._volume(root) < _SCREW * self._survey.volume:
             return False
         near = {i for i, gap in self._survey.box_gaps(self._survey.box_of(members)).items() if gap < _AROUND}
-        if near - {*members, *self._clusters.members(beside)}:
-            return False  # the horn of what is beside it
-        holes = [
-            (joint.axis.distance(line.axis.point), round(min(face.radius for face in line.faces[i]), 6))
-            for line in self._survey.contacts.lines
-            for i in line.faces
-            if i in members and len(line.faces) == 1 and line.axis.is_along(joint.axis.d)
-        ]
-        circles = [
-            sum(abs(away - far) < _CIRCLE and radius == r for far, r in holes)
-            for away, radius in holes
-            if away > 2.0 * radius
-        ]
-        return max(circles, default=0) >= _HOLES
+        return near <= {*members, *self._clusters.members(beside)} and has_free_circle(
+            self._survey.contacts.lines, members, joint.axis
+        )
 
     def _are_equal(self, one: int, two: int) -> bool:
         volumes = [self._volume(root) for root in (one, two)]
