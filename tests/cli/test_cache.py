@@ -1,5 +1,6 @@
 """Cached runs: the same bytes as without a cache, and no unneeded module loaded."""
 
+import errno
 import json
 import shutil
 from collections.abc import Callable
@@ -7,8 +8,12 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.pipeline.conversion import Options
 from stepbot.runtime.cache import Cache, own_code
 from stepbot.runtime.worker import Worker
+from stepbot.serving import local_server
+from stepbot.serving.session import Session
+from stepbot.step import KERNEL
 from tests.architecture.test_imports import HEAVY, loaded_by
 from tests.command_line import snapshot
 from tests.command_line import stepbot as run_stepbot
@@ -153,6 +158,29 @@ def test_corrupt_entries_are_ignored(four_bar: Path, cache: Path, stepbot: Stepb
             path.write_bytes(path.read_bytes()[: -len(path.name)] + path.name.encode())
     assert stepbot("convert", four_bar.name, "-o", "two", *FAST).code == 0
     assert snapshot(Path("one")) == snapshot(Path("two"))
+    assert asked == READ
+
+
+@pytest.mark.slow
+def test_only_a_page_keeps_geometry_in_memory(
+    four_bar: Path, cache: Path, stepbot: Stepbot, asked: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """While it is open; after it has ended, or could not start, a conversion without cache reads the STEP."""
+
+    def in_use(*_: object) -> None:
+        raise OSError(errno.EADDRINUSE, "in use")
+
+    session = Session(four_bar, Options(Path("out"), cache=Cache(cache)))
+    session.load()
+    shutil.rmtree(cache)
+    assert stepbot("convert", four_bar.name, "-o", "one", *FAST).code == 0
+    assert KERNEL not in asked
+    session.close()
+    monkeypatch.setattr(local_server, "_Server", in_use)
+    with pytest.raises(OSError, match="in use"):
+        Session(four_bar, Options(Path("out"), cache=Cache(cache)))
+    shutil.rmtree(cache)
+    assert stepbot("convert", four_bar.name, "-o", "two", *FAST).code == 0
     assert asked == READ
 
 

@@ -8,7 +8,6 @@ import hashlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from threading import Event
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.geometry.mesh_worker import MESH_WORKER, report_death
@@ -172,13 +171,20 @@ class Loading:
 
 
 _held: dict[str, Geometry] = {}
-"""The geometry read last, by its key in the cache, if it is kept in memory."""
-_holding = Event()
+"""The geometry read last, by its key in the cache, while somebody keeps it in memory."""
+_holders: set[int] = set()
 
 
-def hold_geometry() -> None:
-    """Keep the geometry that is read last in memory from now on: a page shows the same files again and again."""
-    _holding.set()
+def hold_geometry(holder: object) -> None:
+    """Keep the geometry that is read last in memory for a holder: a page shows the same files again and again."""
+    _holders.add(id(holder))
+
+
+def release_geometry(holder: object) -> None:
+    """Keep it no longer for a holder; without holders it is released."""
+    _holders.discard(id(holder))
+    if not _holders:
+        _held.clear()
 
 
 class _GeometryCache:
@@ -201,7 +207,7 @@ class _GeometryCache:
         kept = _held.get(self._key)
         if kept is None and self._key:
             kept = self._results.get(self._key)
-            if kept is not None and _holding.is_set():
+            if kept is not None and _holders:
                 _held.clear()
                 _held[self._key] = kept
         return _renamed(kept, self._names(kept)) if kept is not None else None

@@ -9,7 +9,7 @@ from typing import Any
 from stepbot.diagnostics import Diagnostics, source_lines
 from stepbot.jobs.incremental import convert, produce
 from stepbot.pipeline.conversion import Conversion, Options
-from stepbot.pipeline.loading import hold_geometry
+from stepbot.pipeline.loading import hold_geometry, release_geometry
 from stepbot.pipeline.scenes import Shown, guessed, show
 from stepbot.runtime.file import resolved
 from stepbot.runtime.output import failed_output
@@ -46,7 +46,6 @@ class Session:
         Raises:
             OSError: The port cannot be used.
         """
-        hold_geometry()
         self.target, self._options, self._writes = target, options, writes
         self.files: tuple[Path, ...] = (target,)
         """The files of the last reading, whether it succeeded or not."""
@@ -85,6 +84,7 @@ class Session:
                 "lines": lambda question: axes_of_joint(self._shown, editor.sidecar().sidecar, question),
             }
         self.server = LocalServer(self._page, lambda: self._scene, answers, port, lambda: self._made)
+        hold_geometry(self)
 
     def load(self) -> Shown:
         """Read the target and show it; after errors the page keeps the last robot, if there was one."""
@@ -185,6 +185,7 @@ class Session:
         """End the server."""
         self.server.close()
         self._contacts.close()
+        release_geometry(self)
 
     def _page(self) -> str:
         modules = ("live",) if self._editor is None else ("edit",)
