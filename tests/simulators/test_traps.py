@@ -317,7 +317,7 @@ def test_mujoco_rejections_have_its_own_message(arm: Folder) -> None:
 def test_mujoco_simulation_that_diverges_is_noticed(
     arm: Folder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A step of 1 s on a stiff spring diverges: not finite, or a warning; no log file is left."""
+    """A step of 0.1 s on a spring that pushes diverges: not finite, whatever MuJoCo warns of; no log file is left."""
     monkeypatch.chdir(tmp_path)
     path = arm.path / "stiff.xml"
     text = arm.written["mjcf"].path.read_text(encoding="utf-8")
@@ -325,7 +325,6 @@ def test_mujoco_simulation_that_diverges_is_noticed(
     path.write_text(text.replace('damping="0.02"', 'stiffness="-1e9"'), encoding="utf-8")
     seen = look("mujoco", replace(arm.request("mjcf"), file=str(path)))
     assert seen.simulation_finite is False
-    assert seen.warnings
     assert Quantity.SIMULATION in failures(arm.expected("mjcf"), seen)
     assert list(tmp_path.iterdir()) == []
 
