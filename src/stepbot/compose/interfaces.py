@@ -33,25 +33,26 @@ def report_interfaces(sidecar: Sidecar, robot: Robot, intersect: Intersect, foun
     """
     body, poses = rigid_bodies(robot.root.name, robot.joints), link_poses(robot, {})
     modules = {link: one.name for one in robot.modules if "/" not in one.name for link in one.links}
-    mixed = {of for of in body.values() if len({modules.get(link, "") for link in body if body[link] == of}) > 1}
-    shown = list(_shown(robot, [link.name for link in robot.links if body[link.name] in mixed], poses))
+    inside: dict[str, set[str]] = {}
+    for link, of in body.items():
+        inside.setdefault(of, set()).add(modules.get(link, ""))
+    shown = list(_shown(robot, [one.name for one in robot.links if len(inside[body[one.name]]) > 1], poses))
     if not shown:
         return
     low, high = (np.array([one.box[side] for one in shown]) for side in (0, 1))
-    order = [*sidecar.document.modules]
+    order = {"": -1} | {name: at for at, name in enumerate(sidecar.document.modules)}
     twins: dict[str, tuple[_Shown, _Shown]] = {}
     meeting = list[tuple[str, int, int]]()
     for i, j in zip(*(side.tolist() for side in box_pairs(low, high, TOUCHING)), strict=True):
-        a, b = shown[i], shown[j]
-        of = [modules.get(one.link, "") for one in (a, b)]
-        if body[a.link] != body[b.link] or of[0] == of[1]:
+        if body[shown[i].link] != body[shown[j].link]:
             continue
-        module, i, j = (
-            (of[0], i, j) if of[0] and (not of[1] or order.index(of[0]) > order.index(of[1])) else (of[1], j, i)
-        )
-        is_twin = type(a.geometry) is type(b.geometry) and np.abs(a.box - b.box).max() < _NEAR
-        if is_twin:
-            twins.setdefault(module, (shown[i], shown[j]))
+        sides = ((modules.get(shown[k].link, ""), k) for k in (i, j))
+        (base, j), (module, i) = sorted(sides, key=lambda side: order[side[0]])
+        if base == module:
+            continue
+        a, b = shown[i], shown[j]
+        if type(a.geometry) is type(b.geometry) and np.abs(a.box - b.box).max() < _NEAR:
+            twins.setdefault(module, (a, b))
         elif isinstance(a.geometry, MeshRef) and isinstance(b.geometry, MeshRef):
             meeting.append((module, i, j))
     for module, (mine, other) in twins.items():
@@ -105,14 +106,9 @@ def _search(robot: Robot, shown: list[_Shown], meeting: list[tuple[str, int, int
     for module, i, j in meeting:
         bodies = tuple(number[one.geometry.name] for one in (shown[i], shown[j]) if isinstance(one.geometry, MeshRef))
         meshes |= {body: robot.meshes[body].mesh for body in bodies}
-        smaller = min(_volume(meshes[body]) for body in bodies)
+        smaller = min(abs(meshes[body].signed_volume) for body in bodies)
         common = np.minimum(shown[i].box[1], shown[j].box[1]) - np.maximum(shown[i].box[0], shown[j].box[0])
         pair = Candidate(module, i, j, 1.0, float(common.prod()))
         groups.append(Group((bodies[0], bodies[1]), shown[i].X_RG.inverse() @ shown[j].X_RG, smaller, (pair,)))
     modules = tuple(dict.fromkeys(module for module, _, _ in meeting))
     return Search(modules, tuple(groups), meshes, {i: shown[i].X_RG for _, i, _ in meeting}, _MAX_FACES)
-
-
-def _volume(mesh: TriMesh) -> float:
-    a, b, c = mesh.vertices[mesh.faces].swapaxes(0, 1)
-    return abs(float(np.einsum("ij,ij->", a, np.cross(b, c)))) / 6.0

@@ -55,6 +55,11 @@ class TriMesh:
         """That of the bounding box [m]; 0 without vertices."""
         return float(np.linalg.norm(np.ptp(self.vertices, axis=0))) if len(self.vertices) else 0.0
 
+    @property
+    def signed_volume(self) -> float:
+        """Volume [m^3] of a closed mesh; negative if its faces point inwards."""
+        return signed_volume(self.vertices, self.faces)
+
     def moved(self, X_AB: Pose) -> "TriMesh":
         """This mesh, given in B, expressed in A."""
         return TriMesh.of(X_AB.apply(self.vertices), self.faces)
@@ -64,6 +69,14 @@ class TriMesh:
         faces = self.faces[face_mask]
         used, renumbered = np.unique(faces, return_inverse=True)
         return TriMesh.of(self.vertices[used], renumbered.reshape(-1, 3))
+
+
+def signed_volume(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> float:
+    """Volume [m^3] of a closed surface of vertices (n, 3) [m] and faces (m, 3); negative if its faces point inwards."""
+    if not len(faces):
+        return 0.0
+    a, b, c = (vertices[faces[:, k]] - vertices.mean(axis=0) for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
 
 def merged(mesh: TriMesh) -> TriMesh:

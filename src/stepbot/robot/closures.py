@@ -6,7 +6,7 @@ that it removes. Redundant rows, as in every planar mechanism, are harmless: ste
 length.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from math import atan2
 
@@ -236,13 +236,30 @@ class Loops:
         return None
 
 
-def rank(J: Array, columns: Sequence[int] | None = None) -> int:
-    """Numerical rank of a Jacobian, or of some of its columns: a joint that hardly moves its loop is one of no rank."""
-    chosen = J if columns is None else J[:, list(columns)]
-    if not chosen.size:
-        return 0
-    least = RANK_TOLERANCE * float(np.linalg.norm(J, 2))
-    return int(np.count_nonzero(np.linalg.svd(chosen, compute_uv=False) > least))
+def rank(J: Array) -> int:
+    """Numerical rank of a Jacobian."""
+    return _rank(J, _least(J))
+
+
+def independent_columns(J: Array, order: Iterable[int]) -> list[int]:
+    """Columns of a Jacobian, each if it adds to the rank of those before it: joints that can follow through loops.
+
+    A joint that hardly moves its loop adds none.
+    """
+    least, chosen = _least(J), list[int]()
+    for column in order:
+        if _rank(J[:, [*chosen, column]], least) > len(chosen):
+            chosen.append(column)
+    return chosen
+
+
+def _least(J: Array) -> float:
+    """The singular value from which a direction of a Jacobian counts."""
+    return RANK_TOLERANCE * float(np.linalg.norm(J, 2)) if J.size else 0.0
+
+
+def _rank(J: Array, least: float) -> int:
+    return int(np.count_nonzero(np.linalg.svd(J, compute_uv=False) > least)) if J.size else 0
 
 
 def degrees_of_freedom(robot: Robot) -> int:
@@ -276,11 +293,9 @@ def driven_joints(robot: Robot) -> tuple[str, ...]:
     links = (tree.link_index[loops.robot.joint_by_name[name].child] for name in names)
     above = [np.count_nonzero(tree.between(0, link)) for link in links]
     actuated = {actuator.joint for actuator in robot.actuators}
-    followers: list[int] = []
     # Try the least preferred joints as followers first; a joint that adds no rank cannot follow, so it drives.
-    for i in sorted(range(len(names)), key=lambda i: (names[i] in actuated, -above[i], -i)):
-        if rank(J, [*followers, i]) > len(followers):
-            followers.append(i)
+    order = sorted(range(len(names)), key=lambda i: (names[i] in actuated, -above[i], -i))
+    followers = set(independent_columns(J, order))
     return tuple(name for i, name in enumerate(names) if i not in followers)
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from .closures import Loops, close_loops, rank, walk
+from .closures import Loops, close_loops, independent_columns, walk
 from .kinematics import Configuration, complete, initial_configuration, mimic_relation, moving_joints
 from .model import Joint, Robot
 
@@ -60,8 +60,4 @@ def _followers(loops: Loops, drawn: Configuration, given: Sequence[str]) -> list
     """Indices of the independent joints that follow from the others: joints that are not given, the last ones first."""
     names = loops.tree.independent
     _, J = loops.constraints(loops.tree.vector(drawn))
-    followers: list[int] = []
-    for i in sorted(range(len(names)), key=lambda i: (names[i] in given, -i)):
-        if names[i] not in given and rank(J, [*followers, i]) > len(followers):
-            followers.append(i)
-    return followers
+    return independent_columns(J, (i for i in reversed(range(len(names))) if names[i] not in given))

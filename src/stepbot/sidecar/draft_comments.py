@@ -216,19 +216,22 @@ def _fused(lines: Sequence[str]) -> Iterator[tuple[DraftedFused, set[int]]]:
 
 def _mapping(text: str) -> dict[str, Any]:
     """A mapping of a comment; an empty one for a text that is none."""
-    try:
-        found = YAML(typ="safe", pure=True).load(text)
-    except YAMLError:
-        return {}
+    found = _loaded(text)
     return found if isinstance(found, dict) else {}
 
 
 def _scalar(text: str) -> str:
     """A YAML scalar of a comment; a text that is none as it is."""
+    found = _loaded(text)
+    return text if found is None else str(found)
+
+
+def _loaded(text: str) -> Any:
+    """The value of YAML on one line; None for what is not YAML."""
     try:
-        return str(YAML(typ="safe", pure=True).load(text))
+        return YAML(typ="safe", pure=True).load(text)
     except YAMLError:
-        return text
+        return None
 
 
 def _unquoted(name: str | None) -> str:

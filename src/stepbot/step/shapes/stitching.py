@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepbot.geometry.fixed_point import distinct_rows
+from stepbot.geometry.mesh import signed_volume
 from stepbot.geometry.spatial import Array
 
 Indices = NDArray[np.int64]
@@ -61,10 +62,7 @@ class Stitched:
     @property
     def signed_volume(self) -> float:
         """Volume of a closed mesh; negative if its faces point inwards."""
-        if not len(self.faces):
-            return 0.0
-        a, b, c = (self.vertices[self.faces[:, k]] - self.vertices.mean(axis=0) for k in range(3))
-        return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+        return signed_volume(self.vertices, self.faces)
 
     @property
     def area(self) -> float:
