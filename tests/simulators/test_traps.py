@@ -325,6 +325,7 @@ def test_mujoco_simulation_that_diverges_is_noticed(
     path.write_text(text.replace('damping="0.02"', 'stiffness="-1e9"'), encoding="utf-8")
     seen = look("mujoco", replace(arm.request("mjcf"), file=str(path)))
     assert seen.simulation_finite is False
+    assert any("Nan, Inf or huge value" in note for note in seen.notes), "with the coordinate"
     assert Quantity.SIMULATION in failures(arm.expected("mjcf"), seen)
     assert list(tmp_path.iterdir()) == []
 
@@ -367,8 +368,8 @@ def test_links_that_are_pushed_apart_are_named(tmp_path: Path) -> None:
     request = Request(str(path), "mjcf", configurations=({},), simulate=0.1)
     path.write_text(_TRAPPED.format(x=0.0, more=""), encoding="utf-8")
     seen = look("mujoco", request)
-    assert (seen.simulation_finite, seen.pushed_apart, seen.warnings) == (False, (("ball", "box"),), ())
+    assert (seen.simulation_finite, seen.initial_penetrations, seen.warnings) == (False, (("ball", "box"),), ())
     path.write_text(_TRAPPED.format(x=3.0, more=""), encoding="utf-8")
     assert look("mujoco", request).simulation_finite
     path.write_text(_TRAPPED.format(x=3.0, more=' stiffness="-1e15" ref="1" springref="0"'), encoding="utf-8")
-    assert look("mujoco", request).pushed_apart == ()
+    assert look("mujoco", request).initial_penetrations == ()

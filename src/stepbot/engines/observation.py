@@ -278,7 +278,7 @@ class Observation:
     missing_meshes: tuple[str, ...] = ()
     simulation_finite: bool | None = None
     """Whether one second of passive simulation from the initial pose stayed finite."""
-    pushed_apart: tuple[tuple[str, str], ...] = ()
+    initial_penetrations: tuple[tuple[str, str], ...] = ()
     """Of one that diverged, pairs of links that overlap in the initial pose, without whose contacts it does not."""
     warnings: tuple[str, ...] = ()
     """The engine's warnings, verbatim."""

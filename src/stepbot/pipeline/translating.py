@@ -78,8 +78,8 @@ def produce_translation(
         found.raise_if_errors()
         progress("verify")
         report = proven(written, provers, options, proof := Diagnostics())
-        if report.pushed_apart and description.observation.format != "mjcf":
-            described = _without_contacts(described, report.pushed_apart)
+        if report.initial_penetrations and description.observation.format != "mjcf":
+            described = _without_contacts(described, report.initial_penetrations)
             found.add(described.findings[-1].code, described.findings[-1].text, Span(path.as_posix()))
             pairs = described.robot.excluded_contacts
             robot = replace(robot, excluded_contacts=pairs)

@@ -83,7 +83,7 @@ class Report(Results):
 
     robot: Robot | None = None
     bodies: tuple[MeasuredBody, ...] = ()
-    pushed_apart: tuple[tuple[str, str], ...] = ()
+    initial_penetrations: tuple[tuple[str, str], ...] = ()
     """Pairs of links without whose contacts a simulation would not have diverged."""
 
 

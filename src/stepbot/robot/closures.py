@@ -34,8 +34,6 @@ LARGEST_JUMP = 0.7
 """Change [rad or m] of a following joint in one such step beyond which the mechanism has left its branch."""
 WORST_CONDITION = 1e-3
 """Ratio of singular values below which the loops count as singular: the range ends before it."""
-
-
 STEPS_AT_ONCE = 6
 """Steps of Newton's method for many configurations at once: next to a closed one, four are sufficient."""
 CONVERGED = 1e-6
@@ -236,30 +234,20 @@ class Loops:
         return None
 
 
-def rank(J: Array) -> int:
-    """Numerical rank of a Jacobian."""
-    return _rank(J, _least(J))
+def rank(J: Array, least: float | None = None) -> int:
+    """Numerical rank of a Jacobian; with ``least``, the number of singular values above it."""
+    sizes = np.linalg.svd(J, compute_uv=False) if J.size else np.zeros(0)
+    return int(np.count_nonzero(sizes > (RANK_TOLERANCE * sizes.max(initial=0.0) if least is None else least)))
 
 
 def independent_columns(J: Array, order: Iterable[int]) -> list[int]:
-    """Columns of a Jacobian, each if it adds to the rank of those before it: joints that can follow through loops.
-
-    A joint that hardly moves its loop adds none.
-    """
-    least, chosen = _least(J), list[int]()
+    """Columns of a Jacobian, each if it adds to the rank: joints that can follow, unless they hardly move the loop."""
+    chosen: list[int] = []
+    least = RANK_TOLERANCE * float(np.linalg.norm(J, 2)) if J.size else 0.0
     for column in order:
-        if _rank(J[:, [*chosen, column]], least) > len(chosen):
+        if rank(J[:, [*chosen, column]], least) > len(chosen):
             chosen.append(column)
     return chosen
-
-
-def _least(J: Array) -> float:
-    """The singular value from which a direction of a Jacobian counts."""
-    return RANK_TOLERANCE * float(np.linalg.norm(J, 2)) if J.size else 0.0
-
-
-def _rank(J: Array, least: float) -> int:
-    return int(np.count_nonzero(np.linalg.svd(J, compute_uv=False) > least)) if J.size else 0
 
 
 def degrees_of_freedom(robot: Robot) -> int:
@@ -294,8 +282,7 @@ def driven_joints(robot: Robot) -> tuple[str, ...]:
     above = [np.count_nonzero(tree.between(0, link)) for link in links]
     actuated = {actuator.joint for actuator in robot.actuators}
     # Try the least preferred joints as followers first; a joint that adds no rank cannot follow, so it drives.
-    order = sorted(range(len(names)), key=lambda i: (names[i] in actuated, -above[i], -i))
-    followers = set(independent_columns(J, order))
+    followers = independent_columns(J, sorted(range(len(names)), key=lambda i: (names[i] in actuated, -above[i], -i)))
     return tuple(name for i, name in enumerate(names) if i not in followers)
 
 

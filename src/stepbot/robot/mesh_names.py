@@ -77,6 +77,8 @@ SCOPE = "::"
 
 dm_control rejects a slash in names of MJCF.
 """
+MOTOR_LINE = f"{SCOPE}line"
+"""End of the name of a tendon of MJCF that has the torque-speed line of an actuator."""
 
 
 def free_name(name: str, suffix: str, taken: set[str]) -> str:

@@ -278,7 +278,7 @@ def _compare_initial(deviations: Deviations, reference: Observation, observed: O
 
 def _compare_simulation(deviations: Deviations, _reference: Observation, observed: Observation) -> None:
     if observed.simulation_finite is not None:
-        pairs = ", ".join(f"'{a}' and '{b}'" for a, b in observed.pushed_apart)
+        pairs = ", ".join(f"'{a}' and '{b}'" for a, b in observed.initial_penetrations)
         cause = f"; it does not without contacts of links that overlap in the initial pose: {pairs}" if pairs else ""
         deviations.equal(observed.simulation_finite, f"simulation diverged{cause}")
 

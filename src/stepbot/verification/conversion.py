@@ -129,8 +129,8 @@ def verify(
         degrees_of_freedom=freedom,
         driven=driven_joints(robot) if robot.closures else (),
         collisions=overlaps,
-        pushed_apart=tuple(
-            sorted({pair for one in outcomes if one.observation for pair in one.observation.pushed_apart})
+        initial_penetrations=tuple(
+            sorted({pair for one in outcomes if one.observation for pair in one.observation.initial_penetrations})
         ),
     )
 

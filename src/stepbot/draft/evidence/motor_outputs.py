@@ -80,7 +80,7 @@ class OutputAxes:
             for other, r in survey.around(motor.case):
                 if other in motor.parts or r.via not in _WEIGHTS or r.axis is None:
                     continue
-                if r.via == Via.RING and not _is_even(r):
+                if r.via == Via.RING and not _is_even(r, r.axis):
                     continue  # the ears of a servo, at the corners of a rectangle
                 local = Axis(X.apply(r.axis.point), X.turn(r.axis.d))
                 ballot = _WEIGHTS[r.via], max(r.radius, r.ring_radius, reach(r.axis, [r]))
@@ -113,10 +113,8 @@ class OutputAxes:
                     of_case.append((Axis(X.apply(axis.point), X.turn(axis.d)), [(1, fit.radius)]))
 
 
-def _is_even(r: Relation) -> bool:
-    """Whether the gaps between the holes of a ring are multiples of the smallest one."""
-    axis = r.axis
-    assert axis is not None
+def _is_even(r: Relation, axis: Axis) -> bool:
+    """Whether the gaps between holes around an axis are multiples of the smallest one."""
     x, y, _ = perpendicular_frame(axis.d).T
     away = [fit.axis.point - axis.point for fit in r.fits if axis.distance(fit.axis.point) >= SAME_LINE]
     angles = np.sort([np.arctan2(float(at @ y), float(at @ x)) for at in away])

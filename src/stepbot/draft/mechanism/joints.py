@@ -27,10 +27,9 @@ from stepbot.geometry.spatial import perpendicular_frame, unit
 from stepbot.robot.model import JointKind
 
 _SAME_AXIS, _SAME_CENTRE = 5e-5, 1e-4
+"""Distances [m] up to which two axes are one: of joints of one pair, and of two bodies that turn on the same one."""
 _SPINNER, _SCREW = 0.05, 2e-3
-"""Share of the assembly's volume up to which a body that spins about its own axis is a pin or a ring, not a link; and
-a subassembly is a screw drawn as several bodies.
-"""
+"""Shares of the assembly's volume up to which a body that spins is a pin or a ring, and a subassembly is a screw."""
 _TRIFLE, _AROUND = 0.02, 1e-3
 """Share of a cluster's volume below which a part is ignored; distance [m] of two boxes that may be around a third."""
 _IDLER, _EQUAL = 0.02, 0.01

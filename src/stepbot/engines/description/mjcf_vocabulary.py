@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from stepbot.robot.mesh_names import SCOPE
+from stepbot.robot.mesh_names import MOTOR_LINE, SCOPE
 
 from .vocabulary import Unread, Vocabulary, each, paths
 
@@ -49,8 +49,6 @@ _DEFAULTS = {
 del _DEFAULTS["*"]
 LED = "equality constraint of a mocap body"
 """By it programs lead a robot in a simulation: it closes no loop of the robot."""
-LINE = f"{SCOPE}line"
-"""End of the name of a tendon with a motor's torque-speed line, as stepbot writes it."""
 _CONTACT = "contact friction and stiffness are those of the formats' defaults"
 
 MJCF = Vocabulary(
@@ -136,6 +134,6 @@ def unread_of_mjcf(root: Any, file: str, at: str) -> tuple[Unread, ...]:
         if number.get("name", "").endswith(f"{SCOPE}velocity"):  # a limit, as stepbot writes it
             number.tag = "velocity"
     for tendons in root.iter("tendon"):
-        if all(one.get("name", "").endswith(LINE) for one in tendons):
+        if all(one.get("name", "").endswith(MOTOR_LINE) for one in tendons):
             tendons.tag = "lines"
     return MJCF.unread(root, file, at)

@@ -13,11 +13,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from stepbot.geometry.spatial import Pose
-from stepbot.robot.mesh_names import SCOPE
+from stepbot.robot.mesh_names import MOTOR_LINE, SCOPE
 from stepbot.robot.model import ActuatorKind
 from stepbot.robot.sensors import SensorKind
 
-from ..description.mjcf_vocabulary import LINE
 from ..observation import ObservedActuator, ObservedSensor
 
 if TYPE_CHECKING:
@@ -95,7 +94,7 @@ def _actuator(compiled: "Compiled", a: int) -> ObservedActuator:
 
 def motor_damping(compiled: "Compiled", a: int) -> float:
     """Damping at the joint of an actuator [N m s/rad] or [N s/m] that its limit of force does not cut off."""
-    model, name = compiled.model, f"{compiled.name('ACTUATOR', a)}{LINE}"
+    model, name = compiled.model, f"{compiled.name('ACTUATOR', a)}{MOTOR_LINE}"
     tendon = int(compiled.engine.mj_name2id(model, compiled.engine.mjtObj.mjOBJ_TENDON, name))
     damping = float(model.actuator_damping[a] * model.actuator_gear[a][0] ** 2)
     if tendon < 0 or not model.tendon_frictionloss[tendon]:

@@ -44,7 +44,7 @@ def simulate(compiled: "Compiled", request: Request) -> tuple[bool, tuple[str, .
     return bool(np.isfinite(data.qpos).all() and np.isfinite(data.qvel).all() and not bad), gimbals.notes
 
 
-def pushed_apart(compiled: "Compiled", request: Request) -> tuple[tuple[str, str], ...]:
+def initial_penetrations(compiled: "Compiled", request: Request) -> tuple[tuple[str, str], ...]:
     """The links whose overlap in the initial pose alone makes the simulation diverge; empty if it is not that."""
     model, data = compiled.model, compiled.data(request.initial)
     compiled.engine.mj_collision(model, data)

@@ -74,7 +74,7 @@ def observe(request: Request) -> Observation:
     """
     import mujoco as engine
 
-    from .motion import close_by_newton, pushed_apart, simulate
+    from .motion import close_by_newton, initial_penetrations, simulate
 
     with readable(request) as (request, replaced), collected_warnings() as warnings:
         model, notes = _compile(engine, request)
@@ -87,10 +87,11 @@ def observe(request: Request) -> Observation:
         if request.simulate:
             known = len(warnings)
             finite, reversals = simulate(compiled, request)
-            pushed = () if finite else pushed_apart(compiled, request)
-            del warnings[len(warnings) if finite else known :]  # that it diverged is known
-            observation = replace(observation, simulation_finite=finite, pushed_apart=pushed)
-            notes = (*notes, *reversals)
+            observation, notes = replace(observation, simulation_finite=finite), (*notes, *reversals)
+            if not finite:
+                notes = (*notes, *dict.fromkeys(warnings[known:]))  # where it diverged, which is one failure, not two
+                observation = replace(observation, initial_penetrations=initial_penetrations(compiled, request))
+                del warnings[known:]
         if request.format == "urdf":
             observation = replace(observation, joints=_without_ignored_bounds(observation.joints, warnings, request))
     notes = (*replaced, *notes, *_strays(compiled))

@@ -14,7 +14,7 @@ from stepbot.robot.closures import Loops
 from stepbot.robot.dynamics import mobilities
 from stepbot.robot.gains import actuator_limit, line_damping
 from stepbot.robot.kinematics import mimic_relation
-from stepbot.robot.mesh_names import SCOPE
+from stepbot.robot.mesh_names import MOTOR_LINE, SCOPE
 from stepbot.robot.model import Actuator, JointKind, Link, LoopClosure, Mimic, Robot
 from stepbot.robot.multi_dof import screw_to_mimic, steps_by_child
 from stepbot.robot.simulation_settings import Settings, settings_of
@@ -24,8 +24,6 @@ from .devices import MARK, mjcf_pose
 
 _IMPEDANCE = (0.99, 0.999, 0.001)
 """`solimp` of equality constraints: almost rigid at once, and more so beyond a gap of 1 mm or 1 mrad."""
-LINE = "line"
-"""Last part of the name of a tendon with a motor's torque-speed line."""
 _LEAST, _MOST = 1e-4, 1e4
 """Range of the damping that MuJoCo's impedance, of at most 0.9999, expresses, times time step and mobility."""
 _FAR = 10.0
@@ -146,7 +144,7 @@ def tendons(top: Element, robot: Robot, lines: dict[str, tuple[float, float]]) -
             if actuator.name in lines:
                 time, impedance = lines[actuator.name]
                 effort = actuator_limit(actuator, robot.joint_by_name[actuator.joint]).effort
-                name = f"{actuator.name}{SCOPE}{LINE}"
+                name = f"{actuator.name}{MOTOR_LINE}"
                 soft = {"solreffriction": (time, 1.0), "solimpfriction": (impedance, impedance, 0.001)}
                 tendon = element(xml, "fixed", name=name, frictionloss=_FAR * effort, **soft)
                 element(tendon, "joint", joint=actuator.joint, coef=1.0)
