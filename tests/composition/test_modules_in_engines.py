@@ -412,3 +412,38 @@ def test_a_loop_between_modules_is_proven(q: float, tmp_path: Path, cache: Cache
     assert b"<mimic" in made.files["whole.urdf"]
     against = {one.against for one in made.report.checks if one.status is Status.PASSED} if made.report else set()
     assert {"module 'left' alone", "module 'right' alone"} <= against
+
+
+FORWARD = "0 -0.3 0"
+SIX_HINGES = urdf(
+    "arm",
+    *(link(name) for name in ("base", "shoulder", "upper", "fore", "wrist", "hand", "tip")),
+    joint("yaw", "base", "shoulder", lower="-1.5", upper="1.5"),
+    joint("lift", "shoulder", "upper", axis="1 0 0", lower="-1.5", upper="1.5"),
+    joint("elbow", "upper", "fore", xyz=FORWARD, axis="1 0 0", lower="-2.5", upper="2.5"),
+    joint("roll", "fore", "wrist", xyz=FORWARD, axis="0 1 0", lower="-1", upper="1"),
+    joint("pitch", "wrist", "hand", axis="1 0 0", lower="-2", upper="2"),
+    joint("twist", "hand", "tip", xyz=FORWARD, axis="0 1 0", lower="-3", upper="3"),
+)
+
+
+@pytest.mark.long
+def test_two_arms_that_hold_each_other_pass_in_pybullet(tmp_path: Path) -> None:
+    """At the usual speed, PyBullet's solver lets their loop open ten times as wide as its tolerance."""
+    bend = 0.5  # [rad], up at the shoulder and twice down at the elbow, so that the hands are level
+    place = float(0.3 * (2.0 * np.cos(bend) + 1.0))
+    closed = f"""frames: {{place: {{link: bench, origin: {{xyz: [0, {place!r}, 0]}}}}}}
+links: {{bench: {{inertial: {{mass: 50, com: [0, 0, 0], inertia: {{ixx: 5, iyy: 5, izz: 5}}}}}}}}
+closures: {{grip: {{type: ball, link_a: left/tip, link_b: right/tip}}}}
+"""
+    left = f"left: {{file: arm.urdf, at: place, home: {{lift: {-bend}, elbow: {2 * bend}, pitch: {-bend}}}}}"
+    (tmp_path / "whole.robot.yaml").write_text(
+        composing(left, "right: {mirror_of: left}", more=closed), encoding="utf-8"
+    )
+    (tmp_path / "arm.urdf").write_text(SIX_HINGES, encoding="utf-8")
+    options = Options(tmp_path / "out", ("urdf",), require=("pybullet",))
+    made = convert(tmp_path / "whole.robot.yaml", options)
+    assert [one.code for one in made.diagnostics if one.severity == "error"] == []
+    assert made.report is not None
+    (closures,) = [c for c in made.report.checks if (c.engine, c.quantity) == ("pybullet", "closures")]
+    assert closures.status is Status.PASSED
