@@ -9,7 +9,7 @@ from stepbot.diagnostics import Diagnostics, Ignore, Span
 from .command import PATH, Command, display_options, ignore_option
 from .machine_output import junit_option, output_format_option, write_junit
 from .progress import progress_bar
-from .reading import folders_option, limit_options, require_option
+from .reading import limit_options, package_path_option, require_option
 from .table import show_joint_rows, show_table, write_filled
 from .terminal import Display, show_diagnostics, write_document, write_result
 
@@ -23,7 +23,7 @@ from .terminal import Display, show_diagnostics, write_document, write_result
 @require_option
 @ignore_option
 @limit_options
-@folders_option
+@package_path_option
 @junit_option
 @display_options
 @output_format_option
@@ -35,6 +35,7 @@ def command(
     timeout: float,
     memory_limit: int | None,
     package_path: tuple[Path, ...],
+    xacro: tuple[tuple[str, str], ...],
     junit: Path | None,
     display: Display,
 ) -> int:
@@ -55,7 +56,7 @@ def command(
     with progress_bar(("verify",)) as progress:
         progress("verify")
         workers = Workers(timeout, memory_limit)
-        report = verify_files(files, found, require=require, workers=workers, packages=package_path)
+        report = verify_files(files, found, require=require, workers=workers, packages=package_path, xacro=xacro)
     if strict:
         found.make_strict()
     document = report_document(report, found)

@@ -8,10 +8,12 @@ import pytest
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.macros.expansion import expand
 from stepbot.engines.macros.expressions import Expanded
+from stepbot.engines.observation import Quantity
 from stepbot.jobs.incremental import check, convert
-from stepbot.pipeline import describing
 from stepbot.pipeline.conversion import Options
 from stepbot.runtime.worker import Worker
+from stepbot.verification import admission
+from stepbot.verification.files import compare_two, verify_files
 
 HEAD = '<robot name="legs" xmlns:xacro="http://www.ros.org/wiki/xacro">'
 LEGS = f"""{HEAD}
@@ -81,6 +83,41 @@ def test_a_robot_is_converted_with_its_arguments(legs: Path, tmp_path: Path) -> 
     sources = {one.against.split(" ")[0] for one in conversion.report.checks if one.status == "passed"}
     assert "legs.urdf.xacro" in sources
     assert {"legs.urdf.xacro", "leg.xacro", "foot.obj"} <= {Path(name).name for name in conversion.report.inputs}
+
+
+@pytest.mark.slow
+def test_two_files_are_compared_with_their_macros_expanded(legs: Path, tmp_path: Path) -> None:
+    """Engines load what a xacro expands to; only an argument differs from the expanded file."""
+    found, workers, xacro = Diagnostics(), Options(tmp_path).workers, (("length", "0.25"),)
+    report = verify_files([legs], found, workers=workers, xacro=xacro)
+    assert not found.has_errors, list(map(str, found))
+    assert {check.engine for check in report.checks if check.status == "passed"} >= {"mujoco", "yourdfpy"}
+    plain = tmp_path / "legs.urdf"
+    plain.write_bytes(expanded(legs, length="0.25").text)
+    for given, masses in ((xacro, []), ((), [0.5, 0.5])):
+        results = compare_two(legs, plain, found, workers, xacro=given)
+        assert results is not None
+        mass = next(one for one in results if one.quantity is Quantity.MASS)
+        np.testing.assert_allclose([one.amount for one in mass.deviations.failures], masses)
+    legs.with_name("leg.xacro").write_text(LEG.replace("foot.obj", "boot.obj"), encoding="utf-8")
+    assert compare_two(legs, plain, found, workers) is None
+    lost = next(one for one in found if one.code == "SB861")
+    assert (Path(lost.span.file).name, lost.span.line) == ("leg.xacro", 6)
+
+
+def test_relative_meshes_are_found_in_the_folders_above(legs: Path, tmp_path: Path) -> None:
+    """They are relative to the URDF, which a xacro does not name; those of a URDF are also found by an option."""
+    legs.with_name("leg.xacro").write_text(LEG.replace("package://legs_description", "."), encoding="utf-8")
+    found = Diagnostics()
+    check(legs, Options(legs.parent, base="fixed"), found)
+    assert not list(found)
+    plain = tmp_path / "legs.urdf"
+    plain.write_bytes(expanded(legs).text.replace((legs.parents[1] / "meshes").as_posix().encode(), b"meshes"))
+    for folders, missing in (((), True), ((legs.parents[1],), False)):
+        found = Diagnostics()
+        verify_files([plain], found, workers=Options(tmp_path).workers, packages=folders)
+        assert found.has_errors is missing, list(map(str, found))
+        assert ("SB861" in {one.code for one in found}) is missing
 
 
 def test_findings_have_the_line_that_states_them(legs: Path) -> None:
@@ -226,7 +263,7 @@ def test_foreign_namespaces_and_texts_are_kept(tmp_path: Path) -> None:
 
 def test_without_xacro_the_remedy_is_its_command(legs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without the package, the command that installs it is the remedy."""
-    monkeypatch.setattr(describing, "find_spec", lambda name: None)
+    monkeypatch.setattr(admission, "find_spec", lambda name: None)
     found = Diagnostics()
     check(legs, Options(legs.parent), found)
     assert [(one.code, one.help) for one in found] == [("SB877", ("pip install 'stepbot[xacro]'",))]

@@ -160,6 +160,7 @@ def verify(
     timeout: float = DEFAULT_TIMEOUT,
     memory_limit: int | None = None,
     package_path: AnyPath | Iterable[AnyPath] = (),
+    xacro: Mapping[str, str] | None = None,
 ) -> Verification:
     """Load URDF, SDFormat and MJCF files in all engines and compare the results: ``stepbot verify``.
 
@@ -171,6 +172,7 @@ def verify(
         timeout: Time limit [s] of each engine.
         memory_limit: Address space [bytes] of worker processes; None for no limit.
         package_path: Folder, or several, of the packages that a URDF or SDFormat names in ``package://`` and ``model://``.
+        xacro: Values of the arguments of a xacro, by name.
 
     Returns:
         The report with every check, and the diagnostics.
@@ -186,6 +188,7 @@ def verify(
         require=several(require),
         workers=Workers(timeout, memory_limit),
         packages=tuple(map(Path, several(package_path))),
+        xacro=(xacro or {}).items(),
     )
     if strict:
         found.make_strict()

@@ -23,7 +23,8 @@ def resolve(uri: str, description: Path, packages: Iterable[Path] = ()) -> Path 
 
     A package is searched upwards from the description: ``package://arm/meshes/a.obj`` is ``meshes/a.obj`` in the first
     folder above that contains it, or in its subfolder ``arm``; before that in ``packages``, folders of packages or the
-    folders that contain them.
+    folders that contain them. A relative path is of the description's folder, or else of one of ``packages``: those in
+    a xacro are relative to the URDF that is made of it elsewhere.
     """
     return next((candidate for candidate in candidates(uri, description, packages) if is_file(candidate)), None)
 
@@ -32,7 +33,7 @@ def candidates(uri: str, description: Path, packages: Iterable[Path] = ()) -> It
     """Candidate paths of the file that ``uri`` refers to, the likeliest first."""
     scheme, _, rest = uri.partition("://")
     if not rest or scheme not in _SCHEMES:
-        yield description.parent / uri
+        yield from (folder / uri for folder in (description.parent, *packages))
     elif scheme == "file":
         yield Path(unquote(urlsplit(uri).path))
     else:

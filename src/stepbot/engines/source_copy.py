@@ -32,7 +32,7 @@ ChainNames = tuple[tuple[str, ...], tuple[str, ...]]
 
 
 def located_copy(file: str, copy: str, packages: Iterable[Path]) -> tuple[MissingMesh, ...]:
-    """Write a copy with absolute paths of meshes, if a mesh is in a package: PyBullet does not search for packages.
+    """Write a copy with absolute paths of meshes, if a mesh is not where its name states: PyBullet does not search.
 
     Args:
         file: A URDF or SDFormat.
@@ -48,8 +48,9 @@ def located_copy(file: str, copy: str, packages: Iterable[Path]) -> tuple[Missin
     except EngineRefused:
         return ()
     named = {uri: element.sourceline or 0 for element, uri in reversed(list(_meshes(top)))}
-    missing = [MissingMesh(uri, line) for uri, line in named.items() if resolve(uri, Path(file), packages) is None]
-    if any(uri.startswith(("package://", "model://")) for uri in named) and len(missing) < len(named):
+    places = {uri: resolve(uri, Path(file), packages) for uri in named}
+    missing = [MissingMesh(uri, line) for uri, line in named.items() if places[uri] is None]
+    if any(place not in (None, Path(file).parent / uri) for uri, place in places.items()):
         locate(top, Path(file), packages)
         Path(copy).write_bytes(etree.tostring(top, encoding="UTF-8", xml_declaration=True))
     return tuple(sorted(missing, key=lambda one: (one.line, one.uri)))

@@ -2,35 +2,30 @@
 
 import re
 from dataclasses import replace
-from importlib.util import find_spec
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from xml.sax.saxutils import escape
 
 from stepbot.described.finding import UNSUPPORTED
 from stepbot.described.robot import robot_of_description
-from stepbot.diagnostics import Diagnostics, Span, did_you_mean
+from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines.description import Description
 from stepbot.engines.file_references import openable
 from stepbot.engines.macros.expressions import Expanded
 from stepbot.robot.model import Robot
-from stepbot.runtime.file import exists, open_regular, resolved
+from stepbot.runtime.file import exists, open_regular
 from stepbot.runtime.temporary import run_folder
 from stepbot.runtime.worker import RemoteError, WorkerDied
-from stepbot.verification.admission import admitted, robot_file
+from stepbot.verification.admission import HEAD, admitted, expanded, has_macros, robot_file
 from stepbot.verification.files import format_of
 
 from .conversion import Options
 from .sidecars import report_missing
 
 _DESCRIBE = "stepbot.engines.describe:describe"
-_EXPAND = "stepbot.engines.macros.expansion:expand"
-_MOST_CALLS = 8
 _SUBJECT = re.compile(r"(link|joint|closure|actuator|sensor|mesh) '([^']+)'")
 _TAGS = {"link": "link|body", "joint": "joint|freejoint"}
 """Elements that state what a finding is about; other subjects are elements of any name."""
-_HEAD = 1 << 24
-"""Number of bytes in which macros are searched for."""
 
 
 def read_description(path: Path, options: Options, found: Diagnostics) -> Description | None:
@@ -81,53 +76,15 @@ def _described(
     return replace(description, files=files, expanded=macros.text, places=macros.places)
 
 
-def has_macros(path: Path) -> bool:
-    """Whether a file has macros of ROS."""
-    with open_regular(path) as file:
-        return path.suffix.lower() == ".xacro" or b"<xacro:" in file.read(_HEAD)
-
-
 def _expanded(path: Path, options: Options, found: Diagnostics) -> Description | None:
     """The content of a file with macros; None after SB877 or what :func:`read_description` reports."""
-    span = Span(path.as_posix())
-    if find_spec("xacro") is None:
-        found.add(
-            "SB877", "the file has macros, and xacro is not installed", span, help=["pip install 'stepbot[xacro]'"]
-        )
+    macros = expanded(path, options.xacro, options.package_path, found, options.workers)
+    if macros is None:
         return None
-    given = dict(options.xacro)
-    packages = tuple(map(resolved, options.package_path))
-    try:
-        macros: Expanded = options.workers.call(_EXPAND, str(openable(path)), given, packages)
-    except WorkerDied as death:
-        found.add("SB902", f"the process that expands macros died: {death.reason}", span, notes=death.last_lines)
-        return None
-    shown = {str(resolved(path)): path.as_posix()}
-    macros = macros._replace(places=tuple(one._replace(file=shown.get(one.file, one.file)) for one in macros.places))
-    if macros.error:
-        calls = list(dict.fromkeys(f"in the macro called in {Path(one.file).name}:{one.line}" for one in macros.calls))
-        place = macros.at._replace(file=shown.get(macros.at.file, macros.at.file))
-        found.add("SB877", macros.error, place, help=_remedies(macros.error), notes=calls[:_MOST_CALLS])
-        return None
-    for name in given:
-        if name not in macros.arguments:
-            known = ", ".join(macros.arguments) or "none"
-            help = did_you_mean(name, macros.arguments) or (f"arguments: {known}",)
-            found.add("SB877", f"the file has no argument '{name}'", span, help=help)
-            return None
     with TemporaryDirectory(dir=run_folder()) as folder:
         copy = Path(folder) / f"{path.name.partition('.')[0]}.urdf"
         copy.write_bytes(macros.text)
         return _described(copy, "urdf", options, found, macros)
-
-
-def _remedies(error: str) -> list[str]:
-    """What to do about an error of a macro; nothing beyond what it states for most."""
-    if error.startswith("package "):
-        return ["name the folder of the package, or of packages: `--package-path DIR`"]
-    if error.startswith("Undefined substitution argument"):
-        return [f"state it: `--xacro {error.rpartition(' ')[2]}:=VALUE`"]
-    return []
 
 
 def _without_line(message: str) -> tuple[str, int]:
@@ -143,7 +100,7 @@ def place_of(finding: str, path: Path, description: Description) -> Span:
         return Span(path.as_posix())
     kind, name = subject.groups()
     with open_regular(path) as file:
-        content = description.expanded or file.read(_HEAD)
+        content = description.expanded or file.read(HEAD)
     text = content.decode("utf-8", "replace")
     quoted = rf"""["']{re.escape(escape(name))}["']"""
     pattern = quoted if kind == "mesh" else rf"<(?:{_TAGS.get(kind, '[a-z_]+')})\b[^<>]*\bname\s*=\s*{quoted}"

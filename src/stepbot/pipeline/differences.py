@@ -100,7 +100,7 @@ def _below(joints: Iterable[Joint], link: str) -> set[str]:
 
 def differing_robots(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
     """Compare two robot files as engines load them; None if either cannot be read at all."""
-    results = compare_two(old, new, found, options.workers, options.package_path)
+    results = compare_two(old, new, found, options.workers, options.package_path, options.xacro)
     if results is None:
         return None
     lacking = not_compared(results)

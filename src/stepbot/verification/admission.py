@@ -5,17 +5,19 @@ in its own way, or not at all, so that meshes are found here.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
+from importlib.util import find_spec
 from pathlib import Path
 
 from stepbot.diagnostics import Diagnostics, Span, cut, did_you_mean, listed
 from stepbot.engines.description.statements import Statement
 from stepbot.engines.examination import Examined
 from stepbot.engines.file_references import openable
+from stepbot.engines.macros.expressions import Expanded
 from stepbot.engines.source_copy import MissingMesh
 from stepbot.formats import FORMATS
 from stepbot.formats.features import Feature, Level
 from stepbot.robot.step_names import is_step_name
-from stepbot.runtime.file import exists, is_file, is_folder, open_regular
+from stepbot.runtime.file import exists, is_file, is_folder, open_regular, resolved
 from stepbot.runtime.worker import WorkerDied, Workers
 
 SCENES = (".drake.sdf", *(written.scene for written in FORMATS.values() if written.scene))
@@ -93,7 +95,11 @@ def is_robot_file(path: Path, found: Diagnostics) -> bool:
 
 
 _EXAMINE = "stepbot.engines.examination:examine"
+_EXPAND = "stepbot.engines.macros.expansion:expand"
+HEAD = 1 << 24
+"""Number of bytes in which macros are searched for."""
 _MOST_NOTES = 5
+_MOST_CALLS = 8
 
 
 def admitted(
@@ -115,27 +121,94 @@ def located(
     folder: Path,
     found: Diagnostics,
     workers: Workers,
+    xacro: Iterable[tuple[str, str]] = (),
 ) -> tuple[dict[Path, Path], dict[Path, tuple[Statement, ...]]]:
     """The files that engines may read, and where they find each: a copy with absolute paths, if it names packages.
 
-    Files that share a format come with what they say.
+    Files that share a format come with what they say. Of a file with macros the copy is its URDF.
 
     Args:
         packages: Folders of packages, or the folders that contain them; those above a file are searched, too.
         folder: Receives the copies.
-        found: Receives SB820 for rejected files, and SB861 for those whose meshes are missing.
+        found: Receives SB820 for rejected files, SB861 for those whose meshes are missing, and SB877 for wrong macros.
+        xacro: Name and value of arguments of the files with macros.
     """
-    copies: dict[Path, Path | None] = {path: folder / str(n) / path.name for n, path in enumerate(formats)}
+    packages, xacro = tuple(packages), tuple(xacro)
+    sources: dict[Path, tuple[Path, tuple[Span, ...]]] = {}
+    for n, (path, written_in) in enumerate(formats.items()):
+        if not has_macros(path):
+            sources[path] = path, ()
+        elif admitted({path: written_in}, found, workers, packages):
+            macros = expanded(path, xacro, packages, found, workers)
+            if macros is not None:
+                plain = folder / f"expanded{n}" / f"{path.name.partition('.')[0]}.urdf"
+                plain.parent.mkdir()
+                plain.write_bytes(macros.text)
+                sources[plain] = path, macros.places
+    copies: dict[Path, Path | None] = {file: folder / str(n) / file.name for n, file in enumerate(sources)}
     places, texts = {}, {}
     shared = len(set(formats.values())) < len(formats)
-    for path, one in _examined(formats, copies, tuple(packages), found, workers, stated=shared):
-        copy = copies[path]
+    formats = {file: formats[path] for file, (path, _) in sources.items()}
+    for file, one in _examined(formats, copies, packages, found, workers, stated=shared):
+        copy, (path, stated_at) = copies[file], sources[file]
         if one.missing:
-            _report_missing(path, one.missing, found)
+            line = one.missing[0].line
+            _report_missing(stated_at[line] if stated_at else Span(path.as_posix(), line), one.missing, found)
         else:
-            places[path] = copy if copy is not None and exists(copy) else path
+            places[path] = copy if copy is not None and exists(copy) else file
             texts[path] = one.stated
     return places, texts
+
+
+def has_macros(path: Path) -> bool:
+    """Whether a file has macros of ROS."""
+    with open_regular(path) as file:
+        return path.suffix.lower() == ".xacro" or b"<xacro:" in file.read(HEAD)
+
+
+def expanded(
+    path: Path, arguments: Iterable[tuple[str, str]], packages: Iterable[Path], found: Diagnostics, workers: Workers
+) -> Expanded | None:
+    """The URDF of a file with macros; None after SB877 or SB902.
+
+    Args:
+        arguments: Name and value of each argument that is stated.
+    """
+    span = Span(path.as_posix())
+    if find_spec("xacro") is None:
+        found.add(
+            "SB877", "the file has macros, and xacro is not installed", span, help=["pip install 'stepbot[xacro]'"]
+        )
+        return None
+    given = dict(arguments)
+    try:
+        macros: Expanded = workers.call(_EXPAND, str(openable(path)), given, tuple(map(resolved, packages)))
+    except WorkerDied as death:
+        found.add("SB902", f"the process that expands macros died: {death.reason}", span, notes=death.last_lines)
+        return None
+    shown = {str(resolved(path)): path.as_posix()}
+    macros = macros._replace(places=tuple(one._replace(file=shown.get(one.file, one.file)) for one in macros.places))
+    if macros.error:
+        calls = list(dict.fromkeys(f"in the macro called in {Path(one.file).name}:{one.line}" for one in macros.calls))
+        place = macros.at._replace(file=shown.get(macros.at.file, macros.at.file))
+        found.add("SB877", macros.error, place, help=_remedies(macros.error), notes=calls[:_MOST_CALLS])
+        return None
+    for name in given:
+        if name not in macros.arguments:
+            known = ", ".join(macros.arguments) or "none"
+            help = did_you_mean(name, macros.arguments) or (f"arguments: {known}",)
+            found.add("SB877", f"the file has no argument '{name}'", span, help=help)
+            return None
+    return macros
+
+
+def _remedies(error: str) -> list[str]:
+    """What to do about an error of a macro; nothing beyond what it states for most."""
+    if error.startswith("package "):
+        return ["name the folder of the package, or of packages: `--package-path DIR`"]
+    if error.startswith("Undefined substitution argument"):
+        return [f"state it: `--xacro {error.rpartition(' ')[2]}:=VALUE`"]
+    return []
 
 
 def _examined(
@@ -165,7 +238,7 @@ def _examined(
             yield path, examined
 
 
-def _report_missing(path: Path, missing: tuple[MissingMesh, ...], found: Diagnostics) -> None:
+def _report_missing(span: Span, missing: tuple[MissingMesh, ...], found: Diagnostics) -> None:
     """Report meshes that a file names and that do not exist (SB861)."""
     first, *others = missing
     more = f" and {len(others)} more" if others else ""
@@ -174,4 +247,4 @@ def _report_missing(path: Path, missing: tuple[MissingMesh, ...], found: Diagnos
     if any("://" in one.uri for one in missing):
         remedy = "name the folder of the package: `--package-path DIR`"
     message = f"mesh '{first.uri}'{more} not found"
-    found.add("SB861", message, Span(path.as_posix(), first.line), help=[remedy], notes=notes)
+    found.add("SB861", message, span, help=[remedy], notes=notes)

@@ -64,6 +64,7 @@ def verify_files(
     require: Iterable[str] = (),
     workers: Workers = DEFAULT_WORKERS,
     packages: Iterable[Path] = (),
+    xacro: Iterable[tuple[str, str]] = (),
 ) -> Report:
     """Load every file in every engine that reads it, and compare the observations.
 
@@ -72,10 +73,11 @@ def verify_files(
         found: Receives the diagnostics: unreadable files, engines that reject a file or crash, differences.
         require: Engines whose absence is an error.
         packages: Folders of the packages that the files name, or the folders that contain them.
+        xacro: Name and value of arguments of the files with macros.
     """
     required = tuple(require)
     check_required(required, found)
-    asked, outcomes = observed(paths, found, workers, packages=tuple(packages))
+    asked, outcomes = observed(paths, found, workers, packages=tuple(packages), xacro=xacro)
     check_started(required, outcomes, found)
     checks = judge(outcomes, asked, found)
     return report_of(checks, outcomes, joint_table=_named(asked.joint_table, outcomes))
@@ -94,6 +96,7 @@ def compare_two(
     found: Diagnostics,
     workers: Workers,
     packages: Iterable[Path] = (),
+    xacro: Iterable[tuple[str, str]] = (),
 ) -> "tuple[Compared, ...] | None":
     """Compare one file with another in everything that engines report of both; None if either cannot be read.
 
@@ -101,9 +104,12 @@ def compare_two(
         found: Receives the errors of files that cannot be read, and of engines that cannot read one of them; SB815 for
             a file that no engine reads, or that only an engine that reports more reads.
         packages: Folders of the packages that the files name, or the folders that contain them.
+        xacro: Name and value of arguments of the files with macros.
     """
     reported = Diagnostics()
-    asked, outcomes = observed((old, new), reported, workers, count=1, seconds=0.0, packages=tuple(packages))
+    asked, outcomes = observed(
+        (old, new), reported, workers, count=1, seconds=0.0, packages=tuple(packages), xacro=tuple(xacro)
+    )
     of_file = {_key(path): [outcome for outcome in outcomes if outcome.key == _key(path)] for path in (old, new)}
     for outcome in outcomes:
         if outcome.fate in (Fate.REFUSED, Fate.DIED) and (witness := _witness(outcome, of_file)):
@@ -159,6 +165,7 @@ def observed(
     seconds: float = SECONDS,
     renamed: Mapping[str, NewNames] | None = None,
     packages: Iterable[Path] | None = None,
+    xacro: Iterable[tuple[str, str]] = (),
 ) -> "tuple[Asked, Sequence[Outcome]]":
     """Load every file in every engine that reads it.
 
@@ -168,6 +175,7 @@ def observed(
         seconds: Duration [s] of the passive simulation.
         renamed: By absolute path, the names under which files are compared.
         packages: Folders of packages; None for files whose meshes every engine finds.
+        xacro: Name and value of arguments of the files with macros.
     """
     names = dict(renamed or {})
     formats = {path: name for path in dict.fromkeys(paths) if (name := format_of(path, found)) is not None}
@@ -180,7 +188,7 @@ def observed(
             places, texts = {path: path for path in formats}, dict[Path, tuple[Statement, ...]]()
         else:
             copies = Path(running.enter_context(TemporaryDirectory(dir=run_folder())))
-            places, texts = located(formats, packages, copies, found, workers)
+            places, texts = located(formats, packages, copies, found, workers, xacro)
             formats = {path: formats[path] for path in places}
         keys = {_key(path): name for path, name in formats.items()}
         engines = running.enter_context(Engines(keys, workers.memory_limit, workers.start))
