@@ -45,6 +45,14 @@ def test_unknown_robot_is_wrong_usage(name: str, remedy: str, stepbot: Stepbot) 
     assert remedy in " ".join(run.err.split())
 
 
+@pytest.mark.parametrize("command", ["convert", "check", "view"])
+def test_robots_of_the_library_are_exported_first(command: str, stepbot: Stepbot) -> None:
+    """`library:NAME` is a module's file; commands answer how to get its files."""
+    run = stepbot(command, "library:arm2")
+    assert run.code == 2
+    assert "`stepbot library export arm2` converts it" in run.out + run.err
+
+
 @pytest.mark.slow
 def test_export_of_the_source(
     stepbot: Stepbot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, robot_library: Path

@@ -4,9 +4,11 @@ import os
 import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from shlex import join
 from string import Formatter
 
 from stepbot.diagnostics import Diagnostics, Span
+from stepbot.robot.step_names import is_step_name
 from stepbot.runtime.file import is_folder, read_regular, resolved
 
 _SIDECAR = re.compile(r"(?:^|\.)robot\.ya?ml$")
@@ -59,7 +61,14 @@ def _listed(path: Path, found: Diagnostics) -> list[Path]:
 def _in_folder(folder: Path, found: Diagnostics) -> list[Path]:
     below = _below(folder)
     if not below:
-        help = ["sidecars are named `<robot>.robot.yaml`"]
+        from stepbot.pipeline.conversion import is_description
+
+        inside = sorted(folder.iterdir())
+        drafts = [
+            f"`{join(['stepbot', 'init', one.as_posix()])}` drafts one" for one in inside if is_step_name(one.name)
+        ]
+        named = [f"batch takes descriptions by their path: '{one.as_posix()}'" for one in inside if is_description(one)]
+        help = ["sidecars are named `<robot>.robot.yaml`", *drafts[:1], *named[:1]]
         found.add("SB001", "no sidecars in this folder", Span(folder.as_posix()), help=help)
     return below
 

@@ -20,7 +20,7 @@ from stepbot.robot.step_names import is_step_name, step_stem
 from stepbot.robot.validity import check_robot
 from stepbot.runtime.cache import file_digest, files_digest
 from stepbot.runtime.file import is_file, is_folder, resolved
-from stepbot.runtime.robot_library import library_robot, library_robots
+from stepbot.runtime.robot_library import LIBRARY, library_robot, library_robots
 from stepbot.sidecar import VERSION
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.load import parse_sidecar
@@ -37,7 +37,7 @@ from stepbot.verification.modules import Alone, in_initial_pose, in_model
 from .building import built_of, places
 from .conversion import Options, is_description
 from .expectations import check_expected
-from .sidecars import LIBRARY, SIDECAR_SUFFIXES, load, named_step
+from .sidecars import SIDECAR_SUFFIXES, load, named_step
 
 DEEPEST = 8
 """Most modules within modules."""

@@ -8,6 +8,7 @@ from stepbot.assemble.masses import read_options
 from stepbot.diagnostics import Diagnostics, Ignore, Span, did_you_mean
 from stepbot.robot.step_names import is_step_name
 from stepbot.runtime.file import exists, is_folder
+from stepbot.runtime.robot_library import LIBRARY, export_hint
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.ignored import ignores
 from stepbot.sidecar.load import load_sidecar, parse_sidecar
@@ -18,8 +19,6 @@ from stepbot.step.assembly import ReadOptions
 from .conversion import Options
 
 SIDECAR_SUFFIXES = (".yaml", ".yml")
-LIBRARY = "library:"
-"""Beginning of a module's file that is a robot of the library."""
 
 
 def load(
@@ -105,5 +104,7 @@ def report_missing(target: Path, found: Diagnostics) -> None:
         named = " or ".join(f"'{name}'" for name in begun[:_SHOWN])
         near = (f"did you mean {named}?",) if begun else did_you_mean(target.name, beside)
         listed = ", ".join(f"'{name}'" for name in beside[:_SHOWN]) + (", ..." if beside[_SHOWN:] else "")
-        help = list(near) or ([f"files in '{target.parent.as_posix()}': {listed}"] if beside else [])
+        help = list(export_hint(target.as_posix()) or near) or (
+            [f"files in '{target.parent.as_posix()}': {listed}"] if beside else []
+        )
     found.add("SB001", "file not found", Span(target.as_posix()), help=help)

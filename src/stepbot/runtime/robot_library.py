@@ -12,6 +12,8 @@ from stepbot.runtime.file import exists
 _PACKAGE = Path(__file__).resolve().parents[1]
 _PLACES = (_PACKAGE / "robots", _PACKAGE.parents[1] / "robot_library")
 """In an installed package; in a checkout."""
+LIBRARY = "library:"
+"""Beginning of a module's file that is a robot of the library."""
 SCHEMA = "robot-1.schema.json"
 """Name of the file with the JSON Schema of sidecars."""
 _SCHEMA_LINE = "# yaml-language-server: $schema="
@@ -23,6 +25,13 @@ _NAMED = re.compile(r"\b(?:step|file): ([\w./-]+)")
 _FACTS = re.compile(r"^(\d+ links?, .*\bkg)$", re.MULTILINE)
 _PICTURE = re.compile(r"!\[[^\]]*\]\([^)]*\)")
 _LINK = re.compile(r"\[([^\]]+)\]\([^)]*\)")
+
+
+def export_hint(path: str) -> tuple[str, ...]:
+    """How to get the files of ``library:NAME``, which modules take and commands do not; empty for other paths."""
+    if not path.startswith(LIBRARY):
+        return ()
+    return (f"`stepbot library export {path.removeprefix(LIBRARY)}` converts it; `stepbot library` lists the robots",)
 
 
 @dataclass(frozen=True)

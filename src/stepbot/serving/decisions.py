@@ -14,8 +14,8 @@ from stepbot.compose.changing import CHANGEABLE, sidecar_of
 from stepbot.diagnostics import Diagnostics
 from stepbot.draft.text.densities import typical_densities
 from stepbot.pipeline.conversion import is_description
-from stepbot.pipeline.sidecars import LIBRARY
 from stepbot.robot.model import Module, Robot
+from stepbot.runtime.robot_library import LIBRARY
 from stepbot.sidecar.draft_comments import (
     DraftedFused,
     drafted_actuators,

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from stepbot.diagnostics import NOT_TEXT, Diagnostic, Diagnostics, Span, did_you_mean
 from stepbot.runtime.file import is_folder, open_regular
+from stepbot.runtime.robot_library import export_hint
 
 LARGEST_FILE = 1 << 20
 """Maximum size [bytes] of a file."""
@@ -94,7 +95,9 @@ def _place(file: str, before: str) -> Span:
 
 
 def _meant(path: Path) -> tuple[str, ...]:
-    """Suggestions of existing sidecars."""
+    """Suggestions of existing sidecars, and how to get a robot that is known as a module."""
+    if hint := export_hint(path.as_posix()):
+        return hint
     folder = path if is_folder(path) else path.parent
     near = [one.name for one in folder.glob("*.yaml")] + [one.name for one in folder.glob("*.yml")]
     if is_folder(path) and near:

@@ -46,6 +46,16 @@ def test_nothing_there(tmp_path: Path, found: ReadDiagnostics) -> None:
     assert found.codes() == ["SB001", "SB001"]
 
 
+def test_help_for_a_folder_without_sidecars(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """A STEP file can be drafted; a description is converted where it is named."""
+    make(tmp_path, "my arm.step", "b.urdf", "notes.md")
+    assert not find_sidecars([tmp_path], found)
+    assert next(iter(found)).help[1:] == (
+        f"`stepbot init '{tmp_path.as_posix()}/my arm.step'` drafts one",
+        f"batch takes descriptions by their path: '{tmp_path.as_posix()}/b.urdf'",
+    )
+
+
 def test_names(tmp_path: Path) -> None:
     """A robot is named after its sidecar, or after the folder if the file name is generic."""
     assert robot_name(Path("x/arm.robot.yaml")) == "arm"
