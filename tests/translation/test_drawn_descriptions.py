@@ -12,9 +12,12 @@ from stepbot.diagnostics import Diagnostics
 from stepbot.formats.rendering import render
 from stepbot.jobs.incremental import convert
 from stepbot.pipeline.conversion import Options
+from stepbot.pipeline.differences import differing_robots
 from stepbot.robot.mesh_files import share_meshes
 from stepbot.runtime.output import write_atomically
 from tests.random_robots import drawn_robot, widened
+
+from .rewriting import rewritten
 
 FORMATS = ("urdf", "sdf", "mjcf")
 _UNSTABLE = {"SB811", "SB812"}
@@ -52,8 +55,28 @@ def _errors(seed: int, written_in: str, folder: Path, *, wide: bool = False) -> 
     files = render(share_meshes(robot), written_in, Diagnostics())
     name = next(iter(files))
     write_atomically({**files, name: _as_others_write(files[name], random)}, folder / "in")
-    conversion = convert(folder / "in" / name, Options(folder / "out", timeout=100.0))
+    return _errors_of(folder / "in" / name, folder / "out")
+
+
+def _errors_of(description: Path, output: Path) -> list[str]:
+    conversion = convert(description, Options(output, timeout=100.0))
     return [str(one) for one in conversion.diagnostics if one.severity == "error" and one.code not in _UNSTABLE]
+
+
+def _rewritten(seed: int, written_in: str, folder: Path) -> None:
+    """A rewritten description converts, and differs from the original one in nothing."""
+    random = Random(f"{seed} rewritten")
+    robot = widened(Random(f"{seed} wide"), drawn_robot(Random(seed)))
+    files = render(share_meshes(robot), written_in, Diagnostics())
+    name = next(iter(files))
+    write_atomically(files, folder / "as_stepbot")
+    others = rewritten(written_in, files[name], random)
+    write_atomically({**files, **others}, folder / "as_others")
+    description, found = folder / "as_others" / next(iter(others)), Diagnostics()
+    assert not _errors_of(description, folder / "out")
+    differences = differing_robots(folder / "as_stepbot" / name, description, Options(folder), found)
+    assert differences is not None, list(found)
+    assert {one.name for one in differences.rows} <= {"frame 'a' is new", "frame 'b' is new"}
 
 
 @pytest.mark.slow
@@ -85,3 +108,18 @@ def test_many_conversions_pass_their_proof(seed: int, tmp_path: Path) -> None:
             for wide in (False, True):
                 folder = tmp_path / f"{one}_{written_in}_{wide}"
                 assert not _errors(one, written_in, folder, wide=wide), (one, written_in, wide)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("seed", "written_in"), [(7, "urdf"), (8, "sdf"), (9, "mjcf")])
+def test_other_units_conventions_and_structure(seed: int, written_in: str, tmp_path: Path) -> None:
+    """Euler angles, degrees, frames, packages, included files and another order are the same robot."""
+    _rewritten(seed, written_in, tmp_path)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(100, 120))
+@pytest.mark.parametrize("written_in", FORMATS)
+def test_many_rewritten_descriptions(seed: int, written_in: str, tmp_path: Path) -> None:
+    """The same, of more robots."""
+    _rewritten(seed, written_in, tmp_path)

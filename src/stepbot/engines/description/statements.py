@@ -57,7 +57,7 @@ def _below(top: Any, vocabulary: Vocabulary) -> Iterator[Statement]:
     while waiting:
         element, path, place, vocabulary, read = waiting.pop()
         for name, value in element.attrib.items():
-            yield Statement(f"{place}@{name}", value, read and vocabulary.reads(path, name))
+            yield Statement(f"{place}@{name}", value, read and vocabulary.reads(path, name, str(element.tag)))
         if text := (element.text or "").strip():
             yield Statement(place, text, read)
         children, numbers = [], Counter[str]()

@@ -90,9 +90,9 @@ class Vocabulary:
             elif not (self._is_neutral(child, below) or self._is_twin(child, below)):
                 yield path, child.tag, "", child.sourceline or 0
 
-    def reads(self, path: str, name: str) -> bool:
-        """Whether an attribute of the elements at a path is read."""
-        return bool({"*", name} & set(self.read.get(path, "").split()))
+    def reads(self, path: str, name: str, tag: str) -> bool:
+        """Whether an attribute of the elements of a tag at a path is read."""
+        return bool({"*", name} & set(self.holders.get(tag, self.read.get(path, "")).split()))
 
     def below(self, path: str, child: Element) -> str:
         """The path of an element below a path."""
