@@ -279,10 +279,12 @@ def _triangles_only(source: BodySource, shape: object) -> ReadBody:
     found, _ = faceted_faces(faces_of(shape))
     stitched = split(merged_by_position(found))
     watertight = is_watertight(stitched.faces)
-    findings = []
+    repaired = ""
+    if not watertight and (consistent := stitched.consistent()):
+        stitched, watertight, repaired = consistent, True, "triangles that face different sides reoriented"
     if watertight and stitched.signed_volume < 0.0:
-        stitched = stitched.turned()
-        findings.append(Finding("SB217", "inward-facing triangles reoriented"))
+        stitched, repaired = stitched.turned(), repaired or "inward-facing triangles reoriented"
+    findings = [Finding("SB217", repaired)] if repaired else []
     mesh = TriMesh.of(stitched.vertices / MILLIMETRES_PER_METRE, stitched.faces)
     defect = "" if watertight else "its triangles are not closed; it encloses no volume"
     face_colors, colors = _colored(source.face_colors, body.origin, stitched)

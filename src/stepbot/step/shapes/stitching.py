@@ -74,6 +74,29 @@ class Stitched:
         """The same mesh with its faces reversed."""
         return Stitched(self.vertices, self.faces[:, ::-1], self.places, self.open_edges)
 
+    def consistent(self) -> "Stitched | None":
+        """The same mesh with triangles reversed where neighbours face different sides.
+
+        None if an edge does not have two triangles, or if the surface is in several pieces or has one side alone.
+        """
+        count = len(self.faces)
+        edges = self.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+        order = np.lexsort(np.sort(edges, axis=1).T)
+        first, second = order[::2], order[1::2]
+        ends = np.sort(edges, axis=1)
+        if len(order) % 2 or (ends[first] != ends[second]).any() or (ends[first[1:]] == ends[first[:-1]]).all(1).any():
+            return None
+        # Of each triangle there are two, as it is and, `count` later, reversed; those that fit are connected.
+        a, b = first // 3, second // 3
+        alike = (edges[first] != edges[second]).any(axis=1)
+        other = np.where(alike, b, b + count)
+        labels = merged_labels(2 * count, np.append(a, a + count), np.append(other, (other + count) % (2 * count)))
+        as_they_are, reversed_ones = labels[:count], labels[count:]
+        if not count or (as_they_are == reversed_ones).any() or np.minimum(as_they_are, reversed_ones).any():
+            return None
+        faces = np.where((as_they_are == 0)[:, None], self.faces, self.faces[:, ::-1])
+        return Stitched(self.vertices, faces, self.places, self.open_edges)
+
 
 def stitched(faces: Sequence[FacetedFace], uses: Sequence[EdgeUse]) -> Stitched:
     """Join faces along the edges that they share."""

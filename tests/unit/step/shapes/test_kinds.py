@@ -5,6 +5,7 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterable, Iterator
+from itertools import count
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -14,6 +15,7 @@ import pytest
 from robot_library.moments import Moments, mirror, pose, turn
 from robot_library.step_file import Assembly as Tree
 from robot_library.step_file import Occurrence, Part, write_step
+from stepbot.geometry.mesh import signed_volume
 from stepbot.step.assembly import Body, BodyKind
 from stepbot.step.shapes.healing import share_within
 from stepbot.step.shapes.stitching import Stitched
@@ -368,6 +370,21 @@ def test_triangles_that_name_no_corner(tmp_path: Path, found: ReadDiagnostics) -
     path.write_text(broken, encoding="utf-8", newline="\n")
     read_here(path, found)
     assert found.codes() == ["SB213"]
+
+
+def test_triangles_that_face_different_sides(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """As Open CASCADE writes a tessellated solid, whose reversed faces keep the direction of their surfaces."""
+    path = parts.write_tessellated(tmp_path / "scan.step").path
+    text = re.sub(r"\n\s*", "", path.read_text(encoding="utf-8")).replace(";", ";\n")
+    number = count()
+    wound = re.sub(r"\((\d+),(\d+),(\d+)\)", lambda m: m[0] if next(number) % 2 else f"({m[2]},{m[1]},{m[3]})", text)
+    path.write_text(wound, encoding="utf-8", newline="\n")
+    assembly = read_here(path, found)
+    assert assembly is not None
+    (body,) = assembly.bodies
+    assert found.codes() == ["SB217"]
+    assert body.watertight
+    assert signed_volume(body.mesh.vertices, body.mesh.faces) == pytest.approx(30 * 40 * 50e-9, rel=1e-12)
 
 
 @pytest.mark.long  # test_repetition.py reads thousands of occurrences

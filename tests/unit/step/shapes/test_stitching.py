@@ -2,6 +2,8 @@
 
 import networkx as nx
 import numpy as np
+import pytest
+import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -9,6 +11,7 @@ from stepbot.geometry.predicates import is_watertight
 from stepbot.step.shapes.stitching import (
     EdgeUse,
     FacetedFace,
+    Stitched,
     merged_by_position,
     merged_labels,
     stitched,
@@ -126,3 +129,45 @@ def test_merged_labels_are_connected_components(pairs: list[tuple[int, int]]) ->
     expected = [min(nx.node_connected_component(graph, node)) for node in range(20)]
     left, right = np.array(pairs, dtype=np.int64).reshape(-1, 2).T
     assert merged_labels(20, left, right).tolist() == expected
+
+
+@given(st.sets(st.integers(0, 79)))
+def test_reversed_triangles_of_a_closed_surface_face_one_side_again(reversed_ones: set[int]) -> None:
+    """Whichever of its triangles are reversed, a sphere has one side out; the first triangle stays as it is."""
+    sphere = trimesh.creation.icosphere(subdivisions=1)
+    faces = sphere.faces.astype(np.int32)
+    wound = np.array([face[::-1] if i in reversed_ones else face for i, face in enumerate(faces)])
+    found = Stitched(sphere.vertices, wound, np.zeros(80, dtype=np.int32), 0).consistent()
+    assert found is not None
+    assert is_watertight(found.faces)
+    assert found.signed_volume * (-1.0 if 0 in reversed_ones else 1.0) > 0.0
+    assert abs(abs(found.signed_volume) - sphere.volume) < 1e-12
+
+
+@pytest.mark.parametrize("case", ["open", "two pieces", "three at an edge", "one side", "nothing"])
+def test_surfaces_that_cannot_face_one_side(case: str) -> None:
+    """They stay as they are: what is inside of them is not known."""
+    tetrahedron = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], dtype=np.int32)
+    faces = {
+        "open": tetrahedron[:3],
+        "two pieces": np.concatenate([tetrahedron, tetrahedron + 4]),
+        "three at an edge": np.concatenate([tetrahedron, [[0, 1, 4], [1, 0, 4]]]),
+        # a projective plane: ten triangles, each edge twice, and no two sides
+        "one side": np.array(
+            [
+                [0, 1, 2],
+                [0, 2, 3],
+                [0, 3, 4],
+                [0, 4, 5],
+                [0, 5, 1],
+                [1, 2, 4],
+                [2, 3, 5],
+                [3, 4, 1],
+                [4, 5, 2],
+                [5, 1, 3],
+            ]
+        ),
+        "nothing": tetrahedron[:0],
+    }[case].astype(np.int32)
+    vertices = np.random.default_rng(1).normal(size=(8, 3))
+    assert Stitched(vertices, faces, np.zeros(len(faces), dtype=np.int32), 0).consistent() is None
