@@ -36,7 +36,7 @@ from stepbot.draft.parts.names import Role
 from stepbot.draft.text.draft_names import readable_name
 from stepbot.geometry.spatial import Array, Vector3, length, perpendicular_frame, rpy_from_rotation, vector3
 from stepbot.robot.model import Base, JointKind
-from stepbot.step.assembly import Assembly
+from stepbot.step.assembly import Assembly, BodyKind
 from stepbot.step.features.axes import AxisFaces, AxisLine, axis_faces, is_parallel, lines, mates, selectors
 
 _NANOMETRE = 9
@@ -189,6 +189,9 @@ class _Drafting:
             return ()
         lines = len({(h.a, h.b) for h in self._found.offered})
         found = f"{lines} pairs of parts share an axis, but other evidence holds them together" if lines else ""
+        kinds = [self._assembly.bodies[one.body].kind for one in self._assembly.components if one.body >= 0]
+        meshes = kinds.count(BodyKind.TESSELLATED)
+        found = found or (f"{meshes} of {len(kinds)} bodies are triangles, which have no axes" if meshes else "")
         why = found or "no two parts share an axis about or along which only they could move"
         return (f"no moving parts found: {why}",)
 

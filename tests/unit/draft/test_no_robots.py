@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from math import pi
+from pathlib import Path
 
 import pytest
 
@@ -9,7 +10,9 @@ from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
 from stepbot.draft.draft_robot import infer
 from stepbot.step.assembly import Assembly
 from tests.assembled import BARE, Node, assembled, group, inferred, joints, part
+from tests.parts import write_tessellated
 from tests.solids import Solid, box, cylinder
+from tests.unit.step.in_process import read_quietly
 
 SOURCES = pytest.mark.parametrize("sources", [ALL_SOURCES, BARE], ids=["as it is", "bare"])
 
@@ -84,6 +87,12 @@ def test_what_is_screwed_or_soldered_does_not_move(draw: Callable[[], Assembly],
     joints = [joint for joint in (*draft.joints, *draft.closures) if joint.confidence.is_chosen]
     assert not [joint.confidence.evidence for joint in joints]
     assert any(note.startswith("no moving parts found: ") for note in draft.notes)
+
+
+def test_triangles_have_no_axes(tmp_path: Path) -> None:
+    """Nothing was found in a scan, whatever moves in it: the draft states why."""
+    assembly = read_quietly(write_tessellated(tmp_path / "scan.step").path)
+    assert infer(assembly, "scan").notes[0] == "no moving parts found: 1 of 1 bodies are triangles, which have no axes"
 
 
 def test_equal_feet_turn_on_nothing() -> None:
