@@ -13,7 +13,18 @@ from stepbot.driving.stage import Stage
 from stepbot.engines.simulation import GRAVITY, Cube
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.gains import tuned
-from stepbot.robot.model import Actuator, ActuatorKind, Box, Collision, Joint, JointKind, Limit, Link, Robot
+from stepbot.robot.model import (
+    Actuator,
+    ActuatorKind,
+    Box,
+    Collision,
+    Joint,
+    JointDynamics,
+    JointKind,
+    Limit,
+    Link,
+    Robot,
+)
 from stepbot.robot.tuning import Tuning
 from tests.unit.driving.workbench import (
     ENGINES,
@@ -117,6 +128,21 @@ def test_random_efforts_do_not_drive_a_light_joint_beyond_its_speed(engine: str,
     joint = replace(joint, limit=Limit(-2.0, 2.0, velocity=0.5, effort=1e3))
     robot = replace(one_joint(VERTICAL, 100.0, 10.0), joints=(joint,))
     assert value(run("torque", stage_of(robot, engine, tmp_path)), "speed of limit with other gains") <= 102.0
+
+
+def test_random_efforts_do_not_drive_a_joint_on_a_braked_one_beyond_its_speed(tmp_path: Path) -> None:
+    """MuJoCo brakes the arm by 200 N m s/rad within the step, which accelerates the tip that the arm carries."""
+    base, arm = one_joint(VERTICAL).links
+    (turn,) = one_joint(VERTICAL).joints
+    turn = replace(turn, dynamics=JointDynamics(damping=200.0), limit=Limit(-2.0, 2.0, velocity=5.0, effort=60.0))
+    limit = Limit(-2.0, 2.0, velocity=0.5, effort=100.0)
+    tip = Joint(
+        "tip", JointKind.REVOLUTE, "arm", "end", X_PC=Pose.of(position=(1.0, 0.0, 0.0)), axis=VERTICAL, limit=limit
+    )
+    motors = tuple(Actuator(f"{one}_motor", one, ActuatorKind.POSITION, kp=100.0, kv=10.0) for one in ("turn", "tip"))
+    robot = Robot("braked", (base, arm, replace(arm, name="end")), (turn, tip), actuators=motors)
+    measures = run("torque", stage_of(robot, "mujoco", tmp_path)).measures
+    assert {m.where: m.value for m in measures if m.quantity == "speed of limit with other gains"}["tip"] <= 101.0
 
 
 @pytest.mark.slow

@@ -115,20 +115,24 @@ class MujocoSimulation:
         slopes = {name: self.timestep * self._mobility(dofs[name]) * abs(efforts[name]) for name in limited}
         shares, excess = dict.fromkeys(efforts, 1.0), dict.fromkeys(limited, 0.0)
         changes = dict.fromkeys(limited, 0.0)
+        engine, state = self._engine, self._engine.mjtState
+        whole = int(state.mjSTATE_FULLPHYSICS) | int(state.mjSTATE_WARMSTART)
+        start = np.zeros(engine.mj_stateSize(self.model, whole))
+        engine.mj_getState(self.model, self.data, start, whole)
         for _ in range(_CORRECTIONS):
             for name, dof in dofs.items():
                 self.data.qfrc_applied[dof] = shares[name] * efforts[name]
-            self._engine.mj_forward(self.model, self.data)
+            engine.mj_step(self.model, self.data)  # its integrator accelerates braked joints less than qacc
             near = True
             for name in limited:
-                dof = dofs[name]
-                speed = float(self.data.qvel[dof] + self.timestep * self.data.qacc[dof])
+                speed = float(self.data.qvel[dofs[name]])
                 before, excess[name] = excess[name], copysign(1.0, efforts[name]) * speed - limits[name]
                 if (excess[name] - before) * changes[name] > 0.0:
                     slopes[name] = (excess[name] - before) / changes[name]
                 share = min(max(shares[name] - excess[name] / slopes[name], -1.0), 1.0)
                 changes[name], shares[name] = share - shares[name], share
                 near = near and abs(changes[name] * slopes[name]) < _NEAR * limits[name]
+            engine.mj_setState(self.model, self.data, start, whole)
             if near:
                 break
 
