@@ -18,7 +18,8 @@ _REMEDIES = {
     "angle drift": "raise kv, or lower kp: the joint does not come to rest",
     "travel drift": "raise kv, or lower kp: the joint does not come to rest",
     "loop opening": "lower the efforts, or shorten the time step in the sidecar: `simulation: {timestep: 0.5 ms}`",
-    "energy gain": "shorten the time step, or look for tiny masses and inertias behind large ones",
+    "energy gain": "shorten the time step, or look for tiny masses and inertias behind large ones; in PyBullet, for "
+    "damping that `convert` reports (SB760:stiff-damping)",
     "penetration": "give the colliding links collision shapes with faces, not edges",
     "tilt": "lower the centre of mass, or move the wheels or casters apart",
     "tilt at rest": "check the home pose: all feet are to be on the floor",

@@ -54,6 +54,7 @@ class Feature(StrEnum):
     FRICTION = "damping, friction"
     SPRING = "spring"
     ARMATURE = "armature"
+    STIFF_DAMPING = "damping beyond 2 x inertia / time step"
     MIMIC = "mimic"
     MIMIC_CHAIN = "mimic of a mimic"
     MIXED_MIMIC = "mimic between an angle and a distance"

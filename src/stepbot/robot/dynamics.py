@@ -83,10 +83,17 @@ def equations_of_motion(
 def mobilities(robot: Robot) -> dict[str, float]:
     """Acceleration [rad/s^2] or [m/s^2] that an effort of 1 gives each moving joint at q = 0, if all others are free.
 
-    The base moves if it floats, followers follow nothing, the two joints of a screw are two, and armatures count.
-
     Raises:
         numpy.linalg.LinAlgError: A joint moves no mass.
+    """
+    names, M = free_mass_matrix(robot)
+    return dict(zip(names, _inverse_diagonal(M).tolist(), strict=True))
+
+
+def free_mass_matrix(robot: Robot) -> tuple[tuple[str, ...], Array]:
+    """The joints and their mass matrix (n, n) at q = 0 if nothing couples them.
+
+    The base moves if it floats, followers follow nothing, the two joints of a screw are two, and armatures count.
     """
     free = unfolded(screw_to_mimic(robot))
     free = replace(free, joints=tuple(replace(joint, mimic=None) for joint in free.joints))
@@ -98,8 +105,7 @@ def mobilities(robot: Robot) -> dict[str, float]:
     tree = Tree(free)
     M = equations_of_motion(free, {}, tree=tree).mass_matrix
     armature = {joint.name: joint.dynamics.armature for joint in free.joints}
-    inverse = _inverse_diagonal(M + np.diag([armature.get(name, 0.0) for name in tree.joints]))
-    return dict(zip(tree.joints, inverse.tolist(), strict=True))
+    return tuple(tree.joints), M + np.diag([armature.get(name, 0.0) for name in tree.joints])
 
 
 def _inverse_diagonal(M: Array) -> Array:

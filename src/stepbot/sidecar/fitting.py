@@ -135,7 +135,7 @@ def _found(
         if own is None:
             return None
         near = f"did you mean {' or '.join(unknown.nearest)}?" if unknown.nearest else "`stepbot motors` lists all"
-        help = [near, "describe another one under `motors`, with the source of each figure"]
+        help = [near, "describe another one under `motors`, for a module in its `set`, with the source of each figure"]
         found.add("SB147", f"actuator '{name}': {unknown}", place, help=help)
     return None
 

@@ -17,6 +17,7 @@ from stepbot.formats.lowering.rerooted_loops import reroot_loops
 from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
 from stepbot.robot.closures import close_loops, degrees_of_freedom, driven_joints, loop_ways
+from stepbot.robot.dynamics import equations_of_motion
 from stepbot.robot.kinematics import complete, configurations, initial_configuration, link_poses
 from stepbot.robot.model import (
     Actuator,
@@ -189,6 +190,21 @@ def test_springs_and_armatures_are_written_where_supported() -> None:
     )
     assert lowered(robot, "sdf", "SB760:armature").joints[0].dynamics == JointDynamics(1.0, 2.0, 3.0, 0.5)
     assert lowered(robot, "mjcf").joints[0].dynamics == dynamics
+
+
+@pytest.mark.parametrize(("share", "reported"), [(0.9, False), (1.1, True)])
+def test_damping_beyond_the_step_of_pybullet_is_reported(share: float, reported: bool) -> None:
+    """Damping c of a joint of inertia I without armature diverges in steps longer than 2 I / c."""
+    robot = pendulum()
+    (inertia,) = equations_of_motion(robot, {}).mass_matrix.diagonal()
+    dynamics = JointDynamics(damping=share * 2.0 * inertia * 240.0, armature=100.0 * inertia)
+    robot, found = replace(robot, joints=(replace(robot.joints[0], dynamics=dynamics),)), Diagnostics()
+    for format_ in ("urdf", "mjcf", "sdf"):
+        lower(robot, FORMATS[format_], found)
+    stated = [one.message for one in found if one.code == "SB760:stiff-damping"]
+    where = f"in steps longer than 3.8 ms, '{robot.joints[0].name}'"
+    how = "PyBullet, whose step is 4.2 ms by default, diverges by the damping of joints"
+    assert stated == reported * [f"URDF: {how}: {where}"]
 
 
 def test_frames_become_links_in_urdf() -> None:

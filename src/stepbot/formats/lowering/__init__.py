@@ -170,6 +170,7 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
         lambda joint: joint.dynamics.armature != 0.0,
         lambda joint: replace(joint, dynamics=replace(joint.dynamics, armature=0.0)),
     ),
+    Feature.STIFF_DAMPING: _Handling(joints.stiffly_damped),
     # Kept for MoveIt's settings.
     Feature.ACCELERATION: _joints(lambda joint: joint.limit.is_smooth),
     Feature.MIMIC: _joints(lambda joint: joint.mimic is not None),

@@ -7,6 +7,9 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 from math import inf, isfinite, isinf, pi
 
+import numpy as np
+
+from stepbot.robot.dynamics import free_mass_matrix
 from stepbot.robot.kinematics import displacement, mimic_relation
 from stepbot.robot.loop_followers import loop_followers
 from stepbot.robot.mesh_names import free_name
@@ -14,6 +17,11 @@ from stepbot.robot.model import Joint, JointDynamics, JointKind, Limit, Link, Lo
 
 UNLIMITED = 1e9
 """Value for an unlimited quantity if a format requires a number [rad], [m], [rad/s], [m/s], [N m] or [N]."""
+
+_PYBULLET_STEP = 1.0 / 240.0
+"""Time step [s] of PyBullet unless a program sets another one."""
+_SHARE = 0.1
+"""Share of a motion from which a joint is named."""
 
 
 def joints_where(condition: Callable[[Joint], bool]) -> Callable[[Robot], list[str]]:
@@ -58,6 +66,25 @@ def bound_effort(joint: Joint) -> Joint:
 def is_loaded_ball(joint: Joint) -> bool:
     """Whether a ball joint has damping, friction or a spring."""
     return joint.kind is JointKind.BALL and replace(joint.dynamics, armature=0.0) != JointDynamics()
+
+
+def stiffly_damped(robot: Robot) -> list[str]:
+    """The longest step in which explicit damping does not diverge, if PyBullet's is longer, and the joints that do.
+
+    A motion that damping brakes by more than twice its inertia / step is reversed and enlarged in each step. Behind a
+    gear, most of the inertia is armature, which URDF lacks.
+    """
+    damping = {joint.name: joint.dynamics.damping for joint in robot.joints}
+    if not any(damping.values()):
+        return []
+    names, M = free_mass_matrix(robot)
+    if not (np.linalg.eigvalsh(M) > 0.0).all():  # a massless link moves, which is reported
+        return []
+    root = np.sqrt([damping.get(name, 0.0) for name in names])
+    rates, shapes = np.linalg.eigh(root[:, None] * np.linalg.inv(M) * root)
+    fast = shapes[:, rates > 2.0 / _PYBULLET_STEP] ** 2
+    shaken = [f"'{name}'" for name, share in zip(names, fast, strict=True) if share.max(initial=0.0) > _SHARE]
+    return [f"in steps longer than {2e3 / rates[-1]:.2g} ms", *shaken] if shaken else []
 
 
 def chained_mimics(robot: Robot) -> list[str]:

@@ -92,6 +92,7 @@ EXPRESSES = {
     Feature.FRICTION: exact("`damping`, `frictionloss`"),
     Feature.SPRING: exact("`stiffness`, `springref`"),
     Feature.ARMATURE: exact("`armature`"),
+    Feature.STIFF_DAMPING: exact("as any damping"),
     Feature.MIMIC: exact("`<equality>` of two joints"),
     Feature.MIMIC_CHAIN: exact("`<equality>` of two joints"),
     Feature.MIXED_MIMIC: exact("`<equality>` of two joints"),

@@ -94,6 +94,7 @@ EXPRESSES = {
     Feature.FRICTION: exact("`<dynamics>`"),
     Feature.SPRING: exact("`<spring_stiffness>`, `<spring_reference>`"),
     Feature.ARMATURE: reported("armatures are omitted"),
+    Feature.STIFF_DAMPING: exact("as any damping"),
     Feature.MIMIC: lowered("`<mimic>` requires version 1.11 (Gazebo Harmonic) instead of 1.9"),
     Feature.MIMIC_CHAIN: lowered("every mimic refers to the first joint of its chain"),
     Feature.MIXED_MIMIC: exact("`<mimic>`"),

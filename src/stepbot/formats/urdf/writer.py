@@ -91,6 +91,7 @@ EXPRESSES = {
     Feature.FRICTION: exact("`<dynamics>`"),
     Feature.SPRING: lowered("springs are in `<gazebo>`"),
     Feature.ARMATURE: reported("armatures are omitted"),
+    Feature.STIFF_DAMPING: reported("PyBullet, whose step is 4.2 ms by default, diverges by the damping of joints"),
     Feature.MIMIC: exact("`<mimic>`"),
     Feature.MIMIC_CHAIN: lowered("every mimic refers to the first joint of its chain"),
     Feature.MIXED_MIMIC: exact("`<mimic>`"),

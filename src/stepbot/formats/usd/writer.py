@@ -67,6 +67,7 @@ EXPRESSES = {
     Feature.FRICTION: exact("`damping`, `friction` of Newton's schema"),
     Feature.SPRING: reported("springs are omitted"),
     Feature.ARMATURE: exact("`armature` of Newton's schema"),
+    Feature.STIFF_DAMPING: exact("as any damping"),
     Feature.MIMIC: exact("`NewtonMimicAPI`"),
     Feature.MIMIC_CHAIN: lowered("every mimic refers to the first joint of its chain"),
     Feature.MIXED_MIMIC: reported("mimics between angles and distances are omitted"),

@@ -83,6 +83,7 @@ EXPRESSES = {
     Feature.FRICTION: exact("`dampingConstant`, `staticFriction`"),
     Feature.SPRING: reported("springs are omitted: theirs have no rest position of their own"),
     Feature.ARMATURE: reported("armatures are omitted"),
+    Feature.STIFF_DAMPING: exact("as any damping"),
     Feature.MIMIC: altered("mimics are motors coupled with that of the joint they follow, without offset"),
     Feature.MIMIC_CHAIN: lowered("every mimic refers to the first joint of its chain"),
     Feature.MIXED_MIMIC: reported("mimics between angles and distances are omitted"),
