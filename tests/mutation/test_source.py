@@ -1,6 +1,9 @@
 """Changes of the source, and which tests are run for each."""
 
 import ast
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -8,7 +11,8 @@ import pytest
 from tests.conftest import ROOT
 
 from . import page
-from .source import ROOMS, Outcome, drawn, section, selected
+from .reach import FOLDER, Reach
+from .source import ROOMS, Outcome, drawn, section
 from .source_changes import changes
 
 _SOURCE = b'''"""A module of 1 line."""
@@ -56,16 +60,59 @@ def test_changed_source_is_python(path: str) -> None:
 
 
 @pytest.mark.slow
-def test_changes_are_drawn_alike_and_have_tests() -> None:
-    """The seed decides; a smaller number is the start of a larger one; the tests of each exist."""
+def test_changes_are_drawn_alike() -> None:
+    """The seed decides; a smaller number is the start of a larger one."""
     some = drawn(40, 1)
     assert drawn(60, 1)[:40] == some
     assert drawn(40, 2) != some
     assert {change.path.split("/")[2] for change in some} <= {*ROOMS}
-    for change in some[:8]:
-        tests = selected(change.path)
-        assert all((ROOT / test).exists() for test in tests), change.path
-    assert selected("src/stepbot/robot/loop_followers.py")[0] == "tests/unit/robot/test_loop_followers.py"
+
+
+_TESTS = """
+import os, time
+from stepbot.geometry.fixed_point import exact_sum
+
+def test_slow():
+    time.sleep(0.3)
+    assert exact_sum([1.0]) == 1.0
+
+def test_fast():
+    assert exact_sum([1.0]) == 1.0
+
+def test_in_a_forked_process():
+    child = os.fork()
+    if not child:
+        exact_sum([1.0])
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == 0
+
+def test_that_fails():
+    assert exact_sum([1.0]) == 2.0
+
+def test_of_something_else():
+    pass
+"""
+
+
+@pytest.mark.slow
+def test_tests_that_reach_a_line(tmp_path: Path) -> None:
+    """The fastest first, also from a forked process; not those that fail, nor those that do not call it."""
+    (tmp_path / "records").mkdir()
+    (tmp_path / "test_sums.py").write_text(_TESTS, encoding="utf-8")
+    environment = {**os.environ, FOLDER: str(tmp_path / "records")}
+    command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "tests.mutation.reach", str(tmp_path)]
+    assert subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, check=False).returncode == 1
+    reach, path = Reach.read(tmp_path / "records"), "stepbot/geometry/fixed_point.py"
+    source = (ROOT / "src" / path).read_bytes()
+    lines = source.decode().splitlines()
+    inside, other = (
+        lines.index(text) + 1 for text in ("        return fsum(numbers)", "    return order[begins], kinds")
+    )
+    found = [name.partition("::")[2] for name in reach.tests(path, inside, source)]
+    assert set(found) == {"test_fast", "test_in_a_forked_process", "test_slow"}
+    assert found[-1] == "test_slow"
+    assert not reach.tests(path, other, source)
+    assert len(reach.tests(path, 1, source)) == 3, "what runs on import is reached by all that reach the file"
 
 
 @pytest.mark.slow
