@@ -2,22 +2,24 @@
 
 from dataclasses import replace
 from math import inf
+from random import Random
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.diagnostics.codes import CODES
 from stepbot.formats import FORMATS, lowering
 from stepbot.formats.features import Feature, Level
 from stepbot.formats.lowering import lower
-from stepbot.formats.lowering.joints import UNLIMITED
+from stepbot.formats.lowering.joints import UNLIMITED, damped_softly
 from stepbot.formats.lowering.masses import STAND_IN_MASS, STAND_IN_MOMENT
 from stepbot.formats.lowering.rerooted_loops import reroot_loops
 from stepbot.formats.rendering import render
 from stepbot.geometry.inertia import MassProperties
 from stepbot.robot.closures import close_loops, degrees_of_freedom, driven_joints, loop_ways
-from stepbot.robot.dynamics import equations_of_motion
+from stepbot.robot.dynamics import equations_of_motion, free_mass_matrix
 from stepbot.robot.kinematics import complete, configurations, initial_configuration, link_poses
 from stepbot.robot.model import (
     Actuator,
@@ -38,6 +40,7 @@ from tests.closed_mechanisms import sliding_closure
 from tests.conftest import ReadDiagnostics
 from tests.devices import equipped
 from tests.meshes import trough
+from tests.random_robots import drawn_robot
 from tests.robots import (
     ROBOTS,
     every_robot,
@@ -205,6 +208,30 @@ def test_damping_beyond_the_step_of_pybullet_is_reported(share: float, reported:
     where = f"in steps longer than 3.8 ms, '{robot.joints[0].name}'"
     how = "PyBullet, whose step is 4.2 ms by default, diverges by the damping of joints"
     assert stated == reported * [f"URDF: {how}: {where}"]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_damping_within_bounds_of_the_inertias_diverges_in_no_step(seed: int) -> None:
+    """The bound never hides what the mass matrix shows, up to the damping where it no longer decides."""
+    robot = drawn_robot(Random(seed), kinds=(JointKind.REVOLUTE, JointKind.CONTINUOUS, JointKind.FIXED))
+
+    def damped(scale: float) -> Robot:
+        joints = []
+        for i, joint in enumerate(robot.joints):
+            dynamics = JointDynamics(damping=0.0 if joint.kind is JointKind.FIXED else scale * (1.0 + i))
+            joints.append(replace(joint, dynamics=dynamics, mimic=None))
+        return replace(robot, joints=tuple(joints))
+
+    low, high = 1e-12, 1e9
+    for _ in range(80):
+        middle = (low * high) ** 0.5
+        low, high = (middle, high) if damped_softly(damped(middle)) else (low, middle)
+    largest = damped(low)
+    names, M = free_mass_matrix(largest)
+    known = largest.joint_by_name
+    damping = np.diag([known[name].dynamics.damping if name in known else 0.0 for name in names])
+    rates = eigh(damping, M, eigvals_only=True)
+    assert rates.max(initial=0.0) <= 2.0 * 240.0 * (1.0 + 1e-9)
 
 
 def test_frames_become_links_in_urdf() -> None:

@@ -88,6 +88,7 @@ def test_surfaces_that_touch_do_not_overlap(distance: float) -> None:
 def test_surfaces_that_cross_overlap_without_a_depth() -> None:
     """Intersecting surfaces collide, without a depth."""
     assert overlaps(robot(HOLLOW, HOLLOW, 0.95)) == (("a", "b", None),)
+    assert overlaps(robot(HOLLOW, HOLLOW, 1.0 - 2.0 * TOUCHING)) == (("a", "b", None),)
     assert overlaps(robot(HOLLOW, HOLLOW, 0.95, turned=0.3)) == (("a", "b", None),)
 
 
