@@ -1,7 +1,10 @@
 """Findings for GitHub, GitLab and SARIF, and what is prepared for their pipelines."""
 
 import json
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -126,9 +129,81 @@ def test_pipelines_use_commands_and_options_that_exist(file: str) -> None:
     text = (ROOT / file).read_text(encoding="utf-8")
     document: Any = YAML(typ="safe").load(text)
     assert document
-    commands = re.findall(r"^(?:.*\s)?stepbot (check|batch|diff) (.*?)(?: [>|]| \|\||$)", text, re.MULTILINE)
-    assert {name for name, _ in commands} == {"check", "batch", "diff"}
+    commands = re.findall(
+        r"^(?:.*\s)?stepbot (check|batch|diff|render|datasheet) (.*?)(?: [<>|]|;| \|\||$)", text, re.MULTILINE
+    )
+    assert {name for name, _ in commands} == {"check", "batch", "diff", "render", "datasheet"}
     for name, arguments in commands:
         helped = stepbot(name, "--help", cwd=ROOT).out
         for option in re.findall(r"(?:^|\s)(--?[a-z][a-z-]*)", arguments):
             assert option in helped, (name, option)
+
+
+def _steps(system: str, base: str, folder: Path) -> tuple[list[str], dict[str, str]]:
+    """The scripts of a pipeline but for the installation, and the variables that its program gives to them."""
+    yaml = YAML(typ="safe")
+    if system == "gitlab":
+        document: Any = yaml.load((ROOT / ".ci/templates/gitlab.yml").read_text(encoding="utf-8"))
+        _, *lines = document["stepbot"]["script"]
+        given = {"ROBOTS": ".", "CI_MERGE_REQUEST_DIFF_BASE_SHA": base, "CI_PROJECT_DIR": str(folder)}
+        given |= {"CI_JOB_URL": "https://x/1", "STEPBOT_TOKEN": "t", "CI_API_V4_URL": "https://x/api/v4"}
+        return ["\n".join(lines)], given | {"CI_MERGE_REQUEST_PROJECT_ID": "5", "CI_MERGE_REQUEST_IID": "7"}
+    document = yaml.load((ROOT / "action.yml").read_text(encoding="utf-8"))
+    temporary = str(folder.parent / "runner")
+    given = {"inputs.folder": ".", "inputs.output": "build/robots", "inputs.token": "t", "github.event.number": "7"}
+    given |= {"github.event.pull_request.base.sha": base, "runner.temp": temporary, "github.server_url": "https://x"}
+    given |= {"github.repository": "a/b", "github.run_id": "1"}
+    _, *steps = [step for step in document["runs"]["steps"] if "run" in step]
+    scripts, variables = [], {"RUNNER_TEMP": temporary, "GITHUB_STEP_SUMMARY": f"{temporary}/summary.md"}
+    for step in steps:
+        values = {
+            key: re.sub(r"\$\{\{ (.*?) \}\}", lambda one: given[one[1]], value) for key, value in step["env"].items()
+        }
+        scripts.append("".join(f"export {key}='{value}'\n" for key, value in values.items()) + step["run"])
+    return scripts, variables
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("system", "poster"), [("github", "gh"), ("gitlab", "curl")])
+def test_pipelines_comment_what_changed(system: str, poster: str, tmp_path: Path, robot_library: Path) -> None:
+    """Their scripts run in a repository: the comment has masses and new robots, not equal ones; pictures are kept."""
+    folder = tmp_path / "robots"
+    for place in ("changed", "equal", "new"):
+        (folder / place).mkdir(parents=True)
+        text = (robot_library / "stepbot_four_bar" / "four_bar.robot.yaml").read_text(encoding="utf-8")
+        (folder / place / f"{place}.robot.yaml").write_text(text, encoding="utf-8")
+        step = (robot_library / "stepbot_four_bar" / "four_bar.step").read_bytes()
+        (folder / place / "four_bar.step").write_bytes(step)
+    programs, log = tmp_path / "programs", tmp_path / "posted.md"
+    programs.mkdir()
+    take = 'for one; do case "$one" in *.short) cat "$one";; body@*) cat "${one#body@}";; esac; done'
+    (programs / poster).write_text(f"#!/bin/sh\n{take} > {log}\n")
+    (programs / poster).chmod(0o755)
+    path = os.pathsep.join((str(programs), str(Path(sys.executable).parent), os.environ["PATH"]))
+    identity = {f"GIT_{who}_{what}": "a@b" for who in ("AUTHOR", "COMMITTER") for what in ("NAME", "EMAIL")}
+    environment = {**os.environ, **identity, "PATH": path}
+
+    def run(script: str) -> str:
+        command = ["bash", "--noprofile", "--norc", "-eo", "pipefail", "-c", script]
+        done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        return done.stdout.strip()
+
+    run("git init -q && git add changed equal && git commit -qm base")
+    base = run("git rev-parse HEAD")
+    sidecar = folder / "changed" / "changed.robot.yaml"
+    sidecar.write_text(sidecar.read_text(encoding="utf-8").replace("2700 kg", "2900 kg"), encoding="utf-8")
+    run("git add . && git commit -qm change")
+    scripts, variables = _steps(system, base, folder)
+    environment |= variables
+    (tmp_path / "runner").mkdir()
+    for script in scripts:
+        run(script)
+    posted = log.read_text(encoding="utf-8")
+    assert "between `base/changed/changed.robot.yaml` and `changed/changed.robot.yaml`" in posted
+    assert "| mass | mass of link 'crank' | 0.0363955 kg | 0.0390914 kg |" in posted
+    assert "| ground | 2.989 |" in posted
+    assert "New: `new/new.robot.yaml`" in posted
+    assert "equal" not in posted
+    pictures = {one.name for one in folder.glob("build/**/*.png") if one.stat().st_size > 1000}
+    assert pictures >= {"changed.before.png", "changed.after.png"}

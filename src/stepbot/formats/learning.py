@@ -103,9 +103,7 @@ def _isaaclab(robot: Robot, file: str) -> str:
     rows = "".join(
         f"        {literal(one.name)}: ImplicitActuatorCfg(\n"
         f"            joint_names_expr=[{literal(re.escape(one.joint))}],\n"
-        f"            stiffness={one.kp!r},\n            damping={one.kv!r},\n"
-        + "".join(f"            {key}={value!r},\n" for key, value in _bounds(robot, one).items())
-        + "        ),\n"
+        f"            stiffness={one.kp!r},\n            damping={one.kv!r},\n" + _bounds(robot, one) + "        ),\n"
         for one in robot.actuators
     )
     return f'''"""{words(robot)} in Isaac Lab: the articulation `ROBOT`."""
@@ -117,6 +115,9 @@ from isaaclab.actuators import ImplicitActuatorCfg
 from isaaclab.assets import ArticulationCfg
 
 MODEL = Path(__file__).with_name({literal(file)})
+LIMITS = "joint_effort_limit", "joint_velocity_limit"
+if LIMITS[0] not in ImplicitActuatorCfg.__dataclass_fields__:
+    LIMITS = "effort_limit_sim", "velocity_limit_sim"  # their names before Isaac Lab 3
 
 ROBOT = ArticulationCfg(
     spawn=sim_utils.UsdFileCfg(usd_path=str(MODEL)),
@@ -127,16 +128,33 @@ ROBOT = ArticulationCfg(
     actuators={{
 {rows}    }},
 )
+
+if __name__ == "__main__":  # without Isaac Sim, in Newton on the processor: Isaac Lab 3
+    from isaaclab.scene import InteractiveScene, InteractiveSceneCfg
+    from isaaclab.utils import configclass
+    from isaaclab_newton.physics import MJWarpSolverCfg, NewtonCfg
+
+    @configclass
+    class Scene(InteractiveSceneCfg):
+        robot = ROBOT.replace(prim_path="{{ENV_REGEX_NS}}/Robot")
+
+    physics = NewtonCfg(solver_cfg=MJWarpSolverCfg())
+    settings = sim_utils.SimulationCfg(device="cpu", physics=physics)
+    with sim_utils.build_simulation_context(sim_cfg=settings) as simulation:
+        scene = InteractiveScene(Scene(num_envs=1, env_spacing=2.0))
+        simulation.reset()
+        print(*scene["robot"].joint_names)
 '''
 
 
-def _bounds(robot: Robot, actuator: Actuator) -> dict[str, float]:
-    """Isaac Lab's keys for what a joint states."""
+def _bounds(robot: Robot, actuator: Actuator) -> str:
+    """Isaac Lab's keywords for what a joint states."""
     joint = robot.joint_by_name[actuator.joint]
-    effort = min(actuator.limit.effort, joint.limit.effort)
-    velocity = min(actuator.limit.velocity, joint.limit.velocity)
-    found = {"effort_limit_sim": effort, "velocity_limit_sim": velocity, "armature": joint.dynamics.armature}
-    return {key: value for key, value in found.items() if value not in (0.0, inf)}
+    limits = [min(getattr(actuator.limit, name), getattr(joint.limit, name)) for name in ("effort", "velocity")]
+    stated = ", ".join(f"LIMITS[{place}]: {value!r}" for place, value in enumerate(limits) if value not in (0.0, inf))
+    armature = joint.dynamics.armature
+    lines = [f"**{{{stated}}}," * bool(stated), f"armature={armature!r}," * bool(armature)]
+    return "".join(f"            {line}\n" for line in lines if line)
 
 
 def _maniskill(robot: Robot, file: str) -> str:
