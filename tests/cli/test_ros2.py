@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import types
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -57,6 +58,7 @@ from tests.simulators.conftest import look
 from .conftest import Stepbot
 
 PACKAGE = "arm2_description"
+LAUNCHED = ("demo", "gazebo", "view")
 URDF = format_named("urdf")
 KINDS = ("visual", "collision")
 MADE = (two_link_arm, gripper_with_mimic, tree, equipped, odd_names, floating_biped)
@@ -564,19 +566,48 @@ print(sorted(one.key() for one in found), *(repr(home[name]) for name in ("shoul
     assert (float(shoulder), float(elbow)) == (float(drawn["shoulder"]), float(drawn["elbow"]))
 
 
-def test_a_fresh_tree_has_all_that_ros_reads(package: Path, tmp_path: Path) -> None:
-    """What CMake installs is enough: xacro, check_urdf and the paths of all meshes, in a tree with nothing else."""
-    share = tmp_path / "install" / "share" / PACKAGE
+def installed_by_hand(package: Path, install: Path) -> Path:
+    """The folder that ROS reads, with what the rules of CMake name."""
+    share = install / "share" / PACKAGE
+    share.mkdir(parents=True)
     lines = (package / "CMakeLists.txt").read_text(encoding="utf-8").splitlines()
     for what, names in re.findall(r"^install\((FILES|DIRECTORY) (.*) DESTINATION", "\n".join(lines), re.MULTILINE):
         for name in names.replace('"', "").split():
-            share.mkdir(parents=True, exist_ok=True)
             (shutil.copytree if what == "DIRECTORY" else shutil.copy)(package / name, share / name)
+    return share
+
+
+def built_by_colcon(package: Path, install: Path) -> Path:
+    """The folder that ROS finds by its index after a build, as in any workspace, with Debian's programs of ROS 2."""
+    if shutil.which("colcon", path="/usr/bin") is None or not Path("/usr/share/ament_cmake").is_dir():
+        pytest.skip("apt-get install colcon python3-colcon-ros python3-colcon-cmake ament-cmake python3-ament-index")
+    environment = {"PATH": "/usr/bin:/bin", "HOME": str(install.parent), "PYTHONDONTWRITEBYTECODE": "1"}
+    find = f"from ament_index_python.packages import *; print(get_package_share_directory('{PACKAGE}'))"
+    script = (
+        f"colcon build --base-paths '{package}' --install-base '{install}' >&2\n"
+        f". '{install}/setup.sh'\n/usr/bin/python3 -c \"{find}\"\n"
+    )
+    run = subprocess.run(
+        ["sh", "-e", "-c", script], cwd=install.parent, env=environment, capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stderr
+    assert "warning" not in run.stderr.lower()
+    return Path(run.stdout.strip())
+
+
+@pytest.mark.parametrize("installed", [installed_by_hand, pytest.param(built_by_colcon, marks=pytest.mark.slow)])
+def test_a_fresh_tree_has_all_that_ros_reads(
+    package: Path, tmp_path: Path, installed: Callable[[Path, Path], Path]
+) -> None:
+    """What CMake installs is enough: xacro, check_urdf and the paths of all meshes, in a tree with nothing else."""
+    share = installed(package, tmp_path / "install")
+    assert share.name == PACKAGE
     shutil.rmtree(package)
     urdf = xacro(share / "urdf" / "arm2.urdf.xacro", parent="world")
     meshes = [mesh.attrib["filename"] for mesh in urdf.iter("mesh")]
     assert meshes
     assert all((share.parent / mesh.removeprefix("package://")).is_file() for mesh in meshes)
+    assert {path.name for path in (share / "launch").iterdir()} == {f"{name}.launch.py" for name in LAUNCHED}
     file = tmp_path / "robot.urdf"
     file.write_bytes(ET.tostring(urdf))
     if shutil.which("check_urdf") is None:

@@ -276,7 +276,8 @@ def _remove_stale(folder: Path, path: str, digest: str) -> None:
             and hashlib.sha256(read_regular(target)).hexdigest() == digest
         ):
             target.unlink()
-            remove_if_empty(target.parent)
+            for above in Path(path).parents[:-1]:
+                remove_if_empty(folder / above)
     except OSError:  # it is gone, or in use: an unused mesh does no harm
         return
 

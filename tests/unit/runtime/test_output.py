@@ -62,6 +62,19 @@ def test_stale_meshes_go_and_files_of_others_stay(tmp_path: Path) -> None:
     }
 
 
+def test_folders_go_with_their_last_file(tmp_path: Path) -> None:
+    """A file in several folders leaves none of them empty; a folder with a file of the user stays."""
+    write_atomically(
+        {"arm.usda": b"u", "simready/arm/usd/arm.usda": b"s", "simready/arm/usd/payloads/b.usda": b"b"}, tmp_path
+    )
+    write_atomically({"arm.usda": b"u"}, tmp_path)
+    assert [path.name for path in tmp_path.iterdir() if path.is_dir()] == []
+    write_atomically({"arm.usda": b"u", "simready/arm/usd/arm.usda": b"s"}, tmp_path)
+    (tmp_path / "simready/mine.txt").write_bytes(b"mine")
+    write_atomically({"arm.usda": b"u"}, tmp_path)
+    assert [path.name for path in (tmp_path / "simready").iterdir()] == ["mine.txt"]
+
+
 def test_parts_that_a_robot_no_longer_has(tmp_path: Path) -> None:
     """The SRDF, the file for Drake and MoveIt's settings go with a run that writes what they belong to without them."""
     package = {"CMakeLists.txt": b"c", "arm.urdf": b"u", "urdf/arm.xacro": b"x"}
