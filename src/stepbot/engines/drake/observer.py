@@ -232,7 +232,9 @@ def bounds_of(built: Built, geometry: Any) -> Bounds | None:
 def observed_shape(built: Built, geometry: Any, *, seen: bool) -> ObservedShape:
     """Name of a shape; colours of a visual, friction of a collision."""
     inspector = built.scene.model_inspector()
-    name = inspector.GetName(geometry).removeprefix(f"{built.name}::")
+    given = inspector.GetName(geometry).removeprefix(f"{built.name}::")
+    kind = type(inspector.GetShape(geometry)).__name__
+    name = None if re.fullmatch(rf"{kind}\d*", given) else given  # Drake's own for a shape without one
     if not seen:
         return ObservedShape(name, surface=_surface(built, geometry))
     properties = inspector.GetIllustrationProperties(geometry)
