@@ -5,7 +5,7 @@ from dataclasses import replace
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import ZERO33
 from stepbot.robot.kinematics import rigid_bodies
-from stepbot.robot.model import Base, Link, Robot
+from stepbot.robot.model import Base, JointKind, Link, Robot
 
 STAND_IN_MASS, STAND_IN_MOMENT = 1e-6, 1e-9
 """Mass [kg] and principal moments [kg m^2] for a link that has none: a milligram, with a radius of gyration of 3 cm."""
@@ -40,6 +40,13 @@ def massless_bodies(robot: Robot) -> list[str]:
     heavy = {rigid[link.name] for link in robot.links if link.mass_properties.mass > 0.0}
     held = {robot.root.name} if robot.base is Base.FIXED else set()
     return [body for body in dict.fromkeys(rigid.values()) if body not in heavy | held]
+
+
+def massless_fixed(robot: Robot) -> list[str]:
+    """Names of links without mass that a fixed joint holds at another one without mass."""
+    massless = {link.name for link in robot.links if not link.mass_properties.mass}
+    fixed = (joint for joint in robot.joints if joint.kind is JointKind.FIXED)
+    return [joint.child for joint in fixed if {joint.parent, joint.child} <= massless]
 
 
 def _is_massless(link: Link) -> bool:

@@ -7,11 +7,10 @@ from stepbot.robot.bounding_boxes import standing_height
 from stepbot.robot.model import Base, Robot
 from stepbot.robot.sensors import SensorKind
 
-from ...lowering.masses import massless_bodies
 from ...sdformat.sensors import topic_of
 from ..grippers import groups
 from .moveit import controller_names, yaml_text
-from .xacro import GAZEBO_HARDWARE, LEAST_MASS
+from .xacro import GAZEBO_HARDWARE, LEAST_MASS, needs_least_mass
 
 _MESSAGES = {
     SensorKind.IMU: ("sensor_msgs/msg/Imu", "gz.msgs.IMU"),
@@ -176,7 +175,7 @@ def gazebo_launch(robot: Robot, package: str) -> str:
     A robot with a fixed base is mounted on the link ``world``; a floating one stands on a floor at z = 0.
     """
     arguments = " parent:=world" if robot.base is Base.FIXED else ""
-    if massless_bodies(robot):
+    if needs_least_mass(robot):
         arguments += f" least_mass:={LEAST_MASS:g}"
     controllers: list[str] = []
     if robot.actuators:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from stepbot.robot.model import Robot
 from stepbot.robot.renaming import KINDS, renamed
 
-from ...lowering.masses import massless_bodies
+from ...lowering.masses import massless_bodies, massless_fixed
 from ...xml import Element, document, element, root
 from ..extensions import HARDWARE, INITIAL, systems
 from ..package import with_package
@@ -25,7 +25,9 @@ LEAST_MASS = 1e-5
 _GYRATION = 1e-3
 """Square of the radius of gyration [m^2] of such a mass: 3 cm."""
 _LEAST = {"least_mass": "0"}
-"""Mass of moving links that have none: Gazebo's conversion drops them, with all below."""
+"""Mass of moving links that have none, for Gazebo: its conversion drops them, with all below. It merges links on fixed
+joints, and divides by the mass of both: with a mass for those that move, those that are fixed have no ``<inertial>``.
+"""
 _PLACE = {"parent": "''", "xyz": "'0 0 0'", "rpy": "'0 0 0'"}
 
 
@@ -76,15 +78,27 @@ def instance_xacro(robot: Robot) -> bytes:
 
 def _parameters(robot: Robot) -> dict[str, str]:
     """The parameters of the macro, with their defaults; those of ros2_control for a robot with actuators only."""
-    place = _PLACE | (_LEAST if massless_bodies(robot) else {})
+    place = _PLACE | (_LEAST if needs_least_mass(robot) else {})
     if not robot.actuators:
         return {"prefix": "''", **place}
     return {"prefix": "''", **place, **_CONTROL, **dict.fromkeys(filter(None, _hardware(robot)), "''")}
 
 
+def needs_least_mass(robot: Robot) -> bool:
+    """Whether Gazebo cannot convert the URDF as it is, for its links without mass."""
+    return bool(massless_bodies(robot) or massless_fixed(robot))
+
+
 def _weigh(macro: Element, robot: Robot) -> None:
     """Let the caller give a mass to moving links that have none."""
     light = {_prefixed(name) for name in massless_bodies(robot)}
+    held = {_prefixed(name) for name in massless_fixed(robot)} - light
+    for link in macro.iterfind("link"):
+        for inertial in link.findall("inertial") if link.get("name") in held else ():
+            known = element(link, _tag("if"), value="${least_mass == 0}")
+            link.remove(known)
+            link[list(link).index(inertial)] = known
+            known.append(inertial)
     for link in macro.iterfind("link"):
         if link.get("name") in light:
             for mass in link.iterfind("inertial/mass"):
