@@ -31,7 +31,8 @@ def command(options: "Options", target: Path, display: Display) -> int:
     joint its limits, gravity torque, inertia, acceleration, jerk and the natural frequency of its gains.
 
     TARGET is a sidecar, or any URDF, SDFormat or MJCF file. Forces are the worst of many postures in the range of all
-    joints. Robots with closed loops have no figures of joints and arms.
+    joints. In closed loops, they are those of the joints that drive the others; reach and payload are of arms without
+    loops.
     """
     from stepbot.diagnostics import Ignore, Span, StepbotError
     from stepbot.pipeline.collisions import robot_of

@@ -245,6 +245,8 @@ def sheet_blocks(sheet: "DataSheet") -> Iterator[str | Table]:
                 for one in sheet.joints
             ],
         )
+    if sheet.looped:
+        yield f"- no reach, payload or DH parameters of joints of closed loops: {', '.join(sheet.looped)}"
     for arm in sheet.arms:
         yield from _arm_blocks(arm)
 

@@ -1,18 +1,21 @@
 """Bounding boxes of shapes and of links, exact for every rotation, and the height at which a robot stands."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.poses import Poses, bounds_at
-from stepbot.geometry.spatial import IDENTITY, Pose, Vector3, bounds, join_bounds, vector3
+from stepbot.geometry.spatial import IDENTITY, Array, Pose, Vector3, bounds, join_bounds, vector3
 
 from .kinematics import Configuration, initial_configuration, link_poses, rigid_bodies
 from .model import Base, Box, Capsule, Cylinder, Geometry, MeshRef, Robot, Sphere
 
 Bounds = tuple[Vector3, Vector3]
+_TOUCHING = 0.005
+"""Height [m] over the floor up to which the lowest point of a link stands on it."""
 
 
 def primitive_bounds(shape: Box | Cylinder | Sphere | Capsule, X_LG: Pose) -> Bounds:
@@ -129,3 +132,41 @@ def is_jaw(names: Iterable[str], lower: float, upper: float) -> bool:
         upper: Upper limit [rad] or [m].
     """
     return upper - lower <= _WIDEST and any(_JAW.search(name) for name in names)
+
+
+def standing(robot: Robot, drawn: Configuration) -> tuple[float, float | None]:
+    """Height of the base, and how far the com is inside the polygon of the links that stand on the floor.
+
+    A link stands at the centre of its bounding box: exact for wheels and round feet.
+    """
+    height, X = standing_height(robot, drawn), link_poses(robot, drawn)
+    feet = []
+    for link in robot.links:
+        box = robot_bounds(robot, drawn, [link.name])
+        if box is not None and box[0][2] + height <= _TOUCHING:
+            feet.append([0.5 * (box[0][0] + box[1][0]), 0.5 * (box[0][1] + box[1][1])])
+    total = exact_sum(link.mass_properties.mass for link in robot.links)
+    weighted = [link.mass_properties.mass * X[link.name].apply(link.mass_properties.com)[:2] for link in robot.links]
+    com = np.sum(weighted, axis=0) / total if total else np.zeros(2)
+    return height, _margin(feet, com)
+
+
+def _margin(points: Sequence[Sequence[float]], com: Array) -> float | None:
+    """Distance [m] of a point to the nearest edge of the convex hull of others, negative outside; None for a line."""
+    order = sorted(map(tuple, points))
+    hull: list[Array] = []
+    for row in (order, order[::-1]):
+        half: list[Array] = []
+        for point in map(np.array, row):
+            while len(half) > 1 and _turn(half[-2], half[-1], point) <= 1e-12:
+                half.pop()
+            half.append(point)
+        hull += half[:-1]
+    if len(hull) < 3:
+        return None
+    edges = zip(hull, [*hull[1:], hull[0]], strict=True)
+    return round(min(_turn(a, b, com) / float(np.linalg.norm(b - a)) for a, b in edges), _DIGITS) + 0.0
+
+
+def _turn(a: Array, b: Array, c: Array) -> float:
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))

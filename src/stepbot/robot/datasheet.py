@@ -9,25 +9,26 @@ import numpy as np
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array, rotated
 
-from .bounding_boxes import robot_bounds, standing_height
+from .bounding_boxes import robot_bounds, standing
+from .closures import RANK_TOLERANCE, Loops, driven_joints, following
 from .dh import DhTable, dh_table
 from .dynamics import GRAVITY, equations_of_motion
 from .gains import actuator_limit
 from .kinematics import Tree, initial_configuration, leader_ranges, link_poses, rigid_bodies
-from .model import ActuatorKind, Base, Frame, JointKind, Robot
+from .model import ActuatorKind, Base, Frame, Joint, JointKind, Robot
 from .multi_dof import unfolded
 from .sampling import sampled
 
 POSTURES = 96
 """Number of postures, the drawn one and random ones, in which forces are computed."""
+POSTURES_IN_LOOPS = 384
+"""The same with closed loops, whose postures follow one another on random walks."""
 _STRETCHES = 4
 """Step of the reaches that payloads are given for, relative to the longest: a quarter."""
 _DIGITS = 4
 """Significant digits: more would depend on the last bits of the linear algebra."""
 _SHORTEST = 3
 """Number of joints of a chain that is an arm."""
-_TOUCHING = 0.005
-"""Height [m] over the floor up to which the lowest point of a link stands on it."""
 _GRID = 24
 """Positions of each joint in the search for the farthest posture; bands of a workspace."""
 _REACHED = 2000
@@ -92,10 +93,12 @@ class DataSheet:
     """Height [m] of the base over the floor, and how far [m] the com is inside the support; None for a fixed base."""
     joints: tuple[JointFigures, ...]
     arms: tuple[ArmFigures, ...]
+    looped: tuple[str, ...] = ()
+    """Moving joints of loops, and behind them: no chain of joints alone places their links."""
 
 
 def data_sheet(robot: Robot) -> DataSheet:
-    """The data sheet of a robot; closures are ignored where forces are computed, and joints of loops are left out.
+    """The data sheet of a robot; of joints in loops it has those that drive the others.
 
     Raises:
         DoesNotClose: The loops do not close in the drawn pose.
@@ -104,7 +107,8 @@ def data_sheet(robot: Robot) -> DataSheet:
     around = robot_bounds(robot, drawn)
     low, high = around or ((0.0,) * 3, (0.0,) * 3)
     x, y, z = (_rounded(b - a) for a, b in zip(low, high, strict=True))
-    forces = None if robot.closures else _Forces(robot)
+    forces = _Forces(robot, POSTURES_IN_LOOPS if robot.closures else POSTURES)
+    outside = _outside_loops(forces.robot)
     return DataSheet(
         robot.name,
         exact_sum(link.mass_properties.mass for link in robot.links),
@@ -112,9 +116,10 @@ def data_sheet(robot: Robot) -> DataSheet:
         _materials(robot),
         tuple((one.name, one.motor.name) for one in robot.actuators if one.motor is not None),
         (x, y, z) if around else None,
-        _standing(robot, drawn) if robot.base is Base.FLOATING else None,
-        forces.joints() if forces else (),
-        tuple(_arm(forces, tip) for tip in _tips(forces.robot)) if forces else (),
+        standing(robot, drawn) if robot.base is Base.FLOATING else None,
+        forces.joints(),
+        tuple(_arm(forces, tip) for tip in _tips(outside)),
+        tuple(name for name in forces.tree.joints if name not in outside.joint_by_name),
     )
 
 
@@ -143,7 +148,7 @@ def accelerations(robot: Robot) -> dict[str, float]:
 
 
 class _Forces:
-    """Mass matrices and gravity forces of the independent joints in all postures."""
+    """Mass matrices and gravity forces of the independent joints in all postures; of the driven ones with loops."""
 
     def __init__(self, robot: Robot, postures: int = POSTURES) -> None:
         self.robot = unfolded(robot)
@@ -153,10 +158,26 @@ class _Forces:
             np.diag([joints[name].dynamics.armature for name in tree.joints]) if tree.joints else np.zeros((0, 0))
         )
         self.q = sampled(robot, postures) if tree.joints else np.zeros((1, 0))
+        self.names = driven_joints(robot) if robot.closures else tree.independent
+        self.q, S = self._moved() if robot.closures else (self.q, np.broadcast_to(tree.B, (len(self.q), *tree.B.shape)))
         found = [equations_of_motion(self.robot, self.named(q), tree=tree) for q in self.q]
-        self.M = np.array([tree.B.T @ (one.mass_matrix + armature) @ tree.B for one in found])
-        self.g = np.array([one.gravity @ tree.B for one in found])
-        self.efforts = np.array([self._effort(name) for name in tree.independent])
+        self.M = np.array([B.T @ (one.mass_matrix + armature) @ B for one, B in zip(found, S, strict=True)])
+        self.g = np.array([one.gravity @ B for one, B in zip(found, S, strict=True)])
+        self.efforts = np.array([self._effort(name) for name in self.names])
+
+    def _moved(self) -> tuple[Array, Array]:
+        """The postures that are not near a singularity of the loops, and how all joints follow the driven ones."""
+        loops, tree = Loops(self.robot), self.tree
+        follow = following(tree, self.names)
+        drives = [tree.independent.index(name) for name in self.names]
+        _, J = loops.constraints(self.q[:, [tree.joints.index(name) for name in tree.independent]])
+        regular = ~loops.singular_many(J, follow)
+        regular[0] = True
+        T = np.zeros((int(regular.sum()), len(tree.independent), len(drives)))
+        T[:, drives, range(len(drives))] = 1.0
+        if follow:
+            T[:, follow] = -np.linalg.pinv(J[regular][..., follow], rcond=RANK_TOLERANCE) @ J[regular][..., drives]
+        return self.q[regular], tree.B @ T
 
     def named(self, q: Array) -> dict[str, float]:
         return dict(zip(self.tree.joints, q.tolist(), strict=True))
@@ -170,7 +191,7 @@ class _Forces:
     def joints(self) -> tuple[JointFigures, ...]:
         left = np.maximum(self.efforts - np.abs(self.g), 0.0)
         found = []
-        for j, name in enumerate(self.tree.independent):
+        for j, name in enumerate(self.names):
             joint, own = self.robot.joint_by_name[name], self.M[:, j, j]
             across = np.abs(self.M[:, :, j])
             with np.errstate(divide="ignore", invalid="ignore"):
@@ -245,6 +266,26 @@ def _chain(robot: Robot, link: str) -> list[str]:
             found.append(above[link].name)
         link = above[link].parent
     return found[::-1]
+
+
+def _outside_loops(robot: Robot) -> Robot:
+    """The links and frames that no joint of a loop moves, such as an arm without the closed hand at its end."""
+    if not robot.closures:
+        return robot
+    loops = Loops(robot)
+    inside = [name in loops.involved for name in loops.tree.independent]
+    closed = {name for name, row in zip(loops.tree.joints, loops.tree.B, strict=True) if row[inside].any()}
+    links, joints = {robot.root.name}, list[Joint]()
+    for joint in robot.joints:
+        if joint.parent in links and joint.name not in closed:
+            links.add(joint.child)
+            joints.append(joint)
+    return Robot(
+        robot.name,
+        tuple(link for link in robot.links if link.name in links),
+        tuple(joints),
+        frames=tuple(frame for frame in robot.frames if frame.link in links),
+    )
 
 
 def _arm(forces: _Forces, tip: Frame) -> ArmFigures:
@@ -323,52 +364,15 @@ def _workspace(apart: Array, height: Array) -> tuple[tuple[float, float, float],
 def _payload(forces: _Forces, tip: Frame, q: Array) -> float:
     """The mass [kg] at the tip that the efforts hold in one posture; negative if they do not hold the arm."""
     tree = forces.tree
+    B = tree.B[:, [tree.independent.index(name) for name in forces.names]]
     X = tree.frames(q)
     i = tree.link_index[tip.link]
     p = X[i, :3, 3] + X[i, :3, :3] @ tip.X_LF.p
-    lever = -(tree.jacobian(X, i, p)[3:].T @ np.array(GRAVITY)) @ tree.B
-    own = equations_of_motion(forces.robot, forces.named(q), tree=tree).gravity @ tree.B
+    lever = -(tree.jacobian(X, i, p)[3:].T @ np.array(GRAVITY)) @ B
+    own = equations_of_motion(forces.robot, forces.named(q), tree=tree).gravity @ B
     masses = [
         (effort - own_ * np.sign(arm)) / abs(arm)
         for effort, own_, arm in zip(forces.efforts, own, lever, strict=True)
         if isfinite(effort) and abs(arm) > 1e-9
     ]
     return float(min(masses, default=inf))
-
-
-def _standing(robot: Robot, drawn: dict[str, float]) -> tuple[float, float | None]:
-    """Height of the base, and how far the com is inside the polygon of the links that stand on the floor.
-
-    A link stands at the centre of its bounding box: exact for wheels and round feet.
-    """
-    height, X = standing_height(robot, drawn), link_poses(robot, drawn)
-    feet = []
-    for link in robot.links:
-        box = robot_bounds(robot, drawn, [link.name])
-        if box is not None and box[0][2] + height <= _TOUCHING:
-            feet.append([0.5 * (box[0][0] + box[1][0]), 0.5 * (box[0][1] + box[1][1])])
-    total = exact_sum(link.mass_properties.mass for link in robot.links)
-    weighted = [link.mass_properties.mass * X[link.name].apply(link.mass_properties.com)[:2] for link in robot.links]
-    com = np.sum(weighted, axis=0) / total if total else np.zeros(2)
-    return height, _margin(feet, com)
-
-
-def _margin(points: Sequence[Sequence[float]], com: Array) -> float | None:
-    """Distance [m] of a point to the nearest edge of the convex hull of others, negative outside; None for a line."""
-    order = sorted(map(tuple, points))
-    hull: list[Array] = []
-    for row in (order, order[::-1]):
-        half: list[Array] = []
-        for point in map(np.array, row):
-            while len(half) > 1 and _turn(half[-2], half[-1], point) <= 1e-12:
-                half.pop()
-            half.append(point)
-        hull += half[:-1]
-    if len(hull) < 3:
-        return None
-    edges = zip(hull, [*hull[1:], hull[0]], strict=True)
-    return _rounded(min(_turn(a, b, com) / float(np.linalg.norm(b - a)) for a, b in edges))
-
-
-def _turn(a: Array, b: Array, c: Array) -> float:
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))

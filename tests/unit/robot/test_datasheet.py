@@ -1,7 +1,7 @@
 """The data sheet against closed forms: a plane arm of three rods, and robots that stand."""
 
 from dataclasses import replace
-from math import inf, pi, sqrt
+from math import inf, pi, sin, sqrt
 from random import Random
 
 import numpy as np
@@ -24,6 +24,7 @@ from stepbot.robot.model import (
     JointKind,
     Limit,
     Link,
+    LoopClosure,
     Robot,
     Sphere,
 )
@@ -73,6 +74,57 @@ def test_plane_arm() -> None:
     assert arm.dh is not None
     assert [row.a for row in arm.dh.rows] == pytest.approx([0.5, 0.4, 0.0])
     assert arm.dh.tool.position == pytest.approx((0.3, 0.0, 0.0))
+
+
+def parallelogram() -> Robot:
+    """Two upright rods of 0.4 m, 0.6 m apart, kept parallel by a coupler; the first one turns by 60 degrees."""
+
+    def rod(name: str, mass: float, length: float, along: tuple[float, float, float]) -> Link:
+        across = mass * length**2 / 12.0
+        inertia = tuple(tuple(across * (i == j and not along[i]) for j in range(3)) for i in range(3))
+        return Link(name, MassProperties(mass, tuple(0.5 * length * one for one in along), inertia))
+
+    y, up, end = (0.0, 1.0, 0.0), Pose.of(position=(0.0, 0.0, 0.4)), Pose.of(position=(0.6, 0.0, 0.0))
+    links = (Link("base"), rod("crank", 2.0, 0.4, (0, 0, 1)), rod("coupler", 3.0, 0.6, (1, 0, 0)))
+    links = (*links, rod("rocker", 1.0, 0.4, (0, 0, 1)))
+    joints = (
+        Joint("crank_turn", JointKind.REVOLUTE, "base", "crank", axis=y, limit=Limit(-pi / 3, pi / 3, 2.0, 30.0)),
+        Joint("pin", JointKind.CONTINUOUS, "crank", "coupler", up, y),
+        Joint("rocker_turn", JointKind.CONTINUOUS, "base", "rocker", end, y),
+    )
+    closure = LoopClosure("last_pin", JointKind.REVOLUTE, "coupler", end, "rocker", up, y)
+    motor = Actuator("motor", "crank_turn", ActuatorKind.POSITION, kp=100.0, kv=1.0)
+    return Robot("parallelogram", links, joints, (closure,), actuators=(motor,))
+
+
+def test_a_joint_that_drives_a_loop_moves_all_of_it() -> None:
+    """The coupler of a parallelogram moves as a point at the end of the crank, and the rocker as the crank."""
+    sheet = data_sheet(parallelogram())
+    (crank,) = sheet.joints
+    inertia = (2.0 + 1.0) * 0.4**2 / 3.0 + 3.0 * 0.4**2
+    held = G * 0.4 * (0.5 * 2.0 + 0.5 * 1.0 + 3.0) * sin(pi / 3)
+    assert crank.name == "crank_turn"
+    assert crank.inertia == pytest.approx((inertia, inertia), rel=1e-6)
+    assert 0.98 * held < crank.gravity <= held * (1.0 + 1e-6)
+    assert crank.acceleration == pytest.approx((30.0 - crank.gravity) / inertia, rel=0.01)
+    assert crank.frequency == pytest.approx((sqrt(100.0 / inertia) / (2.0 * pi),) * 2, rel=1e-3)
+
+
+def test_an_arm_with_a_closed_hand_has_its_reach_and_payload() -> None:
+    """A loop on the last rod of the plane arm is its load, and hides neither its reach nor what it carries."""
+    arm, hand = plane_arm(), parallelogram()
+    base = replace(hand.joints[0], parent="rod2"), hand.joints[1], replace(hand.joints[2], parent="rod2")
+    light = tuple(replace(one, mass_properties=one.mass_properties.scaled(1e-6)) for one in hand.links[1:])
+    whole = replace(
+        arm,
+        links=(*arm.links, *light),
+        joints=(*arm.joints, *base),
+        closures=hand.closures,
+        actuators=(*arm.actuators, *hand.actuators),
+    )
+    (alone,), (carrying,) = data_sheet(arm).arms, data_sheet(whole).arms
+    assert (carrying.tip, carrying.joints, carrying.reach) == (alone.tip, alone.joints, alone.reach)
+    assert carrying.payloads[-1][1] == pytest.approx(alone.payloads[-1][1], rel=0.01)
 
 
 @pytest.mark.slow
