@@ -1,7 +1,7 @@
 """Computed gains of actuators, against closed forms and MuJoCo."""
 
 from dataclasses import replace
-from math import pi
+from math import inf, pi
 from typing import Any
 
 import numpy as np
@@ -303,6 +303,24 @@ def test_an_upright_arm_stops_where_its_weight_pulls_on(way: float) -> None:
     positions = stepped(compiled(tuned(robot, fails), gravity=True), way, 2.0)
     assert positions[-1] == pytest.approx(way, abs=0.01)
     assert np.max(positions / way) - positions[-1] / way < 0.05
+
+
+@pytest.mark.parametrize(
+    ("kind", "effort", "velocity", "expected"),
+    [
+        (ActuatorKind.POSITION, 20.0, 4.0, 4.5),
+        (ActuatorKind.POSITION, 1.0, 4.0, 0.0),
+        (ActuatorKind.POSITION, 20.0, 0.0, 0.0),
+        (ActuatorKind.POSITION, 20.0, inf, 0.0),
+        (ActuatorKind.POSITION, inf, 4.0, 0.0),
+        (ActuatorKind.VELOCITY, 20.0, 4.0, 0.0),
+    ],
+)
+def test_damping_of_the_torque_speed_line(kind: ActuatorKind, effort: float, velocity: float, expected: float) -> None:
+    """Effort / velocity less the joint's own 0.5, where both limits are numbers, for a position actuator."""
+    limit, dynamics = Limit(-1.0, 1.0, velocity, effort), JointDynamics(damping=0.5)
+    joint = Joint("lean", JointKind.REVOLUTE, "base", "rod", at(), limit=limit, dynamics=dynamics)
+    assert line_damping(Actuator("motor", "lean", kind), joint) == expected
 
 
 @pytest.mark.mujoco

@@ -72,6 +72,14 @@ def test_orientations_mean_what_mujoco_compiles(seed: int) -> None:
             assert means_the_same(f"mujoco/worldbody/site@{attribute}", *texts, said) is expected, attribute
 
 
+def test_a_segment_is_the_same_from_either_end() -> None:
+    """`fromto` of a geom; three numbers are no segment."""
+    place = "mujoco/worldbody/body/geom@fromto"
+    assert means_the_same(place, "0 0 0 1 2 3", "1 2 3 0 0 0", {})
+    assert not means_the_same(place, "0 0 0 1 2 3", "0 0 0 1 2 -3", {})
+    assert not means_the_same(place, "0 0 0", "1 2 3", {})
+
+
 def test_a_pose_has_the_words_of_its_format() -> None:
     """Degrees and quaternions of SDFormat; a position is never a direction."""
     place = "sdf/model/link/pose"
