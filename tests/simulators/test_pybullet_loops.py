@@ -1,5 +1,6 @@
 """The constraints of report.json close loops of the written URDF in PyBullet, added as a user would."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +10,7 @@ import stepbot
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.pybullet.body import body_of
 from stepbot.report.document import report_document
+from stepbot.report.results import Status
 from stepbot.report.robot import Report
 from stepbot.robot.closures import closure_gap
 from stepbot.robot.kinematics import initial_configuration
@@ -62,6 +64,38 @@ def test_it_holds_what_would_fall_apart(build: type, tmp_path: Path) -> None:
     assert held < 1e-3
     assert loose > 20 * held
     assert loose > 0.02
+
+
+def _lazy_tongs(stages: int) -> str:
+    """An MJCF of crossed bars, each pinned to the next one at its ends and to its partner in its middle."""
+    x, z = 0.1 * math.cos(0.6), 0.1 * math.sin(0.6)
+
+    def bars(name: str, side: float, number: int) -> str:
+        size, at = (1.0, (0.0, 0.0)) if number == 0 else (2.0, (x * min(number, 2), z * -side * min(number, 2)))
+        to = f"{size * x} 0 {size * side * z}"
+        inner = bars(name, -side, number + 1) if number < stages else ""
+        return f"""<body name="{name}{number}" pos="{at[0]} 0 {at[1]}"><joint name="{name}_pin{number}" axis="0 1 0"/>
+<geom type="capsule" size="0.004" density="2700" contype="0" conaffinity="0" fromto="0 0 0 {to}"/>{inner}</body>"""
+
+    pins = "".join(
+        f'<connect name="middle{i}" body1="a{i}" body2="b{i}" anchor="{x} 0 {z * (-1) ** i}"/>'
+        for i in range(1, stages + 1)
+    )
+    return f"""<mujoco model="tongs"><compiler angle="radian"/><option timestep="0.001"/>
+<worldbody><body name="ground">{bars("a", 1.0, 0)}{bars("b", -1.0, 0)}</body></worldbody>
+<equality>{pins}</equality></mujoco>"""
+
+
+@pytest.mark.long
+@pytest.mark.pybullet
+def test_loops_that_fold_flat_pass_their_proof(tmp_path: Path) -> None:
+    """Lazy tongs stick where PyBullet's solver ends early, and are driven again up to where they are nearly flat."""
+    (tmp_path / "tongs.xml").write_text(_lazy_tongs(3), encoding="utf-8")
+    made = stepbot.convert(tmp_path / "tongs.xml", output=tmp_path / "out", formats="urdf", require="pybullet")
+    assert not [str(one) for one in made.diagnostics if one.severity == "error"]
+    assert made.report is not None
+    (check,) = [c for c in made.report.checks if (c.engine, c.quantity) == ("pybullet", "closures")]
+    assert check.status is Status.PASSED
 
 
 def test_a_tree_needs_none() -> None:

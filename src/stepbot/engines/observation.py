@@ -329,11 +329,12 @@ class Request:
     floating: bool = False
     """Whether the base floats in the passive simulation, if the file does not determine it."""
     closures: tuple[LoopClosure, ...] = ()
-    """The loops, with their frames: the expected content of the file, or the constraints that stepbot adds in an
-    engine."""
+    """The loops, with their frames: expected in the file, or added by stepbot as constraints of an engine."""
     ways: tuple[tuple[Mapping[str, float], ...], ...] = ()
     """Closed configurations, solved by the reference, as paths that start at the initial pose and cover the range that
     the loops allow. The engine closes the loops itself from the driven joints and reports the deviation."""
+    regular: tuple[int, ...] = ()
+    """For each way, the number of configurations before the loops come near a singularity."""
     held_by_a_point: tuple[str, ...] = ()
     """Revolute closures that the engine must constrain only at a point when stepbot adds them: a full constraint would
     jam a mechanism whose pins are not exactly parallel."""

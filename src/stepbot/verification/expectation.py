@@ -4,12 +4,14 @@ A format represents the robot as lowered by :func:`.lowering.lower`, so its file
 included in the requests for every format, even if the file has only the tree: constraints can be added in the engine.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from stepbot.engines.observation import Request
-from stepbot.robot.closures import driven_joints, held_by_a_point, loop_ways
+from stepbot.robot.closures import Loops, driven_joints, following, held_by_a_point, loop_ways
 from stepbot.robot.kinematics import complete, configurations, independent_joints, initial_configuration, rates
 from stepbot.robot.model import Base, Robot
 from stepbot.robot.multi_dof import ball_coordinates, universal_coordinates
@@ -21,6 +23,8 @@ CLOSED_CONFIGURATIONS = 24
 """Number of closed configurations over the range of a mechanism with loops."""
 SEED = 20240229
 """Seed of all random configurations; arbitrary but constant."""
+REGULAR = 2e-2
+"""Ratio of singular values below which loops are near a singularity: a simulation does not hold followers there."""
 SECONDS = 1.0
 """Duration [s] of the passive simulation."""
 
@@ -48,6 +52,18 @@ class _Solved:
     driven: tuple[str, ...]
     held_by_a_point: tuple[str, ...]
     ways: Ways
+    regular: tuple[int, ...]
+
+
+def _regular(robot: Robot, driven: Sequence[str], ways: Ways) -> Iterator[int]:
+    """For each way, the number of configurations before the first one that is near a singularity of the loops."""
+    loops = Loops(robot)
+    free = following(loops.tree, driven)
+    for way in ways:
+        J = loops.constraints(np.array([loops.tree.vector(q) for q in way]))[1]
+        sizes = np.linalg.svd(J[..., free], compute_uv=False)
+        near = sizes[:, -1] < REGULAR * sizes[:, 0] if free else np.zeros(len(way), dtype=bool)
+        yield int(np.argmax(near)) if near.any() else len(way)
 
 
 def _free_followers(robot: Robot, written: Robot) -> Robot:
@@ -90,7 +106,9 @@ def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Pat
         known = [one for one in solved if one.robot.joints == moved.joints and one.robot.closures == moved.closures]
         if not known:
             ways = loop_ways(moved, CLOSED_CONFIGURATIONS, SEED)
-            solved.append(_Solved(moved, driven_joints(moved), held_by_a_point(moved), ways))
+            driven = driven_joints(moved)
+            regular = tuple(_regular(moved, driven, ways))
+            solved.append(_Solved(moved, driven, held_by_a_point(moved), ways, regular))
         loops = (known or solved[-1:])[0]
         asked[name] = Request(
             file=str(resolved(file)),
@@ -102,6 +120,7 @@ def requests(robot: Robot, lowered: Mapping[str, Robot], files: Mapping[str, Pat
             floating=moved.base is Base.FLOATING,
             closures=moved.closures,
             ways=_followed(written, loops.ways) if moved is not written else loops.ways,
+            regular=loops.regular,
             held_by_a_point=loops.held_by_a_point,
             driven=loops.driven,
             balls=ball_coordinates(moved),
