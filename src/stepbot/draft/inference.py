@@ -16,7 +16,7 @@ from stepbot.draft.evidence.knuckles import knuckle_evidence
 from stepbot.draft.evidence.linkages import linkage_evidence
 from stepbot.draft.evidence.motor_outputs import motor_evidence
 from stepbot.draft.evidence.motors import Motor, find_motors
-from stepbot.draft.evidence.pairs import PairEvidence, several_axes
+from stepbot.draft.evidence.pairs import PairEvidence, screwed_evidence, several_axes
 from stepbot.draft.evidence.repetition import repeated_joints
 from stepbot.draft.evidence.rollers import rail_evidence, roller_evidence
 from stepbot.draft.evidence.subassemblies import Structure, body_welds
@@ -105,6 +105,7 @@ def _infer(
     structure = Structure(survey, evidence.mechanisms)
     structure.welds(evidence)
     PairEvidence(survey, structure, evidence).collect(motors)
+    screwed_evidence(survey, evidence)
     cross_evidence(survey, structure, evidence)
     bearing_evidence(survey, evidence)
     ring_evidence(survey, evidence)
@@ -143,7 +144,7 @@ def _arranged(made: Decision, structure: Structure, motors: list[Motor], facts: 
     joints = one_per_pair([j for j in mechanism.joints if j.a != j.b])
     arcs = spanning_tree(joints, number, number[made.clusters.find(root)])
     choose_slides(made.survey, arcs)
-    note_doubts(arcs, structure, has_drives=bool(motors))
+    note_doubts(arcs, structure, lambda i: number[made.clusters.find(i)], has_drives=bool(motors))
     largest = {root: max(members, key=lambda i: (made.survey.parts[i].volume, -i)) for root, members in groups.items()}
     used = {id(arc.evidence) for arc in arcs}
     offered = [h for h in mechanism.offered if id(h) not in used]

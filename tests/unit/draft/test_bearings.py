@@ -5,7 +5,7 @@ from math import cos, pi, sin
 import pytest
 
 from stepbot.robot.model import JointKind
-from tests.assembled import Node, group, inferred, joints, links, part
+from tests.assembled import Node, group, inferred, joints, links, part, turned
 from tests.solids import Solid, box, cylinder
 
 RING = cylinder(11, 7) - cylinder(4, 7)
@@ -123,3 +123,29 @@ def test_rods_in_holders_of_their_own_do_not_turn() -> None:
         nodes += [part("shaft", cylinder(6, 200), x, z=-112.5), part("LM12UU", bush, x)]
     found = inferred(part("can", can), part("carriage", carriage), *nodes)
     assert joints(found) == [("prismatic", "can", "carriage")]
+
+
+@pytest.mark.parametrize(("collar", "kind"), [(0, "prismatic"), (8, "revolute")])
+def test_rod_that_reaches_far_out_of_a_plain_bearing_slides(collar: float, kind: str) -> None:
+    """A long smooth rod with nothing to hold it along its bushing slides, to be reviewed; one with a collar turns."""
+    bush = cylinder(6, 22).at(0, 0, -11) - cylinder(4.05, 22).at(0, 0, -11)
+    arm = box(80, 30, 22).at(30, 0, 0) - cylinder(6, 22).at(0, 0, -11)
+    stick = cylinder(4, 140).at(0, 0, -70) + box(30, 12, 6).at(6, 0, -70)
+    if collar:
+        stick = stick + (cylinder(collar, 4) - cylinder(4, 4)).at(0, 0, 11)
+    found = inferred(group("arm", part("plate", arm), part("plain bushing", bush)), group("tool", part("stick", stick)))
+    assert joints(found) == [(kind, "arm/plate", "tool/stick")]
+    assert kind != "prismatic" or found.arcs[0].evidence.review.endswith("it may turn, too")
+
+
+def test_what_a_shaft_in_bearings_ends_in_turns_with_it() -> None:
+    """Cranks on the ends of a spindle with exact fits are one body, which turns in the bearings between them."""
+    shell = box(30, 200, 30) - turned(cylinder(11, 200), 0, 100, 0, (pi / 2, 0, 0))
+    rings = [part(f"bearing {n}", turned(RING, 0, y, 0, (pi / 2, 0, 0))) for n, y in enumerate((-80.0, 87.0))]
+    spindle = part("spindle", turned(cylinder(4, 250), 0, 125, 0, (pi / 2, 0, 0)))
+    eye = turned(cylinder(4, 15), 0, 7.5, 0, (pi / 2, 0, 0))
+    crank = box(90, 15, 20).at(35, 0, 0) - eye
+    nodes = part("left crank", crank, 0, 117.5), part("right crank", crank, 0, -117.5, rpy=(0, pi, 0))
+    found = inferred(part("shell", shell), *rings, spindle, *nodes)
+    assert {"spindle", "left crank", "right crank"} in links(found)
+    assert [kind for kind, *_ in joints(found)] == ["revolute"]

@@ -12,7 +12,7 @@ from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import JointKind
 from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, links, part, turned
-from tests.solids import box, cylinder
+from tests.solids import Solid, box, cylinder
 
 ALONG_X, ALONG_Y = (0.0, pi / 2, 0.0), (pi / 2, 0.0, 0.0)
 
@@ -36,6 +36,54 @@ def test_block_on_two_rods_slides() -> None:
     assert joints(found) == [("prismatic", "base", "block")]
     assert links(found) == [{"base", "rod 0", "rod 1"}, {"block"}]
     assert abs(found.arcs[0].evidence.axis.d) == pytest.approx((1, 0, 0))
+
+
+def test_drive_screw_behind_a_coupling_turns_and_holds_no_nut() -> None:
+    """A lead screw in a coupling turns with the motor; the nut moves with the block on the rods."""
+    base, block, *rods = carriage(2)
+    motor = box(42, 42, 40).at(-125, 0, 30) - turned(cylinder(2.5, 10), -114, 0, 30, ALONG_X)
+    output = turned(cylinder(2.5, 24), -114, 0, 30, ALONG_X)
+    coupling = turned(cylinder(8, 24) - cylinder(2.5, 12) - cylinder(4, 12).at(0, 0, 12), -102, 0, 30, ALONG_X)
+    screw, nut = (
+        turned(cylinder(4, 170), -90, 0, 30, ALONG_X),
+        turned(cylinder(5, 50) - cylinder(4, 50), -25, 0, 30, ALONG_X),
+    )
+    hollow = cut(Solid(block.shape, box(1, 1, 1).moments), turned(cylinder(5, 60), -30, 0, 30, ALONG_X))
+    open_base = cut(Solid(base.shape, box(1, 1, 1).moments), turned(cylinder(10, 40), -120, 0, 30, ALONG_X))
+    drive = group("NEMA17", part("case", motor), part("shaft", output))
+    found = inferred(
+        part("base", open_base),
+        part("block", hollow),
+        *rods,
+        drive,
+        part("coupling", coupling),
+        part("TR8x8 lead screw", screw),
+        part("TR8x8 nut", nut),
+    )
+    assert ("prismatic", "base", "block") in joints(found)
+    assert any({"coupling", "TR8x8 lead screw"} < one for one in links(found))
+    assert any({"block", "TR8x8 nut"} <= one for one in links(found))
+
+
+def test_yoke_with_two_rods_in_bearings_slides_and_its_block_lets_the_crank_turn() -> None:
+    """Rods in bushings slide with the yoke on both; the block on the crank's pin slides in the slot of the yoke."""
+    base = box(300, 160, 10).at(0, 0, -5)
+    post = box(16, 150, 60).at(0, 0, 30)
+    for y in (-50, 50):
+        post = post - turned(cylinder(8, 16), -8, y, 40, ALONG_X)
+    base = base + post.at(-120, 0, 0) + post.at(120, 0, 0)
+    base = base - cylinder(5.05, 10).at(0, 0, -10)
+    bush = turned(cylinder(8, 16) - cylinder(6, 16), -8, 0, 0, ALONG_X)
+    nodes = [part("bushing", bush, x, y, 40) for x in (-120, 120) for y in (-50, 50)]
+    crank = cylinder(5, 30).at(0, 0, -15) + cylinder(35, 5).at(0, 0, 15) + cylinder(5, 20).at(22, 0, 20)
+    block = box(16, 18, 12).at(22, 0, 30) - cylinder(5, 12).at(22, 0, 24)
+    yoke = box(30, 130, 24).at(22, 0, 36) - box(16, 66, 24).at(22, 0, 36)
+    for y in (-50, 50):
+        yoke = yoke - turned(cylinder(6, 30), 7, y, 40, ALONG_X)
+        nodes.append(part("rod", turned(cylinder(6, 280), -130, y, 40, ALONG_X)))
+    found = inferred(part("base", base), part("crank", crank), part("block", block), part("yoke", yoke), *nodes)
+    assert sorted(kind for kind, *_ in joints(found)) == ["prismatic", "prismatic", "revolute", "revolute"]
+    assert {("prismatic", "base", "yoke"), ("prismatic", "block", "yoke")} <= set(joints(found))
 
 
 def test_block_on_one_rod_does_not_only_slide() -> None:

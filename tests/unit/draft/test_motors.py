@@ -183,3 +183,10 @@ def test_ears_of_a_servo_are_no_flange_about_its_output() -> None:
     found = inferred(*nodes, part("disc", disc - cylinder(3, 3).at(0, 0, 1), x=10), part("lever", lever, x=10))
     assert joints(found) == [("revolute", "MG996R", "lever")]
     assert found.arcs[0].evidence.axis.distance(found.survey.parts[3].com) < 1e-9
+
+
+def test_equal_motors_in_a_folder_named_one_are_several() -> None:
+    """Products with a number each are several motors if they are equal, whatever the folder is called."""
+    blocks = [part(f"MG996R-{n}", case(), 100.0 * n) for n in range(3)]
+    found = motors([part("base", box(400, 80, 10), z=-40), group("servos", *blocks)])
+    assert [motor.path for motor in found] == [f"servos/MG996R-{n}" for n in range(3)]

@@ -6,7 +6,7 @@ import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.evidence.evidence import Evidence
-from stepbot.draft.evidence.pairs import PairEvidence, several_axes
+from stepbot.draft.evidence.pairs import PairEvidence, screwed_evidence, several_axes
 from stepbot.draft.evidence.subassemblies import Structure
 from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, part, turned
 from tests.solids import Solid, box, cylinder
@@ -152,3 +152,28 @@ def test_an_axle_is_no_ring_of_its_wheel() -> None:
     axle = cylinder(1.6, 22) + cylinder(3, 2.5).at(0, 0, 22)
     found = inferred(part("arm", arm), part("road wheel", wheel), part("wheel axle", axle))
     assert joints(found) == [("revolute", "arm", "road wheel")]
+
+
+@pytest.mark.parametrize(("screws", "count"), [(2, 1), (1, 2)])
+def test_two_screws_through_a_gap_hold_two_plates(screws: int, count: int) -> None:
+    """Plates on two screws with spacers between them are one link, though they do not touch."""
+    holes = [(-20.0, 0.0), (20.0, 0.0)][:screws]
+    screw = cylinder(3, 40).at(0, 0, -10) + cylinder(5, 6).at(0, 0, 30)
+    spacer = cylinder(5, 20) - cylinder(3.1, 20)
+    nodes = [part("lower", plate(*holes)), part("upper", plate(*holes).at(0, 0, 30))]
+    for x, y in holes:
+        nodes += [part("M6x40 screw", screw, x, y), part("spacer", spacer, x, y)]
+    survey, found = Survey(assembled(*nodes), ALL_SOURCES), Evidence()
+    screwed_evidence(survey, found)
+    assert len(found.welds) == 2 - count
+
+
+def test_tube_in_a_tube_slides() -> None:
+    """A tube with play in another one, over two diameters, slides; it may turn, too."""
+    outer = cylinder(25, 300) - cylinder(22, 300)
+    inner = cylinder(21.75, 300) - cylinder(19, 300)
+    head = group("head", part("inner", inner, z=150), part("plate", box(120, 40, 5), z=452.5))
+    found = inferred(group("foot", part("outer", outer), part("base", box(200, 200, 5), z=-2.5)), head)
+    assert [(kind, arc.evidence.review) for (kind, *_), arc in zip(joints(found), found.arcs, strict=True)] == [
+        ("prismatic", "a round tube in another one: it may turn, too")
+    ]

@@ -38,6 +38,20 @@ def test_rollers_of_mecanum_and_omni_wheels_turn_about_their_own_axes(inclinatio
             assert np.allclose(abs(arc.evidence.axis.d), (0, 0, 1))
 
 
+def test_rollers_are_around_the_hub_beside_a_larger_motor_and_their_pins_are_none() -> None:
+    """The hub is what the rollers are around, not a longer motor on its axis; pins in rollers are no rollers."""
+    nodes = wheel(pi / 4)
+    pin = turned(cylinder(1.5, 34).at(0, 0, -17), rpy=(pi / 4, 0, 0))
+    for n in range(COUNT):
+        angle = 2 * pi * n / COUNT
+        nodes.append(part(f"pin {n}", pin, 38 * np.cos(angle), 38 * np.sin(angle), rpy=(0, 0, angle)))
+    found = inferred(BASE, part("block", cylinder(24, 60), z=16), *nodes, sources=BARE)
+    rollers = [arc.evidence for arc in found.arcs if arc.evidence.of_roller]
+    assert sorted(
+        found.survey.parts[i].path for h in rollers for i in (h.a, h.b) if found.survey.parts[i].path != "hub"
+    ) == [f"roller {n}" for n in range(COUNT)]
+
+
 @pytest.mark.parametrize("nodes", [wheel(0.0), wheel(0.0, radial=True), wheel(pi / 4, count=4)])
 def test_bearing_rollers_spokes_and_uneven_patterns_are_no_rollers(nodes: list[Node]) -> None:
     """Round bodies parallel to the hub, along its radius, or only on one side of it, are not taken for rollers."""

@@ -57,3 +57,12 @@ def test_the_ball_of_a_rod_end_is_bolted_on(s: float, side: float) -> None:
     )
     assert joints(found) == [("ball", "lever", "rod")]
     assert any({"lever", "ball"} <= link for link in links(found))
+
+
+def test_stud_of_a_ball_goes_with_what_holds_it() -> None:
+    """A ball stud screwed into a lever is no fastener and no link: the lever is on the ball joint."""
+    stud = sphere(10) + cylinder(4, 40).at(0, 0, -49)
+    lever = box(100, 30, 12).at(40, 0, -36) - cylinder(4, 12).at(0, 0, -42)
+    inference = inferred(group("base", part("block", socket(10.02))), part("lever", lever), part("ball stud", stud))
+    assert joints(inference) == [("ball", "base/block", "lever")]
+    assert {"lever", "ball stud"} in links(inference)

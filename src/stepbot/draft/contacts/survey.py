@@ -35,6 +35,8 @@ from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
 from stepbot.step.assembly import Assembly
 
+_BALL = 0.3
+"""Ratio of the radius of a ball and the size of its stud, up to which it is no spherical washer."""
 _SMALL_SHARE = 0.35
 """Share of the assembly's size from which a part is not a fastener, whatever its name."""
 _LARGE = 0.2
@@ -110,8 +112,10 @@ class Survey:
         return float(np.max(np.linalg.norm(places[:, None] - places[None], axis=2)))
 
     def _is_trifle(self, part: int) -> bool:
-        """Whether a part that is named a fastener may be one: it is small, or turned."""
+        """Whether a part that is named a fastener may be one: it is small, or turned, and no ball stud in a socket."""
         one, lines = self.parts[part], self.turned.get(part, ())
+        if any(r.via == Via.BALL and r.radius < _BALL * one.size for r in self.near.get(part, ())):
+            return False
         if one.size < _SMALL_SHARE * self.extent:
             return True
         return one.volume < _LARGE * self.volume and any(one.is_balanced(axis) for axis in lines[:3])

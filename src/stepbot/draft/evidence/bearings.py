@@ -24,6 +24,8 @@ _DISC, _REVIEW = 0.79, "no bolts of the disc are drawn in line with holes of wha
 """Score and review of a disc in the end of a bolted part, with another part on its face alone."""
 _CAGED = 4.0
 """How far a bearing with drawn balls may be from symmetric."""
+_LONG = 3.0
+"""Length in radii from which a plain bearing guides a rod that slides."""
 _BESIDE = 0.5
 """Share of the narrower ring's width that is inside of the wider one."""
 _SAME_WIDTH = 0.05
@@ -153,9 +155,21 @@ def _say(survey: Survey, bearing: int, found: Evidence) -> None:
         kind = JointKind.REVOLUTE
         if is_named and _LINEAR.search(survey.parts[bearing].name):
             kind, review = JointKind.PRISMATIC, "slides in a linear bearing; may turn, too, if nothing else holds it"
+        elif is_named and _slides_through(survey, bearing, turning[0]):
+            kind, review = JointKind.PRISMATIC, "nothing holds the rod along its plain bearing; it may turn, too"
         hinge = JointEvidence(_SEATED, a, b, kind, axis, why, held.relation, by_role=is_named, review=review)
         hinge.through = bearing
         found.joint(hinge)
+
+
+def _slides_through(survey: Survey, bearing: int, rod: int) -> bool:
+    """Whether a rod reaches far out of both ends of a long plain bearing, and is nowhere else in a bearing."""
+    r = survey.relation(bearing, rod)
+    if r is None or r.axis is None or r.length < _LONG * r.radius or r.patches:
+        return False
+    (low, high), (start, end) = (survey.scene.span(i, r.axis.d) for i in (bearing, rod))
+    others = (other for other, s in survey.around(rod) if other != bearing and s.via == Via.PIN)
+    return min(low - start, end - high) > r.length and not any(_is_bearing(survey.parts[i]) for i in others)
 
 
 def _is_bearing(part: Part) -> bool:

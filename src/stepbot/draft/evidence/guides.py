@@ -24,8 +24,12 @@ _PROFILE, _LOOSE, _TIGHT, _ACROSS = 0.77, 0.72, 0.67, 0.05
 """Scores of profiles, of others with clearance and without, and what is added for parts of two subassemblies."""
 _TAG = 5e-4
 """Share of the assembly's volume below which what is captured is a latch, a gear or a plug, not a link."""
-_SCREWED, _OFFERED = 0.785, 0.45
-"""Score from which screw and nut are kept apart, and that of turning in each other."""
+_SCREWED, _IN_NUT, _OFFERED = 0.785, 0.25, 0.45
+"""Score from which screw and nut are kept apart; those of turning in each other, which connects nothing, and of a slide
+that is screwed tight.
+"""
+_RODS, _REVIEW_RODS = 0.87, "slides on two parallel rods in bearings"
+"""Score of the weld of two rods that slide in bearings and what is on both; what to review of them."""
 _LONGER = 1.3
 """Ratio of the lengths of a rod and its bore, from which a part can slide on it."""
 _LONG_BORE = 3.0
@@ -92,6 +96,7 @@ def guide_evidence(survey: Survey, found: Evidence) -> None:
     So does one with linear bearings on two parallel rods, which are fixed in what else they fit.
     """
     _slides_in_bearings(survey, found)
+    _slides_on_its_rods(survey, found)
     for i in survey.parts:
         if i in survey.small:
             continue
@@ -127,6 +132,27 @@ def _slides_in_bearings(survey: Survey, found: Evidence) -> None:
                 _hold_rods(survey, found, (one, two), {i, rods[one].through, rods[two].through})
 
 
+def _slides_on_its_rods(survey: Survey, found: Evidence) -> None:
+    """Make the joints of two parallel rods prismatic which are in bearings of one part, and both hold another one."""
+    in_bearings: dict[int, dict[int, list[JointEvidence]]] = {}
+    for h in found.joints:
+        for rod, host in ((h.a, h.b), (h.b, h.a)) if h.type == JointKind.REVOLUTE and h.through >= 0 else ():
+            if _is_shaft(survey, rod, h.axis):
+                in_bearings.setdefault(host, {}).setdefault(rod, []).append(h)
+    for host, rods in in_bearings.items():
+        for one, two in combinations(sorted(rods), 2):
+            axis, other = rods[one][0].axis, rods[two][0].axis
+            held = {i for i, r in survey.around(one) if r.via == Via.PIN} & {i for i, _ in survey.around(two)}
+            held = {i for i in held - {host} if Role.BEARING not in survey.parts[i].roles}
+            if not held or not axis.is_along(other.d) or axis.distance(other.point) < _APART:
+                continue
+            for h in (*rods[one], *rods[two]):
+                h.type, h.review = JointKind.PRISMATIC, _REVIEW_RODS
+            for rod in (one, two):
+                for holder in held:
+                    found.weld(_RODS, rod, holder, "rod in its holder")
+
+
 def _hold_rods(survey: Survey, found: Evidence, rods: Sequence[int], sliding: set[int]) -> None:
     """Weld rods to the parts whose bores they fill, other than those that slide on them."""
     for rod in rods:
@@ -160,12 +186,16 @@ def _have_one_holder(survey: Survey, part: int, one: int, two: int) -> bool:
 
 
 def _is_blocked(survey: Survey, part: int, axis: Axis) -> bool:
-    """Whether a face blocks a part along an axis."""
-    return any(abs(float(p.normal @ axis.d)) > 0.99 for _, r in survey.around(part) for p in r.patches)
+    """Whether a face of what is not fastened to a part blocks it along an axis."""
+    beside = (r for _, r in survey.around(part) if not r.is_rigid and r.via != Via.RING)
+    return any(abs(float(p.normal @ axis.d)) > 0.99 for r in beside for p in r.patches)
 
 
 def screw_evidence(survey: Survey, found: Evidence) -> None:
-    """A shaft that turns elsewhere, in a bore along a slide, is the screw of that slide: neither holds the other."""
+    """A shaft that turns elsewhere, in a bore along a slide, is the screw of that slide: neither holds the other.
+
+    So is one named a drive screw, or in a nut named one of a drive, which may turn by way of a coupling.
+    """
     slides = [h for h in found.joints if h.type == JointKind.PRISMATIC and h.score >= CHOSEN]
     turns = [h for h in found.joints if h.type == JointKind.REVOLUTE and (h.by_role or h.drives)]
     for (a, b), r in survey.pairs() if slides else ():
@@ -174,13 +204,18 @@ def screw_evidence(survey: Survey, found: Evidence) -> None:
         screw = max(r.shafts, key=lambda fit: fit.length).shaft
         nut = r.other(screw)
         held = [h for h in turns if screw in (h.a, h.b) and nut not in (h.a, h.b) and h.axis.same(r.axis)]
-        if Role.BEARING not in survey.parts[nut].roles and held:
+        is_named = any(Role.SLIDE in survey.parts[i].roles for i in (screw, nut)) and any(
+            h.axis.same(r.axis) for h in turns if nut not in (h.a, h.b)
+        )
+        (start, end), (low, high) = (survey.scene.span(i, r.axis.d) for i in (screw, nut))
+        is_through = start < low and high < end  # it ends in a coupling
+        if is_through and Role.BEARING not in survey.parts[nut].roles and (held or is_named):
             for h in held:
                 h.priority = max(h.priority, Priority.NEEDED)  # it is no pin of what holds it
             found.apart.append(Apart(_SCREWED, a, b))
             for h in found.joints:
                 if (h.a, h.b) == (a, b):
-                    h.score, h.why = min(h.score, _OFFERED), "a shaft that turns, in what slides along it: its screw"
+                    h.score, h.why = min(h.score, _IN_NUT), "a shaft that turns, in what slides along it: its screw"
 
 
 def cross_evidence(survey: Survey, structure: Structure, found: Evidence) -> None:

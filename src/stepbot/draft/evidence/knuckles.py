@@ -8,6 +8,7 @@ from stepbot.draft.contacts.shafts import HALF_ROUND, neighbours_on
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.names import Role
 from stepbot.robot.model import JointKind
 
 REVIEW = "bores that alternate along one line: a hinge, unless something else holds it"
@@ -25,6 +26,7 @@ def knuckle_evidence(survey: Survey, found: Evidence) -> None:
     """Add a joint for each pair of parts with knuckles on one line, and on no other."""
     for line in survey.contacts.lines:
         parts = {i for i in line.faces if i not in survey.small and survey.parts[i].volume > 0.0}
+        parts = {i for i in parts if Role.BEARING not in survey.parts[i].roles}
         # Bores that alternate are beside each other.
         runs = {(a, b): _alternations(line, a, b) for a, b in neighbours_on(line) if parts.issuperset((a, b))}
         kinds = Counter(_kind(survey, a, b) for (a, b), count in runs.items() if count >= _FORK)

@@ -173,9 +173,7 @@ def _is_in_pieces(survey: Survey, index: int, named: set[int]) -> bool:
     children = survey.assembly.children[index]
     if index in named or len(children) < 2 or not named.issuperset(children):
         return False
-    volumes = sorted(
-        survey.total_volume(i for i in survey.assembly.subtree(child) if i in survey.parts) for child in children
-    )
+    volumes = sorted(survey.total_volume(_parts_below(survey, child)) for child in children)
     return volumes[-2] < _PIECE * volumes[-1]
 
 
@@ -188,12 +186,23 @@ def _is_piece(survey: Survey, part: int, case: int) -> bool:
 
 
 def _is_folder(survey: Survey, index: int, named: set[int]) -> bool:
-    """Whether a component contains motors: subassemblies of their own, or several of one product."""
+    """Whether a component contains motors: subassemblies of their own, or several of one product.
+
+    Equal ones may be products of their own with a number each.
+    """
     assembly = survey.assembly
     motors = [i for i in assembly.children[index] if i in named]
     if any(assembly.components[j].product for i in motors for j in assembly.children[i]):
         return True
-    return any(n > 1 for n in Counter(assembly.components[i].product for i in motors).values())
+    kinds = Counter(
+        (_NUMBERED.sub("", assembly.components[i].product), f"{survey.total_volume(_parts_below(survey, i)):.4g}")
+        for i in motors
+    )
+    return any(n > 1 for n in kinds.values())
+
+
+def _parts_below(survey: Survey, index: int) -> list[int]:
+    return [i for i in survey.assembly.subtree(index) if i in survey.parts]
 
 
 def _motors_by_use(survey: Survey) -> list[Motor]:

@@ -1,6 +1,11 @@
 """Evidence from two parts in contact: their possible motions, and the likelihood of each."""
 
+from collections import defaultdict
+from collections.abc import Collection
+from itertools import combinations
+
 from stepbot.draft.contacts.concentric import patch_lies_about
+from stepbot.draft.contacts.contacts import FitKind
 from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import SPIGOT, Relation, Via
 from stepbot.draft.contacts.survey import Survey
@@ -9,10 +14,14 @@ from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure, is_guide
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
+from stepbot.geometry.spatial import cross, unit
 from stepbot.robot.model import JointKind
 
 _REVIEW_BEARING = "a bearing is between two links: one of its sides may belong to it"
 """What to review of a pin at a part named a bearing."""
+_REVIEW_TUBES = "a round tube in another one: it may turn, too"
+_TUBE, _WALL = 4.0, 0.5
+"""Engaged length of tubes, in radii, from which one slides in the other; radius of the bore of a tube, in its own."""
 _OF_LINKAGE = 0.6
 """Maximum score of a linkage's pin: its sides turn on each other, and it is on one of them."""
 _RINGS, _TREAD, _AS_WIDE = 0.92, 3.0, 0.25
@@ -25,8 +34,16 @@ a weld there.
 """
 _BORED = 0.86
 """Score of the weld of a bored ball and what is bolted through it."""
+_STUD = 4.0
+"""Length in radii below which the shaft of a ball is a stud, and does not slide."""
 _SERIES = 0.86
 """Score of the weld of an exact fit, if one of its sides turns with play about its axis."""
+_SLOT, _OPPOSITE, _ACROSS = 0.35, 0.999, 1e-3
+"""Score of a block in a slot; cosines of faces on both sides of it, and of its pin to them."""
+_SCREWED = 0.74
+"""Score of the weld of two parts that screws reach through, with spacers between them."""
+_FASTENED = 0.94
+"""Score of the weld of a motor's output and what is fastened to it."""
 _CLAMPED = 0.74
 """Score of the weld of a round body in a clamp."""
 _MIDDLE = 1e-4
@@ -43,10 +60,17 @@ class PairEvidence:
         self._pivots = found.mechanisms
         """Pairs that a linkage needs to turn: an exact fit does not tell."""
         self._draws_play = any(relation.journals for _, relation in survey.pairs())
+        strong = [{w.a, w.b} for w in found.welds if w.score >= _FASTENED]
+        drives = [h for h in found.joints if h.drives]
+        fastened = {i: {i}.union(*(pair for pair in strong if i in pair)) for h in drives for i in (h.a, h.b)}
+        self._driven = [(h.axis, fastened[h.a], fastened[h.b]) for h in drives]
+        """Axes of motors; their cases and outputs, each with what is fastened to it, such as a coupling."""
+        self._in_motor: Collection[int] = ()
 
     def collect(self, motors: list[Motor]) -> None:
         """Go through all pairs."""
         motor_of = {i: n for n, motor in enumerate(motors) for i in motor.parts}
+        self._in_motor = motor_of.keys()
         for (a, b), relation in self._survey.pairs():
             if a not in motor_of or motor_of[a] != motor_of.get(b):
                 self._say(relation)
@@ -72,10 +96,25 @@ class PairEvidence:
             parts = self._survey.parts
             share = r.area / max(1e-9, min(parts[r.a].size, parts[r.b].size) ** 2)
             self._weld(r, (0.46 if self._across(r) else 0.55) + min(0.04, share), "plane faces in contact")
+            self._in_slot(r)
         elif r.holes >= 2:
             self._weld(r, 0.6, f"{r.holes} coaxial holes")
         else:
             self._weld(r, 0.42, "coaxial")
+
+    def _in_slot(self, r: Relation) -> None:
+        """Offer a slide of a block on a pin between two faces, across the pin: a loop may need it."""
+        normal = r.patches[0].normal
+        dots = [float(patch.normal @ normal) for patch in r.patches]
+        if min(dots) > -_OPPOSITE or any(abs(dot) < _OPPOSITE for dot in dots):
+            return
+        for block in (r.a, r.b):
+            for _, s in self._survey.around(block):
+                if s is not r and s.via == Via.PIN and s.axis is not None and abs(float(s.axis.d @ normal)) < _ACROSS:
+                    along = Axis(self._survey.parts[block].com, unit(cross(normal, s.axis.d)))
+                    why = "between two faces, across its pin"
+                    self._found.joint(JointEvidence(_SLOT, r.a, r.b, JointKind.PRISMATIC, along, why, r))
+                    return
 
     def _ball(self, r: Relation) -> None:
         if r.radius > _DOME * min(self._survey.parts[i].size for i in (r.a, r.b)):
@@ -85,13 +124,21 @@ class PairEvidence:
         self._joint(r, score, JointKind.BALL, f"ball of r {_mm(r.radius)} in a socket")
         for ball in (r.a, r.b):
             for other in self._bolted_through(ball, r):
-                self._found.weld(_BORED, ball, other, "the ball of a rod end, and what is bolted through it")
+                self._found.weld(_BORED, ball, other, "a ball, and what is bolted through it or holds its stud")
 
     def _bolted_through(self, ball: int, socket: Relation) -> set[int]:
-        """The larger parts that a shaft or screw through the middle of a ball is, or is in."""
+        """The larger parts that a shaft or screw through the middle of a ball is, or is in, or that hold its stud.
+
+        A long shaft of a ball without a shoulder may slide.
+        """
         survey, found = self._survey, set[int]()
         for r in survey.near.get(ball, ()):
-            through = [fit.axis for fit in r.shafts if fit.shaft == r.other(ball) and _is_through(fit.axis, socket)]
+            through = [
+                fit.axis
+                for fit in r.shafts
+                if _is_centred(fit.axis, socket)
+                and (fit.shaft == r.other(ball) or r.patches or fit.length < _STUD * fit.radius)
+            ]
             if through and r.other(ball) not in survey.small:
                 found.add(r.other(ball))
             elif through:
@@ -144,17 +191,21 @@ class PairEvidence:
         elif not across and self._draws_play and is_exact and (r.a, r.b) not in self._pivots:
             self._weld(r, 0.74, "shaft as thick as its bore, where others have play")
         shoulder = " with a shoulder" if r.freedom.kind == FreedomKind.REVOLUTE else ""
-        review = _REVIEW_BEARING if Role.BEARING in roles else ""
-        self._joint(r, score, JointKind.REVOLUTE, f"{_engaged(r)}{shoulder}", review)
+        kind, review = JointKind.REVOLUTE, _REVIEW_BEARING if Role.BEARING in roles else ""
+        if _is_telescope(r):
+            kind, review = JointKind.PRISMATIC, _REVIEW_TUBES
+        self._joint(r, score, kind, f"{_engaged(r)}{shoulder}", review)
 
     def _turns_with(self, r: Relation) -> bool:
         """Whether one of two parts turns with play on a third, about the same line: a rim on its hub turns with it.
 
-        No part is a bearing, whose seats turn though they are exact.
+        So does a shaft in a coupling on a motor. No part is a bearing, whose seats turn though they are exact.
         """
         parts = self._survey.parts
         if r.axis is None or any(Role.BEARING in parts[i].roles for i in (r.a, r.b)):
             return False
+        if self._is_in_coupling(r, r.axis) or self._is_on_spindle(r, r.axis):
+            return True
         return any(
             s is not r
             and s.journals
@@ -164,6 +215,31 @@ class PairEvidence:
             for i in (r.a, r.b)
             for other, s in self._survey.around(i)
         )
+
+    def _is_in_coupling(self, r: Relation, axis: Axis) -> bool:
+        """Whether one part is on the output of a motor, and the other ends in it or around it, about the same line."""
+        pair = {r.a, r.b}
+        return not self._is_through(r, axis) and any(
+            line.same(axis) and pair & outputs and not pair & case for line, case, outputs in self._driven
+        )
+
+    def _is_on_spindle(self, r: Relation, axis: Axis) -> bool:
+        """Whether a shaft is in a bearing on the same line: what else it fits turns with it, but for a nut."""
+        shaft = max(r.shafts, key=lambda fit: fit.length).shaft
+        return not (Role.SLIDE in self._roles(r) and self._is_through(r, axis)) and any(
+            Role.BEARING in self._survey.parts[other].roles
+            and s.turns is not None
+            and s.turns.same(axis)
+            and any(fit.shaft == shaft for fit in s.shafts)
+            for other, s in self._survey.around(shaft)
+            if shaft not in self._in_motor
+        )
+
+    def _is_through(self, r: Relation, axis: Axis) -> bool:
+        """Whether a shaft reaches out of both ends of what is around it, as a screw does out of its nut."""
+        shaft = max(r.shafts, key=lambda fit: fit.length).shaft
+        (start, end), (low, high) = (self._survey.scene.span(i, axis.d) for i in (shaft, r.other(shaft)))
+        return start < low and high < end
 
     def _is_clamped(self, r: Relation) -> bool:
         """Whether a round body lies in half a bore of two parts that touch each other, as a cradle and its strap."""
@@ -234,6 +310,19 @@ class PairEvidence:
         self._found.joint(JointEvidence(score, r.a, r.b, kind, r.axis, why, r, review=review))
 
 
+def screwed_evidence(survey: Survey, found: Evidence) -> None:
+    """Two parts that do not touch, with several screws through both, are one: spacers are between them."""
+    through: dict[tuple[int, int], list[Axis]] = defaultdict(list)
+    for screw in sorted(survey.small):
+        axes = {other: r.shafts[0].axis for other, r in survey.around(screw) if any(f.shaft == screw for f in r.shafts)}
+        for a, b in combinations(sorted(axes), 2):
+            if axes[a].same(axes[b]) and not any(axes[a].same(axis) for axis in through[a, b]):
+                through[a, b].append(axes[a])
+    for (a, b), lines in through.items():
+        if len(lines) > 1 and survey.relation(a, b) is None:
+            found.weld(_SCREWED, a, b, f"{len(lines)} screws through both, with a gap between them")
+
+
 def several_axes(structure: Structure, found: Evidence) -> None:
     """Two subassemblies that meet on several axes turn about none: four posts, two misaligned hinges."""
     between: dict[tuple[int, int], list[JointEvidence]] = {}
@@ -253,7 +342,17 @@ def several_axes(structure: Structure, found: Evidence) -> None:
                 found.weld(0.74, h.a, h.b, "several axes between two subassemblies")
 
 
-def _is_through(axis: Axis, socket: Relation) -> bool:
+def _is_telescope(r: Relation) -> bool:
+    """Whether one tube is in another one with play, over two diameters, and free along it."""
+    tubes = [fit for fit in r.fits if fit.kind == FitKind.HOLES]
+    return r.freedom.kind == FreedomKind.CYLINDRICAL and any(
+        fit.clearance > _EXACT and fit.length > _TUBE * fit.radius and hollow.radius > _WALL * fit.radius
+        for fit in r.journals
+        for hollow in tubes
+    )
+
+
+def _is_centred(axis: Axis, socket: Relation) -> bool:
     return socket.axis is not None and axis.distance(socket.axis.point) < _MIDDLE
 
 

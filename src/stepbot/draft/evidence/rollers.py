@@ -58,14 +58,22 @@ def roller_evidence(survey: Survey, found: Evidence) -> None:
     """Add the joints of all patterns of rollers, and their hubs as wheels."""
     free = [roller for i in survey.parts if (roller := _roller(survey, i)) is not None]
     taken: set[int] = set()
+    pinned: list[Axis] = []
+    """The axes of rollers."""
     for hub in sorted(survey.turned, key=lambda i: (-survey.parts[i].volume, i)):
         free = [roller for roller in free if roller.part not in taken]
         if len(free) < _FEWEST:
             return
         around = _beside(survey, free, hub) if hub not in survey.small else []
         for axis in survey.turned[hub] if len(around) >= _FEWEST else ():
-            for rollers in _patterns([roller for roller in around if roller.part not in taken], axis):
+            low, high = survey.scene.span(hub, axis.d)
+            level = [roller for roller in around if low < float(roller.axis.point @ axis.d) < high]
+            # The larger ones first: their pins are in them.
+            for rollers in sorted(_patterns(level, axis), key=lambda some: -some[0].volume):
+                if any(roller.axis.same(known) for roller in rollers for known in pinned):
+                    continue
                 taken.update(roller.part for roller in rollers)
+                pinned += [roller.axis for roller in rollers]
                 found.wheels[hub] = axis
                 why = f"one of {len(rollers)} equal rollers around '{survey.parts[hub].path}'"
                 for roller in rollers:

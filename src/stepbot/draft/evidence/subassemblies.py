@@ -93,15 +93,15 @@ class Structure:
     def _is_folder(self, members: Sequence[int]) -> bool:
         """Whether a subassembly is only a list: disconnected pieces, two of them held from outside.
 
-        In an import, which has a large part of all, among bodies of one part, and in a list of bearings they may only
-        touch what is outside.
+        In an import, which has a large part of all, among bodies of one part, and in a list of bearings and pins they
+        may only touch what is outside.
         """
         survey, inside = self._survey, set(members)
         islands = survey.islands(members)
         volumes = sorted(map(survey.total_volume, islands))
         whole = exact_sum(volumes)
         is_import = len(islands) > 1 and whole > _IMPORT * survey.volume and volumes[-2] > _PIECE * whole
-        is_list = all(Role.BEARING in survey.parts[i].roles for i in members)
+        is_list = all({Role.BEARING, Role.PIN}.intersection(survey.parts[i].roles) for i in members)
         if is_import or is_list or not any(self._assembly.components[i].product for i in members):
             held = sum(any(r.other(i) not in inside for i in one for _, r in survey.around(i)) for one in islands)
         else:

@@ -30,6 +30,7 @@ _OWN_BODIES = 0.5
 """Share of a motor's volume up to which what is welded to it is its own bodies, such as its plug, and no support."""
 _BESIDE = 1e-3
 """Distance [m] up to which a body is beside the output of a motor."""
+_REVIEW_BESIDE = "what the motor turns is only drawn beside its output"
 _OUT = 1e-3
 """Distance [m] from which a body reaches out of another one's bounding box."""
 
@@ -141,6 +142,7 @@ def _bare_outputs(made: Decision) -> None:
             roots = tied.find(clusters.find(h.b)), tied.find(best[-1])
             if clusters.join(h.b, best[-1]):
                 tied.join(*roots)
+                h.review = h.review or _REVIEW_BESIDE
                 made.guess(members, "not connected: assigned to the output of a motor beside it")
 
 

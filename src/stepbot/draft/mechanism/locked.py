@@ -4,7 +4,8 @@ A loop of joints that is drawn as a mechanism moves. If its axes do not let it, 
 on a face or a pair of holes for instance, turn on each other: the joint that lets the loop move is needed.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections import Counter
+from collections.abc import Callable, Collection, Mapping, Sequence
 
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict
@@ -52,6 +53,7 @@ def promote(evidence: Evidence, needed: Mapping[JointKey, str]) -> None:
 
 
 _WORDS = ("piston", "slide", "rod", "cylinder", "telescop", "prismatic", "linear", "quill", "carriage")
+_HANGING = "the motor hangs on its own output and carries no other joint: it may be fastened elsewhere"
 _SLIM = 3.0
 """Guided length in radii from which a shaft may be prismatic."""
 
@@ -73,17 +75,23 @@ def choose_slides(survey: Survey, arcs: Sequence[TreeJoint]) -> None:
             h.type, h.review = JointKind.PRISMATIC, "could also be revolute"
 
 
-def note_doubts(arcs: Sequence[TreeJoint], structure: Structure, *, has_drives: bool) -> None:
-    """Add review notes to each joint without a motor or a bearing.
+def note_doubts(
+    arcs: Sequence[TreeJoint], structure: Structure, link_of: Callable[[int], int], *, has_drives: bool
+) -> None:
+    """Add review notes to each joint without a motor or a bearing, and to those of motors that carry only themselves.
 
     Args:
         arcs: Joints and closures.
         structure: Subassemblies that look like links.
+        link_of: The number of the link of a part.
         has_drives: Whether there is any motor: without one, the assembly may not be a mechanism.
     """
     motions, locked = loop_motions(arcs), locked_arcs(arcs)
+    ends = Counter(link for arc in arcs for link in (arc.parent, arc.child))
     for k, arc in enumerate(arcs):
         h, motion = arc.evidence, motions.get(k)
+        if h.drives and link_of(h.a) == arc.child and ends[arc.child] == 1:
+            h.review = h.review or _HANGING
         if h.review or h.drives or h.by_role or h.priority == Priority.STATED or h.type == JointKind.FIXED:
             continue
         if not structure.are_across(h.a, h.b):

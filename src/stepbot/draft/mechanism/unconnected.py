@@ -125,7 +125,9 @@ class LooseEnds:
                 wheel = Guess(JointKind.REVOLUTE, self._made.evidence.wheels[hub], "a wheel with rollers around it")
                 self._mechanism.joints.append(self._guess(groups, mine, other, wheel, _SCORE_BY_SHAPE, BY_SHAPE))
             else:
-                mine = min(piece, key=lambda q: (self._gap(groups[q], groups[other]), q))
+                driven = {self._clusters.find(j.evidence.b) for j in self._mechanism.joints if j.evidence.drives}
+                held = [q for q in piece if q not in driven] or piece  # a motor is held by its case
+                mine = min(held, key=lambda q: (self._gap(groups[q], groups[other]), q))
                 self._mechanism.joints.append(self._placeholder(groups, other, mine))
             tied.join(mine, other)
 

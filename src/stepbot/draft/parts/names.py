@@ -112,6 +112,8 @@ def roles(name: str) -> tuple[Role, ...]:
         found.remove(Role.MOTOR)
     if Role.BASE in found and patterns.carried.search(text):
         found.remove(Role.BASE)
+    if Role.FASTENER in found and patterns.drive.search(text):
+        found = [Role.SLIDE if role == Role.FASTENER else role for role in found]
     return tuple(dict.fromkeys(found))
 
 
@@ -138,6 +140,7 @@ class _Patterns:
         self.mount = _whole_words(table[Role.MOTOR]["mount"])
         self.belt, self.pulley = (_whole_words(table[Role.GEAR][key]) for key in ("belt", "pulley"))
         self.carried = _whole_words(table[Role.BASE]["carried"])
+        self.drive = _whole_words(table[Role.SLIDE]["drive"])
 
 
 @cache
