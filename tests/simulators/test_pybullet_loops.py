@@ -98,6 +98,42 @@ def test_loops_that_fold_flat_pass_their_proof(tmp_path: Path) -> None:
     assert check.status is Status.PASSED
 
 
+@pytest.mark.long
+@pytest.mark.pybullet
+def test_slow_loops_stick_unless_the_solver_goes_on(tmp_path: Path) -> None:
+    """The first bars turn by 0.2 rad in ten seconds: loops open less than a tenth as wide without the threshold."""
+    import pybullet as engine
+
+    (tmp_path / "tongs.xml").write_text(_lazy_tongs(3), encoding="utf-8")
+    made = stepbot.convert(tmp_path / "tongs.xml", output=tmp_path / "out", formats="urdf", verify=False)
+    assert made.robot is not None
+
+    def widest(**settings: float) -> float:
+        client, gap = engine.connect(engine.DIRECT), 0.0
+        engine.setPhysicsEngineParameter(enableFileCaching=0, numSolverIterations=200, **settings)
+        engine.setTimeStep(1e-3)
+        file = str(tmp_path / "out" / "tongs.urdf")
+        body = body_of(engine, engine.loadURDF(file, useFixedBase=True, flags=engine.URDF_USE_INERTIA_FROM_FILE))
+        for joint in body.coordinates.values():
+            engine.setJointMotorControl2(body.id, joint, engine.VELOCITY_CONTROL, force=0.0)
+        stepbot.close_loops(body.id, tmp_path / "out" / "report.json", client)
+        for step in range(10_000):
+            for name, way in (("a_pin0", -0.2), ("b_pin0", 0.2)):
+                at = way * step / 10_000
+                engine.setJointMotorControl2(
+                    body.id, body.coordinates[name], engine.POSITION_CONTROL, targetPosition=at, force=50.0
+                )
+            engine.stepSimulation()
+            for one in made.robot.closures if step % 25 == 0 else ():
+                ends = (body.X_WL(body.links.index(link) - 1) for link in (one.link_a, one.link_b))
+                gap = max(gap, closure_gap(one, *ends)[0])
+        engine.disconnect(client)
+        return gap
+
+    sticking, closed = widest(), widest(solverResidualThreshold=0.0)
+    assert closed < 0.1 * sticking
+
+
 def test_a_tree_needs_none() -> None:
     """A robot without closures has no constraints."""
     assert _report(two_link_arm())["robot"]["pybullet"] == []

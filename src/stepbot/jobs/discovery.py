@@ -8,7 +8,6 @@ from shlex import join
 from string import Formatter
 
 from stepbot.diagnostics import Diagnostics, Span
-from stepbot.robot.step_names import is_step_name
 from stepbot.runtime.file import is_folder, read_regular, resolved
 
 _SIDECAR = re.compile(r"(?:^|\.)robot\.ya?ml$")
@@ -62,6 +61,7 @@ def _in_folder(folder: Path, found: Diagnostics) -> list[Path]:
     below = _below(folder)
     if not below:
         from stepbot.pipeline.conversion import is_description
+        from stepbot.robot.step_names import is_step_name
 
         inside = sorted(folder.iterdir())
         drafts = [
