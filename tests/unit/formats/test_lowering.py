@@ -13,7 +13,7 @@ from stepbot.diagnostics.codes import CODES
 from stepbot.formats import FORMATS, lowering
 from stepbot.formats.features import Feature, Level
 from stepbot.formats.lowering import lower
-from stepbot.formats.lowering.joints import UNLIMITED, damped_softly
+from stepbot.formats.lowering.joints import UNLIMITED, damped_softly, stiffly_damped
 from stepbot.formats.lowering.masses import STAND_IN_MASS, STAND_IN_MOMENT
 from stepbot.formats.lowering.rerooted_loops import reroot_loops
 from stepbot.formats.rendering import render
@@ -27,6 +27,7 @@ from stepbot.robot.model import (
     Base,
     Collision,
     Frame,
+    Joint,
     JointDynamics,
     JointKind,
     Limit,
@@ -53,6 +54,7 @@ from tests.robots import (
     slider,
     two_link_arm,
 )
+from tests.workshop import at
 
 every_format = pytest.mark.parametrize("format_", FORMATS)
 ALWAYS_IN_URDF = "SB762:fixed-base"
@@ -208,6 +210,20 @@ def test_damping_beyond_the_step_of_pybullet_is_reported(share: float, reported:
     where = f"in steps longer than 3.8 ms, '{robot.joints[0].name}'"
     how = "PyBullet, whose step is 4.2 ms by default, diverges by the damping of joints"
     assert stated == reported * [f"URDF: {how}: {where}"]
+
+
+@pytest.mark.parametrize("inertia", [0.1, 1e-3, 5e-7])
+def test_damping_of_two_slides_along_one_line_has_no_stable_step(inertia: float) -> None:
+    """Nothing is between them: their mass matrix is singular, which is no internal error, and reported elsewhere."""
+    slide, turn = JointKind.PRISMATIC, JointKind.CONTINUOUS
+    moves = ((slide, (1.0, 0.0, 0.0)), (slide, (0.0, 1.0, 0.0)), (slide, (1.0, 0.0, 0.0)), (turn, (0.0, 0.0, 1.0)))
+    names = ("base", "a", "b", "c", "rod")
+    rod = Link("rod", MassProperties.of(1.0, (0.1, 0.02, 0.01), inertia * np.eye(3)))
+    joints = tuple(
+        Joint(f"j{i}", kind, names[i], names[i + 1], at(), axis, dynamics=JointDynamics(damping=1e4))
+        for i, (kind, axis) in enumerate(moves)
+    )
+    assert stiffly_damped(Robot("thin", (*map(Link, names[:-1]), rod), joints)) == []
 
 
 @pytest.mark.parametrize("seed", range(12))

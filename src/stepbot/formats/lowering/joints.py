@@ -22,6 +22,8 @@ UNLIMITED = 1e9
 
 _PYBULLET_STEP = 1.0 / 240.0
 """Time step [s] of PyBullet unless a program sets another one."""
+_MASSLESS = 1e-12
+"""Share of the largest inertia of a motion below which another one is a rounding error."""
 _SHARE = 0.1
 """Share of a motion from which a joint is named."""
 
@@ -80,10 +82,13 @@ def stiffly_damped(robot: Robot) -> list[str]:
     if not any(damping.values()) or damped_softly(robot):
         return []
     names, M = free_mass_matrix(robot)
-    if not (np.linalg.eigvalsh(M) > 0.0).all():  # a massless link moves, which is reported
-        return []
     root = np.sqrt([damping.get(name, 0.0) for name in names])
-    rates, shapes = np.linalg.eigh(root[:, None] * np.linalg.inv(M) * root)
+    moments, modes = np.linalg.eigh(M) if np.isfinite(M).all() else (np.zeros(1), M)
+    with np.errstate(all="ignore"):
+        braked = root[:, None] * (modes / moments @ modes.T) * root
+    if moments[0] <= _MASSLESS * moments[-1] or not np.isfinite(braked).all():  # a massless link moves: it is reported
+        return []
+    rates, shapes = np.linalg.eigh(braked)
     fast = shapes[:, rates > 2.0 / _PYBULLET_STEP] ** 2
     shaken = [f"'{name}'" for name, share in zip(names, fast, strict=True) if share.max(initial=0.0) > _SHARE]
     return [f"in steps longer than {2e3 / rates[-1]:.2g} ms", *shaken] if shaken else []
