@@ -93,6 +93,12 @@ def test_include_is_not_followed(rig: Path) -> None:
         ("<parent>base</parent>", "", "joint 'wrist' has no <parent>"),
         ("<axis><xyz>0 0 1</xyz>", "<axis><xyz>0 0 0</xyz>", "joint 'wrist': the axis is '0 0 0', not a direction"),
         ("<mass>2</mass>", "<mass>2 kg</mass>", "line [0-9]+: <mass> is '2 kg', not a number"),
+        (
+            '<link name="base">',
+            '<link name="base"><sensor name="eye" type="camera"><camera><image><width>inf</width></image>'
+            "</camera></sensor>",
+            "<width> is infinite, a whole number expected",
+        ),
     ],
 )
 def test_faults_have_a_message(old: str, new: str, message: str, rig: Path) -> None:

@@ -66,6 +66,18 @@ def number_at(element: Element | None, path: str, default: float) -> float:
     return value
 
 
+def count_at(element: Element | None, path: str, default: int) -> int:
+    """The whole number in a child element, or the default if it is missing.
+
+    Raises:
+        EngineRefused: It is something else, or infinite.
+    """
+    value = number_at(element, path, default)
+    if math.isinf(value):
+        raise EngineRefused(f"<{path.rpartition('/')[2]}> is infinite, a whole number expected")
+    return int(value)
+
+
 def bool_at(element: Element | None, path: str, default: bool) -> bool:
     """The truth value below an element, or the default where there is none.
 

@@ -11,7 +11,7 @@ from stepbot.robot.sensors import SensorKind
 
 from ..observation import ObservedSensor
 from ..xml import Element
-from .frames import Frames, ends, number_at, read_pose
+from .frames import Frames, count_at, ends, number_at, read_pose
 
 _KINDS = {
     "imu": SensorKind.IMU,
@@ -87,8 +87,8 @@ def _camera(sensor: Element, seen: ObservedSensor, X_LS: Pose) -> ObservedSensor
         seen,
         X_LS=X_LS @ read_pose(camera),
         fov=number_at(camera, "horizontal_fov", 1.047),
-        columns=int(number_at(camera, "image/width", 320)),
-        rows=int(number_at(camera, "image/height", 240)),
+        columns=count_at(camera, "image/width", 320),
+        rows=count_at(camera, "image/height", 240),
         nearest=number_at(camera, "clip/near", 0.1),
         farthest=number_at(camera, "clip/far", 100.0),
     )
@@ -103,8 +103,8 @@ def _lidar(sensor: Element, seen: ObservedSensor, X_LS: Pose) -> ObservedSensor:
         seen,
         X_LS=X_LS @ Pose.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, 0.5 * (low + high))),
         fov=high - low,
-        columns=int(number_at(lidar, "scan/horizontal/samples", 640)),
-        rows=int(number_at(lidar, "scan/vertical/samples", 1)),
+        columns=count_at(lidar, "scan/horizontal/samples", 640),
+        rows=count_at(lidar, "scan/vertical/samples", 1),
         nearest=number_at(lidar, "range/min", 0.0),
         farthest=number_at(lidar, "range/max", 0.0),
     )
