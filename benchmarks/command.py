@@ -9,6 +9,7 @@ python -m benchmarks cores SIDECAR...                   the bare script twice, i
 python -m benchmarks scaling                            ever more definitions, ever more occurrences
 python -m benchmarks gate --against REVISION            processor time of the working tree against a tag's
 python -m benchmarks users STEP... --against REVISION   the table of docs/commands.md
+python -m benchmarks live SIDECAR                       from a save of it to the page of `watch` and `view --edit`
 python -m benchmarks report                             tables in benchmarks/NOTES.md from the results of ``--keep``
 python -m benchmarks inference                          links and joints from plain STEP files, against the known ones
 python -m benchmarks drafts                             drafts of published assemblies by `stepbot init`, against labels
@@ -40,7 +41,7 @@ from stepbot.step.assembly import ReadOptions
 from stepbot.step.reader import read_assembly
 
 from . import contenders as who
-from . import gate, users
+from . import gate, live, users
 from .assemblies import ASSEMBLIES, Assembly, generate
 from .calibration import print_calibration
 from .collision import compare_pieces, shapes_of
@@ -128,6 +129,9 @@ def _parser() -> argparse.ArgumentParser:
     waited = commands.add_parser("users", help="what users wait for: the table of docs/commands.md")
     users.add_options(waited)
     waited.set_defaults(run=_users)
+    lived = commands.add_parser("live", help="seconds from a save to the page of `watch` and `view --edit`")
+    lived.add_argument("sidecar", type=Path)
+    lived.set_defaults(run=lambda one, folder: print(*live.times(case_of(one.sidecar, None, folder), 10), sep="\n"))
     commands.add_parser("report", help="update the tables in benchmarks/NOTES.md").set_defaults(run=_report)
     drafted = commands.add_parser("inference", help="how many joints are found, how many drafted ones are right")
     drafted.add_argument("--only", default="", metavar="TEXT", help="robots whose name contains this")
@@ -297,12 +301,11 @@ def _drafting(options: argparse.Namespace, _: Path) -> None:
 
 def _users(options: argparse.Namespace, folder: Path) -> None:
     sidecar = with_collision(drafted(options.files[0], folder / "drafts"), "hull", folder)
-    robot = options.files[0].name
     measured = users.lines(
         *(sidecar, options.files[1:], options.instances, options.against, options.rounds, folder),
         lambda file, place: case_of(file, None, place),
     )
-    conditions = f"{machine()}; the robot is `{robot}`, before is `{options.against}`."
+    conditions = f"{machine()}; the robot is `{options.files[0].name}`, before is `{options.against}`."
     users.publish(measured, conditions, write=options.write)
 
 
@@ -393,7 +396,6 @@ def case_of(sidecar: Path, step: Path | None, folder: Path) -> Case:
 
 def _compare(options: argparse.Namespace, case: Case, contenders: Sequence[Contender]) -> None:
     rows = compare(case, contenders, options.rounds, warm_up=options.warm_up, memory=options.memory)
-    print(f"\n{case.name}, medians of {options.rounds} rounds")
-    print(table(rows), flush=True)
+    print(f"\n{case.name}, medians of {options.rounds} rounds\n{table(rows)}", flush=True)
     if options.keep:
         keep(options.keep, case.name, rows, options.rounds)

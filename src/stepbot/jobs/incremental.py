@@ -13,7 +13,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from stepbot.diagnostics import Diagnostic, Diagnostics, StepbotError
+from stepbot.diagnostics import Diagnostic, Diagnostics, Span, StepbotError
 from stepbot.pipeline.conversion import Checked, Conversion, Kept, Options, is_description, write
 from stepbot.revisions import lock_path
 from stepbot.runtime.cache import (
@@ -33,6 +33,7 @@ from stepbot.step.exchange.input_files import input_digest
 if TYPE_CHECKING:
     from stepbot.robot.joint_table import JointRow
     from stepbot.runtime.cache.codec import Codec
+    from stepbot.runtime.worker import RemoteError, WorkerDied
 
 _WORDS = re.compile(rb"""[^"'{}\[\],#:\n]+""")
 _NAMED_FILE = re.compile(rb".*\.(?:ya?ml|json)\b", re.DOTALL)
@@ -100,6 +101,18 @@ def produce(sidecar: Path, options: Options, progress: Callable[[str], None] = l
     if before and before == _content(sidecar, options) and unchanged:
         _keep(conversion, sidecar, before, options)
     return conversion
+
+
+def failure_of(sidecar: Path, error: "WorkerDied | RemoteError") -> Diagnostics:
+    """The diagnostic of a conversion in a process that died, or whose function raised."""
+    from stepbot.runtime.worker import WorkerDied
+
+    found, span = Diagnostics(), Span(sidecar.as_posix())
+    if isinstance(error, WorkerDied):
+        found.add("SB902", f"conversion failed: {error.reason}", span, notes=error.last_lines)
+    else:
+        found.add("SB901", f"internal error: {error.kind}: {error.text}", span, notes=error.trace.splitlines()[-3:])
+    return found
 
 
 def recorded(sidecar: Path, options: Options) -> Record | None:

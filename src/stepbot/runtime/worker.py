@@ -164,6 +164,10 @@ class Worker:
             raise RemoteError(*value)
         return value
 
+    def kill(self) -> None:
+        """End the process, from any thread: :meth:`result` raises WorkerDied where it waits."""
+        self._process.kill()
+
     def close(self) -> None:
         """End the process if it still runs; safe to call twice."""
         if self._process.poll() is None:

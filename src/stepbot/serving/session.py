@@ -8,7 +8,7 @@ from typing import Any
 
 from stepbot.diagnostics import Diagnostics, source_lines
 from stepbot.jobs.incremental import convert, produce
-from stepbot.pipeline.conversion import Conversion, Options
+from stepbot.pipeline.conversion import Conversion, Options, write
 from stepbot.pipeline.loading import hold_geometry, release_geometry
 from stepbot.pipeline.scenes import Shown, guessed, show
 from stepbot.runtime.file import resolved
@@ -25,6 +25,8 @@ from .local_server import LocalServer, Refused
 Json = dict[str, Any]
 
 
+Produce = Callable[[Path, Options], Conversion]
+"""Converts a sidecar, and writes nothing."""
 Signature = tuple[tuple[Path, tuple[int, int, int]], ...]
 """For each file its time [ns], size and number in the file system; zeros for a missing one."""
 
@@ -60,6 +62,8 @@ class Session:
         self._made: Mapping[str, bytes] = {}
         """Files of the last conversion that the page asked for."""
         self._converting = threading.Lock()
+        self.on_reading: Callable[[], None] = lambda: None
+        """Called before the target is read again or edited."""
         self.on_edit: Callable[[], None] = lambda: None
         """Called after an edit was shown."""
         self._editor: Editor | None = None
@@ -74,9 +78,9 @@ class Session:
             )
             editor = self._editor
             answers |= {
-                "edit": lambda question: self._revised(editor.edit(question)),
-                "undo": lambda question: self._revised(editor.undo(question)),
-                "redo": lambda question: self._revised(editor.redo(question)),
+                "edit": lambda question: self._revised(editor.edit, question),
+                "undo": lambda question: self._revised(editor.undo, question),
+                "redo": lambda question: self._revised(editor.redo, question),
                 "between": lambda question: axes_between(self._shown, question),
                 "convert": lambda question: self._convert(),
                 "written": lambda question: self._written(editor),
@@ -88,6 +92,7 @@ class Session:
 
     def load(self) -> Shown:
         """Read the target and show it; after errors the page keeps the last robot, if there was one."""
+        self.on_reading()
         before = _signature(self.files)
         shown = show(self.target, self._options)
         self.files = shown.files or (self.target,)
@@ -134,8 +139,10 @@ class Session:
         self._set(shown)
         self.on_edit()
 
-    def _revised(self, answer: Json) -> Json:
-        """An answer with the revision of the scene that has the change."""
+    def _revised(self, change: Callable[[Json], Json], question: Json) -> Json:
+        """The answer to a change, with the revision of the scene that has it."""
+        self.on_reading()
+        answer = change(question)
         with self._lock:
             return {**answer, "revision": self._revision}
 
@@ -147,14 +154,20 @@ class Session:
         places = [{"name": one.name, "links": one.links, "edit": module_command(view.sidecar, one)} for one in modules]
         return {**found, "modules": places}
 
-    def prove(self) -> Conversion | None:
-        """Convert the sidecar that is shown, verify the files, and show the result; None for other targets."""
+    def prove(self, run: Produce = produce) -> Conversion | None:
+        """Convert the sidecar that is shown, verify the files, and show the result; None for other targets.
+
+        Args:
+            run: Converts it, here or in another process.
+        """
         shown = self._shown
         if shown is None or shown.sidecar is None or shown.diagnostics.has_errors:
             return None
         documents = _documents(shown.diagnostics)
         self.server.send("proof", {"proof": None, "diagnostics": documents, "proving": True})
-        conversion = (convert if self._writes else produce)(shown.sidecar, self._options)
+        conversion = run(shown.sidecar, self._options)
+        if self._writes:
+            conversion = write(conversion, self._options.output, shown.sidecar)
         if shown is self._shown:
             self._send_proof(conversion)
         return conversion

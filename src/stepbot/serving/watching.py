@@ -1,17 +1,23 @@
 """Shows targets again whenever one of their files is saved.
 
-Two threads: one reads and shows, within a fraction of a second; the other converts and verifies what is shown, which
-takes seconds, and starts again if something else is shown meanwhile.
+A thread reads and shows, within a fraction of a second. A process converts and verifies what is shown, which takes
+seconds, and starts again if something else is to be shown meanwhile.
 """
 
 import importlib.util
+import os
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
-from threading import Event, Thread
+from threading import TIMEOUT_MAX, Event, Lock, Thread
 
-from stepbot.pipeline.conversion import Conversion
+from stepbot.jobs.incremental import failure_of, produce
+from stepbot.pipeline.conversion import Conversion, Options
+from stepbot.pipeline.loading import hold_geometry
+from stepbot.pipeline.prestart import warm_processes
 from stepbot.pipeline.scenes import Shown
 from stepbot.runtime.file import is_folder, resolved
+from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
 
 from .session import Session
 
@@ -19,6 +25,10 @@ QUIET = 40
 """Milliseconds without a further change after which files count as saved."""
 LOOK = 0.02
 """Seconds between two looks at the files of a page that edits."""
+CALM = 0.5
+"""Seconds without a further change after which a proof starts: a robot that was just changed is drawn first."""
+NICE = 10
+"""Priority of the prover's process: what a person waits for comes first."""
 LONGEST = 400
 """Milliseconds after which changes count as saved although files still change."""
 
@@ -28,8 +38,16 @@ def can_watch() -> bool:
     return importlib.util.find_spec("watchfiles") is not None
 
 
+class Superseded(Exception):
+    """A proof was ended because something else is about to be shown."""
+
+
 class Prover:
-    """Converts and verifies what sessions show, the latest state of each, one after the other."""
+    """Converts and verifies what sessions show, the latest state of each, one after the other.
+
+    A process of its own does so, with a low priority: what is shown, and the page, do not wait for it. It keeps the
+    geometry and the engines loaded; when a target is read again while it works, it is ended, and starts anew.
+    """
 
     def __init__(self, sessions: Sequence[Session], report: Callable[[Session, Conversion], None]) -> None:
         """Start the thread.
@@ -40,6 +58,11 @@ class Prover:
         self._report = report
         self._wanted = {id(session): (session, Event()) for session in sessions}
         self._any, self._ended = Event(), False
+        self._lock = Lock()
+        self._worker: Worker | None = None
+        self._is_working = self._is_superseded = False
+        for session in sessions:
+            session.on_reading = self.supersede
         self._thread = Thread(target=self._run, name="prover", daemon=True)
         self._thread.start()
 
@@ -48,23 +71,81 @@ class Prover:
         self._wanted[id(session)][1].set()
         self._any.set()
 
+    def supersede(self) -> None:
+        """End the proof that runs, if any; it is done again unless something else is shown meanwhile."""
+        with self._lock:
+            if self._worker is not None and self._is_working:
+                self._is_superseded = True
+                self._worker.kill()
+
+    @property
+    def working_pid(self) -> int | None:
+        """The id of the process while it converts."""
+        with self._lock:
+            return self._worker.pid if self._worker is not None and self._is_working else None
+
     def close(self) -> None:
         """Take no further work."""
         self._ended = True
         self._any.set()
+        self.supersede()
+        self._thread.join()
+        if self._worker is not None:
+            self._worker.close()
 
     def _run(self) -> None:
-        while True:
+        while not self._ended:
             self._any.wait()
-            self._any.clear()
-            if self._ended:
-                return
+            while self._any.is_set() and not self._ended:
+                self._any.clear()
+                self._any.wait(CALM)
             for session, wanted in self._wanted.values():
-                if wanted.is_set():
+                if wanted.is_set() and not self._ended:
                     wanted.clear()
-                    conversion = session.prove()
-                    if conversion is not None:
-                        self._report(session, conversion)
+                    try:
+                        conversion = session.prove(self._produce)
+                    except Superseded:
+                        self.ask(session)
+                    else:
+                        if conversion is not None:
+                            self._report(session, conversion)
+
+    def _produce(self, sidecar: Path, options: Options) -> Conversion:
+        with self._lock:
+            if self._ended:
+                raise Superseded
+            if self._worker is None:
+                self._worker = Worker(f"{__name__}:{proof.__name__}")
+            worker = self._worker
+            self._is_working, self._is_superseded = True, False
+        try:
+            conversion: Conversion = worker.submit(sidecar, options, more=True).result(TIMEOUT_MAX)
+        except (WorkerDied, RemoteError) as error:
+            with self._lock:
+                self._worker, self._is_working = None, False
+            worker.close()
+            if self._is_superseded:
+                raise Superseded from error
+            return Conversion(failure_of(sidecar, error))
+        with self._lock:
+            self._is_working = False
+        return conversion
+
+
+def prepare() -> None:
+    """Prepare the prover's process: engines and geometry stay loaded until it ends."""
+    if hasattr(os, "nice"):
+        os.nice(NICE)
+    hold_geometry(prepare)
+    _LOADED.enter_context(warm_processes())
+
+
+_LOADED = ExitStack()
+
+
+def proof(sidecar: Path, options: Options) -> Conversion:
+    """Convert a sidecar, in the prover's process."""
+    return produce(sidecar, options)._replace(robot=None)
 
 
 def follow(session: Session, changed: Callable[[Shown], None], ended: Event) -> None:

@@ -26,7 +26,7 @@ from stepbot.runtime.worker import RemoteError, WorkerDied
 from stepbot.step.exchange.input_files import combined_digest, input_digest, input_files
 
 from ..discovery import output_folder, robot_name, variants_of
-from ..incremental import conversion_key, sidecar_digest
+from ..incremental import conversion_key, failure_of, sidecar_digest
 from .work import Parcel, Work, carry_out, carry_out_parcel
 
 
@@ -255,16 +255,13 @@ def _parcel(task: Task, options: Options) -> Parcel | Work:
 
 def _result(future: "Future[Work]", task: Task) -> Work:
     """The outcome of a robot; any failure becomes a diagnostic of that robot only."""
-    found, span = Diagnostics(), Span(task.sidecar.as_posix())
     try:
         return future.result()
-    except WorkerDied as death:
-        found.add("SB902", f"conversion failed: {death.reason}", span, notes=death.last_lines)
-    except RemoteError as error:
-        found.add("SB901", f"internal error: {error.kind}: {error.text}", span, notes=error.trace.splitlines()[-3:])
+    except (WorkerDied, RemoteError) as error:
+        found = failure_of(task.sidecar, error)
     except Exception as error:  # noqa: BLE001 - executors raise what they like, the other robots go on
-        first, *_ = (*str(error).splitlines(), "")
-        found.add("SB901", f"internal error: {type(error).__name__}: {first}", span)
+        found, (first, *_) = Diagnostics(), (*str(error).splitlines(), "")
+        found.add("SB901", f"internal error: {type(error).__name__}: {first}", Span(task.sidecar.as_posix()))
     return Work({}, tuple(found))
 
 
