@@ -93,3 +93,14 @@ def test_named_bearing_needs_no_review() -> None:
     )
     assert joints(found) == [("revolute", "base/axle", "swing/arm")]
     assert found.arcs[0].evidence.review == ""
+
+
+@pytest.mark.parametrize(("length", "kind"), [(24, "prismatic"), (23, None)])
+def test_ring_of_a_linear_bearing_slides(length: float, kind: str | None) -> None:
+    """A block with a ring of LM8UU in its bore slides on its rod, to be reviewed; one with a spacer does not."""
+    block = box(40, 40, length).at(0, 0, length / 2) - cylinder(7.5, length)
+    rod = part("rod", cylinder(4, 200).at(0, 0, -100) + box(80, 80, 10).at(0, 0, -105))
+    found = inferred(rod, part("block", block), part("ring", ring(8, 15, length)), sources=BARE)
+    slides = [arc.evidence for arc in found.arcs if arc.evidence.type.value == "prismatic"]
+    assert [h.type.value for h in slides] == ([kind] if kind else [])
+    assert all(h.review for h in slides)

@@ -12,9 +12,9 @@ from stepbot.draft.contacts import teeth
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft_robot import infer
 from stepbot.geometry.spatial import Array, Pose
-from tests.assembled import Node, assembled, part
+from tests.assembled import BARE, Node, assembled, part
 from tests.made.scored import drawn
-from tests.solids import box, cylinder
+from tests.solids import Solid, box, cylinder
 
 
 def train(radii: tuple[float, float], *, belt: bool = False) -> list[Node]:
@@ -290,3 +290,16 @@ def test_a_rack_with_clearance_on_all_sides_slides_on_what_its_pinion_turns_in(c
     assert kinds[:2] == [("prismatic", "a1")] * 2
     assert kinds[2][0] == "revolute"
     assert all(abs(joint.direction[0]) == pytest.approx(1.0) for joint in draft.joints if joint.type == "prismatic")
+
+
+def test_a_band_around_two_discs_is_a_belt() -> None:
+    """A thin band of one width around two discs is a belt without a name, and no link; a plate around them is none."""
+
+    def slot(radius: float, height: float) -> Solid:
+        middle = box(80, 2 * radius, height).at(0, 0, height / 2)
+        return middle + cylinder(radius, height).at(-40, 0, 0) + cylinder(radius, height).at(40, 0, 0)
+
+    discs = [part(f"disc {x}", cylinder(12, 10), x, z=-2) for x in (-40, 40)]
+    for outer, is_belt in ((13.4, True), (20.0, False)):
+        survey = Survey(assembled(part("ring", slot(outer, 6) - slot(12, 6)), *discs), BARE)
+        assert (1 in survey.small) == is_belt

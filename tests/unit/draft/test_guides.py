@@ -9,6 +9,7 @@ from stepbot.draft.contacts import captured
 from stepbot.draft.contacts.captured import Captured, _slide
 from stepbot.draft.contacts.planes import Facing
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
+from stepbot.draft.evidence.guides import REVIEW
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import JointKind
 from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, links, part, turned
@@ -180,3 +181,19 @@ def test_a_link_of_a_wrist_is_no_cross() -> None:
     flange = turned(cylinder(6, 40), 24, 0, 0, ALONG_X) + box(10, 120, 20).at(69, 20, 0)
     found = inferred(part("fork", fork), part("link", link), part("flange", flange))
     assert joints(found) == [("revolute", "flange", "link"), ("revolute", "fork", "link")]
+
+
+@pytest.mark.parametrize("pads", [True, False])
+def test_a_tube_slides_on_glide_pads(pads: bool) -> None:
+    """A tube with clearance to pads on the wall of a wider one slides; 4 mm of clearance alone guide nothing."""
+    outer = box(80, 80, 400) - box(74, 74, 402)
+    inner = box(66, 66, 400) - box(60, 60, 402)
+    lined = [
+        part(f"pad {n} {z}", turned(box(3.8, 30, 30), rpy=(0, 0, n * pi / 2)), *at, z)
+        for z in (120.0, 180.0)
+        for n, at in enumerate(((35.1, 0.0), (0.0, 35.1), (-35.1, 0.0), (0.0, -35.1)))
+    ]
+    found = inferred(part("outer", outer), part("inner", inner, z=150), *(lined if pads else []), sources=BARE)
+    moving = [kind for kind, *_ in joints(found) if kind != "fixed"]
+    assert moving == (["prismatic"] if pads else [])
+    assert not pads or found.arcs[0].evidence.review == REVIEW

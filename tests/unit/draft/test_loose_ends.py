@@ -1,5 +1,6 @@
 """Parts without a connection: placeholders, wheels and fingers by name, small parts."""
 
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft_robot import infer
 from stepbot.robot.model import JointKind
 from tests.assembled import assembled, group, inferred, joints, links, part
@@ -54,3 +55,38 @@ def test_decks_on_standoffs_are_one_body() -> None:
     assert len(found.links) == 1
     alone = inferred(part("lower", deck), part("upper", deck, z=50), pillars[0])
     assert len(alone.links) == 2
+
+
+def test_decks_with_a_joint_each_are_one_body_on_standoffs() -> None:
+    """Two decks on standoffs are one body, also where a motor on each turns something."""
+    deck, standoff = box(120, 80, 4) - cylinder(2, 4).at(-50, 0, -2) - cylinder(2, 4).at(50, 0, -2), cylinder(4, 46)
+    pillars = [part("standoff M4", standoff - cylinder(2, 46), x, z=2) for x in (-50, 50)]
+    wheels = [
+        node
+        for z, way in ((62, 1), (-12, -1))
+        for node in (
+            group(
+                f"servo {z}",
+                part("case", box(30, 30, 20), z=z),
+                part("horn", cylinder(8, 4), z=z + (10 if way > 0 else -14)),
+            ),
+            part(f"arm {z}", box(60, 12, 4).at(20, 0, 0), z=z + 16 * way),
+        )
+    ]
+    found = inferred(part("lower", deck), part("upper", deck, z=50), *pillars, *wheels)
+    assert len(joints(found)) == 2
+    assert any({"lower", "upper"} <= link for link in links(found))
+
+
+def test_a_block_that_is_screwed_to_two_plates_joins_them() -> None:
+    """A spacer with two screw holes towards each of two plates holds both; a round one is a fastener."""
+    holes = [cylinder(1.5, 60).at(0, y, -10) for y in (-5, 5)]
+    plate, spacer = (
+        box(80, 30, 4) - holes[0] - holes[1],
+        box(20, 20, 30) - holes[0].at(0, 0, -20) - holes[1].at(0, 0, -20),
+    )
+    plates = [part("front", plate), part("back", plate, z=34)]
+    survey = Survey(
+        assembled(*plates, part("femur spacer", spacer, z=17), part("spacer", cylinder(4, 5), x=60)), ALL_SOURCES
+    )
+    assert [survey.parts[i].path for i in survey.small] == ["spacer"]

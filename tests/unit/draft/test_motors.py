@@ -27,7 +27,7 @@ def case() -> Solid:
 
 
 CASE, HORN, SCREW = case(), cylinder(8, 3), cylinder(1.5, 8)
-ARM, PLATE = box(100, 12, 4), box(40, 60, 5)
+ARM, PLATE, BASE = box(100, 12, 4), box(40, 60, 5), box(400, 80, 10)
 
 
 def servo(name: str, x: float, y: float, *, horn: bool = True) -> Node:
@@ -190,3 +190,27 @@ def test_equal_motors_in_a_folder_named_one_are_several() -> None:
     blocks = [part(f"MG996R-{n}", case(), 100.0 * n) for n in range(3)]
     found = motors([part("base", box(400, 80, 10), z=-40), group("servos", *blocks)])
     assert [motor.path for motor in found] == [f"servos/MG996R-{n}" for n in range(3)]
+
+
+def test_a_bracket_beside_a_motor_is_none() -> None:
+    """What is named after a motor, and has rods in bores on two lines, is no motor; with one rod it may be one."""
+    block, rod = box(60, 40, 30) - cylinder(4, 30).at(-20, 0, -15), cylinder(4, 300).at(0, 0, -15)
+    rods = [part(f"rod {x}", rod, x) for x in (-20, 20)]
+    two = block - cylinder(4, 30).at(20, 0, -15)
+    assert len(motors([part("x_end_motor", block), rods[0], part("base", BASE, z=400)])) == 1
+    assert motors([part("x_end_motor", two), *rods, part("base", BASE, z=400)]) == []
+
+
+@pytest.mark.parametrize(("spacing", "is_motor"), [(31.0, True), (34.0, False)])
+def test_a_block_with_the_flange_of_a_stepper_is_a_motor(spacing: float, is_motor: bool) -> None:
+    """A single block with spigot and holes of NEMA 17 and no name turns the pinion on its shaft, to be reviewed."""
+    corners = [(x * spacing / 2, y * spacing / 2) for x, y in product((-1, 1), (-1, 1))]
+    block, plate = box(42.3, 42.3, 40).at(0, 0, -20) + cylinder(11, 2), box(200, 100, 6).at(0, 0, 3)
+    for x, y in corners:
+        block, plate = block - cylinder(1.5, 5).at(x, y, -5), plate - cylinder(1.6, 6).at(x, y, 0)
+    plate -= cylinder(11.2, 6)
+    pinion = cylinder(10, 10) - cylinder(2.5, 10)
+    nodes = [part("a", plate), part("b", block + cylinder(2.5, 22)), part("c", pinion, z=10)]
+    assert len(motors(nodes, BARE)) == is_motor
+    evidence = [arc.evidence for arc in inferred(*nodes, sources=BARE).arcs]
+    assert [(h.drives, h.review == "not named as a motor") for h in evidence] == [(is_motor, is_motor)]

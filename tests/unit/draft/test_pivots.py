@@ -1,6 +1,7 @@
 """Joints at lone round contacts between two lopsided groups of parts."""
 
 import numpy as np
+import pytest
 
 from tests.assembled import BARE, Node, group, inferred, joints, links, part
 from tests.solids import Solid, box, cylinder
@@ -102,3 +103,26 @@ def test_a_screw_on_the_axis_holds_a_stand() -> None:
     _, *rest = stacked(shell(-1))
     assert len(joints(inferred(arm, column, *rest))) == 2
     assert len(joints(inferred(arm, column, screw, *rest))) == 1
+
+
+def forearm(width: float) -> Solid:
+    """A tube along z from 0 to 120 mm, with a flat or a square end of 80 mm above it."""
+    return cylinder(20, 120) + box(width, 40, 80).at(0, 0, 160)
+
+
+@pytest.mark.parametrize(("width", "turns"), [(14.0, True), (40.0, False)])
+def test_a_fork_at_the_end_of_a_tube_is_lopsided(width: float, turns: bool) -> None:
+    """A tube with a flat end turns on an arm that it meets at a round face; one with a square end may be a post."""
+    nodes = [part("lower", shell(1), z=-20), part("upper", forearm(width))]
+    assert joints(inferred(*nodes, sources=BARE)) == ([("revolute", "lower", "upper")] if turns else [])
+
+
+@pytest.mark.parametrize(("holes", "turns"), [(4, True), (2, False)])
+def test_a_tool_flange_on_a_flat_face_turns(holes: int, turns: bool) -> None:
+    """A disc with a circle of four free holes at the end of an arm with another joint turns; other discs are covers."""
+    flange = cylinder(20, 8)
+    for n in range(holes):
+        flange -= cylinder(1.6, 6).at(14 * np.cos(n * np.pi / 2), 14 * np.sin(n * np.pi / 2), 2)
+    upper = part("upper", shell(-1), z=23)
+    found = inferred(*stacked(shell(-1))[:2], upper, part("flange", flange.at(-160, 0, 0), z=43), sources=BARE)
+    assert len(joints(found)) == (2 if turns else 1)

@@ -54,3 +54,11 @@ def test_nut() -> None:
 def test_parts_that_are_no_fasteners(solid: Solid) -> None:
     """A plain or stepped shaft, a large spindle and a plate with a hole are not fasteners."""
     assert role(solid) is None
+
+
+def test_a_spool_is_no_screw() -> None:
+    """A drum with a bore between two flanges is no screw; with one flange it may be one."""
+    drum = cylinder(7, 8) - cylinder(2, 8)
+    flange = cylinder(9, 2) - cylinder(2, 2)
+    assert role(joined(drum, flange.at(0, 0, 8))) == Role.FASTENER
+    assert role(joined(drum, flange.at(0, 0, 8), flange.at(0, 0, -2))) is None

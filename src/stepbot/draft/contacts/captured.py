@@ -31,6 +31,8 @@ wide; the same in the largest width, from which it is a profile.
 """
 _ALONG, _STRAIGHT, _SKEW = 0.99, 1e-2, 0.3
 """Cosines from which a face ends a slide, and up to which it guides it; sine of the least angle between guides."""
+_PAD, _FEWEST_LINED = 0.2, 4
+"""Ratio of the sizes of a glide pad and its host, at most; two parts with three pads that line a slide are more."""
 _SPAN = 1e-3
 """Angle [rad] by which directions that hold a part on all sides are less than half a turn apart, at most."""
 _MOST_PLANES = 2000
@@ -64,7 +66,7 @@ def find_captured(
     found: dict[Pair, Captured] = {}
     planes: Planes | None = None
     known: dict[bytes, bool] = {}  # of equal parts elsewhere that are no slide: whether faces are beside
-    bolted = _bolted(relations, larger)
+    bolted, pads = _bolted(relations, larger), _pads(scene, relations, larger)
     for pair, arrangement in _overlapping(scene, larger, cut):
         planes = planes or Planes(scene)
         for one, host in _within(scene, pair, bolted):
@@ -80,7 +82,33 @@ def find_captured(
                 break
             if slide is None:
                 known[placed] = bool(facing)
+        if pair not in found and pair not in relations:
+            lined = _lined(scene, pair, pads)
+            facing = [face for a in lined[0] for b in lined[1] for face in planes.facing(a, b, _WIDE)]
+            slide = _slide(facing) if len(lined[0]) + len(lined[1]) > _FEWEST_LINED else None
+            if slide is not None and slide.has_play:
+                found[pair] = slide
     return found
+
+
+def _pads(scene: Scene, relations: Mapping[Pair, Relation], larger: Collection[int]) -> dict[int, list[int]]:
+    """For each part the much smaller ones that lie on a face of it, such as glide pads."""
+    found: dict[int, list[int]] = defaultdict(list)
+    for pair, r in relations.items():
+        if r.patches and all(i in larger and i in scene.boxes for i in pair):
+            sizes = {i: float(np.linalg.norm(np.ptp(scene.boxes[i], axis=0))) for i in pair}
+            pad, host = sorted(pair, key=lambda i: sizes[i])
+            if sizes[pad] < _PAD * sizes[host]:
+                found[host].append(pad)
+    return found
+
+
+def _lined(scene: Scene, pair: Pair, pads: Mapping[int, Sequence[int]]) -> list[list[int]]:
+    """Two parts that do not touch, each with its pads that are beside the other."""
+    return [
+        [one, *(pad for pad in pads.get(one, ()) if box_gap(scene.boxes[pad], scene.boxes[other]) < _WIDE)]
+        for one, other in (pair, pair[::-1])
+    ]
 
 
 def _bolted(relations: Mapping[Pair, Relation], larger: Collection[int]) -> dict[int, set[int]]:

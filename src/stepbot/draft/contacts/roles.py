@@ -5,7 +5,7 @@ their boundary dimensions: a ring of exactly these is hardly ever anything else.
 """
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -32,8 +32,11 @@ def read_parts(scene: Scene, found: Contacts, *, use_names: bool) -> dict[int, P
     for index in scene.parts:
         part = _part(scene, index, use_names=use_names)
         lines = [found.lines[n] for n in lines_of[index]]
-        if part.role is None and is_bearing(part, lines):
+        rings = _rings(part, lines) if part.role is None else frozenset()
+        if rings & _DIMENSIONS:
             part = replace(part, role=Role.BEARING)
+        elif rings & _LINEAR:
+            part = replace(part, role=Role.BEARING, is_linear=True)
         elif part.role is None and is_screw(part, lines, scene.body(index).faces):
             # The flanks of a pinion are at the angles of a nut's sides.
             role = None if scene.of_definition(index, teeth_of).rims else Role.FASTENER
@@ -73,6 +76,8 @@ _HEAD = (1.25, 3.0)
 """Ratio of the radii of head and shank."""
 _NUT = 12.0
 """Maximum ratio of a nut's size to the radius of its bore."""
+_FLANGE = 0.9
+"""Share of the largest radius from which a face is one of two flanges."""
 _HEXAGON = 6
 _SIXTY_DEGREES = 2e-3
 _ACROSS = 1e-3
@@ -101,8 +106,21 @@ def is_screw(part: Part, lines: Sequence[CoaxialLine], faces: Sequence[Face]) ->
 def _has_head_and_drive(own: Sequence[LineFace], lines: int, faces: Sequence[Face]) -> bool:
     outer = _shanks(own)
     length = max(face.high for face in own) - min(face.low for face in own)
-    drive = _most_flats(faces) >= _HEXAGON - 1 or lines >= 3 or any(face.bore for face in own)
+    drive = _most_flats(faces) >= _HEXAGON - 1 or lines >= 3 or (any(face.bore for face in own) and not _is_spool(own))
     return _has_head(outer) and drive and length > outer[-1]
+
+
+def _is_spool(own: Sequence[LineFace]) -> bool:
+    """Whether a narrower face is between two of the largest radius: a spool, a pulley, a bobbin."""
+    outside = [face for face in own if not face.bore]
+    widest = max((face.radius for face in outside), default=0.0)
+    flanges = [face for face in outside if face.radius > _FLANGE * widest]
+    return any(
+        face not in flanges
+        and any(flange.high <= face.low for flange in flanges)
+        and any(face.high <= flange.low for flange in flanges)
+        for face in outside
+    )
 
 
 def _is_nut(part: Part, own: Sequence[LineFace], faces: Sequence[Face]) -> bool:
@@ -131,6 +149,45 @@ def _most_flats(faces: Sequence[Face]) -> int:
             if best >= _HEXAGON:
                 break
     return best
+
+
+_BAND, _LOOP, _SAME_BAND, _AROUND = 0.35, 5e-4, 1e-5, 6.0
+"""Thickness of a belt in radii of what it runs around, at most; distances [m] up to which it lies on it, and is equally
+thick and wide everywhere; angle [rad] from which a face is around it.
+"""
+
+
+def find_bands(parts: Mapping[int, Part], lines: Sequence[CoaxialLine]) -> set[int]:
+    """Bodies that wrap around two or more turned ones on parallel lines, equally thick and wide: belts by shape."""
+    around: dict[int, list[tuple[CoaxialLine, tuple[float, float]]]] = defaultdict(list)
+    full: set[int] = set()
+    for line in lines:
+        for i, faces in line.faces.items():
+            full |= {i} if any(face.span > _AROUND for face in faces) else set()
+            inside, outside = ([f for f in faces if f.bore == bore and not f.cone] for bore in (True, False))
+            if len(inside) != 1 or len(outside) != 1:
+                continue
+            (bore,), (back,) = inside, outside
+            thickness, width = back.radius - bore.radius, bore.high - bore.low
+            runs = any(
+                other != i
+                and not face.bore
+                and abs(face.radius - bore.radius) < _LOOP
+                and min(face.high, bore.high) > max(face.low, bore.low)
+                and parts[other].is_balanced(line.axis)
+                for other in line.faces
+                for face in line.faces[other]
+            )
+            if runs and 0.0 < thickness < _BAND * bore.radius and abs(back.high - back.low - width) < _SAME_BAND:
+                around[i].append((line, (thickness, width)))
+    return {
+        i
+        for i, loops in around.items()
+        if len(loops) > 1
+        and i not in full
+        and all(loop[0].axis.is_along(loops[0][0].axis.d) for loop in loops)
+        and all(abs(a - b) < _SAME_BAND for loop in loops for a, b in zip(loop[1], loops[0][1], strict=True))
+    }
 
 
 _SIZES = {
@@ -171,18 +228,26 @@ _DIGITS = 2
 """Decimals [mm] to which dimensions agree."""
 
 
-def is_bearing(part: Part, lines: Sequence[CoaxialLine]) -> bool:
-    """Whether a part is a ring with the dimensions of a bearing; a flange on the outer ring may add to them."""
+_LINEAR = frozenset({
+    (3, 7, 10), (4, 8, 12), (5, 10, 15), (6, 12, 19), (6, 12, 35), (8, 15, 17), (8, 15, 24), (8, 15, 45), (8, 16, 25),
+    (10, 19, 29), (10, 19, 55), (12, 21, 30), (12, 21, 57), (12, 22, 32), (13, 23, 32), (13, 23, 61), (16, 26, 36),
+    (16, 28, 37), (16, 28, 70), (20, 32, 42), (20, 32, 45), (20, 32, 80), (25, 40, 58), (25, 40, 59), (25, 40, 112),
+    (30, 45, 64), (30, 45, 123),
+})  # fmt: skip
+"""Bore, outside diameter and length [mm] of linear bearings: balls (LM8UU, LM8LUU) and polymer (RJM)."""
+
+
+def _rings(part: Part, lines: Sequence[CoaxialLine]) -> frozenset[tuple[float, float, float]]:
+    """Bore, outside diameter and width [mm] of a turned ring; a flange may add to its outside diameters."""
+    found = set()
     for line in lines:
         faces = [face for face in line.faces[part.index] if face.span > HALF_ROUND and not face.cone]
         bores = {_diameter(face.radius) for face in faces if face.bore}
         outside = {_diameter(face.radius) for face in faces if not face.bore}
-        if not bores or not outside or not part.is_balanced(line.axis):
-            continue
-        width = _extent(part, line)
-        if any((min(bores), diameter, width) in _DIMENSIONS for diameter in outside):
-            return True
-    return False
+        if bores and outside and part.is_balanced(line.axis):
+            width = _extent(part, line)
+            found |= {(min(bores), diameter, width) for diameter in outside}
+    return frozenset(found)
 
 
 def _extent(part: Part, line: CoaxialLine) -> float:

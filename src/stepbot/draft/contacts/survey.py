@@ -12,7 +12,7 @@ from stepbot.draft.contacts.contacts import Contacts, Pair
 from stepbot.draft.contacts.near_fits import ANGLE, OFFSET, NearFit, find_near_fits
 from stepbot.draft.contacts.planes import find_patches
 from stepbot.draft.contacts.relations import Relation, Via, find_relations, neighbours, turned_lines
-from stepbot.draft.contacts.roles import read_parts, spoken_names
+from stepbot.draft.contacts.roles import find_bands, read_parts, spoken_names
 from stepbot.draft.contacts.settling import is_tilted, settled
 from stepbot.draft.contacts.shafts import LINE_ANGLE, LINE_DISTANCE, find_fits, find_sockets
 from stepbot.draft.contacts.teeth import (
@@ -39,6 +39,8 @@ _BALL = 0.3
 """Ratio of the radius of a ball and the size of its stud, up to which it is no spherical washer."""
 _SMALL_SHARE = 0.35
 """Share of the assembly's size from which a part is not a fastener, whatever its name."""
+_BLOCK = 2
+"""Holes in line with those of each of two parts, from which what is no turned part holds both together."""
 _LARGE = 0.2
 """Share of the assembly's volume from which a turned part is not a fastener, whatever its name."""
 _SCREW_REACH = 4e-3
@@ -76,6 +78,7 @@ class Survey:
         self.cut: dict[str, None] = {}
         """Searches that a bound cut short, in words, in the order in which they were."""
         self._belts = {i for i, p in self.parts.items() if sources.names and is_belt(p.name)}
+        self._belts |= {i for i in find_bands(self.parts, self.contacts.lines) if self.parts[i].role is None}
         self.small = self._belts | {i for i, p in self.parts.items() if p.is_small and self._is_trifle(i)}
         """Parts that move with their host and form no joint: fasteners, seals, and belts, which are no rigid bodies."""
 
@@ -116,9 +119,12 @@ class Survey:
         one, lines = self.parts[part], self.turned.get(part, ())
         if any(r.via == Via.BALL and r.radius < _BALL * one.size for r in self.near.get(part, ())):
             return False
+        is_turned = any(one.is_balanced(axis) for axis in lines[:3])
+        if not is_turned and sum(r.holes >= _BLOCK for r in self.near.get(part, ())) > 1:
+            return False  # a block that is screwed to two parts
         if one.size < _SMALL_SHARE * self.extent:
             return True
-        return one.volume < _LARGE * self.volume and any(one.is_balanced(axis) for axis in lines[:3])
+        return one.volume < _LARGE * self.volume and is_turned
 
     def relation(self, a: int, b: int) -> Relation | None:
         """The relation of two parts; None if they do not touch."""

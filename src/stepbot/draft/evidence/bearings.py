@@ -153,7 +153,8 @@ def _say(survey: Survey, bearing: int, found: Evidence) -> None:
         why = f"the bearing '{path}' is between them" if is_named else f"'{path}' has the dimensions of a bearing"
         review = "" if is_named else "not named as a bearing"
         kind = JointKind.REVOLUTE
-        if is_named and _LINEAR.search(survey.parts[bearing].name):
+        if survey.parts[bearing].is_linear or (is_named and _LINEAR.search(survey.parts[bearing].name)):
+            why = why.replace("a bearing", "a linear bearing")
             kind, review = JointKind.PRISMATIC, "slides in a linear bearing; may turn, too, if nothing else holds it"
         elif is_named and _slides_through(survey, bearing, turning[0]):
             kind, review = JointKind.PRISMATIC, "nothing holds the rod along its plain bearing; it may turn, too"

@@ -9,6 +9,7 @@ import numpy as np
 
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.roles import spoken_names
+from stepbot.draft.contacts.shafts import HALF_ROUND
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
@@ -25,6 +26,13 @@ _WIRE = 5e-7
 """Volume [m^3] below which what is named after a motor is a wire, a plug or a screw of it."""
 _PIECE = 0.15
 """Share of the volume of a motor's case up to which another part of it is its shaft or horn."""
+_FLANGES = ((7.5e-3, 11.31e-3), (11e-3, 16.26e-3), (11e-3, 18.38e-3), (11e-3, 21.92e-3), (19.05e-3, 33.34e-3),
+            (36.5e-3, 49.21e-3))  # fmt: skip
+"""Radii [m] of the spigot and the circle of holes of NEMA 8, 11, 14, 17, 23 and 34."""
+_FLANGE_OFF, _CORNERS = 1.5e-4, 4
+"""Difference [m] of these radii up to which a flange is one; number of holes."""
+_GUEST = 0.01
+"""Share of the volume of a motor's case from which what is in its bores is no dowel or stud."""
 _LEAST = 5e-3
 """Share of the assembly's volume from which an unnamed part may be a motor: screws and rings are smaller."""
 _NUMBERED = re.compile(r"(?<=\w)[\s_.:-]*\d*$")
@@ -69,9 +77,11 @@ class Motor:
 
 
 def find_motors(survey: Survey) -> list[Motor]:
-    """All motors; by use only if no name indicates one."""
+    """All motors; by use only if no name and no flange indicates one."""
     by_name = _named_motors(survey) if survey.sources.names else []
-    return by_name or _motors_by_use(survey)
+    known = {i for motor in by_name for i in motor.parts}
+    by_size = [motor for motor in _motors_by_size(survey) if known.isdisjoint(motor.parts)]
+    return [*by_name, *by_size] or _motors_by_use(survey)
 
 
 def _named_motors(survey: Survey) -> list[Motor]:
@@ -97,6 +107,8 @@ def _named_motors(survey: Survey) -> list[Motor]:
             continue
         still = [parts[i] for i in members if not {Role.WHEEL, Role.HORN} & {*parts[i].roles}]
         case = largest(still or [parts[i] for i in members]).index
+        if _is_bracket(survey, case, members):
+            continue
         pieces = [i for i in members if i in shafts or (c.index in in_pieces and _is_piece(survey, i, case))]
         outputs = tuple(
             i
@@ -107,6 +119,15 @@ def _named_motors(survey: Survey) -> list[Motor]:
         )
         motors.append(Motor(c.path, members, case, outputs))
     return motors
+
+
+def _is_bracket(survey: Survey, case: int, members: Sequence[int]) -> bool:
+    """Whether what is named after a motor has others in bores on two lines, as the end of an axis beside its motor."""
+    least, lines = _GUEST * survey.parts[case].volume, list[Axis]()
+    for other, r in survey.around(case):
+        if other not in members and survey.parts[other].volume > least:
+            lines += [fit.axis for fit in r.shafts if fit.shaft == other and fit.full]
+    return any(not line.same(lines[0], _SAME_AXIS) for line in lines[1:])
 
 
 def _shafts(survey: Survey, motors: Sequence[tuple[int, ...]]) -> dict[int, int]:
@@ -203,6 +224,36 @@ def _is_folder(survey: Survey, index: int, named: set[int]) -> bool:
 
 def _parts_below(survey: Survey, index: int) -> list[int]:
     return [i for i in survey.assembly.subtree(index) if i in survey.parts]
+
+
+def _motors_by_size(survey: Survey) -> list[Motor]:
+    """Unnamed blocks with the spigot and the four holes of a stepper motor's flange."""
+    bosses: dict[int, list[tuple[Axis, float]]] = defaultdict(list)
+    holes: dict[int, list[Axis]] = defaultdict(list)
+    for line in survey.contacts.lines:
+        for i, faces in line.faces.items():
+            part = survey.parts[i]
+            if part.role is None and i not in survey.small and part.volume > _WIRE:
+                full = [face for face in faces if face.span > HALF_ROUND and not face.cone]
+                bosses[i] += [(line.axis, face.radius) for face in full if not face.bore]
+                holes[i] += [line.axis] if any(face.bore for face in full) else []
+    cases = [i for i in sorted(bosses) if _has_flange(bosses[i], holes[i]) and _fill(survey, i) > _BLOCK]
+    motors = []
+    for i in cases:
+        equal = [k for k in cases if survey.parts[k].definition == survey.parts[i].definition]
+        motors.append(Motor(survey.parts[i].path, _around_case(survey, i, equal), i, is_named=False))
+    return motors
+
+
+def _has_flange(bosses: Sequence[tuple[Axis, float]], holes: Sequence[Axis]) -> bool:
+    """Whether one of some spigots has four holes around it, as a flange of NEMA ICS 16 has."""
+    for axis, radius in bosses:
+        for spigot, circle in _FLANGES:
+            if abs(radius - spigot) < _FLANGE_OFF:
+                around = [h for h in holes if h.is_along(axis.d) and abs(axis.distance(h.point) - circle) < _FLANGE_OFF]
+                if len(around) == _CORNERS:
+                    return True
+    return False
 
 
 def _motors_by_use(survey: Survey) -> list[Motor]:

@@ -15,6 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from stepbot.draft.contacts.concentric import has_free_circle
 from stepbot.draft.contacts.contacts import Pair
 from stepbot.draft.contacts.relations import Relation, Via, reach
 from stepbot.draft.contacts.survey import Survey
@@ -25,7 +26,8 @@ from stepbot.draft.mechanism.decide import Decision
 from stepbot.draft.mechanism.locked import JointKey
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
-from stepbot.draft.parts.parts import whole
+from stepbot.draft.parts.parts import Part, whole
+from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.step.faces import FaceKind
 
 _FLAT = 1e-4
@@ -79,6 +81,10 @@ _STAND = 0.05
 """Share of the assembly's volume from which what is symmetric about its joint may be a stand, not a cap or a pin."""
 _WIDER = 1.2
 """Ratio of the radii of a stand's foot and of the contact above it: what overhangs needs a wide foot, unlike a cap."""
+_FLANGE, _BESIDE = 1e-3, 1e-3
+"""Share of the assembly's volume from which a body is a tool flange, and distance [m] up to which others are at it."""
+_OBLONG = 0.1
+"""Difference of the moments of inertia across an axis, as a share of that about it, from which a side is lopsided."""
 _CLEARLY = 2.0
 """Multiple of the tolerances of a turned part beyond which a side is lopsided: a lid with a handle is not."""
 
@@ -104,6 +110,8 @@ def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
         if between or root in jointed:
             below = [pair for sides in pivots if (pair := sides.above_stand(feet)) is not None]
             found |= dict.fromkeys(below, _REVIEW_STAND)
+            flanges = [pair for sides in pivots if (pair := sides.at_flange()) is not None]
+            found |= dict.fromkeys(flanges, _REVIEW)
     hinges = {(h.a, h.b): h for h in made.evidence.joints if h.relation is not None and h.verdict != Verdict.TAKEN}
     return {(*pair, str(hinges[pair].type)): review for pair, review in found.items() if pair in hinges}
 
@@ -170,6 +178,19 @@ class _Sides:
                 return pair
         return None
 
+    def at_flange(self) -> Pair | None:
+        """The joint between the only lopsided side and a tool flange, a turned body with a circle of free holes."""
+        if len(self._lopsided) != 1:
+            return None
+        survey, axis, near = self._survey, self._pivot.axis, {i for r in self._pivot.relations for i in (r.a, r.b)}
+        for root, parts in self._groups.groups().items():
+            is_flange = root != self._lopsided[0] and survey.total_volume(parts) > _FLANGE * survey.volume
+            if is_flange and near.intersection(parts) and has_free_circle(survey.contacts.lines, parts, axis):
+                beside = {i for i, gap in survey.box_gaps(survey.box_of(parts)).items() if gap < _BESIDE}
+                if beside <= {*parts, *self._groups.members(self._lopsided[0])}:
+                    return self._weakest(self._lopsided[0], root)[0]
+        return None
+
     def _weakest(self, one: int, two: int) -> tuple[Pair | None, list[int]]:
         """Of the contacts between two sides the one with the least area, and the parts on the second's side of it.
 
@@ -189,4 +210,14 @@ class _Sides:
 def _is_lopsided(survey: Survey, members: Sequence[int], axis: Axis) -> bool:
     """Whether the mass of parts is considerable and not symmetric about an axis."""
     body = whole([survey.parts[i] for i in members if survey.parts[i].volume])
-    return body is not None and body.volume > _LEAST * survey.volume and not body.is_balanced(axis, _CLEARLY)
+    if body is None or body.volume <= _LEAST * survey.volume:
+        return False
+    return not body.is_balanced(axis, _CLEARLY) or _is_oblong(body, axis)
+
+
+def _is_oblong(body: Part, axis: Axis) -> bool:
+    """Whether a body is wider in one direction across an axis than in the other: a fork at the end of a long tube."""
+    across = perpendicular_frame(axis.d)
+    moments = np.diag(across.T @ body.inertia @ across)
+    (a, b), c = moments[:2], float(across[:, 0] @ body.inertia @ across[:, 1])
+    return float(np.hypot(a - b, 2.0 * c)) > _OBLONG * float(moments[2])

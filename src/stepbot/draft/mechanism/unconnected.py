@@ -73,17 +73,18 @@ class LooseEnds:
         self._find_again()
 
     def _join_screwed(self) -> None:
-        """Join what has no joint to the body that two or more screws or standoffs also touch."""
-        survey, clusters, jointed = self._survey, self._clusters, self._jointed()
+        """Join what no joints connect to the body that two or more screws or standoffs also touch."""
+        survey, clusters = self._survey, self._clusters
+        tied = self._tied(clusters.groups())
         shared: Counter[tuple[int, int]] = Counter()
         for i in sorted(survey.small):
             shared.update(combinations(sorted({clusters.find(other) for other, _ in survey.around(i)}), 2))
         for (a, b), count in sorted(shared.items(), key=lambda row: (-row[1], row[0])):
             one, two = clusters.find(a), clusters.find(b)
-            if count < _FEWEST_SCREWS or one == two or (one in jointed and two in jointed):
+            if count < _FEWEST_SCREWS or one == two or tied.find(one) == tied.find(two):
                 continue
-            if clusters.join(one, two) and {one, two} & jointed:
-                jointed.add(clusters.find(one))
+            if clusters.join(one, two):
+                tied.join(one, two)
         self._find_again()
 
     def _join_bases(self, root: int) -> int:
@@ -101,6 +102,13 @@ class LooseEnds:
         self._find_again()
         return self._clusters.find(root)
 
+    def _tied(self, groups: Iterable[int]) -> Clusters:
+        """Clusters that joints connect."""
+        tied = Clusters(groups)
+        for j in self._mechanism.joints:
+            tied.join(j.a, j.b)
+        return tied
+
     def _find_again(self) -> None:
         """Let joints name the representatives of their clusters, which joining changes."""
         for j in self._mechanism.joints:
@@ -108,9 +116,7 @@ class LooseEnds:
 
     def _connect(self, groups: dict[int, list[int]], root: int) -> None:
         """Placeholders between unconnected pieces of the mechanism; omnidirectional wheels turn."""
-        tied = Clusters(groups)
-        for j in self._mechanism.joints:
-            tied.join(j.a, j.b)
+        tied = self._tied(groups)
         jointed = self._jointed()
         for r in sorted(jointed, key=lambda r: groups[r][0]):
             if tied.find(r) == tied.find(root):

@@ -38,6 +38,8 @@ class Part:
     """Shape (3,) [m], in the assembly."""
     inertia: Array
     """Shape (3, 3), of density 1, about the centroid along the axes of the assembly."""
+    is_linear: bool = False
+    """Whether it has the dimensions of a linear bearing, in which a rod slides."""
 
     @property
     def is_small(self) -> bool:
