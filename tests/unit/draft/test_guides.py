@@ -197,3 +197,24 @@ def test_a_tube_slides_on_glide_pads(pads: bool) -> None:
     moving = [kind for kind, *_ in joints(found) if kind != "fixed"]
     assert moving == (["prismatic"] if pads else [])
     assert not pads or found.arcs[0].evidence.review == REVIEW
+
+
+def test_a_rod_as_thick_as_its_bore_is_the_screw_of_a_slide() -> None:
+    """Of three parallel rods in a block two have play and guide it; the third is drawn as a thread in it and turns."""
+    nodes = carriage(2)
+    base, block = (
+        box(400, 200, 20).at(0, 0, -10),
+        box(50, 100, 20).at(0, 0, 30) - turned(cylinder(6, 50), -25, 0, 30, ALONG_X),
+    )
+    for x in (-100, 100):
+        base = base + box(10, 100, 45).at(x, 0, 22.5)
+    for y in (-30.0, 30.0):
+        for x in (-105, 95):
+            base = base - turned(cylinder(4, 10), x, y, 30, ALONG_X)
+        block = block - turned(cylinder(4.05, 50), -25, y, 30, ALONG_X)
+    for x in (-105, 95):
+        base = base - turned(cylinder(6.1, 10), x, 0, 30, ALONG_X)
+    screw = turned(cylinder(6, 240), -120, 0, 30, ALONG_X)
+    found = inferred(part("base", base), part("block", block), *nodes[2:], part("screw", screw), sources=BARE)
+    assert joints(found) == [("prismatic", "base", "block")]
+    assert not any({"block", "screw"} <= link for link in links(found))

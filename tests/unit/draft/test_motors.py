@@ -214,3 +214,30 @@ def test_a_block_with_the_flange_of_a_stepper_is_a_motor(spacing: float, is_moto
     assert len(motors(nodes, BARE)) == is_motor
     evidence = [arc.evidence for arc in inferred(*nodes, sources=BARE).arcs]
     assert [(h.drives, h.review == "not named as a motor") for h in evidence] == [(is_motor, is_motor)]
+
+
+def test_an_outrunner_is_held_by_its_stator() -> None:
+    """What is on a rotor turns, though the rotor is wider than the mount that the stator stands on."""
+    stator, mount = cylinder(12, 4) + cylinder(20, 8).at(0, 0, 4), box(120, 80, 6).at(0, 0, -3)
+    for k in range(4):
+        at = 8 * np.cos(k * pi / 2), 8 * np.sin(k * pi / 2)
+        stator, mount = stator - cylinder(1.5, 3).at(*at, 0), mount - cylinder(1.6, 6).at(*at, -6)
+    rotor = cylinder(27, 2).at(0, 0, 18) + (cylinder(27, 13).at(0, 0, 5) - cylinder(25, 13).at(0, 0, 5))
+    motor = group("5010 BLDC", part("stator", stator), part("rotor", rotor))
+    arm = part("arm", box(120, 24, 6).at(40, 0, 0), z=23)
+    assert joints(inferred(part("mount", mount), motor, arm)) == [("revolute", "arm", "mount")]
+
+
+def test_a_horn_that_is_a_body_of_its_servo_turns() -> None:
+    """The horn of a servo that was imported as one product of two bodies turns with what is screwed to it."""
+    shaft, horn = cylinder(2.3, 4).at(10, 0, 0), (box(30, 6, 2).at(20, 0, 2) + cylinder(4, 3).at(10, 0, 0.5))
+    horn -= cylinder(2.3, 2.5).at(10, 0, 0.5)
+    arm = box(60, 10, 4)
+    for x in (20, 30):
+        horn, arm = horn - cylinder(0.8, 3).at(x, 0, 1), arm - cylinder(0.8, 4).at(x - 40, 0, -2)
+    bodies = [part(n, shape) for n, shape in (("1", CASE + shaft), ("2", horn))]
+    plate = PLATE
+    for x, y in CORNERS:
+        plate -= cylinder(1.5, 5).at(x, y, -2.5)
+    found = inferred(part("plate", BASE, z=-35), group("SG90", *bodies), part("arm", arm, 40, 0, 5))
+    assert len(joints(found)) == 1

@@ -1,6 +1,7 @@
 """The root link."""
 
 from dataclasses import replace
+from math import pi
 from pathlib import Path
 
 import pytest
@@ -12,7 +13,7 @@ from stepbot.draft.parts.names import Role, roles
 from stepbot.geometry.inertia import DIRECTIONS, Direction, rotation_of
 from stepbot.geometry.spatial import Pose
 from stepbot.step.assembly import Assembly, ReadOptions
-from tests.assembled import BARE, Node, inferred, links, part
+from tests.assembled import BARE, Node, inferred, links, part, turned
 from tests.solids import Solid, box, cylinder
 from tests.unit.step.in_process import read_quietly
 
@@ -169,3 +170,15 @@ def test_a_housing_that_turns_a_stub_and_a_table_is_the_root(length: float) -> N
     table = part("table", cylinder(85, 30) + cylinder(10, 19).at(0, 0, -19))
     found = inferred(part("housing", housing), motor, shaft, load, table)
     assert "housing" in links(found)[found.root]
+
+
+def test_a_roller_on_a_flat_axis_is_no_root() -> None:
+    """A heavy roller in bearings between the sides of a light frame turns in it, and not the frame about the roller."""
+    side = box(300, 6, 60) - turned(cylinder(11, 6), 0, 3, 0, (pi / 2, 0, 0))
+    ring = cylinder(11, 6) - cylinder(4, 6)
+    sides = [part(f"side {y}", side, y=y) for y in (-60, 60)]
+    seats = [part(f"608 {y}", turned(ring, 0, y + 3, 0, (pi / 2, 0, 0))) for y in (-60, 60)]
+    roller = turned(cylinder(40, 100).at(0, 0, -50) + cylinder(4, 140).at(0, 0, -70), rpy=(pi / 2, 0, 0))
+    cross = [part(f"cross {x}", box(10, 114, 10), x=x) for x in (-140, 140)]
+    found = inferred(*sides, *seats, *cross, part("roller", roller))
+    assert "side -60" in links(found)[found.root]

@@ -10,6 +10,8 @@ from stepbot.draft.mechanism.joints import Joint, slide_in_struts, stop_spinning
 from stepbot.draft.mechanism.loops import TreeJoint, loop_motions
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
+from tests.assembled import inferred, joints, links, part
+from tests.solids import box, cylinder, sphere
 
 X, Z = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])
 
@@ -68,3 +70,17 @@ def test_rod_on_two_parallel_pins_does_not_slide() -> None:
     ends = [(0, 1), (1, 2), (2, 3), (0, 3)]
     arcs = loop(*(joint(JointKind.REVOLUTE, *e, *c, Z) for e, c in zip(ends, corners, strict=True)))
     assert [(m.turns, m.slides) for m in loop_motions(arcs).values()] == [(True, False)] * 4
+
+
+def test_a_stud_between_two_balls_on_its_axis_is_fixed() -> None:
+    """A stud through an arm with a ball at each end would spin idly: it is one with the arm."""
+    stud = cylinder(2, 60).at(0, 0, -30)
+    arm = box(120, 16, 12).at(-50, 0, 0) - cylinder(2, 12).at(0, 0, -6)
+    nodes = [part("arm", arm), part("x", stud)]
+    for z in (-24.0, 24.0):
+        ball = sphere(5) - cylinder(2, 12).at(0, 0, -6)
+        rod = box(150, 10, 6).at(75, 0, 0) + cylinder(8, 6).at(0, 0, -3) - sphere(5.05)
+        nodes += [part(f"ball {z}", ball, z=z), part(f"rod {z}", rod, z=z)]
+    found = inferred(*nodes)
+    assert [kind for kind, *_ in joints(found)] == ["ball", "ball"]
+    assert any({"arm", "x"} <= link for link in links(found))

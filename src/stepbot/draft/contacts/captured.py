@@ -83,9 +83,10 @@ def find_captured(
             if slide is None:
                 known[placed] = bool(facing)
         if pair not in found and pair not in relations:
-            lined = _lined(scene, pair, pads)
-            facing = [face for a in lined[0] for b in lined[1] for face in planes.facing(a, b, _WIDE)]
-            slide = _slide(facing) if len(lined[0]) + len(lined[1]) > _FEWEST_LINED else None
+            lined, sides = _lined(scene, pair, pads)
+            many = len(lined) + len(sides) > _FEWEST_LINED
+            facing = [x for a in lined for b in sides for x in planes.facing(a, b, _WIDE)] if many else []
+            slide = _slide(facing) if facing else None
             if slide is not None and slide.has_play:
                 found[pair] = slide
     return found

@@ -163,12 +163,16 @@ def find_bands(parts: Mapping[int, Part], lines: Sequence[CoaxialLine]) -> set[i
     full: set[int] = set()
     for line in lines:
         for i, faces in line.faces.items():
-            full |= {i} if any(face.span > _AROUND for face in faces) else set()
+            if any(face.span > _AROUND for face in faces):
+                full.add(i)
+                continue
             inside, outside = ([f for f in faces if f.bore == bore and not f.cone] for bore in (True, False))
             if len(inside) != 1 or len(outside) != 1:
                 continue
             (bore,), (back,) = inside, outside
             thickness, width = back.radius - bore.radius, bore.high - bore.low
+            if not 0.0 < thickness < _BAND * bore.radius or abs(back.high - back.low - width) > _SAME_BAND:
+                continue
             runs = any(
                 other != i
                 and not face.bore
@@ -178,7 +182,7 @@ def find_bands(parts: Mapping[int, Part], lines: Sequence[CoaxialLine]) -> set[i
                 for other in line.faces
                 for face in line.faces[other]
             )
-            if runs and 0.0 < thickness < _BAND * bore.radius and abs(back.high - back.low - width) < _SAME_BAND:
+            if runs:
                 around[i].append((line, (thickness, width)))
     return {
         i

@@ -30,6 +30,8 @@ that is screwed tight.
 """
 _RODS, _REVIEW_RODS = 0.87, "slides on two parallel rods in bearings"
 """Score of the weld of two rods that slide in bearings and what is on both; what to review of them."""
+_EXACT = 1e-6
+"""Difference of radii [m] up to which a thread is drawn as thick as the bore of its nut."""
 _LONGER = 1.3
 """Ratio of the lengths of a rod and its bore, from which a part can slide on it."""
 _LONG_BORE = 3.0
@@ -101,6 +103,12 @@ def guide_evidence(survey: Survey, found: Evidence) -> None:
         if i in survey.small:
             continue
         rods = [(other, r) for other, r in survey.around(i) if _is_rod(survey, other, r)]
+        guides = [(other, r) for other, r in rods if min(fit.clearance for fit in r.shafts) > _EXACT]
+        if 1 < len(guides) < len(rods):
+            for other, r in rods:
+                if (other, r) not in guides:
+                    _turns_in_nut(found, i, other)
+            rods = guides
         for (one, r), (two, s) in combinations(rods, 2):
             axis = r.axis
             assert axis is not None
@@ -115,6 +123,18 @@ def guide_evidence(survey: Survey, found: Evidence) -> None:
                         found.weld(0.775, rod, holder, "rod in its holder")
                 a, b = sorted((i, rod))
                 found.joint(JointEvidence(0.77, a, b, JointKind.PRISMATIC, axis, "slides on two rods", r))
+
+
+def _turns_in_nut(found: Evidence, nut: int, screw: int) -> None:
+    """Keep a rod that fits exactly in what slides on two others with play apart from it: it is drawn as its screw."""
+    pair = {nut, screw}
+    for weld in found.welds:
+        if {weld.a, weld.b} == pair:
+            weld.score = min(weld.score, _IN_NUT)
+    for h in found.joints:
+        if {h.a, h.b} == pair:
+            h.score = min(h.score, _IN_NUT)
+    found.apart.append(Apart(_SCREWED, min(pair), max(pair)))
 
 
 def _slides_in_bearings(survey: Survey, found: Evidence) -> None:

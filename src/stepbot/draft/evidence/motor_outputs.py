@@ -26,14 +26,12 @@ SAME_AXIS = 5e-5
 """Distance [m] up to which axes at a motor are equal."""
 _WEIGHTS = {Via.RING: 3, Via.FACE: 2, Via.PIN: 2}
 _TURNING = (Via.FACE, Via.PIN, Via.BOLT)
-_LEVEL = 1e-2
-"""Angle [rad] up to which a contact is normal to the output axis."""
-_MOST_OUTPUT_VOLUME, _LEAST_OUTPUT_VOLUME = 0.25, 0.01
-"""Shares of the case's volume between which an unnamed part may be its output."""
-_EVEN = 0.02
-"""Angle [rad] up to which holes are evenly spaced."""
-_SHAFT = 0.05
-"""Share of the case's volume up to which what turns on it may be its shaft."""
+_LEVEL, _EVEN = 1e-2, 0.02
+"""Angles [rad] up to which a contact is normal to the output axis, and holes are evenly spaced."""
+_MOST_OUTPUT_VOLUME, _LEAST_OUTPUT_VOLUME, _SHAFT = 0.25, 0.01, 0.05
+"""Shares of the case's volume between which an unnamed part may be its output, and up to which what turns on it may be
+its shaft.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,9 +143,10 @@ def hidden_outputs(survey: Survey, motor: Motor) -> list[int]:
         if not touching or any(r.via not in (Via.FACE, Via.PIN, Via.BOLT) for r in touching):
             continue
         axis = max(touching, key=lambda r: r.radius).axis
-        if axis is None or not part.is_balanced(axis):
-            continue
         fastened = any(s.other(i) not in motor.parts for s in survey.near[i])
+        is_horn = fastened and all(r.via == Via.PIN for r in touching)  # its arm is on one side
+        if axis is None or not (is_horn or part.is_balanced(axis)):
+            continue
         if fastened or part.volume > _LEAST_OUTPUT_VOLUME * volume:
             found.append((not fastened, -max(r.radius for r in touching), i))
     return [i for _, _, i in sorted(found)][:2]
@@ -190,10 +189,8 @@ def lies_on(output: Output, relations: Sequence[Relation]) -> bool:
     return 0.0 < reach(output.axis, relations) <= 1.05 * output.reach + 1e-4
 
 
-_BRUSH_AREA = 5e-6
-"""Contact [m^2] below which a part that shares fewer than two holes with a motor is not fastened to it."""
-_WIDER = 0.8
-"""Ratio of the radii of a motor's two sides, below which the side that holds it is unambiguous."""
+_BRUSH_AREA, _WIDER = 5e-6, 0.8
+"""Contact [m^2] below which a part with fewer than two holes in line holds no motor; ratio of two sides' radii."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -309,6 +306,9 @@ class _OneMotor:
         Returns the driven part, the holding part, the score of the joint, and what to review.
         """
         groups = self._groups(driven)
+        own = {side.part for group in groups if any(map(self._is_on_anchor, group)) for side in group}
+        if self._motor.is_named and 0 < len(own) < len(driven):  # what touches the case alone holds it, however narrow
+            return [s for s in driven if s.part in own], [s for s in driven if s.part not in own], 0.83, ""
         if len(groups) < 2:
             # Only its own output and one neighbour: the case stands alone.
             return (driven, [], 0.85, "") if self._outputs else ([], [], 0.0, "")

@@ -136,11 +136,7 @@ class Mechanism:
         self.joints = kept
 
     def _of(self) -> dict[int, list[Joint]]:
-        found: dict[int, list[Joint]] = defaultdict(list)
-        for joint in self.joints:
-            found[joint.a].append(joint)
-            found[joint.b].append(joint)
-        return found
+        return _by_cluster(self.joints)
 
     def _drop_spinners(self) -> bool:
         """Unite bodies that only spin about their own axes with their supports, the smallest first; False for none."""
@@ -172,8 +168,12 @@ class Mechanism:
         if any(j.evidence.drives or j.evidence.priority or j.evidence.is_bolted for j in joints):
             return None
         members = self._clusters.members(root)
-        if not self._spins(members, joints[0].axis):
+        first, *others = sorted(joints, key=lambda j: j.evidence.type == JointKind.BALL)
+        if not self._spins(members, first.axis):
             return None
+        if others and all(j.evidence.type == JointKind.BALL for j in others) and first.axis.direction is not None:
+            # A stud with balls on its axis: each turns in its socket.
+            return first if all(first.axis.distance(j.axis.point) < _SAME_CENTRE for j in others) else None
         if len(joints) >= 2 and not is_one_of_two and all(j.axis.same(joints[0].axis) for j in joints):
             return min(joints, key=self._hold)
         if len(joints) == 1 and self._is_pin(members, joints[0]) and not self._is_flange(root, members, joints[0]):

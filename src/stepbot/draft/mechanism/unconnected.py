@@ -222,6 +222,8 @@ _TWIN, _TWIN_WHOLE = 1e-5, 0.3
 """Shares of a volume up to which the largest parts of two clusters, but motors, are equal, or mirror images, and up to
 which the clusters are, which may have other screws and pins.
 """
+_FLAT = 0.1
+"""Cosine of the angle to the vertical up to which an axis lies flat: what is turned about it is a roller, no stand."""
 _STUB = 0.1
 """Share of a cluster's volume up to which one at the end of a chain is a stub on it."""
 _BRANCHES, _TRUNK = 3, 1.6
@@ -238,9 +240,11 @@ def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], mot
     """The representative of the root cluster."""
     degree = Counter(root for j in joints if not j.evidence.of_roller for root in (j.a, j.b))
     neighbours: dict[int, list[int]] = defaultdict(list)
+    only: dict[int, JointEvidence] = {}
     for j in joints:
         neighbours[j.a].append(j.b)
         neighbours[j.b].append(j.a)
+        only[j.a] = only[j.b] = j.evidence
     cases = {i for motor in motors for i in motor.parts}
     holds: Counter[int] = Counter()
     for j in joints:
@@ -269,10 +273,21 @@ def find_root(made: Decision, structure: Structure, joints: Sequence[Joint], mot
         twins = (other for other in groups if abs(mains[other] - mains[root]) < _TWIN * mains[root])
         if any(q != root and abs(volumes[q] - volumes[root]) < _TWIN_WHOLE * volumes[root] for q in twins):
             rank -= _TRUNK  # one of several equal limbs
+        if degree[root] == 1 and root not in stands and _is_roller(made.survey, members, only[root], up):
+            rank -= _TRUNK
         if degree[root] >= _BRANCHES and volumes[root] < largest and _is_outweighed(root, joints, volumes):
             rank -= _HAND
         ranked.append((round(rank, 9), -members[0], root))
     return max(ranked)[-1] if ranked else next(iter(groups))
+
+
+def _is_roller(survey: Survey, members: Sequence[int], h: JointEvidence, up: Direction) -> bool:
+    """Whether a body turns about an axis that lies flat, and its large pieces other than belts are turned about it."""
+    if h.type != JointKind.REVOLUTE or abs(h.axis.d["xyz".index(up[-1])]) > _FLAT:
+        return False
+    parts = [survey.parts[i] for i in members if i not in survey.small]
+    least = _NAMED_SHARE * exact_sum(part.volume for part in parts)
+    return bool(parts) and all(part.is_balanced(h.axis) for part in parts if part.volume > least)
 
 
 def _is_outweighed(trunk: int, joints: Sequence[Joint], volumes: Mapping[int, float]) -> bool:
