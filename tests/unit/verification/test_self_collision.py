@@ -2,10 +2,12 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 import trimesh
 
 from stepbot.geometry.mesh import TriMesh, joined
+from stepbot.geometry.predicates import encloses
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.model import (
     Actuator,
@@ -24,6 +26,7 @@ from stepbot.robot.model import (
     Robot,
     Sphere,
 )
+from stepbot.verification.self_collision import shapes
 from stepbot.verification.self_collision.search import overlaps
 from stepbot.verification.self_collision.shapes import TOUCHING, only_collisions
 from tests.robots import ROBOTS, primitives
@@ -105,6 +108,29 @@ def test_what_a_surface_encloses_overlaps() -> None:
     assert overlaps(robot(ELL, box(0.5), 2.0)) == (("a", "b", None),)
     assert overlaps(robot(ELL, HOLLOW, 1.0 + 2.0)) == ()
     assert overlaps(robot(ELL, box(0.5), 1.0)) == ()
+
+
+def test_faces_are_asked_only_about_what_fits_into_the_box(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A shape that leaves the box of a surface is not inside it, whatever the faces: there can be 100,000 of them."""
+    asked: list[object] = []
+    monkeypatch.setattr(shapes, "encloses", lambda *given: asked.append(given) or encloses(*given))
+    built = shapes.shapes_of(robot(ELL, box(0.5), 0.0))
+    pair = shapes.Pair(built["a"][0], built["b"][0])
+    assert not pair.overlap(np.eye(3), np.array([2.8, 0.0, 0.0]))
+    assert not asked
+    assert pair.overlap(np.eye(3), np.array([2.0, 0.0, 0.0]))
+    assert len(asked) == 1
+
+
+def test_one_contact_of_surfaces_is_enough(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whether two surfaces overlap takes a single contact; the deepest of many is searched only for its place."""
+    built = shapes.shapes_of(robot(HOLLOW, HOLLOW, 0.95))
+    pair = shapes.Pair(built["a"][0], built["b"][0])
+    asked: list[int] = []
+    monkeypatch.setattr(pair, "_contact", lambda request: asked.append(request.num_max_contacts))
+    pair.overlap(np.eye(3), np.array([0.95, 0.0, 0.0]))
+    pair.deepest(np.eye(3), np.array([0.95, 0.0, 0.0]))
+    assert asked == [1, 1000]
 
 
 def test_the_drawn_pose_counts_and_not_q_zero() -> None:

@@ -69,7 +69,7 @@ class LinkPair:
                 R, p = R_AB[near], p_AB[near]
                 pair = self._pair(i, j)
                 boxes = np.flatnonzero(boxes_meet(_box(pair.a), _box(pair.b), R, p))
-                overlap[near[boxes]] = [pair.penetration(R[k], p[k]) is not None for k in boxes]
+                overlap[near[boxes]] = [pair.overlap(R[k], p[k]) for k in boxes]
         return overlap
 
     def boxes_meet(self, R_AB: Array, p_AB: Array) -> bool:

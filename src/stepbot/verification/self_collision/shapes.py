@@ -77,7 +77,7 @@ class Shape:
     surface: TriMesh | None
     """The mesh in the link's frame, if the shape is a surface for python-fcl; None for a solid one."""
     inside: Array
-    """A point (3,) [m] of the shape, in the link's frame."""
+    """Points (n, 3) [m] of the shape in the link's frame, outermost ones of a mesh among them."""
     center: Array
     radius: float
     """Centre (3,) and radius [m] of a sphere around the shape, in the link's frame."""
@@ -98,13 +98,15 @@ def _shape(robot: Robot, collision: Collision, convex: Set[str]) -> Shape:
         shape = _convex(mesh) if solid else _surface(_shrunk(mesh))
         center = 0.5 * (low + high)
         radius = float(np.linalg.norm(mesh.vertices - center, axis=1).max()) + TOUCHING
-        return Shape(shape, Pose(), low, high, None if solid else mesh, mesh.vertices[0], center, radius)
+        v = mesh.vertices
+        inside = v[[0, *v.argmin(axis=0), *v.argmax(axis=0)]]
+        return Shape(shape, Pose(), low, high, None if solid else mesh, inside, center, radius)
     extents, centre = _half_extents(collision.geometry), collision.X_LG.p
     ball = isinstance(collision.geometry, Sphere)
     half = extents if ball else np.abs(collision.X_LG.R) @ extents
     radius = float(extents[0]) if ball else float(np.linalg.norm(extents))
     shape = _primitive(collision.geometry)
-    return Shape(shape, collision.X_LG, centre - half, centre + half, None, centre, centre, radius, ball)
+    return Shape(shape, collision.X_LG, centre - half, centre + half, None, centre[None], centre, radius, ball)
 
 
 def _half_extents(geometry: Geometry) -> Array:
@@ -176,18 +178,21 @@ class Pair:
 
         self.a, self.b = a, b
         self._objects = (fcl.CollisionObject(a.shape, fcl.Transform(a.X_LG.R, a.X_LG.p)), fcl.CollisionObject(b.shape))
-        contacts = _MOST_CONTACTS if self.surfaces else 1
-        self._request = fcl.CollisionRequest(num_max_contacts=contacts, enable_contact=True)
+        one, most = (fcl.CollisionRequest(num_max_contacts=n, enable_contact=True) for n in (1, _MOST_CONTACTS))
+        self._requests = (one, most) if self.surfaces else (one,)
+        """For any contact, and for the deepest, of which two solids have one."""
 
     @property
     def surfaces(self) -> int:
         """Number of surfaces among the two."""
         return sum(shape.surface is not None for shape in (self.a, self.b))
 
-    def penetration(self, R_AB: Array, p_AB: Array) -> float | None:
-        """:meth:`deepest` without the point."""
-        found = self.deepest(R_AB, p_AB)
-        return None if found is None else found[0]
+    def overlap(self, R_AB: Array, p_AB: Array) -> bool:
+        """Whether the shapes overlap with link B at R_AB (3, 3), p_AB (3,) [m] in link A."""
+        self._place(R_AB, p_AB)
+        # Where two surfaces have no contact, they do not have a deeper one either.
+        requests = self._requests[: 1 if self.surfaces == 2 else 2]
+        return any(self._contact(request) is not None for request in requests) or self._encloses(R_AB, p_AB)
 
     def deepest(self, R_AB: Array, p_AB: Array) -> tuple[float, Array | None] | None:
         """Penetration depth [m] with link B at R_AB (3, 3), p_AB (3,) [m] in link A, and its point (3,) [m] in A.
@@ -195,24 +200,37 @@ class Pair:
         The depth is infinite if the shapes overlap without one, as two surfaces do. A shape inside a surface touches it
         nowhere, and has no point. None if the shapes do not overlap.
         """
+        self._place(R_AB, p_AB)
+        found = self._contact(self._requests[-1])
+        return found or ((inf, None) if self._encloses(R_AB, p_AB) else None)
+
+    def _place(self, R_AB: Array, p_AB: Array) -> None:
         import fcl
 
         X_LG = self.b.X_LG
         at = fcl.Transform(R_AB, p_AB) if X_LG.is_identity else fcl.Transform(R_AB @ X_LG.R, R_AB @ X_LG.p + p_AB)
         self._objects[1].setTransform(at)
+
+    def _contact(self, request: Any) -> tuple[float, Array] | None:
+        """Depth and point of the deepest of the contacts that a request finds; None without any beyond touching."""
+        import fcl
+
         result = fcl.CollisionResult()
-        fcl.collide(*self._objects, self._request, result)
+        fcl.collide(*self._objects, request, result)
         deepest = max(result.contacts, key=lambda contact: contact.penetration_depth, default=None)
-        if deepest is not None:
-            if self.surfaces == 2:
-                return inf, np.array(deepest.pos)
-            if deepest.penetration_depth > TOUCHING:
-                return float(deepest.penetration_depth), np.array(deepest.pos)
-        return (inf, None) if self._encloses(R_AB, p_AB) else None
+        if deepest is None or (self.surfaces < 2 and deepest.penetration_depth <= TOUCHING):
+            return None
+        return inf if self.surfaces == 2 else float(deepest.penetration_depth), np.array(deepest.pos)
 
     def _encloses(self, R_AB: Array, p_AB: Array) -> bool:
         """Whether one shape is a surface with the other one inside."""
         a, b = self.a, self.b
-        return (a.surface is not None and encloses(a.surface, R_AB @ b.inside + p_AB)) or (
-            b.surface is not None and encloses(b.surface, R_AB.T @ (a.inside - p_AB))
-        )
+        return _holds(a, b.inside @ R_AB.T + p_AB) or _holds(b, (a.inside - p_AB) @ R_AB)
+
+
+def _holds(shape: Shape, points: Array) -> bool:
+    """Whether a shape is a surface around points (n, 3): its faces are asked only if its box holds them all."""
+    if shape.surface is None:
+        return False
+    in_box = (shape.low - TOUCHING <= points) & (points <= shape.high + TOUCHING)
+    return bool(in_box.all()) and encloses(shape.surface, points[0])
