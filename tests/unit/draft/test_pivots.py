@@ -115,14 +115,3 @@ def test_a_fork_at_the_end_of_a_tube_is_lopsided(width: float, turns: bool) -> N
     """A tube with a flat end turns on an arm that it meets at a round face; one with a square end may be a post."""
     nodes = [part("lower", shell(1), z=-20), part("upper", forearm(width))]
     assert joints(inferred(*nodes, sources=BARE)) == ([("revolute", "lower", "upper")] if turns else [])
-
-
-@pytest.mark.parametrize(("holes", "turns"), [(4, True), (2, False)])
-def test_a_tool_flange_on_a_flat_face_turns(holes: int, turns: bool) -> None:
-    """A disc with a circle of four free holes at the end of an arm with another joint turns; other discs are covers."""
-    flange = cylinder(20, 8)
-    for n in range(holes):
-        flange -= cylinder(1.6, 6).at(14 * np.cos(n * np.pi / 2), 14 * np.sin(n * np.pi / 2), 2)
-    upper = part("upper", shell(-1), z=23)
-    found = inferred(*stacked(shell(-1))[:2], upper, part("flange", flange.at(-160, 0, 0), z=43), sources=BARE)
-    assert len(joints(found)) == (2 if turns else 1)

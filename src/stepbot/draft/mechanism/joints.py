@@ -171,11 +171,8 @@ class Mechanism:
         first, *others = sorted(joints, key=lambda j: j.evidence.type == JointKind.BALL)
         if not self._spins(members, first.axis):
             return None
-        if (
-            len(others) > 1
-            and all(j.evidence.type == JointKind.BALL for j in others)
-            and first.axis.direction is not None
-        ):
+        balls = [j for j in others if j.evidence.type == JointKind.BALL]
+        if len(balls) == len(others) > 1 and first.axis.direction is not None:
             # A stud with balls on its axis, which turn in their sockets; a rod with one may be that of a strut.
             return first if all(first.axis.distance(j.axis.point) < _SAME_CENTRE for j in others) else None
         if len(joints) >= 2 and not is_one_of_two and all(j.axis.same(joints[0].axis) for j in joints):

@@ -15,7 +15,6 @@ from itertools import pairwise
 
 import numpy as np
 
-from stepbot.draft.contacts.concentric import has_free_circle
 from stepbot.draft.contacts.contacts import Pair
 from stepbot.draft.contacts.relations import Relation, Via, reach
 from stepbot.draft.contacts.survey import Survey
@@ -81,8 +80,6 @@ _STAND = 0.05
 """Share of the assembly's volume from which what is symmetric about its joint may be a stand, not a cap or a pin."""
 _WIDER = 1.2
 """Ratio of the radii of a stand's foot and of the contact above it: what overhangs needs a wide foot, unlike a cap."""
-_FLANGE, _BESIDE = 1e-3, 1e-3
-"""Share of the assembly's volume from which a body is a tool flange, and distance [m] up to which others are at it."""
 _OBLONG = 0.1
 """Difference of the moments of inertia across an axis, as a share of that about it, from which a side is lopsided."""
 _CLEARLY = 2.0
@@ -110,8 +107,6 @@ def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
         if between or root in jointed:
             below = [pair for sides in pivots if (pair := sides.above_stand(feet)) is not None]
             found |= dict.fromkeys(below, _REVIEW_STAND)
-            flanges = [pair for sides in pivots if (pair := sides.at_flange()) is not None]
-            found |= dict.fromkeys(flanges, _REVIEW)
     hinges = {(h.a, h.b): h for h in made.evidence.joints if h.relation is not None and h.verdict != Verdict.TAKEN}
     return {(*pair, str(hinges[pair].type)): review for pair, review in found.items() if pair in hinges}
 
@@ -176,19 +171,6 @@ class _Sides:
                 continue
             if width > _WIDER * reach(self._pivot.axis, [self._survey.relations[pair]]):
                 return pair
-        return None
-
-    def at_flange(self) -> Pair | None:
-        """The joint between the only lopsided side and a tool flange, a turned body with a circle of free holes."""
-        if len(self._lopsided) != 1:
-            return None
-        survey, axis, near = self._survey, self._pivot.axis, {i for r in self._pivot.relations for i in (r.a, r.b)}
-        for root, parts in self._groups.groups().items():
-            is_flange = root != self._lopsided[0] and survey.total_volume(parts) > _FLANGE * survey.volume
-            if is_flange and near.intersection(parts) and has_free_circle(survey.contacts.lines, parts, axis):
-                beside = {i for i, gap in survey.box_gaps(survey.box_of(parts)).items() if gap < _BESIDE}
-                if beside <= {*parts, *self._groups.members(self._lopsided[0])}:
-                    return self._weakest(self._lopsided[0], root)[0]
         return None
 
     def _weakest(self, one: int, two: int) -> tuple[Pair | None, list[int]]:
