@@ -3,6 +3,7 @@
 from argparse import ArgumentParser
 
 from .kinds import ASIDE, ASIDE_BOUGHT, ASIDE_LATER, ASIDE_LATEST, KINDS
+from .recorded import record
 from .scored import Result, drawn, scored
 
 
@@ -13,7 +14,11 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=6)
     parser.add_argument("--aside", action="store_true")
     parser.add_argument("-v", "--verbose", action="store_true", help="each missed and each wrong joint")
+    parser.add_argument("--record", action="store_true", help="instead, write the drafts that tests compare")
     chosen = parser.parse_args()
+    if chosen.record:
+        record()
+        return
     whole = Result()
     print("| kind | found | merged | wrong, unmarked | wrong, REVIEW | volume | root |\n| --- |" + " --- |" * 6)
     for kind in KINDS:

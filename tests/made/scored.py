@@ -1,6 +1,7 @@
 """What ``init`` finds of a drawn mechanism, counted as ``python -m benchmarks drafts`` counts it."""
 
 from collections import defaultdict
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from random import Random
 
@@ -58,7 +59,11 @@ def drawn(kind: str, seed: int) -> Kit:
 def scored(kit: Kit) -> Result:
     """Infer a drawn mechanism and compare it with its truth."""
     assembly, by_path = kit.assembly()
-    found = infer_mechanism(assembly)
+    return compared(kit, infer_mechanism(assembly), by_path)
+
+
+def compared(kit: Kit, found: Inferred, by_path: Mapping[str, str]) -> Result:
+    """Compare what was inferred of a drawn mechanism with its truth: the link of each part, by its path."""
     assert {found.root, *(arc.child for arc in found.arcs)} == set(range(len(found.links))), "a link is not connected"
     link_of = {i: by_path[part.path] for i, part in found.survey.parts.items() if by_path[part.path] != SCREWS}
     one = list(range(len(found.links)))
