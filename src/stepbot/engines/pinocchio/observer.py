@@ -45,7 +45,6 @@ _MJCF_NOT_RUN: Mapping[Quantity, str] = {
     Quantity.DYNAMICS: "Pinocchio interprets MJCF springs and friction differently",
 }
 _TURNING = ("R", "Revolute")
-_HOME = "home"
 
 
 def prepare() -> None:
