@@ -152,7 +152,7 @@ def code_page(name: str) -> str:
 
 
 MOST_FAULTS = 100
-"""Maximum number of diagnostics reported for one sidecar."""
+"""Maximum number of errors reported for one sidecar. Warnings are as many as its text has reasons for."""
 
 
 class TooManyFaultsError(Exception):
@@ -160,23 +160,32 @@ class TooManyFaultsError(Exception):
 
 
 class BoundedDiagnostics(Diagnostics):
-    """Collects up to :data:`MOST_FAULTS` diagnostics.
+    """Collects diagnostics, up to :data:`MOST_FAULTS` errors.
 
     Raises:
-        TooManyFaultsError: One more was added.
+        TooManyFaultsError: One more error was added.
     """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._errors: dict[Diagnostic, None] = {}
 
     def extend(self, diagnostics: Iterable[Diagnostic]) -> list[Diagnostic]:
         """Add diagnostics, up to the limit."""
         taken = list(diagnostics)
-        super().extend(taken[: MOST_FAULTS + 1 - len(self)])
-        if len(self) > MOST_FAULTS:
-            raise TooManyFaultsError
+        for one in taken:
+            super().extend([one])
+            if one.severity == "error":
+                self._errors[one] = None
+                if len(self._errors) > MOST_FAULTS:
+                    raise TooManyFaultsError
         return taken
 
     def hand_over(self, found: Diagnostics, file: str, *, complete: bool) -> None:
         """Add all diagnostics to another collector, in file order, and report if there were more."""
-        found.extend(sorted(list(self)[:MOST_FAULTS], key=lambda d: (d.span.line, d.span.column, d.code)))
+        beyond = list(self._errors)[MOST_FAULTS:]
+        shown = [one for one in self if one not in beyond]
+        found.extend(sorted(shown, key=lambda d: (d.span.line, d.span.column, d.code)))
         if not complete:
             help = ["correct these errors first"]
             found.add(

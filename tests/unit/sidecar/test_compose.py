@@ -4,6 +4,7 @@ import io
 import json
 import math
 import time
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -12,7 +13,9 @@ from ruamel.yaml import YAML
 from ruamel.yaml.error import MarkedYAMLError
 
 from stepbot.diagnostics import Diagnostics
+from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.compose import DEEPEST, TooMuchError, compose
+from stepbot.sidecar.load import load_sidecar
 from stepbot.sidecar.text import BoundedDiagnostics, TooManyFaultsError
 from stepbot.sidecar.tree import Tree, plain_data, span
 
@@ -192,3 +195,17 @@ def test_faults_are_bounded() -> None:
     found = BoundedDiagnostics()
     with pytest.raises(TooManyFaultsError):
         compose("a: 1\n" * 3000, FILE, found)
+
+
+def test_a_sidecar_may_have_any_number_of_warnings(tmp_path: Path) -> None:
+    """A draft of a large robot has a placeholder in each joint: 150 of them are no reason to refuse it."""
+    links = "".join(f"  l{n}: {{}}\n" for n in range(151))
+    joints = "".join(f"  j{n}: {{type: revolute, parent: l{n}, child: l{n + 1}, limits: todo}}\n" for n in range(150))
+    path = tmp_path / "long.robot.yaml"
+    path.write_text(f"version: 1\nrobot: long\nstep: a.step\nlinks:\n{links}joints:\n{joints}", encoding="utf-8")
+    found = Diagnostics()
+    sidecar = load_sidecar(path, found)
+    assert sidecar is not None
+    check_sidecar(sidecar, found)
+    assert not found.has_errors
+    assert [one.code for one in found].count("SB463") == 150
