@@ -58,6 +58,8 @@ class Session:
         self._lock = threading.Lock()
         self._scene = b"null"
         self._shown: Shown | None = None
+        self._is_current = False
+        """Whether what is shown is what the files have: not after a save with errors."""
         self._revision = 0
         self._made: Mapping[str, bytes] = {}
         """Files of the last conversion that the page asked for."""
@@ -99,6 +101,7 @@ class Session:
         # A save while it was read is one to show: what was known before counts.
         self._seen = tuple(sorted({**dict(_signature(self.files)), **dict(before)}.items()))
         if shown.scene is None or (shown.diagnostics.has_errors and self._shown is not None):
+            self._is_current = False
             self.server.send("findings", {"diagnostics": _documents(shown.diagnostics)})
             return shown
         self._set(shown)
@@ -125,7 +128,7 @@ class Session:
 
     def _set(self, shown: Shown) -> None:
         with self._lock:
-            self._shown = shown
+            self._shown, self._is_current = shown, True
             self._scene = scene_text(shown.scene or {}).encode("utf-8", "backslashreplace")
             self._revision += 1
         for event in ("findings", "proof", "busy"):
@@ -155,13 +158,15 @@ class Session:
         return {**found, "modules": places}
 
     def prove(self, run: Produce = produce) -> Conversion | None:
-        """Convert the sidecar that is shown, verify the files, and show the result; None for other targets.
+        """Convert the sidecar that is shown, verify the files, and show the result.
+
+        None for other targets, and after a save with errors.
 
         Args:
             run: Converts it, here or in another process.
         """
         shown = self._shown
-        if shown is None or shown.sidecar is None or shown.diagnostics.has_errors:
+        if shown is None or not self._is_current or shown.sidecar is None or shown.diagnostics.has_errors:
             return None
         documents = _documents(shown.diagnostics)
         self.server.send("proof", {"proof": None, "diagnostics": documents, "proving": True})

@@ -13,7 +13,7 @@ import pytest
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.runtime.cache import Cache
 from stepbot.serving.session import Session
-from stepbot.serving.watching import Prover
+from stepbot.serving.watching import CALM, Prover
 
 PATIENCE = 120.0
 
@@ -85,5 +85,21 @@ def test_a_process_that_dies_is_an_error(shown: Session, proofs: tuple[Prover, "
     [died] = reported.get(timeout=PATIENCE).diagnostics
     assert (died.code, died.span.file) == ("SB902", shown.target.as_posix())
     assert "SIGKILL" in died.message
+    prover.ask(shown)
+    assert not reported.get(timeout=PATIENCE).diagnostics.has_errors
+
+
+def test_a_sidecar_with_errors_is_not_proven(shown: Session, proofs: tuple[Prover, "queue.Queue[Conversion]"]) -> None:
+    """A save with errors ends the proof, and its errors are not reported twice; the repaired one is proven."""
+    prover, reported = proofs
+    good = shown.target.read_text(encoding="utf-8")
+    prover.ask(shown)
+    working(prover)
+    shown.target.write_text(good.replace("links:", "lnks:"), encoding="utf-8")
+    assert shown.load().diagnostics.has_errors
+    with pytest.raises(queue.Empty):
+        reported.get(timeout=4 * CALM)
+    shown.target.write_text(good, encoding="utf-8")
+    shown.load()
     prover.ask(shown)
     assert not reported.get(timeout=PATIENCE).diagnostics.has_errors
