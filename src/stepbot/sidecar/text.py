@@ -9,7 +9,7 @@ from stepbot.diagnostics import NOT_TEXT, Diagnostic, Diagnostics, Span, did_you
 from stepbot.runtime.file import is_folder, open_regular
 from stepbot.runtime.robot_library import export_hint
 
-LARGEST_FILE = 1 << 20
+LARGEST_FILE = 1 << 22
 """Maximum size [bytes] of a file."""
 
 _BYTE_ORDER_MARKS = {b"\xff\xfe": "UTF-16", b"\xfe\xff": "UTF-16"}

@@ -1,4 +1,4 @@
-"""A sidecar of two megabytes."""
+"""A sidecar of five megabytes."""
 
 from pathlib import Path
 
@@ -7,4 +7,4 @@ import pytest
 
 def make(patch: pytest.MonkeyPatch) -> None:
     """Write it."""
-    Path("robot.robot.yaml").write_bytes(b"version: 1\n" + b"# padding\n" * 200_000)
+    Path("robot.robot.yaml").write_bytes(b"version: 1\n" + b"# padding\n" * 500_000)
