@@ -8,9 +8,11 @@ import subprocess
 import threading
 import time
 import urllib.request
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
 from queue import SimpleQueue
 from statistics import median
+from typing import Any
 
 from .contenders import STEPBOT, Case
 
@@ -18,6 +20,14 @@ _PATIENCE = 60.0
 _PACES = (1.5, 6.0)
 """Seconds between two saves."""
 _ADDRESS = re.compile(r"http://\S+")
+
+
+def add_command(commands: Any, case_of: Callable[[Path, None, Path], Case]) -> None:
+    """Add the command, given what makes the case of a sidecar in a folder."""
+    added = commands.add_parser("live", help="seconds from a save to the page of `watch` and `view --edit`")
+    added.add_argument("sidecar", type=Path)
+    added.add_argument("-n", "--rounds", type=int, default=10, metavar="N", help="saves in each pace [default: 10]")
+    added.set_defaults(run=lambda one, place: print(*times(case_of(one.sidecar, None, place), one.rounds), sep="\n"))
 
 
 def times(case: Case, rounds: int) -> Iterator[str]:

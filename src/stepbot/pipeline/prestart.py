@@ -67,6 +67,15 @@ def warm_processes() -> Iterator[None]:
         yield
 
 
+_KEPT = ExitStack()
+"""Never closed: the processes that it keeps end with this one."""
+
+
+def stay_warm() -> None:
+    """Start workers from :class:`WarmProcesses` until this process ends: it converts one robot after the other."""
+    _KEPT.enter_context(warm_processes())
+
+
 def _imports(function: str) -> tuple[str, ...]:
     """Modules to load for a worker; empty for one that no conversion needs."""
     from stepbot.engines.prestart import shared_imports

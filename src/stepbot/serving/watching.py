@@ -7,14 +7,13 @@ seconds, and starts again if something else is to be shown meanwhile.
 import importlib.util
 import os
 from collections.abc import Callable, Iterable, Sequence
-from contextlib import ExitStack
 from pathlib import Path
 from threading import TIMEOUT_MAX, Event, Lock, Thread
 
 from stepbot.jobs.incremental import failure_of, produce
 from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.pipeline.loading import hold_geometry
-from stepbot.pipeline.prestart import warm_processes
+from stepbot.pipeline.prestart import stay_warm
 from stepbot.pipeline.scenes import Shown
 from stepbot.runtime.file import is_folder, resolved
 from stepbot.runtime.worker import RemoteError, Worker, WorkerDied
@@ -78,12 +77,6 @@ class Prover:
                 self._is_superseded = True
                 self._worker.kill()
 
-    @property
-    def working_pid(self) -> int | None:
-        """The id of the process while it converts."""
-        with self._lock:
-            return self._worker.pid if self._worker is not None and self._is_working else None
-
     def close(self) -> None:
         """Take no further work."""
         self._ended = True
@@ -137,10 +130,7 @@ def prepare() -> None:
     if hasattr(os, "nice"):
         os.nice(NICE)
     hold_geometry(prepare)
-    _LOADED.enter_context(warm_processes())
-
-
-_LOADED = ExitStack()
+    stay_warm()
 
 
 def proof(sidecar: Path, options: Options) -> Conversion:

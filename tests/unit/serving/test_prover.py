@@ -43,10 +43,10 @@ def proofs(shown: Session) -> Iterator[tuple[Prover, "queue.Queue[Conversion]"]]
 def working(prover: Prover) -> int:
     """The id of the process, once it converts."""
     end = time.monotonic() + PATIENCE
-    while (pid := prover.working_pid) is None:
+    while (worker := prover._worker) is None or not prover._is_working:
         assert time.monotonic() < end
         time.sleep(0.005)
-    return pid
+    return worker.pid
 
 
 def test_a_proof_makes_way_for_the_next_robot(shown: Session, proofs: tuple[Prover, "queue.Queue[Conversion]"]) -> None:

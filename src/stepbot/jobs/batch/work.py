@@ -11,7 +11,7 @@ import queue
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -136,10 +136,6 @@ def on_cluster(address: str) -> Iterator[tuple[Executor, int]]:
             executor.shutdown(wait=False)
 
 
-_KEPT = ExitStack()
-"""Never closed: the processes that it keeps end with this one."""
-
-
 @dataclass(frozen=True)
 class Work:
     """The result for one robot; nothing is written yet."""
@@ -174,9 +170,9 @@ class Parcel:
 
 def prepare() -> None:
     """In a process that converts one robot after the other: keep what it loads for the next one."""
-    from stepbot.pipeline.prestart import warm_processes
+    from stepbot.pipeline.prestart import stay_warm
 
-    _KEPT.enter_context(warm_processes())
+    stay_warm()
 
 
 def carry_out(sidecar: Path, options: Options) -> Work:

@@ -229,7 +229,7 @@ class Pair:
 
 
 def _holds(shape: Shape, points: Array) -> bool:
-    """Whether a shape is a surface around points (n, 3): its faces are asked only if its box holds them all."""
+    """Whether a shape is a surface around points (n, 3): its faces are searched only if its box holds them all."""
     if shape.surface is None:
         return False
     in_box = (shape.low - TOUCHING <= points) & (points <= shape.high + TOUCHING)
