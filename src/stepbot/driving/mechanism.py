@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stepbot.engines.simulation import Mechanism, Motor
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.gains import actuator_limit
 from stepbot.robot.kinematics import link_poses, mimic_relation, rigid_bodies
 from stepbot.robot.model import ActuatorKind, Base, Joint, JointKind, Robot
@@ -50,6 +50,11 @@ class Wheels:
     """Joints of the rollers of each wheel, if all wheels have some: mecanum wheels, which can drive sideways."""
     turns: bool = False
     """Whether they turn the base on the spot without slipping: by rollers, or on one axle line."""
+    apart: float = 0.0
+    """Largest distance [m] of two axles along the direction."""
+    dragged: frozenset[str] = frozenset()
+    """Links that roll on axles fixed to the base that do not point at the middle of the driven wheels: they slip
+    sideways when the base turns on the spot."""
 
 
 @dataclass(frozen=True)
@@ -113,11 +118,26 @@ def wheels_of(mechanism: Mechanism) -> Wheels | None:
     rollers = tuple(_rollers(robot, wheel.link) for wheel in wheels)
     all_have = all(len(names) >= _FEWEST_ROLLERS for names in rollers)
     places = np.array([poses[link].p for _, link, _ in found])
-    places -= places.mean(axis=0)
+    middle = places.mean(axis=0)
+    places -= middle
     width = float(np.abs(places @ np.cross((0.0, 0.0, 1.0), ahead)).max())
     in_line = float(np.abs(places @ ahead).max()) < _IN_LINE * width
     direction = (float(ahead[0]), float(ahead[1]), float(ahead[2]))
-    return Wheels(wheels, direction, rollers if all_have else (), width > 0.0 and (all_have or in_line))
+    dragged = frozenset(_dragged(robot, poses, middle, _IN_LINE * width))
+    turns = width > 0.0 and (all_have or in_line)
+    return Wheels(wheels, direction, rollers if all_have else (), turns, float(np.ptp(places @ ahead)), dragged)
+
+
+def _dragged(robot: Robot, poses: Mapping[str, Pose], middle: Array, near: float) -> Iterator[str]:
+    """Links that turn without a motor on horizontal axles of the base that pass a point (3,) [m] at a distance."""
+    driven, body = {one.joint for one in robot.actuators}, rigid_bodies(robot.root.name, robot.joints)
+    for joint in robot.joints:
+        X = poses[joint.child]
+        axle = X.turn(joint.axis)
+        is_free = joint.kind is JointKind.CONTINUOUS and joint.name not in driven
+        is_level = body[joint.parent] == body[robot.root.name] and abs(axle[2]) < _LEVEL
+        if is_free and is_level and abs(float(np.cross(axle, middle - X.p)[2])) > near:
+            yield joint.child
 
 
 def _rollers(robot: Robot, wheel: str) -> tuple[str, ...]:

@@ -39,9 +39,7 @@ def reasons(
         "roll": ""
         if wheels
         else "no velocity actuator on a continuous joint with a horizontal axle, on a floating base",
-        "turn": ""
-        if wheels and wheels.turns
-        else "no driven wheels, under a floating base, with rollers or with their axles in line",
+        "turn": "" if wheels and wheels.turns else _no_turn(wheels),
         "strafe": "" if wheels and wheels.rollers else "no wheels with three or more passive rollers each",
         "stand": "" if limbs and not wheels else "no floating base with two or more limbs of two motors each",
     }
@@ -56,6 +54,16 @@ def ungripped(survey: Survey) -> Mapping[str, str]:
     gripping = {motor for grasp in survey.grasps for motor in grasp.fingers.motors}
     missed = survey.misses.items() if survey.grasps else ()
     return {f"grip of {motor}": why for motor, why in missed if motor not in gripping}
+
+
+def _no_turn(wheels: Wheels | None) -> str:
+    if wheels is None or len(wheels.wheels) == 1 or not wheels.apart:
+        return "no driven wheels, under a floating base, with rollers or with their axles in line"
+    names = ", ".join(f"'{wheel.link}'" for wheel in wheels.wheels)
+    return (
+        f"the axles of {names} are up to {1e3 * wheels.apart:.0f} mm apart in the direction of driving: such wheels "
+        "turn the base only by slipping sideways, and how far is a matter of friction"
+    )
 
 
 def _no_grasp(mechanism: Mechanism, survey: Survey) -> str:

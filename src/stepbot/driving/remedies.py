@@ -86,6 +86,15 @@ def spin_words(spin: Spin, *, gains: bool) -> tuple[str, str]:
     names = " and ".join(f"'{one}'" for one in spin.standing[:_FEW])
     drags = f"; {names} touch{'es' * (len(spin.standing) == 1)} the floor, too" if names else ""
     turned = f"the wheel of '{spin.joint}' turned {100.0 * spin.share:.0f} % of what was asked for"
+    if spin.dragged:
+        names = " and ".join(f"'{one}'" for one in spin.dragged[:_FEW])
+        rolls = "rolls on an axle that does" if len(spin.dragged) == 1 else "roll on axles that do"
+        turned = "the wheels turned as asked for" if spin.share > _TURNED else turned
+        return (
+            f"{turned}; {names} {rolls} not swivel, and slipped sideways",
+            "put the wheel of a caster on its fork, and the fork on a joint with a vertical axis, or give it little "
+            "friction: `contact`",
+        )
     if spin.share > _TURNED:
         return (
             f"the wheels turned as asked for, and slipped or lost the floor{drags}",

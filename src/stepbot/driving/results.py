@@ -62,6 +62,8 @@ class Spin:
     """Largest effort of its motor, relative to its limit; None without a limit."""
     standing: tuple[str, ...] = ()
     """Links that touched the floor while the wheels turned, other than wheels and their rollers."""
+    dragged: tuple[str, ...] = ()
+    """Those of them that roll, but were moved along their axles."""
 
 
 @dataclass(frozen=True)

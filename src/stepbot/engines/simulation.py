@@ -141,8 +141,8 @@ class Simulation(Protocol):
     def penetration(self) -> float:
         """Largest depth [m] of a contact; 0 without contact."""
 
-    def standing(self) -> frozenset[str]:
-        """The links that touch the floor."""
+    def standing(self) -> Mapping[str, Array]:
+        """The links that touch the floor, each with the middle (3,) [m] of the places where it does."""
 
     def place_cube(self, X_WC: Pose) -> None:
         """Place the cube at rest, without weight."""

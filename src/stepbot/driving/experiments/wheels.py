@@ -45,6 +45,20 @@ def strafe(stage: Stage) -> Result:
     return _drive(stage, "strafe", (float(left[0]), float(left[1]), float(left[2])), _SIDEWAYS)
 
 
+def _places(stage: Stage, simulation: Simulation) -> list[Array]:
+    """Where the driven wheels are (3,) [m]: on their axles, above the middle of what touches the floor, if they do.
+
+    The frame of a wheel is where its axle was found, often the face of its motor and not the middle of its tread.
+    """
+    assert stage.wheels is not None
+    places, standing = [], simulation.standing()
+    for wheel in stage.wheels.wheels:
+        X, joint = simulation.pose(wheel.link), stage.mechanism.robot.joint_by_name[stage.motor(wheel.motor).joint]
+        axle = X.turn(joint.axis)
+        places.append(X.p + (float(axle @ (standing[wheel.link] - X.p)) if wheel.link in standing else 0.0) * axle)
+    return places
+
+
 def _spins(
     stage: Stage, simulation: Simulation, velocity: Callable[[Array], Array]
 ) -> tuple[Mapping[str, float], float]:
@@ -60,9 +74,9 @@ def _spins(
     assert stage.wheels is not None
     robot, wheels, found = stage.mechanism.robot, stage.wheels, {}
     fastest, slowest = 0.0, inf
-    for index, wheel in enumerate(wheels.wheels):
-        place, ahead = simulation.pose(wheel.link).p, np.array(wheels.direction)
-        wanted = velocity(place)
+    ahead = np.array(wheels.direction)
+    for index, (wheel, where) in enumerate(zip(wheels.wheels, _places(stage, simulation), strict=True)):
+        wanted = velocity(where)
         way = float(ahead @ wanted)
         if wheels.rollers:
             joints = [robot.joint_by_name[name] for name in wheels.rollers[index]]
@@ -73,10 +87,10 @@ def _spins(
             tilts = (np.arange(_TILTS) + 0.5) * (pi / len(joints) / _TILTS)
             ways = way + float(across @ wanted) / (lean * np.cos(tilts))
             way = 1.0 / float(np.mean(1.0 / ways)) if np.all(ways * ways[0] > 0.0) else float(ways[0])
-        found[wheel.motor] = wheel.forwards * way / float(place[2])
+        found[wheel.motor] = wheel.forwards * way / float(where[2])
         fastest = max(fastest, abs(way))
         if way:
-            slowest = min(slowest, _SHARE * stage.motor(wheel.motor).limit.velocity * float(place[2]) / abs(way))
+            slowest = min(slowest, _SHARE * stage.motor(wheel.motor).limit.velocity * float(where[2]) / abs(way))
     scale = min(_SPEED / fastest, slowest)
     return {motor: scale * spin for motor, spin in found.items()}, scale
 
@@ -92,6 +106,7 @@ class _Turned:
         assert stage.wheels is not None
         rolling = {wheel.link for wheel in stage.wheels.wheels}
         joints = stage.mechanism.robot.joint_by_name
+        self._dragged = stage.wheels.dragged
         self._rolling = rolling | {joints[name].child for names in stage.wheels.rollers for name in names}
         self._standing: set[str] = set()
         self._steps = 0
@@ -100,11 +115,11 @@ class _Turned:
         """Look at the efforts after a step, and now and then at what touches the floor."""
         self._steps += 1
         if self._steps % _LOOK == 0:
-            self._standing |= self._simulation.standing() - self._rolling
+            self._standing |= self._simulation.standing().keys() - self._rolling
         for motor in self._efforts:
             self._efforts[motor] = max(self._efforts[motor], abs(self._simulation.effort(motor.joint)))
 
-    def least(self) -> Spin | None:
+    def least(self, *, is_turn: bool = False) -> Spin | None:
         """The wheel that is farthest behind."""
         now = self._simulation.positions()
         shares = {one: (now[one.joint] - self._start[one.joint]) / asked for one, asked in self._motors.items()}
@@ -112,7 +127,8 @@ class _Turned:
             return None
         motor = min(shares, key=lambda one: shares[one])
         effort = self._efforts[motor] / motor.limit.effort if isfinite(motor.limit.effort) else None
-        return Spin(motor.joint, shares[motor], motor.kv, effort, tuple(sorted(self._standing)))
+        dragged = tuple(sorted(self._standing & self._dragged)) if is_turn else ()
+        return Spin(motor.joint, shares[motor], motor.kv, effort, tuple(sorted(self._standing)), dragged)
 
 
 def _ramped(stage: Stage, simulation: Simulation, spins: Mapping[str, float], seconds: float) -> Iterator[float]:
@@ -199,7 +215,7 @@ def turn(stage: Stage) -> Result:
                 angles.append(angles[-1] + (float(np.arctan2(y, x)) - angles[-1] + pi) % (2.0 * pi) - pi)
                 times.append(times[-1] + simulation.timestep)
                 tilts.append(tilt(X_WR))
-        moved, spin = _middle(stage, simulation) - middle, wheels.least()
+        moved, spin = _middle(stage, simulation) - middle, wheels.least(is_turn=True)
     measures = (
         Measure("turn error", 100.0 * abs(angles[-1] / (2.0 * pi) - 1.0)),
         Measure("displacement", MM * float(np.linalg.norm(moved[:2]))),
@@ -212,6 +228,5 @@ def turn(stage: Stage) -> Result:
 
 def _middle(stage: Stage, simulation: Simulation) -> Array:
     """Point (3,) [m] in the middle of the driven wheels."""
-    assert stage.wheels is not None
-    middle: Array = np.array([simulation.pose(wheel.link).p for wheel in stage.wheels.wheels]).mean(axis=0)
+    middle: Array = np.array(_places(stage, simulation)).mean(axis=0)
     return middle

@@ -234,10 +234,14 @@ class MujocoSimulation:
     def penetration(self) -> float:  # noqa: D102
         return max(0.0, *self._depths(), 0.0)
 
-    def standing(self) -> frozenset[str]:  # noqa: D102
-        pairs = [(int(one.geom1), int(one.geom2)) for one in self.data.contact[: self.data.ncon]]
-        own = [a if a in self._own else b for a, b in pairs if (a in self._own) != (b in self._own)]
-        return frozenset(self.model.body(int(self.model.geom_bodyid[geom])).name for geom in own)
+    def standing(self) -> Mapping[str, Array]:  # noqa: D102
+        places: dict[str, list[Array]] = {}
+        for one in self.data.contact[: self.data.ncon]:
+            a, b = int(one.geom1), int(one.geom2)
+            if (a in self._own) != (b in self._own):
+                body = self.model.geom_bodyid[a if a in self._own else b]
+                places.setdefault(self.model.body(int(body)).name, []).append(np.array(one.pos))
+        return {link: np.mean(points, axis=0) for link, points in places.items()}
 
     def place_cube(self, X_WC: Pose) -> None:  # noqa: D102
         body = self._id("BODY", _CUBE)

@@ -281,9 +281,11 @@ class PybulletSimulation:
     def penetration(self) -> float:  # noqa: D102
         return max(0.0, *self._depths(), 0.0)
 
-    def standing(self) -> frozenset[str]:  # noqa: D102
-        contacts = self._engine.getContactPoints(self._body.id, self._floor)
-        return frozenset(self._body.links[int(contact[3]) + 1] for contact in contacts)
+    def standing(self) -> Mapping[str, Array]:  # noqa: D102
+        places: dict[str, list[Array]] = {}
+        for contact in self._engine.getContactPoints(self._body.id, self._floor):
+            places.setdefault(self._body.links[int(contact[3]) + 1], []).append(np.array(contact[5]))
+        return {link: np.mean(points, axis=0) for link, points in places.items()}
 
     def place_cube(self, X_WC: Pose) -> None:  # noqa: D102
         self._engine.resetBasePositionAndOrientation(self._cube, X_WC.position, _xyzw(X_WC))
