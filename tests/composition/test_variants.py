@@ -336,3 +336,28 @@ def _values(top: Any, prim: Any) -> tuple[Any, ...]:
         for one in prim.GetRelationships()
     }
     return prim.GetTypeName(), {one.GetName(): one.Get() for one in prim.GetAttributes()}, targets
+
+
+def test_motors_of_a_composing_file_are_known_where_it_changes_its_modules(variant: Callable[..., Robot]) -> None:
+    """In a description and in a sidecar; a module's own motor of the same name goes before."""
+    motors = "motors: {Mine: {kind: servo, source: measured, stall_torque: 3 N*m, no_load_speed: 1.5 rad/s}}"
+    whole = """
+        version: 1
+        robot: whole
+        motors: mine.yaml
+        modules:
+          arm: {file: arm.urdf, prefix: "", set: {actuators: {lift_motor: {joint: lift, motor: Mine}}}}
+          hand:
+            {file: hand.robot.yaml, at: arm/upper, prefix: "",
+             set: {actuators: {grip_motor: {joint: grip, motor: Mine}}}}
+          other:
+            {file: hand.robot.yaml, at: arm/upper, offset: {xyz: [0, 0, 1]}, prefix: o_,
+             set: {motors: {Mine: {kind: servo, source: x, stall_torque: 4, no_load_speed: 1}},
+                   actuators: {grip_motor: {joint: grip, motor: Mine}}}}
+        """
+    hand = HAND.replace("    variants:", "    actuators: {grip_motor: {joint: grip, kind: motor}}\n    variants:")
+    files = {**FILES, "hand.robot.yaml": hand, "whole.robot.yaml": whole, "mine.yaml": motors}
+    robot = variant("", Diagnostics(), files)
+    found = {one.name: one.motor and (one.motor.name, one.motor.figure("effort")) for one in robot.actuators}
+    efforts = {name: one and (one[0], one[1] and one[1].value) for name, one in found.items()}
+    assert efforts == {"lift_motor": ("Mine", 3.0), "grip_motor": ("Mine", 3.0), "o_grip_motor": ("Mine", 4.0)}

@@ -47,7 +47,7 @@ from stepbot.sidecar import tree
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.contact import surface_of
 from stepbot.sidecar.load import parse_sidecar
-from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.located import NO_MOTORS, OwnMotors, Sidecar
 from stepbot.sidecar.robot_values import dynamics_values, limit_values, values_of
 from stepbot.sidecar.tree import Tree, key_span, plain_data
 from stepbot.step.assembly import ROOT_PATH, Assembly, Body, BodyKind, Component
@@ -95,7 +95,14 @@ def with_names(
 
 
 def changed(
-    robot: Robot, changes: Tree, path: Path, place: Span, *, limits: tuple[int | None, float], found: Diagnostics
+    robot: Robot,
+    changes: Tree,
+    path: Path,
+    place: Span,
+    *,
+    limits: tuple[int | None, float],
+    found: Diagnostics,
+    motors: OwnMotors = NO_MOTORS,
 ) -> Robot:
     """The robot with changed values; errors are reported.
 
@@ -104,12 +111,13 @@ def changed(
         changes: The values, under the keys of a sidecar.
         limits: Memory [bytes] and time [s] of the process that fits collision shapes.
         found: Receives SB160 and whatever a sidecar with these values has.
+        motors: The motors of the file that states the changes.
     """
     given = plain_data(changes)
     _reject(given, changes, found)
     found.raise_if_errors()
     local = Diagnostics()
-    sidecar = sidecar_of(robot, changes, path, local)
+    sidecar = sidecar_of(robot, changes, path, local, motors)
     if sidecar is not None:
         check_sidecar(sidecar, local)
     _report_new(robot, path, place, local, found)
@@ -140,7 +148,9 @@ def _near(name: str, known: Collection[str]) -> tuple[str, ...]:
     return did_you_mean(name, known) or ((f"known: {listed}",) if known else ())
 
 
-def sidecar_of(robot: Robot, changes: Tree | None, path: Path, found: Diagnostics) -> Sidecar | None:
+def sidecar_of(
+    robot: Robot, changes: Tree | None, path: Path, found: Diagnostics, motors: OwnMotors = NO_MOTORS
+) -> Sidecar | None:
     """The sidecar of a robot of a description, with some changes; None after errors."""
     given = plain_data(changes) if changes is not None else {}
 
@@ -153,7 +163,7 @@ def sidecar_of(robot: Robot, changes: Tree | None, path: Path, found: Diagnostic
     for section in _ADDED:
         values[section] |= {name: {} for name in members(section) if name not in values[section]}
     module = None if changes is None else tree.Mapping(changes.span, {"set": tree.Entry(changes.span, changes)}, 1, 1)
-    return parse_sidecar(json.dumps(values), path, found, module=module)
+    return parse_sidecar(json.dumps(values), path, found, module=module, motors=motors)
 
 
 def _report_new(robot: Robot, path: Path, place: Span, local: Diagnostics, found: Diagnostics) -> None:

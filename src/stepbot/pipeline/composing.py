@@ -203,7 +203,7 @@ class _Files:
             message = f"module '{name}': '{file}' contains itself: {ring}"
             found.add("SB150", message, span, help=["remove one of the modules"])
             return None
-        key = (resolved(path), section.variant or "", repr((section.rename, section.set)))
+        key = (resolved(path), section.variant or "", repr((section.rename, section.set, sidecar.own_motors)))
         if key not in self._robots:
             local, document = Diagnostics(), sidecar.document
             is_placed = bool(section.at) or "base" in document.model_fields_set
@@ -248,7 +248,7 @@ class _Files:
             return changes.of_description(robot, path, self._options, found)
         self._note(lock_path(path, changes.variant))
         options = self._options._replace(ignore=(), step=None, variant=changes.variant)
-        sidecar = load(path, options, found, module=changes.section)
+        sidecar = load(path, options, found, module=changes.section, motors=changes.motors)
         if sidecar.document.modules:
             return self.composed(sidecar, (*chain, path), found)
         return self._from_step(sidecar, named_step(sidecar, found), found)
@@ -337,7 +337,7 @@ class _Changes:
     """
 
     def __init__(self, sidecar: Sidecar, module: str) -> None:
-        self._sidecar, self._module = sidecar, module
+        self._sidecar, self._module, self.motors = sidecar, module, sidecar.own_motors
         self.variant = sidecar.document.modules[module].variant or ""
         self.section = way(sidecar.root, ("modules", module))[-1]
         """The module, with the places of its values."""
@@ -365,7 +365,7 @@ class _Changes:
                 "links": {"body": {"rest": True}},
             }
         )
-        made = parse_sidecar(text, step, found, module=self.section)
+        made = parse_sidecar(text, step, found, module=self.section, motors=self.motors)
         if made is not None:
             check_sidecar(made, found)
         found.raise_if_errors()
@@ -381,7 +381,7 @@ class _Changes:
             return robot
         place = self._sidecar.key_span("modules", self._module, "set")
         limits = (options.memory_limit, options.timeout)
-        return changed(robot, self.tree, path, place, limits=limits, found=found)
+        return changed(robot, self.tree, path, place, limits=limits, found=found, motors=self.motors)
 
     def reject_unfit(self, path: Path, found: Diagnostics) -> None:
         """Report changes that a file of its kind cannot have."""

@@ -12,7 +12,7 @@ from stepbot.runtime.robot_library import LIBRARY, export_hint
 from stepbot.sidecar.check import check_sidecar
 from stepbot.sidecar.ignored import ignores
 from stepbot.sidecar.load import load_sidecar, parse_sidecar
-from stepbot.sidecar.located import Sidecar
+from stepbot.sidecar.located import NO_MOTORS, OwnMotors, Sidecar
 from stepbot.sidecar.tree import Tree
 from stepbot.step.assembly import ReadOptions
 
@@ -22,7 +22,12 @@ SIDECAR_SUFFIXES = (".yaml", ".yml")
 
 
 def load(
-    path: Path, options: Options, found: Diagnostics, text: str | None = None, module: Tree | None = None
+    path: Path,
+    options: Options,
+    found: Diagnostics,
+    text: str | None = None,
+    module: Tree | None = None,
+    motors: OwnMotors = NO_MOTORS,
 ) -> Sidecar:
     """Load and check a sidecar, and suppress the diagnostics that it and the options ignore.
 
@@ -30,15 +35,16 @@ def load(
         options: Codes to ignore, and the variant.
         text: Text to take in place of the file's, before it is written; with line feeds at line ends.
         module: The module of another file that selects the variant and changes values.
+        motors: The motors of that file.
 
     Raises:
         StepbotError: There are errors.
     """
     found.ignore(Ignore(code, Span("stepbot")) for code in options.ignore)
     if text is None:
-        sidecar = load_sidecar(path, found, options.variant, module)
+        sidecar = load_sidecar(path, found, options.variant, module, motors)
     else:
-        sidecar = parse_sidecar(text, path, found, options.variant, module)
+        sidecar = parse_sidecar(text, path, found, options.variant, module, motors)
     if sidecar is not None:
         check_sidecar(sidecar, found)
         found.ignore(ignores(sidecar.root))

@@ -36,6 +36,7 @@ def with_motors(sidecar: Sidecar, found: Diagnostics) -> Sidecar:
     """The sidecar with the figures of its motors; a motor's are the last defaults of its joint."""
     document = sidecar.document
     own = _own_motors(sidecar, found)
+    sidecar = replace(sidecar, own_motors={**sidecar.own_motors, **(own or {})})
     motors: dict[str, Motor] = {}
     actuators, defaults = dict(document.actuators), dict(document.joint_defaults)
     for name, actuator in document.actuators.items():
@@ -53,7 +54,7 @@ def with_motors(sidecar: Sidecar, found: Diagnostics) -> Sidecar:
                 help = [f"`set: {values}` of module '{module}'"]
             found.add("SB148", message, sidecar.span("actuators", name, "motor"), help=help)
             continue
-        one = _found(sidecar, name, actuator, own, found)
+        one = _found(sidecar, name, actuator, is_known=own is not None, found=found)
         motor = _fitted(sidecar, name, actuator, one, kind, found) if one is not None else None
         if one is None or motor is None:
             continue
@@ -82,7 +83,10 @@ def _own_motors(sidecar: Sidecar, found: Diagnostics) -> Mapping[str, MotorSecti
     path = sidecar.path.parent / given
     if not is_file(path):
         beside = [one.name for one in path.parent.iterdir()] if is_folder(path.parent) else []
-        help = (*did_you_mean(path.name, sorted(beside)), "`motors` is relative to the sidecar")
+        where = f"`motors` is relative to {sidecar.path.name}"
+        if sidecar.is_changed:
+            where += "; those at the top of the composing file are known to its modules, too"
+        help = (*did_you_mean(path.name, sorted(beside)), where)
         found.add("SB001", f"motors: file '{given}' not found", sidecar.span("motors"), help=help)
         return None
     return read_own_motors(path, found)
@@ -121,21 +125,21 @@ def _check_sources(root: Tree, own: Mapping[str, MotorSection], found: Diagnosti
 
 
 def _found(
-    sidecar: Sidecar, name: str, actuator: ActuatorSection, own: Mapping[str, MotorSection] | None, found: Diagnostics
+    sidecar: Sidecar, name: str, actuator: ActuatorSection, *, is_known: bool, found: Diagnostics
 ) -> Found | None:
-    """The motor of an actuator; None if there is none, which is reported, unless the user's own are not known."""
+    """The motor of an actuator; None if there is none, which is reported, if the user's own are known."""
     assert actuator.motor is not None
     place = sidecar.span("actuators", name, "motor")
     try:
-        return find_motor(actuator.motor, own or {})
+        return find_motor(actuator.motor, sidecar.own_motors)
     except AmbiguousMotor as several:
         message = f"actuator '{name}': {several}; which one is it?"
         found.add("SB147", message, place, help=[f"members: {', '.join(several.members)}"])
     except UnknownMotor as unknown:
-        if own is None:
+        if not is_known:
             return None
         near = f"did you mean {' or '.join(unknown.nearest)}?" if unknown.nearest else "`stepbot motors` lists all"
-        help = [near, "describe another one under `motors`, for a module in its `set`, with the source of each figure"]
+        help = [near, "describe another one under `motors`, with the source of each figure"]
         found.add("SB147", f"actuator '{name}': {unknown}", place, help=help)
     return None
 

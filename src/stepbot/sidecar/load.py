@@ -18,7 +18,7 @@ from . import VERSION
 from .check import check_sidecar
 from .document import Document, document_class
 from .fitting import with_motors
-from .located import Sidecar
+from .located import NO_MOTORS, OwnMotors, Sidecar
 from .quantities import described
 from .schema_faults import report_schema_faults
 from .syntax_faults import Composed, compose_around_faults
@@ -26,7 +26,9 @@ from .text import BoundedDiagnostics, TooManyFaultsError, file_name, is_text, re
 from .tree import Keys, Mapping, Scalar, Tree, child, key_span, plain_data, subject
 
 
-def load_sidecar(path: Path, found: Diagnostics, variant: str = "", module: Tree | None = None) -> Sidecar | None:
+def load_sidecar(
+    path: Path, found: Diagnostics, variant: str = "", module: Tree | None = None, motors: OwnMotors = NO_MOTORS
+) -> Sidecar | None:
     """Read a sidecar; None if it has errors, which are all added to ``found``.
 
     Reports SB001 and SB1xx; where possible also the errors of
@@ -35,25 +37,33 @@ def load_sidecar(path: Path, found: Diagnostics, variant: str = "", module: Tree
     Args:
         variant: One of its variants; empty for the sidecar as it is.
         module: The module of another file that selects the variant and, under ``set``, changes values.
+        motors: The motors of that file, which the module's own go before.
     """
     text = read_text(path, found)
-    return parse_sidecar(text, path, found, variant, module) if text is not None else None
+    return parse_sidecar(text, path, found, variant, module, motors) if text is not None else None
 
 
 def parse_sidecar(
-    text: str, path: Path, found: Diagnostics, variant: str = "", module: Tree | None = None
+    text: str,
+    path: Path,
+    found: Diagnostics,
+    variant: str = "",
+    module: Tree | None = None,
+    motors: OwnMotors = NO_MOTORS,
 ) -> Sidecar | None:
     """Like :func:`load_sidecar`, from the text of a file."""
     local, sidecar, complete = BoundedDiagnostics(), None, True
     try:
-        sidecar = _parsed(text, path, local, variant, module)
+        sidecar = _parsed(text, path, local, variant, module, motors)
     except TooManyFaultsError:
         complete = False
     local.hand_over(found, file_name(path), complete=complete)
     return None if local.has_errors else sidecar
 
 
-def _parsed(text: str, path: Path, found: Diagnostics, variant: str, module: Tree | None) -> Sidecar | None:
+def _parsed(
+    text: str, path: Path, found: Diagnostics, variant: str, module: Tree | None, motors: OwnMotors
+) -> Sidecar | None:
     file = file_name(path)
     if not is_text(text, file, found):
         return None
@@ -87,9 +97,8 @@ def _parsed(text: str, path: Path, found: Diagnostics, variant: str, module: Tre
     except ValidationError as failure:
         faults = report_schema_faults(failure, root, composed.whole, found)
     else:
-        sidecar = with_motors(
-            Sidecar(document, path, text, root, variant=variant, is_changed=changes is not None), found
-        )
+        read = Sidecar(document, path, text, root, own_motors=motors, variant=variant, is_changed=changes is not None)
+        sidecar = with_motors(read, found)
         if not found.has_errors:
             return sidecar
     if composed.whole:

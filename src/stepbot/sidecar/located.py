@@ -4,12 +4,18 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 
 from stepbot.diagnostics import Span
 from stepbot.robot.motors import Motor
 
 from .document import Document
+from .motor_sections import MotorSection
 from .tree import Keys, Listing, Scalar, Tree, key_span, span, way
+
+OwnMotors = Mapping[str, MotorSection]
+"""A user's motors by name, beside those of the catalogue."""
+NO_MOTORS: OwnMotors = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -25,6 +31,8 @@ class Sidecar:
     """The values with their places."""
     motors: Mapping[str, Motor] = field(default_factory=dict)
     """What the motor of each actuator gives it."""
+    own_motors: OwnMotors = field(default_factory=dict)
+    """Its own ones, and those of the files that it is a module of."""
     variant: str = ""
     """The variant of the file that it is."""
     is_changed: bool = False
