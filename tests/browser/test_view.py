@@ -16,7 +16,7 @@ from stepbot.formats import FORMATS
 from stepbot.formats.rendering import render
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import link_poses
-from stepbot.robot.model import Cylinder, Joint, JointKind, Limit, Link, Module, Robot, Visual
+from stepbot.robot.model import Cylinder, Joint, JointKind, Limit, Link, Module, Robot, Sphere, Visual
 from stepbot.serving.session import Session
 from stepbot.viewing.scene import scene_document
 from tests.robots import ROBOTS
@@ -374,3 +374,44 @@ def test_links_and_joints_are_listed_by_module(page: Page, tmp_path: Path) -> No
         "arm_hand_palm_joint",
         "arm_hand_finger_joint",
     ]
+
+
+@pytest.mark.slow
+def test_many_parts_of_modest_size_have_fewer_triangles(page: Page, tmp_path: Path) -> None:
+    """A field of 900 balls is drawn with a third of their triangles, and looks like it has all; near ones have them."""
+    row = range(30)
+    parts = [
+        Visual(f"ball_{i}_{j}", Sphere(0.045), Pose.of(position=(0.1 * i, 0.1 * j, 0.0)), component=f"ball:{i}_{j}")
+        for i in row
+        for j in row
+    ]
+    link = Link("base", visuals=tuple(parts), components=tuple(one.component for one in parts))
+    page.open_file(tmp_path, scene_document(Robot("field", (link,))))
+    page.run("stepbot.view.camera.look(-Math.PI / 2, 1.2); stepbot.view.fit(); stepbot.view.camera.zoom(2)")
+    compared = """const {view} = stepbot; const {gl} = view.renderer; const [all, fewer] = [[], []];
+      const drawn = (counts) => {
+        gl.drawArraysInstanced = function (mode, first, corners, copies) {
+          if (mode === gl.TRIANGLES) counts.push(corners / 3 * copies);
+          return WebGL2RenderingContext.prototype.drawArraysInstanced.call(gl, mode, first, corners, copies);
+        };
+        view.draw();
+        delete gl.drawArraysInstanced;
+        const pixels = new Uint8Array(4 * gl.drawingBufferWidth * gl.drawingBufferHeight);
+        gl.readPixels(0, 0, gl.drawingBufferWidth, gl.drawingBufferHeight, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+        return pixels;
+      };
+      const near = drawn(fewer); view.coarse = ({mesh}) => mesh; const exact = drawn(all); delete view.coarse;
+      let [covered, other] = [0, 0];
+      for (let i = 3; i < exact.length; i += 4) {
+        const [a, b] = [near, exact].map((one) => one[i] > 128);
+        covered += b; other += a !== b;
+      }
+      return [all, fewer].map((counts) => counts.reduce((a, b) => a + b, 0)).concat(covered, other);"""
+    exact, fewer, covered, other = page.run(compared)
+    assert exact > 500_000
+    assert fewer < exact / 3
+    assert covered > 5_000
+    assert other < 0.05 * covered
+    page.run("stepbot.view.camera.zoom(0.05)")
+    exact, fewer, *_ = page.run(compared)
+    assert fewer == exact > 0

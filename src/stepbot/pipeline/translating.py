@@ -24,7 +24,7 @@ from stepbot.robot.model import Actuator, ActuatorKind, Base, Robot
 from stepbot.robot.validity import check_robot
 from stepbot.runtime.file import resolved
 from stepbot.runtime.fork_server import ForkServer
-from stepbot.sidecar.references import UNPORTABLE
+from stepbot.sidecar.references import not_portable
 from stepbot.sidecar.settings import SelfCollisionSection
 from stepbot.verification.joint_rows import joint_rows_of
 
@@ -247,7 +247,7 @@ def _report_names(robot: Robot, span: Span, found: Diagnostics) -> None:
         for name in names:
             if (portable := portable_name(name, kind)) != name:
                 help = [f"rename it to '{portable}' in the source, or in a sidecar: `stepbot view --edit`"]
-                found.add("SB129", f"{kind} '{name}': {UNPORTABLE}", span, help=help)
+                found.add("SB129", f"{kind} '{name}': {not_portable(name)}", span, help=help)
 
 
 def _check_overwritten(written: Rendered, sources: Iterable[Path], options: Options, found: Diagnostics) -> None:

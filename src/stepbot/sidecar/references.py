@@ -188,9 +188,16 @@ def _candidates(name: str, names: Collection[str], what: str) -> tuple[str, ...]
     return (f"{what}: {', '.join(listed)}" + (", ..." if len(names) > len(listed) else ""),)
 
 
-UNPORTABLE = "ROS, xacro and some simulators take names of letters a to z, digits, `_`, `-` and `.` alone"
 Named = tuple[str, str]
 """A top-level key and a name below it."""
+
+
+def not_portable(name: str) -> str:
+    """Why :func:`stepbot.robot.mesh_names.portable_name` is another name than ``name``, as the end of a message."""
+    readers = "ROS, xacro and some simulators"
+    if portable_name(after_a_letter := f"a{name}", "link") == after_a_letter:
+        return f"{readers} take names that begin with a letter or `_`"
+    return f"{readers} take names of letters a to z, digits, `_`, `-` and `.` alone"
 
 
 def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
@@ -198,7 +205,7 @@ def check_names(sidecar: Sidecar, found: Diagnostics) -> None:
 
     def report_unportable(name: str, kind: str, what: str, place: Span) -> None:
         if (portable := portable_name(name, kind)) != name:
-            found.add("SB129", f"{what}: {UNPORTABLE}", place, help=[f"rename it to '{portable}'"])
+            found.add("SB129", f"{what}: {not_portable(name)}", place, help=[f"rename it to '{portable}'"])
 
     first: dict[str, Named] = {}
     for section, name in _shared_names(sidecar.document):

@@ -100,6 +100,33 @@ export function drawable({ vertices, faces }) {
   return { positions, normals: smooth, edges, sharp };
 }
 
+// A mesh with fewer triangles: the vertices within each cell of a grid become one, in their middle. `count`: cells along the
+// longest side.
+export function clustered({ vertices, faces, low, high }, count) {
+  const size = Math.max(...high.map((end, i) => end - low[i])) / count || 1;
+  const cells = new Map();
+  const merged = []; // of each cell: the sum of its vertices, and how many
+  const cellOf = new Uint32Array(vertices.length / 3);
+  for (let vertex = 0; vertex < cellOf.length; vertex++) {
+    const key = [0, 1, 2].reduce((sum, i) => sum * (count + 1) + Math.floor((vertices[3 * vertex + i] - low[i]) / size), 0);
+    if (!cells.has(key)) cells.set(key, merged.push([0, 0, 0, 0]) - 1);
+    const cell = (cellOf[vertex] = cells.get(key));
+    for (let i = 0; i < 3; i++) merged[cell][i] += vertices[3 * vertex + i];
+    merged[cell][3]++;
+  }
+  const kept = [];
+  const known = new Set();
+  for (let i = 0; i < faces.length; i += 3) {
+    const [a, b, c] = [cellOf[faces[i]], cellOf[faces[i + 1]], cellOf[faces[i + 2]]];
+    if (a === b || b === c || c === a) continue;
+    const key = [a, b, c].sort((x, y) => x - y).join();
+    if (known.has(key)) continue; // of two faces of a thin wall either is enough
+    known.add(key);
+    kept.push(a, b, c);
+  }
+  return { vertices: new Float32Array(merged.flatMap(([x, y, z, n]) => [x / n, y / n, z / n])), faces: new Uint32Array(kept) };
+}
+
 function cosine(normals, a, b) {
   const [i, j] = [3 * a, 3 * b];
   return normals[i] * normals[j] + normals[i + 1] * normals[j + 1] + normals[i + 2] * normals[j + 2];

@@ -6,7 +6,7 @@ import { ellipsoid, frame, ground, joint as jointGlyph, ring } from "./glyphs.js
 import { Grips } from "./grips.js";
 import { boxOf, edgeAt, pick } from "./picking.js";
 import { Renderer } from "./renderer.js";
-import { drawable, meshOf, unpacked } from "./shapes.js";
+import { clustered, drawable, meshOf, unpacked } from "./shapes.js";
 import { linkColor } from "./state.js";
 import { add, apply, inverse, minus, norm, position, scaled, times, turn } from "./vectors.js";
 
@@ -17,6 +17,8 @@ const CONTACT = [0.9, 0.05, 0.05, 1];
 const FRAME_SHARE = 0.12;
 const SMALL = 14; // [px] below which a part has no edges
 const TINY = 4; // [px] below which it is drawn as a box
+const MANY = 300000; // triangles in view above which parts of modest size are drawn with fewer
+const COARSE = [[16, 8], [48, 24]]; // [px] below which a part has so many cells along its longest side, of 2 px at most
 const EDGE_REACH = 7; // [px] from an edge up to which a click means it
 
 export class View {
@@ -58,7 +60,9 @@ export class View {
       ...link.visuals.map((shape) => this.item(shape, former, { link: link.name, index, kind: "visual" })),
       ...link.collisions.map((shape) => this.item(shape, former, { link: link.name, index, kind: "collision" })),
     ]);
-    for (const [key, { mesh }] of former) if (!this.uploaded.has(key)) this.renderer.release(mesh);
+    for (const [key, { mesh, coarse }] of former) {
+      if (!this.uploaded.has(key)) new Set([mesh, ...coarse.values()]).forEach((one) => this.renderer.release(one));
+    }
     this.posed = null;
     this.radius = this.extent().radius;
     if (!this.fitted && this.items.length) this.fit();
@@ -76,7 +80,7 @@ export class View {
       const { sharp, ...drawn } = drawable(geometry);
       const { low, high } = boxOf(geometry.vertices);
       const [center, radius] = [scaled(add(low, high), 0.5), norm(minus(high, low)) / 2];
-      shared = { geometry: { ...geometry, low, high, center, radius, sharp }, mesh: this.renderer.upload(drawn) };
+      shared = { geometry: { ...geometry, low, high, center, radius, sharp }, mesh: this.renderer.upload(drawn), coarse: new Map() };
     }
     this.uploaded.set(key, shared);
     return { ...shared, ...place, X_LG: shape.X, rgba: shape.color, component: shape.component ?? "" };
@@ -137,19 +141,30 @@ export class View {
     const ink = dark ? 1 : 0;
     const ends = state.selection?.connection ? this.ends() : null;
     const pixels = this.pixels();
-    const drawn = this.visible().flatMap((item) => {
-      const size = pixels(item);
-      if (size === 0) return [];
+    const sized = this.visible().map((item) => [item, pixels(item)]).filter(([, size]) => size > 0);
+    const areMany = sized.reduce((sum, [item, size]) => sum + (size < TINY ? 0 : item.mesh.corners / 3), 0) > MANY;
+    const drawn = sized.map(([item, size]) => {
       const color = this.color(item, ends);
       const edge = item.kind === "collision" ? [0.9, 0.45, 0.1, 0.5] : color[3] < 0.5 ? [ink, ink, ink, 0.12] : null;
-      const shape = size < TINY ? { mesh: this.cube, X: boxed(item) } : item;
-      return [{ mesh: shape.mesh, X: shape.X, color, glow: this.glow(item, ends), edge, isSmall: size < SMALL }];
+      const [mesh, X] = size < TINY ? [this.cube, boxed(item)] : [areMany ? this.coarse(item, size) : item.mesh, item.X];
+      return { mesh, X, color, glow: this.glow(item, ends), edge, isSmall: size < SMALL };
     });
     const { center, low } = this.extent();
     const floor = ground(center, this.radius, low[2], [ink, ink, ink, dark ? 0.1 : 0.13]);
     this.renderer.draw(camera, drawn, { below: floor, above: this.lines() }, dark ? [0, 0, 0, 0.45] : [0.05, 0.08, 0.14, 0.42]);
     this.placeTags();
     this.grips.place();
+  }
+
+  // A mesh of an item with fewer triangles, for its size on the canvas [px], made when it is first needed; its own if it has few.
+  coarse({ geometry, mesh, coarse }, size) {
+    const cells = COARSE.find(([below]) => size < below)?.[1];
+    if (cells === undefined) return mesh;
+    if (!coarse.has(cells)) {
+      const { sharp, ...drawn } = drawable(clustered(geometry, cells));
+      coarse.set(cells, 2 * drawn.positions.length < 3 * mesh.corners ? this.renderer.upload(drawn) : mesh);
+    }
+    return coarse.get(cells);
   }
 
   // A function: the size of an item on the canvas [px]; 0 for one that cannot be seen.
