@@ -1,6 +1,6 @@
 """The data sheet of a robot: what its geometry, masses and limits allow, over postures in the range of its joints."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import floor, inf, isfinite, log10, pi, sqrt
 
@@ -95,6 +95,8 @@ class DataSheet:
     arms: tuple[ArmFigures, ...]
     looped: tuple[str, ...] = ()
     """Moving joints of loops, and behind them: no chain of joints alone places their links."""
+    backlash: tuple[tuple[str, float], ...] = ()
+    """Joints whose motor has a published backlash, and the full play [rad] or [m] that it gives them."""
 
 
 def data_sheet(robot: Robot) -> DataSheet:
@@ -120,7 +122,15 @@ def data_sheet(robot: Robot) -> DataSheet:
         forces.joints(),
         tuple(_arm(forces, tip) for tip in _tips(outside)),
         tuple(name for name in forces.tree.joints if name not in outside.joint_by_name),
+        tuple(_plays(robot)),
     )
+
+
+def _plays(robot: Robot) -> Iterator[tuple[str, float]]:
+    for one in robot.actuators:
+        figure = None if one.motor is None else one.motor.figure("backlash")
+        if figure is not None:
+            yield one.joint, figure.value
 
 
 def _materials(robot: Robot) -> tuple[tuple[str, float], ...]:

@@ -8,7 +8,8 @@ class MotorFigure:
     """A number that a motor gives its actuator."""
 
     quantity: str
-    """``effort``, ``velocity``, ``armature``, ``friction``, ``damping``, ``kp`` or ``mass``."""
+    """``effort``, ``velocity``, ``armature``, ``friction``, ``damping``, ``kp``, ``mass`` or ``backlash``; no file has
+    the last one."""
     value: float
     """At the joint, after the gear; [SI]. ``kp`` is on the motor's side."""
     unit: str

@@ -213,6 +213,7 @@ def fitted(found: Found, joint: JointKind, voltage: float | None, gear: float, p
     add("damping", _damping(motor, given), ratio**2, damping_unit)
     add("kp", given.get("position_gain"), 1.0, "N*m/rad")
     add("mass", given.get("mass"), 1.0, "kg")
+    add("backlash", given.get("backlash"), 1.0 / ratio, "m" if slides else "rad")
     known = {one.quantity for one in figures}
     unknown = tuple(q for q in ("effort", "velocity", "armature", "friction", "damping") if q not in known)
     doubts = [f"{key.replace('_', ' ')}: {text}" for key, text in motor.doubts.items()]

@@ -29,6 +29,7 @@ from stepbot.robot.model import (
     Sphere,
 )
 from stepbot.robot.motors import Motor
+from stepbot.sidecar.motors import find_motor, fitted
 from tests.random_robots import drawn_robot
 
 G = 9.81
@@ -183,6 +184,18 @@ def test_masses_by_material() -> None:
     assert [name for name, _ in sheet.materials] == ["given masses", "aluminium", "motor XL430-W250", "1040 kg/m^3"]
     assert [mass for _, mass in sheet.materials] == pytest.approx([0.4, 0.3, 0.057, 0.05])
     assert data_sheet(arm).materials == ()
+
+
+def test_the_play_of_a_joint_is_the_backlash_of_its_motor_after_the_gear() -> None:
+    """A motor that turns three times as far has a third of its backlash at the joint, 2 pi / lead of it on a slide."""
+    arm, play = plane_arm(), 0.004363
+    for kind, gear, expected in ((JointKind.REVOLUTE, 3.0, play / 3.0), (JointKind.PRISMATIC, -500.0, play / 500.0)):
+        servo = replace(arm.actuators[0], motor=fitted(find_motor("XM430-W350"), kind, None, gear))
+        ((joint, value),) = data_sheet(replace(arm, actuators=(servo,))).backlash
+        assert (joint, value) == (servo.joint, pytest.approx(expected, rel=1e-3))
+    without = fitted(find_motor("STS3215-7.4V"), JointKind.REVOLUTE, None, 1.0)
+    sheet = data_sheet(replace(arm, actuators=(replace(arm.actuators[0], motor=without),)))
+    assert sheet.backlash == ()
 
 
 def test_acceleration_of_a_pendulum() -> None:
