@@ -13,7 +13,7 @@ from stepbot.formats.rendering import render
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.dynamics import mobilities
 from stepbot.robot.model import FormatVersions, Joint, JointKind, LoopClosure, Robot
-from stepbot.robot.simulation_settings import LOOP_TIMESTEP, OPEN_TIMESTEP, settings_of
+from stepbot.robot.simulation_settings import OPEN_TIMESTEP, SHORT_TIMESTEP, settings_of
 from stepbot.robot.tuning import Integrator, Simulation
 from tests.robots import ROBOTS
 from tests.simulators.conftest import skip_without
@@ -142,7 +142,7 @@ def test_settings_are_those_of_the_sidecar_or_fit_the_robot() -> None:
     assert settings_of(ROBOTS["four_bar"]()).timestep == settings_of(ROBOTS["gripper_with_mimic"]()).timestep
     assert compiled(ROBOTS["pendulum"]()).opt.timestep == OPEN_TIMESTEP
     model = compiled(ROBOTS["four_bar"]())
-    assert model.opt.timestep == LOOP_TIMESTEP
+    assert model.opt.timestep == SHORT_TIMESTEP
     assert model.opt.integrator == mujoco.mjtIntegrator.mjINT_IMPLICITFAST
     words = {Integrator.EULER: "EULER", Integrator.RK4: "RK4", Integrator.IMPLICIT: "IMPLICIT"}
     for integrator, word in words.items():

@@ -34,7 +34,7 @@ from stepbot.robot.model import (
     Visual,
 )
 from stepbot.robot.sensors import SEEING, Sensor, View
-from stepbot.robot.simulation_settings import LOOP_TIMESTEP
+from stepbot.robot.simulation_settings import SHORT_TIMESTEP
 from stepbot.robot.tuning import Simulation
 from stepbot.sidecar.document import AutoOrigin, ClosureSection
 from stepbot.sidecar.joint_settings import ONE_FREEDOM
@@ -147,7 +147,7 @@ class _Joining:
         steps = [one.timestep for one in stated.values() if one.timestep is not None]
         constrained = bool(whole.closures) or any(joint.mimic is not None for joint in whole.joints)
         if steps and constrained and any(one.timestep is None for one in stated.values()):
-            steps.append(LOOP_TIMESTEP)
+            steps.append(SHORT_TIMESTEP)
         stiffnesses = [one.closure_stiffness for one in stated.values() if one.closure_stiffness is not None]
         return Simulation(
             own.timestep or min(steps, default=None),

@@ -7,13 +7,13 @@ a gap that is closed within one step. The defaults are measured in decision 0027
 
 from dataclasses import dataclass
 
-from .model import Robot
+from .model import ActuatorKind, Robot
 from .tuning import Integrator
 
 OPEN_TIMESTEP = 0.002
 """Default time step [s] of a robot without loops and mimics: MuJoCo's own default."""
-LOOP_TIMESTEP = 0.001
-"""Default time step [s] of a robot with loops or mimics: their gaps grow with its square."""
+SHORT_TIMESTEP = 0.001
+"""Default time step [s] of a robot with loops or mimics, whose gaps grow with its square, and with stiff wheels."""
 CLOSURE_STIFFNESS = 1.0
 """Default share of a gap of a closure or mimic that is closed within one step."""
 
@@ -37,7 +37,23 @@ def settings_of(robot: Robot) -> Settings:
     given = robot.simulation
     constrained = bool(robot.closures) or any(joint.mimic is not None for joint in robot.joints)
     return Settings(
-        given.timestep or (LOOP_TIMESTEP if constrained else OPEN_TIMESTEP),
+        given.timestep or (SHORT_TIMESTEP if constrained or _has_stiff_wheels(robot) else OPEN_TIMESTEP),
         given.integrator or Integrator.IMPLICITFAST,
         given.closure_stiffness or CLOSURE_STIFFNESS,
+    )
+
+
+def _has_stiff_wheels(robot: Robot) -> bool:
+    """Whether a motor at its effort limit leaps from one side of its target speed to the other in a step of 2 ms.
+
+    It does where the speed has a time constant inertia / kv below half of a step: kv keeps a wheel at its speed against
+    the damping of its motor, which is strong where the rotor has no inertia. The wheel then slips as it starts and
+    stops.
+    """
+    return any(
+        one.kind is ActuatorKind.VELOCITY
+        and one.tuning is not None
+        and one.tuning.at_least
+        and one.kv * one.gear**2 * OPEN_TIMESTEP > 2.0 * one.tuning.inertia > 0.0
+        for one in robot.actuators
     )

@@ -14,8 +14,9 @@ from stepbot.robot.closures import close_loops
 from stepbot.robot.gains import OVERSHOOT, SAG, SINKING, line_damping, tuned
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointDynamics, JointKind, Limit, Robot
+from stepbot.robot.simulation_settings import OPEN_TIMESTEP, SHORT_TIMESTEP, settings_of
 from stepbot.robot.tuning import BANDWIDTH as TUNED
-from stepbot.robot.tuning import Tuning
+from stepbot.robot.tuning import Simulation, Tuning
 from stepbot.sidecar.motors import catalogue_motor, catalogue_names, find_motor, fitted
 from tests.robots import ROBOTS, four_bar, gripper_with_mimic
 from tests.simulators.conftest import skip_without
@@ -352,15 +353,14 @@ def test_a_given_bandwidth_and_ratio_are_kept_beside_limits() -> None:
     assert (found.kp, found.kv) == (motor.kp, motor.kv)
 
 
-@pytest.mark.parametrize(("effort", "time"), [(0.8, None), (20.0, 2e-3)])
-def test_a_wheel_keeps_its_speed_against_its_load(effort: float, time: float | None) -> None:
-    """At its effort limit it is 2 % of its velocity limit too slow, unless that is a time constant below 2 ms."""
+def rover(effort: float, damping: float = 0.0) -> Robot:
+    """A floating base with two wheels of 50 mm, each with a motor."""
     shop = Workshop()
     boxes = {name: ((0.1, 0.1, 0.1), at(y=y)) for name, y in (("base", 0.0), ("left", 0.2), ("right", -0.2))}
     links = tuple(shop.link(name, [box]) for name, box in boxes.items())
-    turns = Limit(velocity=12.0, effort=effort)
+    turns, dynamics = Limit(velocity=12.0, effort=effort), JointDynamics(damping=damping)
     joints = tuple(
-        Joint(name, JointKind.CONTINUOUS, "base", name, at(), (0.0, 1.0, 0.0), limit=turns)
+        Joint(name, JointKind.CONTINUOUS, "base", name, at(), (0.0, 1.0, 0.0), limit=turns, dynamics=dynamics)
         for name in boxes
         if name != "base"
     )
@@ -368,11 +368,30 @@ def test_a_wheel_keeps_its_speed_against_its_load(effort: float, time: float | N
         Actuator(one.name, one.name, ActuatorKind.VELOCITY, tuning=Tuning(TUNED, at_least=True)) for one in joints
     )
     robot = Robot("rover", links, joints, base=Base.FLOATING, actuators=motors, meshes=shop.sorted_meshes())
-    (left, _) = tuned(robot, fails).actuators
+    return tuned(robot, fails)
+
+
+@pytest.mark.parametrize(("effort", "time"), [(0.8, None), (20.0, 2e-3)])
+def test_a_wheel_keeps_its_speed_against_its_load(effort: float, time: float | None) -> None:
+    """At its effort limit it is 2 % of its velocity limit too slow, unless that is a time constant below 2 ms."""
+    (left, _) = rover(effort).actuators
     assert left.tuning is not None
     expected = effort / (0.02 * 12.0) if time is None else left.tuning.inertia / time
     assert left.kv == pytest.approx(expected, rel=1e-3)
     assert left.kv >= 2.0 * pi * TUNED * left.tuning.inertia * 0.999
+
+
+def test_wheels_whose_motors_are_strongly_damped_have_a_shorter_time_step() -> None:
+    """kv is 200 times the damping; below half a step of 2 ms as time constant, a step of 1 ms is the default."""
+    (left, _) = rover(20.0).actuators
+    assert left.tuning is not None
+    damping = 0.005 * left.tuning.inertia / 1e-3
+    for share, expected in ((0.98, OPEN_TIMESTEP), (1.02, SHORT_TIMESTEP)):
+        stiff = rover(20.0, share * damping)
+        assert settings_of(stiff).timestep == expected
+        assert settings_of(replace(stiff, simulation=Simulation(timestep=5e-3))).timestep == 5e-3
+        given = tuple(replace(one, tuning=None) for one in stiff.actuators)
+        assert settings_of(replace(stiff, actuators=given)).timestep == OPEN_TIMESTEP
 
 
 @pytest.mark.mujoco
