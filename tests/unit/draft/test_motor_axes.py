@@ -3,7 +3,7 @@
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.evidence.motor_outputs import OutputAxes, hidden_outputs
 from stepbot.draft.evidence.motors import Motor
-from tests.assembled import Node, assembled, part
+from tests.assembled import Node, assembled, inferred, joints, links, part
 from tests.solids import box, cylinder
 
 LID, FRONT = box(40, 20, 4), box(40, 20, 20)
@@ -36,3 +36,21 @@ def test_axis_is_that_of_the_horn() -> None:
     assert output is not None
     assert output.axis.distance(found.parts[3].com) < 1e-9
     assert abs(output.reach - 8e-3) < 1e-9
+
+
+def test_what_is_on_the_shaft_of_a_servo_that_nothing_holds_turns() -> None:
+    """A servo drawn half a millimetre above its base goes with the base; the lever on its thin shaft turns."""
+    servo = box(23, 12, 22).at(-5.5, 0, 11) + cylinder(2.3, 3).at(0, 0, 22)
+    lever = box(30, 6, 3).at(12, 0, 23.5) - cylinder(2.3, 3).at(0, 0, 22)
+    found = inferred(part("base", box(100, 60, 5), z=-3), part("servo SG90", servo), part("lever", lever))
+    assert joints(found) == [("revolute", "base", "lever")]
+    assert links(found) == [{"base", "servo SG90"}, {"lever"}]
+    assert "nothing else touches the motor" in found.arcs[0].evidence.review
+
+
+def test_what_holds_the_flange_of_a_motor_does_not_turn() -> None:
+    """A plate around the wide spigot of a motor that nothing else touches is no output."""
+    motor = box(42, 42, 40).at(0, 0, -20) + cylinder(11, 2)
+    plate = box(100, 60, 2).at(20, 0, 1) - cylinder(11, 2)
+    found = inferred(part("base", box(200, 60, 5), z=-60), part("motor NEMA17", motor), part("plate", plate))
+    assert joints(found) == []

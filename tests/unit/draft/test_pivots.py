@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.assembled import BARE, Node, group, inferred, joints, links, part
+from tests.assembled import BARE, Node, cut, group, inferred, joints, links, part
 from tests.solids import Solid, box, cylinder
 
 SEAL = cylinder(20, 3)
@@ -115,3 +115,14 @@ def test_a_fork_at_the_end_of_a_tube_is_lopsided(width: float, turns: bool) -> N
     """A tube with a flat end turns on an arm that it meets at a round face; one with a square end may be a post."""
     nodes = [part("lower", shell(1), z=-20), part("upper", forearm(width))]
     assert joints(inferred(*nodes, sources=BARE)) == ([("revolute", "lower", "upper")] if turns else [])
+
+
+def test_a_stand_on_a_spigot_turns() -> None:
+    """A round stand is marked as turning, too, where a short spigot in the arm centres it; in half a bore it is not."""
+    stand = part("column", COLUMN + cylinder(14, 5).at(160, 0, -40))
+    _, *rest = stacked(shell(-1))
+    bored = shell(1) - cylinder(14, 5).at(160, 0, -20)
+    found = inferred(part("lower", bored, z=-20), stand, *rest, sources=BARE)
+    assert joints(found) == [("revolute", "column", "lower"), ("revolute", "lower", "upper")]
+    half = cut(bored, box(100, 60, 6).at(210, 0, -17))
+    assert joints(inferred(part("lower", half, z=-20), stand, *rest, sources=BARE)) == [("revolute", "lower", "upper")]

@@ -2,7 +2,7 @@
 
 import pytest
 
-from stepbot.draft.contacts.survey import Survey
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.parts.names import Role
 from tests.assembled import BARE, assembled, part
 from tests.solids import Solid, box, cylinder, joined
@@ -62,3 +62,20 @@ def test_a_spool_is_no_screw() -> None:
     flange = cylinder(9, 2) - cylinder(2, 2)
     assert role(joined(drum, flange.at(0, 0, 8))) == Role.FASTENER
     assert role(joined(drum, flange.at(0, 0, 8), flange.at(0, 0, -2))) is None
+
+
+def small_parts(lines: int) -> set[str]:
+    """What moves with its host, of a block that is named a nut and of rods through it on some lines, and a frame."""
+    at = [(x, 0.0) for x in (-12.0, 12.0)[:lines]]
+    nut = box(40, 16, 14)
+    for x, y in at:
+        nut = nut - cylinder(2, 14).at(x, y, -7)
+    rods = [part(f"rod {n}", cylinder(2, 80).at(x, y, -40)) for n, (x, y) in enumerate(at)]
+    survey = Survey(assembled(part("nut_block", nut), *rods, part("frame", box(200, 200, 10), z=-45)), ALL_SOURCES)
+    return {survey.parts[i].path for i in survey.small}
+
+
+def test_a_block_around_two_rods_is_no_nut() -> None:
+    """What is named a nut and has shafts in it on two lines is a block; one with a single shaft may be a nut."""
+    assert small_parts(1) == {"nut_block"}
+    assert small_parts(2) == set()

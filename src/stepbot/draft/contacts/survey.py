@@ -26,7 +26,7 @@ from stepbot.draft.contacts.teeth import (
     find_rack_meshes,
     teeth_of,
 )
-from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, is_belt, roles
 from stepbot.draft.parts.parts import box_gaps, joint_box
@@ -122,9 +122,18 @@ class Survey:
         is_turned = any(one.is_balanced(axis) for axis in lines[:3])
         if not is_turned and sum(r.holes >= _BLOCK for r in self.near.get(part, ())) > 1:
             return False  # a block that is screwed to two parts
+        if not is_turned and self._has_bores_apart(part):
+            return False  # a block that holds or guides others, such as one with a nut in it
         if one.size < _SMALL_SHARE * self.extent:
             return True
         return one.volume < _LARGE * self.volume and is_turned
+
+    def _has_bores_apart(self, part: int) -> bool:
+        """Whether shafts of other parts are in its bores on two lines: a nut has one."""
+        axes: list[Axis] = []
+        for r in self.near.get(part, ()):
+            axes += (fit.axis for fit in r.shafts if fit.shaft != part and fit.full)
+        return any(not axis.same(axes[0], SAME_LINE) for axis in axes[1:])
 
     def relation(self, a: int, b: int) -> Relation | None:
         """The relation of two parts; None if they do not touch."""

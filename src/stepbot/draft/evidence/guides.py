@@ -1,6 +1,7 @@
 """Slides in profiles and on two rods, and crosses of universal joints: what pairs in contact do not reveal."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
@@ -102,27 +103,35 @@ def guide_evidence(survey: Survey, found: Evidence) -> None:
     for i in survey.parts:
         if i in survey.small:
             continue
-        rods = [(other, r) for other, r in survey.around(i) if _is_rod(survey, other, r)]
-        guides = [(other, r) for other, r in rods if min(fit.clearance for fit in r.shafts) > _EXACT]
-        if 1 < len(guides) < len(rods):
-            for other, r in rods:
-                if (other, r) not in guides:
-                    _turns_in_nut(found, i, other)
-            rods = guides
-        for (one, r), (two, s) in combinations(rods, 2):
-            axis = r.axis
-            assert axis is not None
-            assert s.axis is not None
-            if not axis.is_along(s.axis.d) or axis.distance(s.axis.point) < _APART or _is_blocked(survey, i, axis):
-                continue
-            if not _have_one_holder(survey, i, one, two):
-                continue
+        rods, screws = rods_in(survey, i)
+        for screw in screws:
+            _turns_in_nut(found, i, screw)
+        for one, two, r in guided(survey, i, rods):
+            assert r.axis is not None
             for rod in (one, two):
                 for holder, q in survey.around(rod):
                     if holder != i and q.via == Via.PIN and q.length <= _LONG_BORE * q.radius:
                         found.weld(0.775, rod, holder, "rod in its holder")
                 a, b = sorted((i, rod))
-                found.joint(JointEvidence(0.77, a, b, JointKind.PRISMATIC, axis, "slides on two rods", r))
+                found.joint(JointEvidence(0.77, a, b, JointKind.PRISMATIC, r.axis, "slides on two rods", r))
+
+
+def rods_in(survey: Survey, part: int) -> tuple[list[tuple[int, Relation]], list[int]]:
+    """The rods that a part may slide on, with relations, and those in it that fit exactly while others do not."""
+    rods = [(other, r) for other, r in survey.around(part) if _is_rod(survey, other, r)]
+    guides = [(other, r) for other, r in rods if _play(r) > _EXACT]
+    if 1 < len(guides) < len(rods):
+        return guides, [other for other, r in rods if (other, r) not in guides]
+    return rods, []
+
+
+def guided(survey: Survey, part: int, rods: Sequence[tuple[int, Relation]]) -> Iterator[tuple[int, int, Relation]]:
+    """Pairs of parallel rods that another part holds and that a part can slide on; the relation of the first."""
+    for (one, r), (two, s) in combinations(rods, 2):
+        if r.axis is None or s.axis is None or not r.axis.is_along(s.axis.d) or r.axis.distance(s.axis.point) < _APART:
+            continue
+        if not _is_blocked(survey, part, r.axis) and _holders_of(survey, part, one, two):
+            yield one, two, r
 
 
 def _turns_in_nut(found: Evidence, nut: int, screw: int) -> None:
@@ -199,10 +208,38 @@ def _is_rod(survey: Survey, other: int, r: Relation) -> bool:
     return fit.shaft == other and is_long and r.freedom.kind == FreedomKind.CYLINDRICAL
 
 
-def _have_one_holder(survey: Survey, part: int, one: int, two: int) -> bool:
-    """Whether another part touches both rods; the pins of a linkage are each in another link."""
+@dataclass(frozen=True, eq=False)
+class OnRods:
+    """A part that is loose on two parallel rods, which another part holds more tightly."""
+
+    part: int
+    holder: int
+    rods: tuple[int, int]
+    axis: Axis
+
+
+def on_rods(survey: Survey) -> list[OnRods]:
+    """The parts that are loose on two parallel rods of another part."""
+    found = []
+    for i in survey.parts:
+        rods = [] if i in survey.small else rods_in(survey, i)[0]
+        for one, two, r in guided(survey, i, rods):
+            play = _play(r)
+            for holder in sorted(_holders_of(survey, i, one, two)):
+                held = [survey.relation(rod, holder) for rod in (one, two)]
+                if r.axis is not None and all(q is not None and q.shafts and _play(q) < play - _EXACT for q in held):
+                    found.append(OnRods(i, holder, (one, two), r.axis))
+    return found
+
+
+def _play(r: Relation) -> float:
+    return min(fit.clearance for fit in r.shafts)
+
+
+def _holders_of(survey: Survey, part: int, one: int, two: int) -> set[int]:
+    """The other parts that touch both rods; the pins of a linkage are each in another link."""
     holders = [{other for other, _ in survey.around(rod)} for rod in (one, two)]
-    return bool(holders[0] & holders[1] - {part})
+    return holders[0] & holders[1] - {part}
 
 
 def _is_blocked(survey: Survey, part: int, axis: Axis) -> bool:

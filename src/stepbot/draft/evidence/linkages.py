@@ -18,6 +18,7 @@ from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import Relation, Via, merged
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Apart, Evidence, JointEvidence
+from stepbot.draft.evidence.guides import on_rods
 from stepbot.draft.evidence.mobility import MOST, Hinge, Mobility, mobility
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.pivots import Pivot, find_pivots, held_by_faces, spaced_pivots
@@ -76,7 +77,10 @@ class _Linkages:
         pivots: Sequence[Pivot],
         spaced: Sequence[Pivot],
     ) -> None:
-        self._survey, self._found, self._pivots, self._spaced_pivots = survey, found, pivots, spaced
+        self._survey, self._found, self._spaced_pivots = survey, found, spaced
+        self._on_rods = on_rods(survey)
+        guides = {rod for one in self._on_rods for rod in one.rods}
+        self._pivots = [pivot for pivot in pivots if guides.isdisjoint((*pivot.axles, *pivot.hosts))]
         self._in_motor = {i for motor in motors for i in motor.parts}
         larger = [i for i in survey.parts if i not in survey.small]
         self._bodies = Clusters(larger)
@@ -295,7 +299,7 @@ class _Linkages:
                     yield Hinge(pivot.axis, min(a, b), max(a, b), is_extra, is_uncertain=not can_turn)
 
     def _slides(self, hinges: Sequence[Hinge]) -> list[Hinge]:
-        """Pairs of bodies of linkages whose contacts leave nothing but one translation."""
+        """Pairs of bodies of linkages whose contacts leave nothing but one translation, or that two rods guide."""
         on, hinged = {self._bodies.find(i) for h in hinges for i in (h.a, h.b)}, {self._ends(h) for h in hinges}
         found = []
         for pair, relations in self._between().items():
@@ -304,6 +308,11 @@ class _Linkages:
                 largest = max(relations, key=lambda one: (one.area, -one.a, -one.b))
                 axis = Axis(r.patches[0].point if r.patches else r.fits[0].axis.point, r.freedom.direction)
                 found.append(Hinge(axis, largest.a, largest.b, slides=True))
+        for one in self._on_rods:
+            h = Hinge(one.axis, one.part, one.holder, slides=True)
+            a, b = self._ends(h)
+            if a != b and on.issuperset((a, b)) and not any((a, b) == self._ends(k) for k in (*hinges, *found)):
+                found.append(h)
         return found
 
     def _pruned(self, hinges: list[Hinge]) -> list[Hinge]:

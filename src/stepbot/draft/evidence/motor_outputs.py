@@ -14,7 +14,7 @@ from stepbot.draft.contacts.relations import Relation, Via, merged, reach
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
-from stepbot.draft.evidence.near_outputs import NearOutput
+from stepbot.draft.evidence.near_outputs import NearOutput, alone
 from stepbot.draft.parts.axis import SAME_LINE, Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
@@ -310,8 +310,8 @@ class _OneMotor:
         if self._motor.is_named and 0 < len(own) < len(driven):  # what touches the case alone holds it, however narrow
             return [s for s in driven if s.part in own], [s for s in driven if s.part not in own], 0.83, ""
         if len(groups) < 2:
-            # Only its own output and one neighbour: the case stands alone.
-            return (driven, [], 0.85, "") if self._outputs else ([], [], 0.0, "")
+            score, review = alone(self._survey, self._motor, self._outputs, [side.whole for side in driven])
+            return (driven if score else []), [], score, review
         widths = [max(map(self._width, group)) for group in groups]
         order = sorted(range(len(groups)), key=lambda n: (-round(widths[n], 5), groups[n][0].part))
         score = 0.83 if widths[order[-1]] < _WIDER * widths[order[0]] else 0.65

@@ -1,12 +1,13 @@
 """What a motor turns that nothing touches at its output: parts placed by hand beside it, nearly on its axis."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
 from stepbot.draft.contacts.contacts import FitKind
 from stepbot.draft.contacts.near_fits import ANGLE, OFFSET
+from stepbot.draft.contacts.relations import Relation
 from stepbot.draft.contacts.shafts import HALF_ROUND
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence
@@ -22,6 +23,21 @@ _BESIDE, _NEAR_END = 0.6, 1.5e-3
 """Score of what is only the nearest part to the end of a motor's output, and its largest distance [m]."""
 _REVIEW_BESIDE = "drawn beside the end of the motor's output; no face shows what it turns"
 _REVIEW_NEARLY = "drawn beside the output of the motor, or up to 0.6 mm and 1.2 degrees off"
+_ALONE, _ON_SHAFT, _THIN = 0.85, 0.7, 0.09
+"""Scores of what is alone on a motor's drawn output or its shaft; radius of a shaft as a share of the size, at most."""
+_REVIEW_ALONE = "nothing else touches the motor: what is on its shaft may hold it"
+
+
+def alone(survey: Survey, motor: Motor, outputs: Sequence[int], relations: Iterable[Relation]) -> tuple[float, str]:
+    """Score and what to review of the only neighbour of a motor as what it turns, by their relations; 0 if it is not.
+
+    It is on an output that is drawn, or around the shaft of a named case, which is thinner than a flange's spigot.
+    """
+    thin = _THIN * survey.parts[motor.case].size
+    if outputs or not motor.is_named:
+        return (_ALONE, "") if outputs else (0.0, "")
+    is_on_shaft = any(f.shaft == motor.case and f.full and f.radius < thin for r in relations for f in r.shafts)
+    return (_ON_SHAFT, _REVIEW_ALONE) if is_on_shaft else (0.0, "")
 
 
 class NearOutput:

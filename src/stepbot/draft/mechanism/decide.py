@@ -102,7 +102,10 @@ def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:
         least = 0.0 if motor.is_named else _OWN_BODIES * survey.parts[case].volume
         if not own or (motor.is_named and case in carried) or survey.total_volume(others) > least:
             continue
-        if any({h.a, h.b}.intersection(own) and not (h.drives and h.a == case) for h in made.joints):
+        outputs = {clusters.find(h.b) for h in made.joints if h.drives and h.a == case}
+        if any(
+            {h.a, h.b}.intersection(own) and outputs.isdisjoint(map(clusters.find, (h.a, h.b))) for h in made.joints
+        ):
             continue
         best = _nearest_apart(made, own, 0.5 * survey.parts[case].size)
         if best is not None and clusters.join(case, best):

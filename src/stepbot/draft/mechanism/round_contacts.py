@@ -72,8 +72,8 @@ class Feet:
 _REVIEW = "nothing but one round contact holds its two sides together"
 """What to review of such a joint."""
 _REVIEW_STAND = "only round contacts connect the stand: it may turn at another one of them, or not at all"
-_PIVOTS = (Via.FACE, Via.BOLT)
-"""Contacts that may be such a joint: others are found without this."""
+_PIVOTS = (Via.FACE, Via.BOLT, Via.PIN)
+"""Contacts that may be such a joint, pins in whole bores: others are found without this."""
 _LEAST = 0.01
 """Share of the assembly's volume below which a side of a pivot is a handle, a pin or a cover."""
 _STAND = 0.05
@@ -133,7 +133,7 @@ def _pivots(survey: Survey, structure: Structure, held: set[Pair], members: Sequ
             axis = r.turns
             is_within = r.a == i and r.b in inside and not structure.are_together(r.a, r.b)
             is_within &= (r.a, r.b) not in held
-            if not is_within or r.via not in _PIVOTS or axis is None:
+            if not is_within or r.via not in _PIVOTS or axis is None or not all(fit.full for fit in r.shafts):
                 continue
             same = next((pivot for pivot in found if pivot.axis.same(axis)), None)
             if same is None:
