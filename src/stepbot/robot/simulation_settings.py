@@ -6,14 +6,17 @@ a gap that is closed within one step. The defaults are measured in decision 0027
 """
 
 from dataclasses import dataclass
+from math import isfinite
 
-from .model import ActuatorKind, Robot
+from .model import Actuator, ActuatorKind, Joint, Robot
 from .tuning import Integrator
 
 OPEN_TIMESTEP = 0.002
 """Default time step [s] of a robot without loops and mimics: MuJoCo's own default."""
 SHORT_TIMESTEP = 0.001
 """Default time step [s] of a robot with loops or mimics, whose gaps grow with its square, and with stiff wheels."""
+_SPENT = 0.5
+"""Share of a motor's effort that its damping takes at the velocity limit, above which little is left."""
 CLOSURE_STIFFNESS = 1.0
 """Default share of a gap of a closure or mimic that is closed within one step."""
 
@@ -44,16 +47,24 @@ def settings_of(robot: Robot) -> Settings:
 
 
 def _has_stiff_wheels(robot: Robot) -> bool:
-    """Whether a motor at its effort limit leaps from one side of its target speed to the other in a step of 2 ms.
+    """Whether a motor leaps from one side of its target speed to the other, at its effort limit, in steps of 2 ms.
 
-    It does where the speed has a time constant inertia / kv below half of a step: kv keeps a wheel at its speed against
-    the damping of its motor, which is strong where the rotor has no inertia. The wheel then slips as it starts and
-    stops.
+    It does where its own damping leaves it little effort to speed up with, as in a DC motor, and the time constant
+    inertia / kv of the speed is below half of a step: kv keeps the speed against that damping. The wheel then slips as
+    it starts and stops.
     """
     return any(
         one.kind is ActuatorKind.VELOCITY
         and one.tuning is not None
         and one.tuning.at_least
         and one.kv * one.gear**2 * OPEN_TIMESTEP > 2.0 * one.tuning.inertia > 0.0
+        and _has_little_effort(one, robot.joint_by_name[one.joint])
         for one in robot.actuators
     )
+
+
+def _has_little_effort(actuator: Actuator, joint: Joint) -> bool:
+    """Whether the damping of the joint takes more than a share of its effort at its velocity limit."""
+    effort = min(actuator.limit.effort, joint.limit.effort)
+    speed = min(actuator.limit.velocity, joint.limit.velocity)
+    return isfinite(speed) and joint.dynamics.damping * speed > _SPENT * effort

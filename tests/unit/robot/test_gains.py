@@ -382,12 +382,21 @@ def test_a_wheel_keeps_its_speed_against_its_load(effort: float, time: float | N
 
 
 def test_wheels_whose_motors_are_strongly_damped_have_a_shorter_time_step() -> None:
-    """kv is 200 times the damping; below half a step of 2 ms as time constant, a step of 1 ms is the default."""
+    """kv is 200 times the damping; below half a step of 2 ms as time constant, a step of 1 ms is the default.
+
+    A motor that has twice the effort that its damping takes at full speed keeps to its target in steps of 2 ms.
+    """
     (left, _) = rover(20.0).actuators
     assert left.tuning is not None
     damping = 0.005 * left.tuning.inertia / 1e-3
-    for share, expected in ((0.98, OPEN_TIMESTEP), (1.02, SHORT_TIMESTEP)):
-        stiff = rover(20.0, share * damping)
+    effort = 12.0 * damping
+    for share, times, expected in (
+        (0.98, 1.0, OPEN_TIMESTEP),
+        (1.02, 1.0, SHORT_TIMESTEP),
+        (1.02, 2.0, SHORT_TIMESTEP),
+        (1.02, 2.1, OPEN_TIMESTEP),
+    ):
+        stiff = rover(times * effort, share * damping)
         assert settings_of(stiff).timestep == expected
         assert settings_of(replace(stiff, simulation=Simulation(timestep=5e-3))).timestep == 5e-3
         given = tuple(replace(one, tuning=None) for one in stiff.actuators)
