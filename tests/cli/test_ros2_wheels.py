@@ -12,7 +12,7 @@ from stepbot.formats import format_named
 from stepbot.formats.lowering import lower
 from stepbot.formats.urdf.ros2.moveit import controller_names
 from stepbot.formats.urdf.ros2.package import ros2_package
-from stepbot.formats.urdf.wheels import differential_drive
+from stepbot.formats.urdf.wheels import differential_drive, place_without_frame
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import (
     Actuator,
@@ -112,3 +112,17 @@ def test_a_frame_between_the_wheels() -> None:
     found = differential_drive(lower(rover(((0.1, 0.14), (0.1, -0.16)), frames=frames), URDF, Diagnostics()))
     assert found is not None
     assert (found.frame, found.left, found.right) == ("axle", ("axle_0",), ("axle_1",))
+
+
+def test_the_frame_that_a_base_lacks_is_stated() -> None:
+    """It is in the middle of the wheels; other wheels, and a base that has one, lack none."""
+    wheels = ((0.1, 0.14), (0.1, -0.16))
+    lacking = lower(rover(wheels), URDF, Diagnostics())
+    place = place_without_frame(lacking)
+    assert place is not None
+    frames = (Frame("axle", "base", Pose.from_xyz_rpy(place, (0, 0, 0))),)
+    whole = lower(rover(wheels, frames=frames), URDF, Diagnostics())
+    assert place[:2] == pytest.approx((0.1, 0.0))
+    assert differential_drive(whole) is not None
+    for other in (whole, lower(rover(PAIR), URDF, Diagnostics()), lower(rover(((0.0, 0.14),)), URDF, Diagnostics())):
+        assert place_without_frame(other) is None

@@ -46,9 +46,22 @@ def differential_drive(robot: Robot) -> DifferentialDrive | None:
     None for other bases: wheels that steer, that have rollers, or that turn the base only by slipping; wheels whose
     positive speed drives backwards, since the controller knows no signs; and a base without a frame between them.
     """
+    base, _ = _with_place(robot)
+    return base if base is not None and base.frame else None
+
+
+def place_without_frame(robot: Robot) -> tuple[float, float, float] | None:
+    """Where in the frame of the root [m] a base that is one but for it needs a frame: in the middle of the wheels."""
+    base, place = _with_place(robot)
+    return place if base is not None and not base.frame else None
+
+
+def _with_place(robot: Robot) -> tuple[DifferentialDrive | None, tuple[float, float, float]]:
+    """The drive, its frame empty if there is none, and the middle of its wheels."""
+    nothing = None, (0.0, 0.0, 0.0)
     wheels = _driven_wheels(robot)
     if robot.base is not Base.FLOATING or not wheels:
-        return None
+        return nothing
     poses = link_poses(robot, initial_configuration(robot))
     places = [_place(robot, joint, poses[joint.child].p) for joint in wheels]
     axles = [poses[joint.child].turn(joint.axis) for joint in wheels]
@@ -57,23 +70,22 @@ def differential_drive(robot: Robot) -> DifferentialDrive | None:
     fixed = all(body[joint.parent] == body[robot.root.name] for joint in wheels)
     to_the_left = all(np.abs(np.subtract(axle, (0.0, 1.0, 0.0))).max() < _ALONG for axle in axles)
     if any(place is None for place in places) or not (fixed and to_the_left) or len(modules) > 1:
-        return None
+        return nothing
     found = np.array(places, float)  # x, y, height of the axle, radius
     middle = found[:, 1].mean()
     left, right = ([i for i, one in enumerate(found) if sign * (one[1] - middle) > 0.0] for sign in (1.0, -1.0))
     if not left or len(left) != len(right):
-        return None
+        return nothing
     separation = float(found[left, 1].mean() - found[right, 1].mean())
     radii, near = found[:, 3], _NEAR * separation
     if np.ptp(found[:, 0]) > near or np.ptp(radii) > _NEAR * radii.max() or _has_rollers(robot, wheels):
-        return None
+        return nothing
+    x, y, z = (round(value, _DIGITS) + 0.0 for value in (found[:, 0].mean(), middle, found[:, 2].mean()))
     frame = _frame_at(robot, float(found[:, 0].mean()), float(middle), near)
-    if not frame:
-        return None
     names = [tuple(wheels[i].name for i in side) for side in (left, right)]
     speed = min(joint.limit.velocity for joint in wheels)
     sizes = [round(size, _DIGITS) for size in (separation, float(radii.mean()))]
-    return DifferentialDrive(modules.pop(), names[0], names[1], sizes[0], sizes[1], frame, speed)
+    return DifferentialDrive(modules.pop(), names[0], names[1], sizes[0], sizes[1], frame, speed), (x, y, z)
 
 
 def _frame_at(robot: Robot, x: float, y: float, near: float) -> str:

@@ -9,6 +9,7 @@ from stepbot.robot.model import JointKind, MeshFormat, Robot
 
 from ...xml import document, element, root
 from ..grippers import groups
+from ..wheels import place_without_frame
 from .launch import demo_launch, gazebo_launch, moveit_rviz, rviz, view_launch
 from .moveit import (
     cartesian_limits,
@@ -144,3 +145,13 @@ def report_gaps(robot: Robot, found: Diagnostics) -> None:
         joint = next((joint.name for joint in robot.joints if joint.kind is not JointKind.FIXED), "elbow")
         remedy = f"in the sidecar: `actuators: {{{joint}_motor: {{joint: {joint}, kind: position, gains: auto}}}}`"
         found.add("SB641", "no actuators, so the package has no controllers", Span("config"), help=[remedy])
+    if (place := place_without_frame(robot)) is not None:
+        name = robot.root.name
+        xyz = ", ".join(f"{value:g}" for value in place)
+        origin = f"{{xyz: [{xyz}], relative_to: {name}}}"
+        found.add(
+            "SB641",
+            "no link or frame of the base is between its wheels, so that they have no `diff_drive_controller`",
+            Span("config"),
+            help=[f"in the sidecar: `frames: {{axle: {{link: {name}, origin: {origin}}}}}`"],
+        )
