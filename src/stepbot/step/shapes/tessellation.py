@@ -1,7 +1,8 @@
 """Meshes bodies with the kernel's mesher, to a tolerance relative to each.
 
 If the mesher leaves holes it is run again: after straightening curves of faces (:func:`straighten`), then with its
-other algorithm and finer, up to a limit of processor time and of faces; the best mesh is kept.
+other algorithm and finer, up to a limit of processor time and of faces; the best mesh is kept. A finer mesh of the
+whole body is made only if the faces that are missing can be meshed that fine by themselves, which takes milliseconds.
 """
 
 import math
@@ -13,6 +14,7 @@ from typing import Any
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepBndLib import BRepBndLib
+from OCP.BRepBuilderAPI import BRepBuilderAPI_Copy
 from OCP.BRepMesh import BRepMesh_IncrementalMesh
 from OCP.BRepTools import BRepTools
 from OCP.Geom2d import Geom2d_Line
@@ -33,6 +35,9 @@ from .triangles import edge_uses, faceted_faces
 
 MAX_FACES = 200_000
 """Maximum number of faces of a body's written mesh."""
+
+MAX_RETRIED = 80_000
+"""Maximum number of faces that a finer mesh may be expected to have to be made only because the first is incomplete."""
 
 _DELABELLA = IMeshTools_MeshAlgoType.IMeshTools_MeshAlgoType_Delabella
 """Divide and conquer: as accurate as the kernel's default in 0.6 of its time, over the bodies of ten assemblies."""
@@ -111,20 +116,23 @@ def tessellated(shape: Any, wanted: Fineness) -> Tessellation:
     best = _meshed(shape, faces, wanted, _DELABELLA)
     if best.is_complete:
         return best
-    start, last = time.process_time(), best
+    start, last, untried = time.process_time(), best, ""
     for algorithm, factor in _ways(faces):
         fine = wanted.scaled(factor)
         if time.process_time() - start > RETRY_SECONDS:
             return replace(best, untried=f"tries ended at {RETRY_SECONDS:g} s of processor time")
-        # A finer mesh has more faces in proportion at least, and one of too many faces would be made coarser again.
-        if fine.angle * MAX_FACES < last.fineness.angle * len(last.mesh.faces) and factor < 1.0:
-            return replace(best, untried=f"a finer mesh would have more than {MAX_FACES} faces")
+        # A finer mesh has more faces in proportion at least.
+        if fine.angle * MAX_RETRIED < last.fineness.angle * len(last.mesh.faces) and factor < 1.0:
+            return replace(best, untried=f"a finer mesh would have more than {MAX_RETRIED} faces")
+        if factor < 1.0 and not all(_is_meshed_alone(faces[i], fine, algorithm) for i in best.missing):
+            untried = "no finer mesh has all faces"
+            continue
         last = _meshed(shape, faces, fine, algorithm)
         if last.is_complete:
             return last
         if len(last.missing) < len(best.missing):
             best = last
-    return best
+    return replace(best, untried=untried)
 
 
 def tessellated_once(shape: Any, wanted: Fineness) -> Tessellation:
@@ -158,14 +166,25 @@ def fitted(shape: Any, wanted: Fineness, size: float) -> Tessellation:
     return result
 
 
+def _is_meshed_alone(face: Any, wanted: Fineness, algorithm: IMeshTools_MeshAlgoType) -> bool:
+    """Whether a face has triangles if it is meshed without its body; the face itself keeps what it has."""
+    alone = BRepBuilderAPI_Copy(face, True, False).Shape()
+    _mesh(alone, wanted, algorithm)
+    return not faceted_faces(faces_of(alone))[1]
+
+
 def _meshed(shape: Any, faces: list[Any], wanted: Fineness, algorithm: IMeshTools_MeshAlgoType) -> Tessellation:
+    BRepTools.Clean_s(shape)
+    _mesh(shape, wanted, algorithm)
+    found, missing = faceted_faces(faces)
+    return Tessellation(split(stitched(found, edge_uses(faces))), wanted, missing)
+
+
+def _mesh(shape: Any, wanted: Fineness, algorithm: IMeshTools_MeshAlgoType) -> None:
     parameters = IMeshTools_Parameters()
     parameters.MeshAlgo = algorithm
     parameters.Deflection, parameters.Angle = wanted.deflection, min(wanted.angle, _COARSEST_ANGLE)
-    BRepTools.Clean_s(shape)
     BRepMesh_IncrementalMesh(shape, parameters)
-    found, missing = faceted_faces(faces)
-    return Tessellation(split(stitched(found, edge_uses(faces))), wanted, missing)
 
 
 _SLANT = 1e-9

@@ -365,8 +365,8 @@ def test_tries_to_mesh_end_at_a_limit(
     assert ("2 of its faces" in message) is (seconds < 0.0)
 
 
-def test_no_try_to_mesh_has_more_faces_than_a_written_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A finer mesh than is ever written is not made, and the result says so."""
+def test_a_finer_mesh_is_bounded_and_needs_all_faces(monkeypatch: pytest.MonkeyPatch) -> None:
+    """None is made that would have too many faces, or lack a face that is not meshed alone; the result says so."""
     mesh, made = tessellation._meshed, list[tessellation.Fineness]()
 
     def lacking(shape: Any, faces: Any, wanted: tessellation.Fineness, algorithm: Any) -> tessellation.Tessellation:
@@ -378,11 +378,28 @@ def test_no_try_to_mesh_has_more_faces_than_a_written_mesh(monkeypatch: pytest.M
     every = tessellation.tessellated(solids.sphere(10).shape, wanted)
     assert (len(made), min(one.angle for one in made), every.untried) == (4, 0.25 * wanted.angle, "")
     made.clear()
-    monkeypatch.setattr(tessellation, "MAX_FACES", len(every.mesh.faces) + 1)
+    monkeypatch.setattr(tessellation, "MAX_RETRIED", len(every.mesh.faces) + 1)
     few = tessellation.tessellated(solids.sphere(10).shape, wanted)
     assert {one.angle for one in made} == {wanted.angle}
     assert "would have more than" in few.untried
     assert len(few.mesh.faces) == len(every.mesh.faces)
+    made.clear()
+    monkeypatch.undo()
+    crossed = tessellation.tessellated(_bow_tie(), wanted)
+    assert (crossed.missing, crossed.fineness) == ([0], wanted)
+    assert crossed.untried == "no finer mesh has all faces"
+
+
+def _bow_tie() -> Any:
+    """A plane face whose outline crosses itself, which the kernel never meshes."""
+    from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon
+    from OCP.gp import gp_Pnt
+
+    outline = BRepBuilderAPI_MakePolygon()
+    for x, y in ((0.0, 0.0), (10.0, 10.0), (10.0, 0.0), (0.0, 10.0)):
+        outline.Add(gp_Pnt(x, y, 0.0))
+    outline.Close()
+    return BRepBuilderAPI_MakeFace(outline.Wire(), True).Face()
 
 
 @pytest.mark.parametrize("upper", [0.0, 4.0])
