@@ -188,11 +188,16 @@ class _Drafting:
         if any(arc.evidence.type != JointKind.FIXED and arc.evidence.score >= CHOSEN for arc in self._found.arcs):
             return ()
         lines = len({(h.a, h.b) for h in self._found.offered})
-        found = f"{lines} pairs of parts share an axis, but other evidence holds them together" if lines else ""
         kinds = [self._assembly.bodies[one.body].kind for one in self._assembly.components if one.body >= 0]
         meshes = kinds.count(BodyKind.TESSELLATED)
-        found = found or (f"{meshes} of {len(kinds)} bodies are triangles, which have no axes" if meshes else "")
-        why = found or "no two parts share an axis about or along which only they could move"
+        why = "no two parts share an axis about or along which only they could move"
+        if len(kinds) == 1:
+            why = "the file has one body, and a link consists of whole ones"
+        elif lines:
+            pairs = "1 pair of parts shares" if lines == 1 else f"{lines} pairs of parts share"
+            why = f"{pairs} an axis, but other evidence holds them together"
+        elif meshes:
+            why = f"{meshes} of {len(kinds)} bodies are triangles, which have no axes"
         return (f"no moving parts found: {why}",)
 
     def _drawn_off(self) -> tuple[str, ...]:

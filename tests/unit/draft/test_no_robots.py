@@ -1,6 +1,7 @@
 """Assemblies that do not move: no joint is drafted, with names and without, and the draft says why."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import pi
 from pathlib import Path
 
@@ -90,9 +91,13 @@ def test_what_is_screwed_or_soldered_does_not_move(draw: Callable[[], Assembly],
 
 
 def test_triangles_have_no_axes(tmp_path: Path) -> None:
-    """Nothing was found in a scan, whatever moves in it: the draft states why."""
-    assembly = read_quietly(write_tessellated(tmp_path / "scan.step").path)
-    assert infer(assembly, "scan").notes[0] == "no moving parts found: 1 of 1 bodies are triangles, which have no axes"
+    """Nothing was found in a scan, or in one body, whatever moves in it: the draft states why."""
+    scan = read_quietly(write_tessellated(tmp_path / "scan.step").path)
+    (why,) = infer(scan, "scan").notes
+    assert why == "no moving parts found: the file has one body, and a link consists of whole ones"
+    body = next(one for one in scan.components if one.body >= 0)
+    twice = replace(scan, components=(*scan.components, replace(body, index=len(scan.components), path="other")))
+    assert infer(twice, "scan").notes[0] == "no moving parts found: 2 of 2 bodies are triangles, which have no axes"
 
 
 def test_equal_feet_turn_on_nothing() -> None:
