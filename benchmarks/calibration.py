@@ -3,6 +3,9 @@
 Evidence is counted by kind, with rare kinds drawn towards the mean of all (two assumed joints each). Leave-one-out fits
 all assemblies but one and predicts that one: the predicted number of right joints should be the true one, and what is
 predicted to be right nine times in ten should be.
+
+Parts that look movable and were fused are counted by what holds them: which of them are joints in the labels, and what
+would come of drafting those as joints that more often are than not in the other assemblies.
 """
 
 import re
@@ -60,3 +63,20 @@ def print_calibration(outcomes: Mapping[str, Outcome]) -> None:
     print(f"\nleave one assembly out: {expected:.1f} of {len(every)} joints predicted to be right, {right} are")
     print(f"predicted at {_SURE} or more: {sure[True]} of {sure.total()} are right")
     print(f"wrong and without a mark: {unmarked}")
+    _print_fused(outcomes)
+
+
+def _print_fused(outcomes: Mapping[str, Outcome]) -> None:
+    """Print how many fused parts are joints in the labels, by what holds them, and what drafting them would give."""
+    fused = {name: [(kind_of(held), is_joint) for held, is_joint in o.fused] for name, o in outcomes.items()}
+    every = [row for rows in fused.values() for row in rows]
+    print("\n| fused, held by | joints in the labels | assemblies |\n| --- | --- | --- |")
+    for kind, count in sorted(Counter(kind for kind, _ in every).items(), key=lambda item: (-item[1], item[0])):
+        within = sum(any(kind == other for other, _ in rows) for rows in fused.values())
+        print(f"| {kind} | {every.count((kind, True))} of {count} | {within} |")
+    freed = Counter[bool]()
+    for name, rows in fused.items():
+        others = [row for other, some in fused.items() if other != name for row in some]
+        rates = {kind: (others.count((kind, True)), others.count((kind, False))) for kind, _ in rows}
+        freed.update(is_joint for kind, is_joint in rows if rates[kind][0] > rates[kind][1])
+    print(f"\njoints where most of a kind are in the other assemblies: {freed[True]} right, {freed[False]} wrong")

@@ -47,6 +47,8 @@ class Outcome:
     """Wrong ones with one."""
     judged: list[tuple[str, bool, bool]] = field(default_factory=list)
     """Evidence of each drafted joint, whether it is right, and whether it is marked."""
+    fused: list[tuple[str, bool]] = field(default_factory=list)
+    """What holds each part that looks movable and was fused, and whether the label has that joint."""
     volume: float = 0.0
     """Sum over the assemblies of the share of the volume that is in the right link."""
     roots: int = 0
@@ -165,7 +167,21 @@ def judged(truth: Mapping[str, Any], draft: Mapping[str, Any], parts: Sequence[M
     moving = [(j, j["parent"], j["child"]) for j in draft["joints"] if j["type"] != "fixed"]
     moving += [(j, j["link_a"], j["link_b"]) for j in draft["closures"]]
     _match(truth, [(j, {one[a], one[b]}) for j, a, b in moving], means, home, result)
+    link_of = {part["path"]: true[i] for i, part in enumerate(parts) if i in true}
+    for fused in draft["fused"]:
+        sides = {link_of.get(fused["part"], _IGNORED), link_of.get(fused["with"], _IGNORED)}
+        if _IGNORED not in sides:
+            result.fused.append((fused["held_by"], _is_joint(fused, sides, truth)))
     return result
+
+
+def _is_joint(drafted: Mapping[str, Any], sides: set[str], truth: Mapping[str, Any]) -> bool:
+    """Whether the label has a drafted joint between two links, or between others on one pin with them."""
+    kind = drafted["type"].replace("continuous", "revolute")
+    return len(sides) > 1 and any(
+        kind == joint[1] and _is_on(drafted, joint, truth) and sides <= _on_pin(joint, truth)
+        for joint in truth["joints"]
+    )
 
 
 def _match(

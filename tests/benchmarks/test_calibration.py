@@ -28,3 +28,13 @@ def test_what_is_predicted_was_fitted_without_it(capsys: pytest.CaptureFixture[s
     shown = capsys.readouterr().out
     assert "predicted at 0.9 or more: 0 of 1 are right" in shown
     assert "wrong and without a mark: 1" in shown
+
+
+def test_fused_parts_are_freed_by_what_the_other_assemblies_have(capsys: pytest.CaptureFixture[str]) -> None:
+    """A kind that one assembly alone has is freed in none, nor is one that is a joint in half of the others."""
+    one, two = Outcome(fused=[("a spigot", True), ("'x' alone", True)]), Outcome(fused=[("a spigot", True)])
+    print_calibration({"one": one, "two": two, "three": Outcome(fused=[("a spigot", False)])})
+    shown = capsys.readouterr().out
+    assert "| a spigot | 2 of 3 | 3 |" in shown
+    assert "| '...' alone | 1 of 1 | 1 |" in shown
+    assert "joints where most of a kind are in the other assemblies: 0 right, 1 wrong" in shown

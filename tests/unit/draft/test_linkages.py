@@ -148,16 +148,24 @@ def test_a_piston_is_guided_from_its_head_to_its_gland(gland: float) -> None:
     assert len(slides) == (gland < 8.0)
 
 
-def test_a_finger_that_a_block_on_two_rods_moves() -> None:
-    """A block that is loose on two rods of a frame slides in the loop of a link and a finger; the rods are no pins."""
+@pytest.mark.parametrize("fit", ["loose", "exact", "bearings"])
+def test_a_finger_that_a_block_on_two_rods_moves(fit: str) -> None:
+    """A block on two rods of a frame slides in the loop of a link and a finger; the rods are no pins of a weld.
+
+    It is loose on them, or fits as exactly as the frame but has them reach through it, or is on linear bearings.
+    """
+    bore = {"loose": 2.1, "exact": 2.0, "bearings": 4.0}[fit]
     frame = box(90, 110, 4).at(0, 40, 2) + box(90, 12, 22).at(0, -6, 15)
     frame = frame - cylinder(1.5, 4).at(30, 80, 0)
     block = box(40, 16, 14).at(0, 30, 15) - cylinder(1.5, 5).at(18, 30, 17)
     rods = []
     for n, x in enumerate((-12.0, 12.0)):
         frame = frame - turned(cylinder(2, 12), x, 0, 15, (pi / 2, 0, 0))
-        block = block - turned(cylinder(2.1, 16), x, 38, 15, (pi / 2, 0, 0))
+        block = block - turned(cylinder(bore, 16), x, 38, 15, (pi / 2, 0, 0))
         rods.append(part(f"rod {n}", turned(cylinder(2, 82), x, 70, 15, (pi / 2, 0, 0))))
+        if fit == "bearings":
+            ring = turned(cylinder(4, 16) - cylinder(2, 16), x, 38, 15, (pi / 2, 0, 0))
+            rods.append(part(f"linear bearing LM4UU {n}", ring))
     bars = [part("link", bar(18, 30, 44, 60, 24.5, bore=1.55)), part("finger", bar(30, 80, 44, 60, 6.5, bore=1.55))]
     pins = [
         part(f"pin {n}", cylinder(1.5, high - low).at(x, y, low))

@@ -38,6 +38,8 @@ from stepbot.draft.parts.names import Role, portable, roles
         ("STS3215_03a:1", Role.MOTOR),
         ("XL-430_new:1", Role.MOTOR),
         ("MG90S", Role.MOTOR),
+        ("25GA-370-1", Role.MOTOR),
+        ("37GB520", Role.MOTOR),
         ("MG-996R", Role.MOTOR),
         ("ST3215", Role.MOTOR),
         ("AX-12A", Role.MOTOR),

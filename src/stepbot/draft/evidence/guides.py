@@ -29,6 +29,8 @@ _SCREWED, _IN_NUT, _OFFERED = 0.785, 0.25, 0.45
 """Score from which screw and nut are kept apart; those of turning in each other, which connects nothing, and of a slide
 that is screwed tight.
 """
+_HELD_ROD = 0.775
+"""Score of the weld of a rod that a part slides on and what holds it."""
 _RODS, _REVIEW_RODS = 0.87, "slides on two parallel rods in bearings"
 """Score of the weld of two rods that slide in bearings and what is on both; what to review of them."""
 _EXACT = 1e-6
@@ -100,6 +102,9 @@ def guide_evidence(survey: Survey, found: Evidence) -> None:
     """
     _slides_in_bearings(survey, found)
     _slides_on_its_rods(survey, found)
+    for slide in on_rods(survey):
+        for rod in slide.rods:
+            found.weld(_HELD_ROD, rod, slide.holder, "rod in its holder")
     for i in survey.parts:
         if i in survey.small:
             continue
@@ -111,7 +116,7 @@ def guide_evidence(survey: Survey, found: Evidence) -> None:
             for rod in (one, two):
                 for holder, q in survey.around(rod):
                     if holder != i and q.via == Via.PIN and q.length <= _LONG_BORE * q.radius:
-                        found.weld(0.775, rod, holder, "rod in its holder")
+                        found.weld(_HELD_ROD, rod, holder, "rod in its holder")
                 a, b = sorted((i, rod))
                 found.joint(JointEvidence(0.77, a, b, JointKind.PRISMATIC, r.axis, "slides on two rods", r))
 
@@ -187,7 +192,7 @@ def _hold_rods(survey: Survey, found: Evidence, rods: Sequence[int], sliding: se
     for rod in rods:
         for holder, r in survey.around(rod):
             if holder not in sliding and r.via == Via.PIN and Role.BEARING not in survey.parts[holder].roles:
-                found.weld(0.775, rod, holder, "rod in its holder")
+                found.weld(_HELD_ROD, rod, holder, "rod in its holder")
 
 
 def _is_shaft(survey: Survey, part: int, axis: Axis) -> bool:
@@ -210,7 +215,7 @@ def _is_rod(survey: Survey, other: int, r: Relation) -> bool:
 
 @dataclass(frozen=True, eq=False)
 class OnRods:
-    """A part that is loose on two parallel rods, which another part holds more tightly."""
+    """A part that slides on two parallel rods, which another part holds."""
 
     part: int
     holder: int
@@ -219,17 +224,51 @@ class OnRods:
 
 
 def on_rods(survey: Survey) -> list[OnRods]:
-    """The parts that are loose on two parallel rods of another part."""
+    """The parts that slide on two parallel rods of another part: loose on them, in their middle, or by bearings."""
     found = []
-    for i in survey.parts:
-        rods = [] if i in survey.small else rods_in(survey, i)[0]
-        for one, two, r in guided(survey, i, rods):
-            play = _play(r)
-            for holder in sorted(_holders_of(survey, i, one, two)):
-                held = [survey.relation(rod, holder) for rod in (one, two)]
-                if r.axis is not None and all(q is not None and q.shafts and _play(q) < play - _EXACT for q in held):
-                    found.append(OnRods(i, holder, (one, two), r.axis))
+    for i in (i for i in survey.parts if i not in survey.small and Role.BEARING not in survey.parts[i].roles):
+        for rods, is_free in ((rods_in(survey, i)[0], False), (_rods_in_bearings(survey, i), True)):
+            for one, two, r in guided(survey, i, rods):
+                relations = dict(rods)
+                for holder in sorted(_holders_of(survey, i, one, two)):
+                    held = [(rod, survey.relation(rod, holder)) for rod in (one, two)]
+                    tells = all(
+                        q is not None and q.shafts and (is_free or _is_looser(survey, rod, relations[rod], q))
+                        for rod, q in held
+                    )
+                    if tells and r.axis is not None:
+                        found.append(OnRods(i, holder, (one, two), r.axis))
     return found
+
+
+def _rods_in_bearings(survey: Survey, part: int) -> list[tuple[int, Relation]]:
+    """The rods in bearings that a part has in its bores, each with the relation of rod and bearing."""
+    seated = (
+        (bearing, r.turns)
+        for bearing, r in survey.around(part)
+        if Role.BEARING in survey.parts[bearing].roles and any(fit.shaft == bearing for fit in r.shafts)
+    )
+    return [
+        (rod, s)
+        for bearing, axis in seated
+        for rod, s in survey.around(bearing)
+        if rod != part and axis is not None and s.turns is not None and s.turns.same(axis) and _is_rod(survey, rod, s)
+    ]
+
+
+def _is_looser(survey: Survey, rod: int, sliding: Relation, held: Relation) -> bool:
+    """Whether a rod has more play in what slides than in what holds it, or as much and is only through that."""
+    if abs(_play(sliding) - _play(held)) > _EXACT:
+        return _play(held) < _play(sliding)
+    return _reaches_through(survey, rod, sliding) and not _reaches_through(survey, rod, held)
+
+
+def _reaches_through(survey: Survey, rod: int, r: Relation) -> bool:
+    """Whether a rod ends outside of a part on both sides."""
+    if r.axis is None:
+        return False
+    (start, end), (low, high) = (survey.scene.span(i, r.axis.d) for i in (rod, r.other(rod)))
+    return bool(start < low and high < end)
 
 
 def _play(r: Relation) -> float:
@@ -264,9 +303,8 @@ def screw_evidence(survey: Survey, found: Evidence) -> None:
         is_named = any(Role.SLIDE in survey.parts[i].roles for i in (screw, nut)) and any(
             h.axis.same(r.axis) for h in turns if nut not in (h.a, h.b)
         )
-        (start, end), (low, high) = (survey.scene.span(i, r.axis.d) for i in (screw, nut))
-        is_through = start < low and high < end  # it ends in a coupling
-        if is_through and Role.BEARING not in survey.parts[nut].roles and (held or is_named):
+        # It ends in a coupling.
+        if _reaches_through(survey, screw, r) and Role.BEARING not in survey.parts[nut].roles and (held or is_named):
             for h in held:
                 h.priority = max(h.priority, Priority.NEEDED)  # it is no pin of what holds it
             found.apart.append(Apart(_SCREWED, a, b))
