@@ -24,8 +24,17 @@ from stepbot.draft.evidence.wheels import wheel_evidence
 from stepbot.draft.mechanism import locked
 from stepbot.draft.mechanism.decide import Decision, adopt, decide
 from stepbot.draft.mechanism.gaps import tie_by_seams
-from stepbot.draft.mechanism.joints import Mechanism, slide_in_struts, stop_spinning_rods
-from stepbot.draft.mechanism.locked import JointKey, choose_slides, missing_joints, note_doubts, one_per_pair, promote
+from stepbot.draft.mechanism.joints import Mechanism
+from stepbot.draft.mechanism.locked import (
+    JointKey,
+    choose_slides,
+    missing_joints,
+    note_doubts,
+    one_per_pair,
+    promote,
+    slide_in_struts,
+    stop_spinning_rods,
+)
 from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, spanning_tree
 from stepbot.draft.mechanism.round_contacts import lone_pivots
 from stepbot.draft.mechanism.unconnected import LooseEnds, find_root

@@ -48,6 +48,22 @@ def test_what_is_on_the_shaft_of_a_servo_that_nothing_holds_turns() -> None:
     assert "nothing else touches the motor" in found.arcs[0].evidence.review
 
 
+def test_a_horn_in_a_bore_is_fastened_to_what_it_turns() -> None:
+    """The horn of a servo, sunk with play in a leg that carries a foot, turns on the servo and not in the leg."""
+    servo = box(23, 12, 22).at(-5.5, 0, 11) + cylinder(2.3, 3).at(0, 0, 22)
+    horn = cylinder(3.5, 3.2).at(0, 0, 23.5) + box(30, 4, 1.5).at(0, 0, 26) - cylinder(2.3, 2).at(0, 0, 23.5)
+    pocket = cylinder(3.6, 4).at(0, 0, 24.8) + box(30.4, 4.4, 2).at(0, 0, 26)
+    leg = box(80, 16, 5).at(24, 0, 27.3) - pocket - cylinder(3, 6).at(48, 0, 24)
+    foot = cylinder(2.95, 35).at(48, 0, -5) + box(20, 40, 4).at(48, 0, -5)
+    found = inferred(
+        *(part("base", box(100, 60, 5).at(-20, 0, -2.5)), part("servo SG90", servo)),
+        *(part("horn", horn), part("leg", leg), part("foot", foot)),
+    )
+    assert {"horn", "leg"} in links(found)
+    assert joints(found) == [("revolute", "base", "leg"), ("revolute", "foot", "leg")]
+    assert "turns about the same axis as the motor" in found.guesses[3]
+
+
 def test_what_holds_the_flange_of_a_motor_does_not_turn() -> None:
     """A plate around the wide spigot of a motor that nothing else touches is no output."""
     motor = box(42, 42, 40).at(0, 0, -20) + cylinder(11, 2)

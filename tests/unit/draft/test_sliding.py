@@ -6,7 +6,8 @@ import pytest
 from stepbot.draft.contacts.freedom import Freedom, FreedomKind
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.evidence.evidence import JointEvidence
-from stepbot.draft.mechanism.joints import Joint, slide_in_struts, stop_spinning_rods
+from stepbot.draft.mechanism.joints import Joint
+from stepbot.draft.mechanism.locked import slide_in_struts, stop_spinning_rods
 from stepbot.draft.mechanism.loops import TreeJoint, loop_motions
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind

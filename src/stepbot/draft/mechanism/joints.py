@@ -1,7 +1,7 @@
 """Joints between clusters: one per pair of clusters, and none for parts that only spin about their own axis.
 
-A rod with a ball joint at each end can spin about its own axis, which moves nothing else: the end nearer to the root is
-drafted as a universal joint. A shaft in a bore with one swivel on each side is a strut: prismatic.
+Of two joints in a row about one axis, a driven one and a plain one, the plain one is none: a motor's horn is fastened
+to what it turns, and a motor to its seat.
 """
 
 from collections import defaultdict, deque
@@ -13,7 +13,6 @@ from math import hypot, nan
 import numpy as np
 
 from stepbot.draft.contacts.concentric import has_free_circle
-from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.relations import Via
 from stepbot.draft.draft import SURE
 from stepbot.draft.evidence.evidence import JointEvidence, Priority, Verdict
@@ -23,7 +22,7 @@ from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import box_gap
-from stepbot.geometry.spatial import perpendicular_frame, unit
+from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.robot.model import JointKind
 
 _SAME_AXIS, _SAME_CENTRE = 5e-5, 1e-4
@@ -73,7 +72,7 @@ class Mechanism:
         self._drop_repeated()
         while self._drop_spinners() or self._unite_locked():
             pass
-        while self._unite_two_sides():
+        while self._unite_in_series() or self._unite_two_sides():
             pass
 
     def _gather(self) -> bool:
@@ -136,7 +135,7 @@ class Mechanism:
         self.joints = kept
 
     def _of(self) -> dict[int, list[Joint]]:
-        return _by_cluster(self.joints)
+        return by_cluster(self.joints)
 
     def _drop_spinners(self) -> bool:
         """Unite bodies that only spin about their own axes with their supports, the smallest first; False for none."""
@@ -192,6 +191,20 @@ class Mechanism:
         for j in joints:
             j.a, j.b = self._clusters.find(j.a), self._clusters.find(j.b)
         self.joints = [j for j in self.joints if j.a != j.b]
+
+    def _unite_in_series(self) -> bool:
+        """Unite a body that has a driven joint and a plain one about one axis, and no other, across the plain one."""
+        for middle, joints in sorted(self._of().items()):
+            if len(joints) != 2 or not joints[0].axis.same(joints[1].axis, _SAME_CENTRE):
+                continue
+            plain, driven = sorted(joints, key=lambda j: j.evidence.drives)
+            is_driven = driven.evidence.drives and not plain.evidence.drives
+            if is_driven and _is_plain(plain.evidence) and driven.evidence.type == JointKind.REVOLUTE:
+                self._made.guess(self._clusters.members(middle), "turns about the same axis as the motor it is beside")
+                self.joints.remove(plain)
+                self._unite(plain.a, plain.b, self.joints)
+                return True
+        return False
 
     def _unite_two_sides(self) -> bool:
         """Unite two bodies that turn on a third about one axis, if one of them is connected to nothing else."""
@@ -333,52 +346,8 @@ def same_joint(one: JointEvidence, two: JointEvidence) -> bool:
     return one.axis.same(two.axis, _SAME_AXIS)
 
 
-_SWIVELS = (JointKind.BALL, JointKind.UNIVERSAL)
-
-
-def stop_spinning_rods(joints: Sequence[Joint], root: int) -> None:
-    """Make one end of each rod of a loop between two ball joints a universal joint; each is to be reviewed."""
-    of = _by_cluster(joints)
-    depth = _depths(of, root)
-    for rod in sorted(of):
-        ends = of[rod]
-        if rod == root or len(ends) != 2 or any(j.evidence.type != JointKind.BALL for j in ends):
-            continue
-        if any(j.evidence.priority == Priority.STATED for j in ends) or not _is_in_loop(of, rod, ends):
-            continue
-        near, far = sorted(ends, key=lambda j: (depth.get(j.other(rod), len(of)), j.evidence.a, j.evidence.b))
-        along = far.evidence.axis.point - near.evidence.axis.point
-        if float(np.linalg.norm(along)) < 1e-6:
-            continue
-        across = perpendicular_frame(unit(along))
-        h = near.evidence
-        h.type, h.axis2 = JointKind.UNIVERSAL, Axis(h.axis.point, across[:, 1])
-        h.axis = Axis(h.axis.point, across[:, 0])
-        h.review = "universal instead of ball, to keep the rod from spinning; could also be the other end"
-
-
-def _is_in_loop(of: dict[int, list[Joint]], rod: int, ends: Sequence[Joint]) -> bool:
-    """Whether both ends of a rod are connected without it: a ball in a chain, as in a neck, is a ball."""
-    rest = {root: [j for j in joints if j not in ends] for root, joints in of.items() if root != rod}
-    return ends[1].other(rod) in _depths(rest, ends[0].other(rod))
-
-
-def slide_in_struts(joints: Sequence[Joint]) -> None:
-    """Make a shaft in a bore between two swivels prismatic."""
-    of = _by_cluster(joints)
-    for j in joints:
-        r = j.evidence.relation
-        if j.evidence.type != JointKind.REVOLUTE or r is None or r.freedom.kind != FreedomKind.CYLINDRICAL:
-            continue
-        others = [[k for k in of[side] if k is not j] for side in (j.a, j.b)]
-        if all(len(rest) == 1 and rest[0].evidence.type in _SWIVELS for rest in others):
-            j.evidence.type, j.evidence.review = (
-                JointKind.PRISMATIC,
-                "a strut between two swivels; could also be revolute",
-            )
-
-
-def _by_cluster(joints: Sequence[Joint]) -> dict[int, list[Joint]]:
+def by_cluster(joints: Sequence[Joint]) -> dict[int, list[Joint]]:
+    """The joints of each cluster."""
     of: dict[int, list[Joint]] = defaultdict(list)
     for j in joints:
         of[j.a].append(j)
@@ -386,7 +355,7 @@ def _by_cluster(joints: Sequence[Joint]) -> dict[int, list[Joint]]:
     return of
 
 
-def _depths(of: dict[int, list[Joint]], root: int) -> dict[int, int]:
+def depths(of: dict[int, list[Joint]], root: int) -> dict[int, int]:
     """The number of joints between each cluster and the root."""
     depth, waiting = {root: 0}, deque([root])
     while waiting:

@@ -2,16 +2,24 @@
 
 A loop of joints that is drawn as a mechanism moves. If its axes do not let it, two bodies that were united, by a face
 on a face or a pair of holes for instance, turn on each other: the joint that lets the loop move is needed.
+
+A rod with a ball joint at each end can spin about its own axis, which moves nothing else: the end nearer to the root is
+drafted as a universal joint. A shaft in a bore with one swivel on each side is a strut: prismatic.
 """
 
 from collections import Counter
 from collections.abc import Callable, Collection, Mapping, Sequence
 
+import numpy as np
+
+from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence, Priority, Verdict
 from stepbot.draft.evidence.subassemblies import Structure
-from stepbot.draft.mechanism.joints import Joint, same_joint
+from stepbot.draft.mechanism.joints import Joint, by_cluster, depths, same_joint
 from stepbot.draft.mechanism.loops import TreeJoint, locked_arcs, loop_motions
+from stepbot.draft.parts.axis import Axis
+from stepbot.geometry.spatial import perpendicular_frame, unit
 from stepbot.robot.model import JointKind
 
 REVIEW = "without it a loop of joints could not move"
@@ -21,6 +29,8 @@ _WEAKEST = 0.3
 """Score from which a refused joint may be needed."""
 _MOST = 12
 """Maximum number of joints that are tried."""
+
+_SWIVELS = (JointKind.BALL, JointKind.UNIVERSAL)
 
 JointKey = tuple[int, int, str]
 """Both parts and the type of a joint."""
@@ -56,6 +66,48 @@ _WORDS = ("piston", "slide", "rod", "cylinder", "telescop", "prismatic", "linear
 _HANGING = "the motor hangs on its own output and carries no other joint: it may be fastened elsewhere"
 _SLIM = 3.0
 """Guided length in radii from which a shaft may be prismatic."""
+
+
+def stop_spinning_rods(joints: Sequence[Joint], root: int) -> None:
+    """Make one end of each rod of a loop between two ball joints a universal joint; each is to be reviewed."""
+    of = by_cluster(joints)
+    depth = depths(of, root)
+    for rod in sorted(of):
+        ends = of[rod]
+        if rod == root or len(ends) != 2 or any(j.evidence.type != JointKind.BALL for j in ends):
+            continue
+        if any(j.evidence.priority == Priority.STATED for j in ends) or not _is_in_loop(of, rod, ends):
+            continue
+        near, far = sorted(ends, key=lambda j: (depth.get(j.other(rod), len(of)), j.evidence.a, j.evidence.b))
+        along = far.evidence.axis.point - near.evidence.axis.point
+        if float(np.linalg.norm(along)) < 1e-6:
+            continue
+        across = perpendicular_frame(unit(along))
+        h = near.evidence
+        h.type, h.axis2 = JointKind.UNIVERSAL, Axis(h.axis.point, across[:, 1])
+        h.axis = Axis(h.axis.point, across[:, 0])
+        h.review = "universal instead of ball, to keep the rod from spinning; could also be the other end"
+
+
+def _is_in_loop(of: dict[int, list[Joint]], rod: int, ends: Sequence[Joint]) -> bool:
+    """Whether both ends of a rod are connected without it: a ball in a chain, as in a neck, is a ball."""
+    rest = {root: [j for j in joints if j not in ends] for root, joints in of.items() if root != rod}
+    return ends[1].other(rod) in depths(rest, ends[0].other(rod))
+
+
+def slide_in_struts(joints: Sequence[Joint]) -> None:
+    """Make a shaft in a bore between two swivels prismatic."""
+    of = by_cluster(joints)
+    for j in joints:
+        r = j.evidence.relation
+        if j.evidence.type != JointKind.REVOLUTE or r is None or r.freedom.kind != FreedomKind.CYLINDRICAL:
+            continue
+        others = [[k for k in of[side] if k is not j] for side in (j.a, j.b)]
+        if all(len(rest) == 1 and rest[0].evidence.type in _SWIVELS for rest in others):
+            j.evidence.type, j.evidence.review = (
+                JointKind.PRISMATIC,
+                "a strut between two swivels; could also be revolute",
+            )
 
 
 def choose_slides(survey: Survey, arcs: Sequence[TreeJoint]) -> None:
