@@ -216,7 +216,8 @@ def sheet_blocks(sheet: "DataSheet") -> Iterator[str | Table]:
         inside = "" if margin is None else f"; its com is {1e3 * margin:.0f} mm inside of what it stands on"
         yield f"- stands with its base {1e3 * height:.0f} mm over the floor{inside}"
     yield from (f"- {actuator}: motor {motor}" for actuator, motor in sheet.motors)
-    yield from (f"- {joint}: play of {play:.3g} by the backlash of its motor [SI]" for joint, play in sheet.backlash)
+    plays = sheet.backlash
+    yield from (f"- {joint}: play of {size:.3g} {unit}, the backlash of its motor" for joint, size, unit in plays)
     for what, masses in (("link", sheet.links), ("material", sheet.materials)):
         if masses:
             yield (what, "mass [kg]"), [(name, f"{mass:.4g}") for name, mass in masses]

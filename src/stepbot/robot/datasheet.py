@@ -95,8 +95,8 @@ class DataSheet:
     arms: tuple[ArmFigures, ...]
     looped: tuple[str, ...] = ()
     """Moving joints of loops, and behind them: no chain of joints alone places their links."""
-    backlash: tuple[tuple[str, float], ...] = ()
-    """Joints whose motor has a published backlash, and the full play [rad] or [m] that it gives them."""
+    backlash: tuple[tuple[str, float, str], ...] = ()
+    """Joints whose motor has a published backlash, the full play that it gives them, and its unit, rad or m."""
 
 
 def data_sheet(robot: Robot) -> DataSheet:
@@ -126,11 +126,11 @@ def data_sheet(robot: Robot) -> DataSheet:
     )
 
 
-def _plays(robot: Robot) -> Iterator[tuple[str, float]]:
+def _plays(robot: Robot) -> Iterator[tuple[str, float, str]]:
     for one in robot.actuators:
         figure = None if one.motor is None else one.motor.figure("backlash")
         if figure is not None:
-            yield one.joint, figure.value
+            yield one.joint, figure.value, figure.unit
 
 
 def _materials(robot: Robot) -> tuple[tuple[str, float], ...]:

@@ -9,6 +9,7 @@ import pytest
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose
+from stepbot.report.words import sheet_blocks
 from stepbot.robot.datasheet import accelerations, data_sheet
 from stepbot.robot.dh import dh_table, forward
 from stepbot.robot.kinematics import configurations, link_poses
@@ -189,10 +190,14 @@ def test_masses_by_material() -> None:
 def test_the_play_of_a_joint_is_the_backlash_of_its_motor_after_the_gear() -> None:
     """A motor that turns three times as far has a third of its backlash at the joint, 2 pi / lead of it on a slide."""
     arm, play = plane_arm(), 0.004363
-    for kind, gear, expected in ((JointKind.REVOLUTE, 3.0, play / 3.0), (JointKind.PRISMATIC, -500.0, play / 500.0)):
+    for kind, gear, expected, unit in (
+        (JointKind.REVOLUTE, 3.0, play / 3.0, "rad"),
+        (JointKind.PRISMATIC, -500.0, play / 500.0, "m"),
+    ):
         servo = replace(arm.actuators[0], motor=fitted(find_motor("XM430-W350"), kind, None, gear))
-        ((joint, value),) = data_sheet(replace(arm, actuators=(servo,))).backlash
-        assert (joint, value) == (servo.joint, pytest.approx(expected, rel=1e-3))
+        sheet = data_sheet(replace(arm, actuators=(servo,)))
+        assert sheet.backlash == ((servo.joint, pytest.approx(expected, rel=1e-3), unit),)
+        assert f"- {servo.joint}: play of {expected:.3g} {unit}, the backlash of its motor" in [*sheet_blocks(sheet)]
     without = fitted(find_motor("STS3215-7.4V"), JointKind.REVOLUTE, None, 1.0)
     sheet = data_sheet(replace(arm, actuators=(replace(arm.actuators[0], motor=without),)))
     assert sheet.backlash == ()
