@@ -121,7 +121,7 @@ class SimulationSection(Section):
     """Settings for simulating the robot, for formats and engines that have them."""
 
     timestep: Timestep | None = None
-    """Time step [s]; by default 1 ms for a robot with closures or mimics, else 2 ms."""
+    """Time step [s]; by default 1 ms for a robot with closures or mimics, or with stiff wheel motors, else 2 ms."""
     integrator: Integrator | None = None
     """The method of integration, in MuJoCo's terms: implicitfast, the default, implicit, euler or rk4."""
     closure_stiffness: StepShare | None = None

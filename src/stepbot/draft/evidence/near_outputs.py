@@ -33,10 +33,11 @@ def alone(survey: Survey, motor: Motor, outputs: Sequence[int], relations: Itera
 
     It is on an output that is drawn, or around the shaft of a named case, which is thinner than a flange's spigot.
     """
+    if outputs:
+        return _ALONE, ""
     thin = _THIN * survey.parts[motor.case].size
-    if outputs or not motor.is_named:
-        return (_ALONE, "") if outputs else (0.0, "")
-    is_on_shaft = any(f.shaft == motor.case and f.full and f.radius < thin for r in relations for f in r.shafts)
+    shafts = (fit for r in relations for fit in r.shafts if fit.shaft == motor.case and fit.full)
+    is_on_shaft = motor.is_named and any(fit.radius < thin for fit in shafts)
     return (_ON_SHAFT, _REVIEW_ALONE) if is_on_shaft else (0.0, "")
 
 
