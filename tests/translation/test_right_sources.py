@@ -190,10 +190,62 @@ SDF = '<sdf version="1.9"><model name="m"><link name="a">{}</link>{}</model></sd
 @pytest.mark.slow
 def test_geometry_that_is_not_read(tmp_path: Path) -> None:
     """It is reported, and what remains is proven."""
-    geometry = "<collision name='c'><geometry><cone><radius>.1</radius><length>1</length></cone></geometry></collision>"
+    geometry = "<collision name='c'><geometry><polyline><height>1</height></polyline></geometry></collision>"
     assert told(proven(tmp_path, ".sdf", SDF.format(geometry, ""), "sdf"), "SB860") == [
-        "<cone> in <geometry>: not converted"
+        "<polyline> in <geometry>: not converted"
     ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("shape", "size", "volume"),
+    [
+        ("an ellipsoid", "<ellipsoid><radii>.1 .2 .3</radii></ellipsoid>", 4.0 / 3.0 * np.pi * 0.006),
+        ("a cone", "<cone><radius>.1</radius><length>.3</length></cone>", np.pi * 0.001),
+    ],
+)
+def test_round_shapes_that_a_mesh_approximates(shape: str, size: str, volume: float, tmp_path: Path) -> None:
+    """It is reported; the mesh is closed, convex, and has the volume to 3 %."""
+    text = SDF.format(f"<collision name='c'><geometry>{size}</geometry></collision>", "")
+    conversion = proven(tmp_path, ".sdf", text, "sdf", "mjcf")
+    assert told(conversion, "SB860") == [f"link 'a': collision with {shape}: approximated by a mesh"]
+    assert not told(conversion, "SB760")  # concave shapes are reported
+    (file,) = (tmp_path / "out" / "meshes").glob("*.obj")
+    mesh = trimesh.load_mesh(file)
+    assert mesh.is_watertight
+    assert mesh.volume == pytest.approx(volume, rel=0.03)
+
+
+TWO_AXES = """<link name="b"><pose relative_to="j"/><inertial><mass>.2</mass><inertia><ixx>2e-4</ixx><iyy>2e-4</iyy>
+  <izz>1e-4</izz></inertia></inertial></link><joint name="j" type="{}"><pose relative_to="a">0 0 -.1 0 0 0</pose>
+  <parent>a</parent><child>b</child><axis><xyz>1 0 0</xyz><limit><lower>-.5</lower><upper>.5</upper><effort>3</effort>
+  </limit></axis><axis2><xyz>0 1 0</xyz>{}</axis2></joint>"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["universal", "revolute2"])
+@pytest.mark.parametrize(
+    ("second", "bounds"),
+    [
+        ("<limit><lower>-.6</lower><upper>.7</upper><effort>4</effort></limit>", ("-0.6", "0.7", "4")),
+        ("<limit><lower>-.5</lower><upper>.5</upper><effort>3</effort></limit>", ("-0.5", "0.5", "3")),
+        ("<dynamics><damping>.2</damping></dynamics>", None),
+    ],
+)
+def test_universal_joint_with_limits(kind: str, second: str, bounds: tuple[str, ...] | None, tmp_path: Path) -> None:
+    """It becomes two hinges with the limits of their axes, since the universal joint of the model has none."""
+    proven(tmp_path, ".sdf", SDF.format("", TWO_AXES.format(kind, second)), "urdf", "sdf", "mjcf")
+    joints = {one.get("name"): one for one in ET.parse(tmp_path / "out" / "m.urdf").iter("joint")}
+    limits = {name: one.find("limit") for name, one in joints.items()}
+    found = {
+        name: None if one is None else tuple(one.get(key) for key in ("lower", "upper", "effort"))
+        for name, one in limits.items()
+    }
+    assert found == {"j_1": ("-0.5", "0.5", "3"), "j_2": bounds}
+    assert {name: one.get("type") for name, one in joints.items()} == {
+        "j_1": "revolute",
+        "j_2": "revolute" if bounds else "continuous",
+    }
 
 
 def test_gearbox_between_two_turning_links(tmp_path: Path) -> None:

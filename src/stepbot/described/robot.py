@@ -267,7 +267,7 @@ def _with_volume(description: Description, found: list[Finding]) -> Description:
     for shape in description.shapes:
         if shape.approximated:
             kind = "collision" if shape.collides else "visual"
-            text = f"link '{shape.link}': {kind} with an {shape.approximated}: approximated by a mesh"
+            text = f"link '{shape.link}': {kind} with {shape.approximated}: approximated by a mesh"
             found.append(Finding(LOST, text, (Quantity.MESHES,)))
         if isinstance(shape.geometry, TriMesh) or min(half_size(shape.geometry)) > 0.0:
             kept.append(shape)

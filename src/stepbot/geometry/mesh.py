@@ -6,12 +6,13 @@ http://paulbourke.net/dataformats/obj/.
 """
 
 from dataclasses import dataclass
+from math import pi
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .fixed_point import distinct_rows, fixed_point_lines
-from .spatial import Pose, Vector3, bounds
+from .spatial import Array, Pose, Vector3, bounds
 
 GRID_DECIMALS = 9
 GRID_PER_METRE = 10.0**GRID_DECIMALS
@@ -119,3 +120,25 @@ def with_four_vertices(mesh: TriMesh) -> TriMesh:
     middle = len(mesh.vertices)
     vertices = np.vstack([mesh.vertices, mesh.vertices[[a, b, c]].mean(axis=0)])
     return TriMesh.of(vertices, [[a, b, middle], [b, c, middle], [c, a, middle], *mesh.faces[1:].tolist()])
+
+
+AROUND = 64
+"""Number of vertices around an axis."""
+
+
+def revolved(profile: Array, around: int = AROUND) -> TriMesh:
+    """The surface of a profile, radius and z from the lowest to the highest point of the axis, shape (n, 2) [m]."""
+    rings = profile[1:-1]
+    angles = 2.0 * pi * np.arange(around) / around
+    circle = np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    sides = [np.column_stack((radius * circle, np.full(around, z))) for radius, z in rings]
+    vertices = np.concatenate((*sides, [(0.0, 0.0, profile[0, 1]), (0.0, 0.0, profile[-1, 1])]))
+    bottom, top, last = len(rings) * around, len(rings) * around + 1, (len(rings) - 1) * around
+    faces = []
+    for i in range(around):
+        j = (i + 1) % around
+        faces += [(bottom, j, i), (top, last + i, last + j)]
+        for start in range(0, last, around):
+            a, b, c, d = start + i, start + j, start + around + j, start + around + i
+            faces += [(a, b, c), (a, c, d)]
+    return TriMesh.of(vertices, faces)

@@ -7,7 +7,7 @@ from math import pi
 import numpy as np
 from numpy.typing import NDArray
 
-from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.mesh import AROUND, TriMesh, revolved
 from stepbot.geometry.spatial import Array, Pose, Vector3, vector3
 from stepbot.robot.kinematics import Configuration, link_poses
 from stepbot.robot.model import Box, Capsule, Cylinder, Geometry, JointKind, MeshRef, Rgba, Robot, Sphere
@@ -103,10 +103,6 @@ def exploded(boxes: Array, parents: Sequence[int], units: Collection[int], apart
     return moves
 
 
-_AROUND = 64
-"""Number of vertices around an axis."""
-
-
 def mesh_of(geometry: Geometry, robot: Robot) -> TriMesh:
     """The triangles of a shape of a robot."""
     match geometry:
@@ -131,34 +127,16 @@ def box_mesh(size: Vector3) -> TriMesh:
 
 def cylinder_mesh(radius: float, length: float) -> TriMesh:
     """A cylinder along z around the origin [m]."""
-    return _revolved(np.array([(0.0, -0.5), (radius, -0.5), (radius, 0.5), (0.0, 0.5)]) * (1.0, length))
+    return revolved(np.array([(0.0, -0.5), (radius, -0.5), (radius, 0.5), (0.0, 0.5)]) * (1.0, length))
 
 
 def capsule_mesh(radius: float, length: float) -> TriMesh:
     """A cylinder along z [m] with half spheres on both ends; a sphere if the length is 0."""
-    angles = np.linspace(-pi / 2, pi / 2, _AROUND // 2 + 1)
+    angles = np.linspace(-pi / 2, pi / 2, AROUND // 2 + 1)
     arc = radius * np.stack((np.cos(angles), np.sin(angles)), axis=1)
     half = len(arc) // 2 + 1
     down, up = np.array((0.0, -length / 2)), np.array((0.0, length / 2))
-    return _revolved(np.concatenate((arc[:half] + down, arc[half - 1 :] + up) if length else (arc,)))
-
-
-def _revolved(profile: Array) -> TriMesh:
-    """The surface of a profile, radius and z from the lowest to the highest point of the axis, shape (n, 2) [m]."""
-    rings = profile[1:-1]
-    angles = 2.0 * pi * np.arange(_AROUND) / _AROUND
-    around = np.stack((np.cos(angles), np.sin(angles)), axis=1)
-    sides = [np.column_stack((radius * around, np.full(_AROUND, z))) for radius, z in rings]
-    vertices = np.concatenate((*sides, [(0.0, 0.0, profile[0, 1]), (0.0, 0.0, profile[-1, 1])]))
-    bottom, top, last = len(rings) * _AROUND, len(rings) * _AROUND + 1, (len(rings) - 1) * _AROUND
-    faces = []
-    for i in range(_AROUND):
-        j = (i + 1) % _AROUND
-        faces += [(bottom, j, i), (top, last + i, last + j)]
-        for start in range(0, last, _AROUND):
-            a, b, c, d = start + i, start + j, start + _AROUND + j, start + _AROUND + i
-            faces += [(a, b, c), (a, c, d)]
-    return TriMesh.of(vertices, faces)
+    return revolved(np.concatenate((arc[:half] + down, arc[half - 1 :] + up) if length else (arc,)))
 
 
 def robot_subject(robot: Robot, q: Configuration, links: Collection[str] | None = None) -> Subject:

@@ -1,12 +1,15 @@
 """The content of a description."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from math import pi
 from pathlib import Path
+
+import numpy as np
 
 from stepbot.diagnostics import Span
 from stepbot.engines.resources import resolve
-from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.mesh import TriMesh, revolved
 from stepbot.geometry.mesh_files import KINDS, Color, MeshContent, read_content
 from stepbot.geometry.primitives import Primitive, half_size
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, box_corners
@@ -77,6 +80,22 @@ def _scaled(mesh: TriMesh, scale: tuple[float, ...]) -> TriMesh:
     return TriMesh.of(mesh.vertices * scale, faces)
 
 
+_AROUND = 24
+"""Number of vertices around the axis of a shape that a mesh approximates."""
+
+
+def ellipsoid_mesh(radii: Sequence[float]) -> TriMesh:
+    """An ellipsoid around the origin, by its half axes [m]."""
+    angles = np.linspace(-pi / 2, pi / 2, _AROUND // 2 + 1)
+    ball = revolved(np.stack((np.cos(angles), np.sin(angles)), axis=1), _AROUND)
+    return TriMesh.of(ball.vertices * radii, ball.faces)
+
+
+def cone_mesh(radius: float, length: float) -> TriMesh:
+    """A cone along z around the origin [m], with its tip upwards."""
+    return revolved(np.array([(0.0, -0.5), (radius, -0.5), (0.0, 0.5)]) * (1.0, length), _AROUND)
+
+
 @dataclass(frozen=True, eq=False)
 class DescribedShape:
     """A visual or a collision of a link."""
@@ -95,7 +114,7 @@ class DescribedShape:
     mesh: str = ""
     """Its mesh, as named in the description; empty for a primitive."""
     approximated: str = ""
-    """The shape that a mesh approximates, which formats have no word for; empty for none."""
+    """The shape that a mesh approximates, with its article; empty for none."""
     piece: int = 0
     """Number of its colour among those of its mesh, each of which is a shape."""
 

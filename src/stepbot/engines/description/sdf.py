@@ -11,11 +11,11 @@ from stepbot.robot.model import Rgba
 
 from .. import engine_of
 from ..observation import EngineCannotRead, Observation, Quantity, Request
-from ..sdformat_reader.frames import Frames, numbers, read_pose, three_at
+from ..sdformat_reader.frames import Frames, number_at, numbers, read_pose, three_at
 from ..sdformat_reader.observer import primitive_of, surface_of
 from ..sdformat_reader.tree import read_model, the_model
 from ..xml import Element, xml_root
-from .description import DescribedShape, Description, MeshFiles
+from .description import DescribedShape, Description, MeshFiles, cone_mesh, ellipsoid_mesh
 from .sdf_vocabulary import AROUND, MODEL
 from .vocabulary import Unread
 
@@ -83,6 +83,10 @@ def _at_zero(observation: Observation) -> dict[str, Pose]:
     return {joint.child: poses[joint.parent].inverse() @ poses[joint.child] for joint in observation.joints}
 
 
+_AS_MESHES = (("geometry/ellipsoid", "an ellipsoid"), ("geometry/cone", "a cone"))
+"""Shapes that a mesh approximates: the model does not have them."""
+
+
 def _shapes(link: Element, files: MeshFiles) -> Iterator[DescribedShape]:
     for kind in ("visual", "collision"):
         for shape in link.findall(kind):
@@ -90,9 +94,12 @@ def _shapes(link: Element, files: MeshFiles) -> Iterator[DescribedShape]:
             uri, collides = (shape.findtext("geometry/mesh/uri") or "").strip(), kind == "collision"
             parts = _parts(shape.find("geometry"), files, rgba, whole=collides or rgba is not None)
             for piece, (found, color) in enumerate(parts):
-                surface = surface_of(shape)
+                surface, of_mesh = (
+                    surface_of(shape),
+                    next((a for tag, a in _AS_MESHES if shape.find(tag) is not None), ""),
+                )
                 yield DescribedShape(
-                    link.get("name", ""), name, found, X_LG, color, collides, surface, uri, piece=piece
+                    link.get("name", ""), name, found, X_LG, color, collides, surface, uri, of_mesh, piece
                 )
 
 
@@ -117,6 +124,11 @@ def _color(shape: Element) -> Rgba | None:
 
 def _geometry(geometry: Element, files: MeshFiles) -> TriMesh | Primitive | None:
     mesh = geometry.find("mesh")
-    if mesh is None:
-        return primitive_of(geometry)
-    return files.mesh((mesh.findtext("uri") or "").strip(), three_at(mesh, "scale", "1 1 1"))
+    if mesh is not None:
+        return files.mesh((mesh.findtext("uri") or "").strip(), three_at(mesh, "scale", "1 1 1"))
+    round_, cone = geometry.find("ellipsoid"), geometry.find("cone")
+    if round_ is not None:
+        return ellipsoid_mesh(three_at(round_, "radii", "1 1 1"))
+    if cone is not None:
+        return cone_mesh(number_at(cone, "radius", 0.5), number_at(cone, "length", 1.0))
+    return primitive_of(geometry)

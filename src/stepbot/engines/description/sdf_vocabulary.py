@@ -10,12 +10,15 @@ _GEOMETRY = {
     **each(("geometry/cylinder", "geometry/capsule"), {"": "", "radius": "", "length": ""}),
     "geometry/sphere": "",
     "geometry/sphere/radius": "",
+    "geometry/ellipsoid": "",
+    "geometry/ellipsoid/radii": "",
+    **each(("geometry/cone",), {"": "", "radius": "", "length": ""}),
     "geometry/mesh": "",
     "geometry/mesh/uri": "",
     "geometry/mesh/scale": "",
 }
 _INERTIAL = {
-    "": "",
+    "": "auto",
     "pose": "degrees rotation_format",
     "mass": "",
     "inertia": "",

@@ -7,16 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from stepbot.engines.description.description import MeshFiles
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_files import KINDS
 from stepbot.geometry.primitives import Primitive
-from stepbot.geometry.spatial import Array, Pose
+from stepbot.geometry.spatial import Pose
 from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.tuning import Integrator, Simulation
 from stepbot.runtime.file import is_file
 
-from ..description.description import DescribedShape, Description
+from ..description.description import DescribedShape, Description, MeshFiles, ellipsoid_mesh
 from ..description.mjcf_vocabulary import LED, MJCF, unread_of_mjcf
 from ..description.vocabulary import Unread
 from ..observation import EngineRefused, Observation, Request
@@ -229,24 +228,13 @@ def _shapes(compiled: Compiled, body: int, meshes: _MeshFiles) -> Iterator[Descr
             geometry, X_GM, uri = meshes.mesh(int(model.geom_dataid[g]))
             X_LG = X_LG @ X_GM
         else:
-            geometry = _ellipsoid(model.geom_size[g]) if is_round else primitive_of(compiled, g)
+            geometry = ellipsoid_mesh(model.geom_size[g]) if is_round else primitive_of(compiled, g)
         if geometry is None:  # a plane or a height field
             continue
         name = compiled.name("GEOM", g) or compiled.name("MESH", int(model.geom_dataid[g]))
         shape = DescribedShape(compiled.name("BODY", body), name, geometry, X_LG, color_of(compiled, g), mesh=uri)
-        shape = replace(shape, approximated="ellipsoid" if is_round else "")
+        shape = replace(shape, approximated="an ellipsoid" if is_round else "")
         if is_visual(compiled, g, mjcf=True):
             yield shape
         if collides(compiled, g):
             yield replace(shape, collides=True, surface=surface_of(compiled, g))
-
-
-def _ellipsoid(radii: Array) -> TriMesh:
-    """An ellipsoid as triangles, for drawing."""
-    rings, columns = 12, 24
-    polar, around = np.meshgrid(np.linspace(0.0, np.pi, rings + 1), np.arange(columns) * 2.0 * np.pi / columns)
-    points = np.stack([np.sin(polar) * np.cos(around), np.sin(polar) * np.sin(around), np.cos(polar)], axis=-1)
-    index = np.arange((rings + 1) * columns).reshape(columns, rings + 1)
-    a, b = index[:, :-1].ravel(), np.roll(index, -1, axis=0)[:, :-1].ravel()
-    faces = np.concatenate([np.column_stack([a, a + 1, b + 1]), np.column_stack([a, b + 1, b])])
-    return TriMesh.of(points.reshape(-1, 3) * radii, faces)

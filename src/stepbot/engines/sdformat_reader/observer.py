@@ -5,9 +5,9 @@ limits, closing joints, frames and mimics, which PyBullet ignores; poses and dyn
 kinematics from the parsed values, so they confirm the text, not the behaviour of an engine.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from math import inf, nan, pi
+from math import inf, isfinite, nan, pi
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,7 @@ from stepbot.geometry.primitives import Primitive, primitive
 from stepbot.geometry.spatial import ZERO3, Pose, matrix3, turn_inertia, unit, vector3
 from stepbot.robot.bounding_boxes import Bounds, primitive_bounds
 from stepbot.robot.dynamics import GRAVITY
-from stepbot.robot.model import ActuatorKind, JointDynamics, Limit, Mimic
+from stepbot.robot.model import ActuatorKind, JointDynamics, JointKind, Limit, Mimic
 from stepbot.robot.sensors import SensorKind
 from stepbot.robot.surfaces import Surface
 from stepbot.version import __version__
@@ -149,7 +149,9 @@ def _inertia(inertial: Element | None, i: str, j: str) -> float:
 
 
 def _kind(joint: Element) -> str:
-    return joint.get("type", "")
+    """Its type; ``revolute2`` and ``universal`` are both two hinges at one point."""
+    kind = joint.get("type", "")
+    return "universal" if kind == "revolute2" else kind
 
 
 _DECIMALS = 12
@@ -167,9 +169,11 @@ def _joint(joint: Element, frames: Frames) -> ObservedJoint:
     limit, dynamics = _limit(axis), _dynamics(axis)
     if joint.get("type") == "continuous":  # such joints ignore them
         limit = replace(limit, lower=-inf, upper=inf)
-    if second is not None and (_limit(second), _dynamics(second)) != (limit, dynamics):
+    of_second = (limit, dynamics) if second is None else (_limit(second), _dynamics(second))
+    of_both = (limit, dynamics), of_second
+    if of_second[0] != limit:
         limit = Limit(nan, nan, nan, nan)  # no joint of the model has two
-    return ObservedJoint(
+    found = ObservedJoint(
         name,
         _kind(joint),
         parent,
@@ -183,6 +187,32 @@ def _joint(joint: Element, frames: Frames) -> ObservedJoint:
         dynamics_fields=("damping", "friction", "stiffness", "spring_reference"),
         mimic=_mimic(axis),
         mimic_read=True,
+    )
+    return replace(found, steps=_steps(found, of_both)) if _kind(joint) == JointKind.UNIVERSAL else found
+
+
+def _steps(whole: ObservedJoint, of_both: Sequence[tuple[Limit, JointDynamics]]) -> tuple[ObservedJoint, ...]:
+    """The hinges of a universal joint with limits, or with other forces about its second axis; else none.
+
+    The universal joint of the model has no limits, and the same forces about both axes.
+    """
+    first, second = of_both
+    if first == second and not (isfinite(first[0].lower) or isfinite(first[0].upper)):
+        return ()
+    return tuple(
+        replace(
+            whole,
+            name=f"{whole.name}{suffix}",
+            kind="revolute" if isfinite(limit.lower) or isfinite(limit.upper) else "continuous",
+            axis=axis,
+            axis2=None,
+            limit=limit,
+            dynamics=dynamics,
+            mimic=None,
+        )
+        for suffix, axis, (limit, dynamics) in zip(
+            JointKind.UNIVERSAL.chain, (whole.axis, whole.axis2), of_both, strict=True
+        )
     )
 
 
