@@ -18,6 +18,7 @@ python -m benchmarks collision STEP                     convex pieces of its sol
 python -m benchmarks steps SIDECAR...                   hulls of parts against ``auto``, in MuJoCo
 python -m benchmarks steps MJCF MJCF...                 files of one robot against the first of them, in MuJoCo
 python -m benchmarks follow BEFORE AFTER                lag, overshoot, error and speed of position motors in MuJoCo
+python -m benchmarks follow FOLDER                      position motors whose effort limits cost lag, and the least lag
 python -m benchmarks gym reach MJCF                     steps per second of its environments, one and sixteen
 python -m benchmarks smoke                              all of it on something small: does it still run?
 
@@ -49,7 +50,7 @@ from .comparison import compare
 from .contenders import ROOT, Case, Contender
 from .drafts import page_with_scores, score_drafts
 from .environments import environment_speeds
-from .following import following_table
+from .following import braking_table, following_table
 from .inference import corpus_folder, measure, page_with_table, read_for_inference
 from .inference_time import drafting_time
 from .many_robots import batch_memory, distinct_copies, memory_table
@@ -157,8 +158,10 @@ def _parser() -> argparse.ArgumentParser:
     stepped.add_argument("-n", "--rounds", type=int, default=7, metavar="N", help="[default: 7]")
     stepped.set_defaults(run=_steps)
     followed = commands.add_parser("follow", help="how position motors follow, before and after a change")
-    followed.add_argument("before", type=Path, help="folder of output folders of an earlier conversion")
-    followed.add_argument("after", type=Path, help="folder of output folders")
+    followed.add_argument(
+        "before", type=Path, help="folder of output folders of an earlier conversion, or the only one"
+    )
+    followed.add_argument("after", type=Path, nargs="?", help="folder of output folders")
     followed.set_defaults(run=_follow)
     learned = commands.add_parser("gym", help="steps per second of environments of stepbot.gym")
     learned.add_argument("task", choices=("reach", "stand"))
@@ -223,7 +226,9 @@ def _collision(options: argparse.Namespace, _: Path) -> None:
 
 
 def _follow(options: argparse.Namespace, _: Path) -> None:
-    print("\n".join(following_table(options.before, options.after)), flush=True)
+    after = options.after
+    lines = following_table(options.before, after) if after else braking_table(options.before)
+    print("\n".join(lines), flush=True)
 
 
 def _steps(options: argparse.Namespace, folder: Path) -> None:

@@ -2,6 +2,9 @@
 
 Each motor with computed gains is moved alone, from the initial pose, without contacts: a sine of 0.5 Hz and 0.3 rad (30
 mm), within the range of its joint, and a step of 0.5 rad (0.1 m), or of half the range. A floating base has no gravity.
+
+A second table has the motors whose effort limits could not brake that step otherwise, with the least damping for which
+it overshoots by 5 % either way, by halving.
 """
 
 import json
@@ -19,6 +22,8 @@ SINE, STEP, SLIDE = 0.3, 0.5, 0.1
 _FREQUENCY = 0.5
 _SETTLE, _STEPPED = 0.5, 1.5
 """Time [s] before each motion, and after a step."""
+_OVERSHOOT, _HALVINGS = 0.05, 9
+"""Overshoot that drive tests allow; halvings of the interval in which the least damping is sought."""
 
 
 class Response(NamedTuple):
@@ -75,6 +80,38 @@ class _Robot:
         final = float(positions[-1])
         beyond = max(0.0, float(((positions - final) / (end - home)).max()))
         return Response(lag, beyond, abs(final - end), fastest / limit if limit else 0.0)
+
+    def least_damping(self, actuator: int) -> tuple[float, float]:
+        """The damping / kp [s] of a motor, and the least one for which a step either way overshoots by 5 % at most."""
+        model = self.model
+        joint = int(model.actuator_trnid[actuator][0])
+        self._q, self._v = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+        self._actuator, self._gear = actuator, float(model.actuator_gear[actuator][0])
+        low, high = model.jnt_range[joint].tolist() if model.jnt_limited[joint] else (-np.inf, np.inf)
+        size = min(SLIDE if model.jnt_type[joint] == self._engine.mjtJoint.mjJNT_SLIDE else STEP, 0.5 * (high - low))
+        self._rest()
+        home = float(self.data.qpos[self._q])
+        ends = [home + way for way in (size, -size) if low <= home + way <= high]
+        kp, kv = -float(model.actuator_biasprm[actuator][1]), -float(model.actuator_biasprm[actuator][2])
+        others = float(model.actuator_damping[actuator]) + float(model.dof_damping[self._v]) / self._gear**2
+
+        def overshoots(kv: float) -> bool:
+            model.actuator_biasprm[actuator][2] = -kv
+            for end in ends:
+                positions, _ = self._stepped(end)
+                final = float(positions[-1])
+                if float(((positions - final) / (end - home)).max()) > _OVERSHOOT:
+                    return True
+            return False
+
+        least, most = 0.0, kv
+        if not overshoots(0.0):
+            most = 0.0
+        for _ in range(_HALVINGS if most else 0):
+            middle = 0.5 * (least + most)
+            least, most = (middle, most) if overshoots(middle) else (least, middle)
+        model.actuator_biasprm[actuator][2] = -kv
+        return (kv + others) / kp, (most + others) / kp
 
     def _rest(self) -> None:
         """Everything at home."""
@@ -142,4 +179,28 @@ def following_table(before: Path, after: Path) -> list[str]:
                 f"{100 * old.speed:.0f} → {100 * new.speed:.0f} %",
             ]
             lines.append(f"| {' | '.join((folder.name, *cells))} |")
+    return lines
+
+
+def braking_table(folder: Path) -> list[str]:
+    """Lines of a Markdown table: each motor below a folder of output folders whose damping is above its ratio."""
+    lines = ["| robot | joint | effort | inertia | lag | least |", "| --- | --- | --- | --- | --- | --- |"]
+    for one in sorted(folder.iterdir()):
+        if not (one / "report.json").is_file():
+            continue
+        document = json.loads((one / "report.json").read_text(encoding="utf-8"))["robot"]
+        efforts = {joint["name"]: joint["limits"]["effort"] for joint in document["joints"]}
+        braked = [motor for motor in document["actuators"] if motor["computed"] and motor["computed"]["braked"]]
+        robot = _Robot(one) if braked else None
+        for motor in braked if robot else ():
+            lags = [
+                2.0 * np.pi * _FREQUENCY * time for time in robot.least_damping(robot.model.actuator(motor["name"]).id)
+            ]
+            effort = min(filter(None, (efforts[motor["joint"]], motor["limits"]["effort"])))
+            cells = (
+                f"{effort:.3g} N m",
+                f"{motor['computed']['inertia']:.3g} kg m²",
+                *(f"{100 * lag:.1f} %" for lag in lags),
+            )
+            lines.append(f"| {' | '.join((one.name, motor['joint'], *cells))} |")
     return lines

@@ -23,7 +23,7 @@ the other motors hold. The base is held, too. With loops the postures are the dr
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import floor, inf, isfinite, log10, pi, sqrt
+from math import copysign, floor, inf, isfinite, log10, pi, sqrt
 
 import numpy as np
 
@@ -131,7 +131,7 @@ class _Driven:
     damping: Array
     """Diagonal of the passive damping (n,)."""
     stepped: Array
-    """Largest magnitude of each gravity force in the drawn pose and after a step of its joint either way (n,)."""
+    """Gravity force of each joint in the drawn pose, after a step of it forwards, and after one backwards (n, 3)."""
 
 
 def tuned(robot: Robot, too_weak: Callable[[Actuator, float, float], None]) -> Robot:
@@ -196,16 +196,16 @@ def _driven(robot: Robot) -> _Driven:
         for row in sampled(robot, _POSTURES)[1:]:
             moved, heavy = seen(dict(zip(tree.joints, row.tolist(), strict=True)))
             largest, heaviest = np.maximum(largest, moved), np.maximum(heaviest, np.abs(heavy))
-    stepped, tuned_joints = np.abs(weight), {one.joint for one in robot.actuators if one.tuning is not None}
+    stepped, tuned_joints = np.stack([weight] * 3, axis=1), {one.joint for one in robot.actuators if one.tuning}
     for index, name in enumerate(names):
         if robot.closures or name not in tuned_joints:
             continue
-        for way in (_step(joints[name]), -_step(joints[name])):
+        for column, way in ((1, _step(joints[name])), (2, -_step(joints[name]))):
             limit = joints[name].limit
             moved_by = min(max(home[name] + way, limit.lower), limit.upper) - home[name]
             with_mimics = zip(tree.joints, tree.B[:, drives[index]].tolist(), strict=True)
             q = {joint: home[joint] + share * moved_by for joint, share in with_mimics}
-            stepped[index] = max(stepped[index], abs(float(seen(q)[1][index])))
+            stepped[index, column] = seen(q)[1][index]
     return _Driven(names, inertia, weight, largest, heaviest, np.diag(S.T @ np.diag(damping) @ S), stepped)
 
 
@@ -237,10 +237,15 @@ def _tuned(
         if effort <= weight:
             too_weak(actuator, effort, weight)
         elif isfinite(effort) and inertia > 0.0:
-            drawn = float(driven.inertia[index])
-            against = min(round(float(driven.stepped[index]), _RESIDUE), _CARRIED * effort)
-            braking = _braking(_Step(drawn, effort, max(weight, against), kp, uncut, _step(joint)), damping)
-            braked, damping = braking > damping, braking
+            drawn, most = float(driven.inertia[index]), max(weight, _CARRIED * effort)
+            first, up, down = (
+                min(max(round(float(one), _RESIDUE), -most), most) for one in driven.stepped[index].tolist()
+            )
+            friction, critical = joint.dynamics.friction, damping
+            for pulls in ((-first, -up), (first, down)):
+                step = _Step(drawn, effort, pulls, kp, uncut, friction, _step(joint))
+                damping = _braking(step, damping)
+            braked = damping > critical
     else:
         kp = 0.0
         damping = 0.0
@@ -266,14 +271,20 @@ def _holding_stiffness(joint: Joint, heaviest: float) -> float:
 
 @dataclass(frozen=True)
 class _Step:
-    """A step of a joint whose effort is limited, from rest in the drawn pose, with its weight in that direction."""
+    """A step of a joint whose effort is limited, from rest in the drawn pose."""
 
     inertia: float
     effort: float
-    weight: float
+    pulls: Bounds
+    """Weight in the direction of the step, at its beginning and at its end; in between it changes with the way.
+
+    Where it falls, by half as much only: from other postures the same step is heavier.
+    """
     kp: float
     passive: float
     """Damping that the effort limit does not cut off."""
+    friction: float
+    """Dry friction."""
     size: float
 
     def overshoot(self, damping: float) -> float:
@@ -285,15 +296,21 @@ class _Step:
         if not self.size:
             return 0.0
         # Long enough to cover the way at the effort limit and back.
-        seconds = 4.0 * sqrt(2.0 * self.size * self.inertia / (self.effort - self.weight)) + 4.0 * damping / self.kp
+        slowest = max(self.effort + min(self.pulls) - self.friction, (1.0 - _CARRIED) * self.effort)
+        seconds = 4.0 * sqrt(2.0 * self.size * self.inertia / slowest) + 4.0 * damping / self.kp
         h, x, v, most = seconds / _STEPS, 0.0, 0.0, self.size
+        first, last = self.pulls
+        last = max(last, 0.5 * (first + last))
+        slowed = h * self.friction / (self.inertia + h * self.passive)
         for _ in range(_STEPS):
             wanted = self.kp * (self.size - x) - (damping - self.passive) * v
-            force = min(max(wanted, -self.effort), self.effort) + self.weight
+            pull = first + (last - first) * min(max(x / self.size, 0.0), 1.0)
+            force = min(max(wanted, -self.effort), self.effort) + pull
             v = (v + h * force / self.inertia) / (1.0 + h * self.passive / self.inertia)
+            v = copysign(max(abs(v) - slowed, 0.0), v)
             x += h * v
             most = max(most, x)
-        return (most - self.size - self.weight / self.kp) / self.size
+        return (most - self.size - max(last, 0.0) / self.kp) / self.size
 
 
 def _braking(step: _Step, damping: float) -> float:
@@ -301,7 +318,8 @@ def _braking(step: _Step, damping: float) -> float:
     if step.overshoot(damping) <= OVERSHOOT:
         return damping
     # With this one it does not overshoot at all: the deceleration from the fastest approach is within the limit.
-    margin = (step.effort - step.weight) / (step.effort + step.weight) * (3.0 * step.effort + step.weight) / 2.0
+    weight = max(0.0, *step.pulls)
+    margin = (step.effort - weight) / (step.effort + weight) * (3.0 * step.effort + weight) / 2.0
     low, high = damping, max(damping, step.kp * sqrt(step.inertia * step.size / margin))
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
