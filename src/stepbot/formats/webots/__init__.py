@@ -1,7 +1,7 @@
 """Webots, which reads a robot as a PROTO in VRML."""
 
 from ..format import Format
-from .names import proto_name
+from .vrml import proto_name
 
 FORMAT = Format(
     __name__,
