@@ -20,7 +20,7 @@ from stepbot.engines.webots.vrml import Node, read_proto
 from stepbot.formats import format_named
 from stepbot.formats.lowering import lower
 from stepbot.formats.rendering import files_of, main_file
-from stepbot.formats.webots.vrml import proto_name
+from stepbot.formats.webots import proto_name
 from stepbot.geometry.spatial import Pose, rotation_angle
 from stepbot.robot.model import Actuator, ActuatorKind, Base, JointKind, Limit, Mimic, Robot
 from tests.robots import ROBOTS, four_bar, two_link_arm

@@ -1,7 +1,15 @@
 """Webots, which reads a robot as a PROTO in VRML."""
 
+import re
+
 from ..format import Format
-from .vrml import proto_name
+
+
+def proto_name(robot: str) -> str:
+    """The robot's name as an identifier: letters, digits, `_` and `-`, no digit or `-` first."""
+    name = re.sub(r"[^A-Za-z0-9_-]", "_", robot)
+    return name if re.match("[A-Za-z_]", name) else f"_{name}"
+
 
 FORMAT = Format(
     __name__,

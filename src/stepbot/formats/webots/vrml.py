@@ -1,6 +1,5 @@
 """Nodes of VRML as Webots writes it: https://cyberbotics.com/doc/reference/nodes-and-functions."""
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from math import atan2, sqrt
@@ -66,9 +65,3 @@ def axis_angle(X: Pose) -> tuple[float, float, float, float] | None:
         return None
     scale = (-1.0 if w < 0.0 else 1.0) / length
     return (scale * x, scale * y, scale * z, 2.0 * atan2(length, abs(w)))
-
-
-def proto_name(robot: str) -> str:
-    """The robot's name as an identifier: letters, digits, `_` and `-`, no digit or `-` first."""
-    name = re.sub(r"[^A-Za-z0-9_-]", "_", robot)
-    return name if re.match("[A-Za-z_]", name) else f"_{name}"

@@ -21,7 +21,7 @@ from stepbot.version import __version__
 from ..features import Feature, altered, deferred, exact, lowered, reported
 from ..format import Companion
 from ..xml import number, text_of
-from . import FORMAT
+from . import FORMAT, proto_name
 from .nodes import (
     bounding_object,
     contact_materials,
@@ -31,7 +31,7 @@ from .nodes import (
     stops,
     visual_node,
 )
-from .vrml import Node, proto_name, text
+from .vrml import Node, text
 
 HEADER = "#VRML_SIM R2023b utf8"
 _NO_SENSOR = reported("force-torque and contact sensors are omitted")
