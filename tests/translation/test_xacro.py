@@ -172,6 +172,28 @@ def test_wrong_arguments_are_named(legs: Path) -> None:
     assert fault.help == ("did you mean 'length'?",)
 
 
+def test_an_argument_that_is_used_need_not_be_declared(tmp_path: Path) -> None:
+    """A file that others include uses the arguments of those, and can be expanded alone."""
+    (tmp_path / "tool.obj").write_text(FOOT, encoding="utf-8")
+    tool = tmp_path / "tool.urdf.xacro"
+    mesh = "<visual><geometry><mesh filename='$(arg folder)/tool.obj'/></geometry></visual>"
+    tool.write_text(f"<robot name='r'><link name='tool'>{mesh}</link></robot>", encoding="utf-8")
+    options = Options(tmp_path / "out", verify=False, formats=("mjcf",), xacro=(("folder", str(tmp_path)),))
+    conversion = convert(tool, options)
+    assert conversion.robot is not None
+    assert conversion.robot.mesh_by_name
+
+
+def test_a_macro_that_nothing_expanded_is_named(tmp_path: Path) -> None:
+    """A URDF whose file names have substitutions is a xacro."""
+    urdf = tmp_path / "tool.urdf"
+    mesh = "<visual><geometry><mesh filename='$(arg folder)/tool.obj'/></geometry></visual>"
+    urdf.write_text(f"<robot name='r'><link name='tool'>{mesh}</link></robot>", encoding="utf-8")
+    conversion = convert(urdf, Options(tmp_path / "out", verify=False, formats=("mjcf",)))
+    error = next(one for one in conversion.diagnostics if one.code == "SB861")
+    assert error.help[0].startswith("the name has a substitution of xacro: name the file .xacro")
+
+
 @pytest.mark.parametrize(
     "expression",
     [

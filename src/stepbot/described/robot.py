@@ -215,6 +215,14 @@ class Described:
         return tuple(one.text for one in self.findings if one.code == UNSUPPORTED)
 
 
+def _unread_mesh(uri: str) -> Finding:
+    text = f"mesh '{uri}' is missing or of an unsupported type"
+    if "$(" not in uri and "${" not in uri:
+        return Finding(UNSUPPORTED, text)
+    expand = "name the file .xacro, and pass its arguments with `--xacro NAME:=VALUE`"
+    return Finding(UNSUPPORTED, text, help=(f"the name has a substitution of xacro: {expand}",))
+
+
 def robot_of_description(
     description: Description, name: str, source: str, base: Base | None = None, *, drawn: bool = False
 ) -> Described:
@@ -230,7 +238,7 @@ def robot_of_description(
     seen = description.observation
     loose = "is not connected to the robot, and has no joints: not converted"
     found = [Finding(LOST, f"link '{link}' {loose}") for link in sorted(around)]
-    found += [Finding(UNSUPPORTED, f"mesh '{uri}' is missing or of an unsupported type") for uri in description.unread]
+    found += [_unread_mesh(uri) for uri in description.unread]
     found += [Finding(UNSUPPORTED, text) for text in description.unsupported]
     shapes = Shapes(_with_volume(description, found), drawn=drawn)
     links = {link.name: _link(link, shapes, found) for link in seen.links}

@@ -111,6 +111,7 @@ class _Expansion:
             xacro._global_symbols["python"].pop(name, None)
         args._eval_find = args._eval_dict["find"] = self._packages.find
         args._eval = self._eval_argument
+        args._eval_arg = self._noting(args._eval_arg)
         os.environ.clear()
         xacro.eval_all = self._touching(xacro.eval_all)
         xacro.handle_macro_call = self._calling(xacro.handle_macro_call)
@@ -124,6 +125,15 @@ class _Expansion:
         functions = {name: one for name, one in args._eval_dict.items() if not name.startswith("__")}
         plain: dict[str, Any] = {"list": list, "dict": dict, "map": map, "str": str, "float": float, "int": int}
         return str(evaluate(expression, {**plain, **functions, "arg": values.__getitem__, **values}))
+
+    def _noting(self, function: Callable[..., Any]) -> Callable[..., Any]:
+        """The function that looks an argument up; one that the file uses need not be declared in it."""
+
+        def noting(name: str, args: Any) -> Any:
+            self._declared[name] = None
+            return function(name=name, args=args)
+
+        return noting
 
     def _parse(self, _given: Any, filename: str) -> Any:
         """A document whose elements know their place."""

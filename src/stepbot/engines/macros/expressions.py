@@ -22,7 +22,7 @@ class Expanded(NamedTuple):
     files: tuple[Path, ...]
     """The other files that were read."""
     arguments: tuple[str, ...]
-    """Names of the arguments that the xacro declares."""
+    """Names of the arguments that the xacro declares or uses."""
     error: str = ""
     at: Span = Span("")
     calls: tuple[Span, ...] = ()
