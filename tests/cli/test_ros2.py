@@ -252,6 +252,37 @@ def test_chains_of_trees() -> None:
     assert all(joint.mimic is None for chain in chains(jaws) for joint in chain.joints)
 
 
+@pytest.mark.parametrize(
+    ("lengths", "expected"),
+    [
+        ((1, 6, 1), [7, 1]),  # as a Sawyer, whose first joint turns its head, too
+        ((1, 7, 7, 2), [1, 7, 7, 2]),  # a torso with two arms and a head
+        ((6, 2, 1), [6, 2, 1]),  # an arm whose hand has fingers of different lengths
+        ((1, 4, 3), [1, 4, 3]),
+        ((3, 6, 1), [3, 6, 1]),
+    ],
+)
+def test_an_arm_has_the_joints_before_it(lengths: tuple[int, ...], expected: list[int]) -> None:
+    """One that shares them with short chains alone; a frame on the last link changes nothing."""
+    links, joints = [Link("root")], list[Joint]()
+    before, *after = lengths
+
+    def chain(name: str, on: str, count: int) -> str:
+        for number in range(count):
+            links.append(Link(f"{name}_{number}"))
+            joints.append(Joint(f"{name}_{number}_joint", JointKind.CONTINUOUS, on, links[-1].name))
+            on = links[-1].name
+        return on
+
+    end = chain("before", "root", before)
+    links.append(Link("plate"))
+    joints.append(Joint("plate_joint", JointKind.FIXED, end, "plate"))
+    for number, count in enumerate(after):
+        chain(f"after_{number}", "plate", count)
+    found = chains(Robot("robot", tuple(links), tuple(joints)))
+    assert [len(one.joints) for one in found] == expected
+
+
 def launched(package: Path, name: str, monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """What a launch file starts, with stand-ins for ROS: nodes are mappings, other actions tuples."""
     share = {

@@ -151,10 +151,11 @@ def _materials(robot: Robot) -> tuple[tuple[str, float], ...]:
 
 
 def accelerations(robot: Robot) -> dict[str, float]:
-    """For each joint without closures whose motors have an effort limit, :attr:`JointFigures.acceleration`."""
-    if robot.closures or not any(isfinite(joint.limit.effort) for joint in robot.joints):
+    """For each driven joint whose motors have an effort limit, :attr:`JointFigures.acceleration`."""
+    if not any(isfinite(joint.limit.effort) for joint in robot.joints):
         return {}
-    return {one.name: one.acceleration for one in _Forces(robot, 24).joints() if one.acceleration is not None}
+    forces = _Forces(robot, POSTURES_IN_LOOPS if robot.closures else 24)
+    return {one.name: one.acceleration for one in forces.joints() if one.acceleration is not None}
 
 
 class _Forces:

@@ -216,6 +216,15 @@ def test_acceleration_of_a_pendulum() -> None:
     assert accelerations(free) == {}
 
 
+def test_acceleration_of_a_joint_that_drives_a_loop() -> None:
+    """The crank of a parallelogram moves all of it; the joints that follow have none."""
+    inertia = (2.0 + 1.0) * 0.4**2 / 3.0 + 3.0 * 0.4**2
+    held = G * 0.4 * (0.5 * 2.0 + 0.5 * 1.0 + 3.0) * sin(pi / 3)
+    found = accelerations(parallelogram())
+    assert set(found) == {"crank_turn"}
+    assert found["crank_turn"] == pytest.approx((30.0 - held) / inertia, rel=0.02)
+
+
 @pytest.mark.parametrize("seed", range(12))
 def test_tables_are_the_kinematics(seed: int) -> None:
     """A table exists for every chain of turning and sliding joints, and gives the pose of its tip."""

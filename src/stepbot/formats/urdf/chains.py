@@ -1,7 +1,7 @@
 """The serial chains of a robot's tree: what MoveIt plans for."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from stepbot.robot.kinematics import rigid_bodies
@@ -27,23 +27,49 @@ class Chain:
 def chains(robot: Robot) -> tuple[Chain, ...]:
     """The chains from the root or a branching on to the next branching or the end, in the order of the joints.
 
-    Links fixed to each other count as one. A chain all of whose joints mimic others has nothing to plan, and one that
-    begins with three unbounded slides is an object that nothing holds.
+    An arm has the joints before it that it shares with short chains alone. Links fixed to each other count as one. A
+    chain all of whose joints mimic others has nothing to plan, and one that begins with three unbounded slides is an
+    object that nothing holds.
     """
     body, moving = rigid_bodies(robot.root.name, robot.joints), moving_joints(robot)
     last = {body[link.name]: link.name for link in robot.links}  # parents come before their children
+    found = []
+    for along in _with_few_before(_unbranched(robot, moving), body):
+        tip = last[along[-1].child]
+        independent = tuple(joint for joint in along if joint.mimic is None)
+        if independent and not _is_free(along):
+            found.append(Chain(tip, along[0].parent, tip, independent))
+    return tuple(found)
+
+
+def _unbranched(robot: Robot, moving: Mapping[str, Sequence[Joint]]) -> list[list[Joint]]:
+    """The joints of each chain from the root or a branching on to the next one or the end."""
     found = []
     starts = [joint for at, joints in moving.items() if at == robot.root.name or len(joints) > 1 for joint in joints]
     for start in starts:
         along = [start]
         while len(after := moving.get(along[-1].child, [])) == 1:
             along += after
-        end = along[-1].child
-        tip = last[end]
-        independent = tuple(joint for joint in along if joint.mimic is None)
-        if independent and not _is_free(along):
-            found.append(Chain(tip, start.parent, tip, independent))
-    return tuple(found)
+        found.append(along)
+    return found
+
+
+_FEW, _MANY = 2, 4
+"""Most joints of a short chain, and of what it shares with an arm; least joints of an arm beyond them."""
+
+
+def _with_few_before(found: list[list[Joint]], body: Mapping[str, str]) -> list[list[Joint]]:
+    """The chains; an arm has the joints that it shares with short chains alone: a Sawyer's first turns its head, too.
+
+    Joints that two arms share, such as those of a torso, remain a chain of their own.
+    """
+    kept = list(found)
+    for before in found:
+        after = [along for along in found if body[along[0].parent] == body[before[-1].child]]
+        arms = [along for along in after if len(along) > _FEW]
+        if len(before) <= _FEW and len(after) > 1 and len(arms) == 1 and len(arms[0]) >= _MANY:
+            kept = [before + one if one is arms[0] else one for one in kept if one is not before]
+    return kept
 
 
 def is_planned(robot: Robot, chain: Chain) -> bool:
