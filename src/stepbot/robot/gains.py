@@ -94,6 +94,8 @@ _RESIDUE = 9
 """Decimals [N m] or [N] of weights: smaller ones are rounding of axes that point up."""
 _DIGITS = 4
 """Significant digits of gains, which do not depend on the last bits of the linear algebra below."""
+_ROUNDING = 1e-9
+"""Share of the slope of a torque-speed line that is rounding: a motor's damping may be that slope."""
 _CARRIED = 0.95
 """Largest share of the effort limit that a weight takes after a step: what is left still brakes."""
 _STEPS = 2000
@@ -112,7 +114,9 @@ def line_damping(actuator: Actuator, joint: Joint) -> float:
     is_limited = isfinite(limit.effort) and 0.0 < limit.velocity < inf
     if actuator.kind is not ActuatorKind.POSITION or not is_limited:
         return 0.0
-    return max(0.0, limit.effort / limit.velocity - joint.dynamics.damping)
+    slope = limit.effort / limit.velocity
+    lacking = slope - joint.dynamics.damping
+    return lacking if lacking > _ROUNDING * slope else 0.0
 
 
 @dataclass(frozen=True, eq=False)

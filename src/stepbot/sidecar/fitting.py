@@ -18,7 +18,17 @@ from .document import DynamicsSection, JointDefaults, LimitsSection
 from .joint_settings import ONE_FREEDOM
 from .located import Sidecar
 from .motor_sections import MotorSection, OwnMotors
-from .motors import AmbiguousMotor, Found, UnknownMotor, UnscalableMotor, default_kind, find_motor, fitted
+from .motors import (
+    AmbiguousMotor,
+    Found,
+    UnknownMotor,
+    UnknownSupply,
+    UnscalableMotor,
+    at_other_supplies,
+    default_kind,
+    find_motor,
+    fitted,
+)
 from .own_part import is_foreign
 from .quantities import JointValue
 from .schema_faults import report_schema_faults
@@ -94,7 +104,7 @@ def _own_motors(sidecar: Sidecar, found: Diagnostics) -> Mapping[str, MotorSecti
 
 def read_own_motors(path: Path, found: Diagnostics) -> dict[str, MotorSection] | None:
     """The motors of a user's own file, each figure with a source; None if it cannot be read, which is reported."""
-    text = read_text(path, found)
+    text = read_text(path, found, "write `motors: {NAME: {kind: servo, ...}}`")
     if text is None or not is_text(text, file_name(path), found):
         return None
     composed = compose_around_faults(text, file_name(path), found)
@@ -147,7 +157,7 @@ def _found(
 def _fitted(
     sidecar: Sidecar, name: str, actuator: ActuatorSection, one: Found, kind: JointKind, found: Diagnostics
 ) -> Motor | None:
-    message, help = "", ""
+    message, help, key = "", "", "motor"
     if kind is JointKind.PRISMATIC and "gear" not in actuator.model_fields_set and one.motor.max_force is None:
         message = f"'{one.name}' turns, and joint '{actuator.joint}' slides"
         help = "give `gear`, as `36 deg/mm` or in rad/m: 2 pi / lead of a screw, 1 / radius of a pinion or pulley"
@@ -156,8 +166,11 @@ def _fitted(
             return fitted(one, kind, actuator.voltage, actuator.gear.value, actuator.part or "")
         except UnscalableMotor as failure:
             message, help = str(failure), "choose another motor, or give `limits` and `dynamics` by hand"
+            if isinstance(failure, UnknownSupply):
+                others = ", ".join(at_other_supplies(one))
+                key, help = "voltage", f"{help}; of its family: {others}" if others else help
     if message:
-        place = sidecar.span("actuators", name, "motor")
+        place = sidecar.span("actuators", name, key)
         found.add("SB148", f"actuator '{name}': {message}", place, help=[help])
     return None
 

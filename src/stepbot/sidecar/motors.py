@@ -5,7 +5,7 @@ The catalogue is JSON, which is YAML, in the form of a user's own file: :mod:`.m
 
 import json
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
@@ -64,7 +64,11 @@ class AmbiguousMotor(ValueError):
 
 
 class UnscalableMotor(ValueError):
-    """A motor has no figures for a supply or a type of joint."""
+    """A motor has no figures for a type of joint."""
+
+
+class UnknownSupply(UnscalableMotor):
+    """A motor has no figures for a supply."""
 
 
 class Found(NamedTuple):
@@ -93,6 +97,16 @@ def catalogue_motor(name: str) -> MotorSection:
 @cache
 def _reader() -> TypeAdapter[MotorSection]:
     return TypeAdapter(MotorSection)
+
+
+def at_other_supplies(one: Found) -> Iterator[str]:
+    """The motors of the catalogue that share a name with one and have another supply, with it."""
+    own = one.motor.figures().get("voltage")
+    for name in catalogue_names():
+        motor = catalogue_motor(name)
+        supply = motor.figures().get("voltage")
+        if set(motor.family) & set(one.motor.family) and own and supply and supply.value != own.value:
+            yield f"{name} at {supply.value:g} V"
 
 
 def catalogue_names() -> tuple[str, ...]:
@@ -280,11 +294,11 @@ def _at(name: str, motor: MotorSection, voltage: float | None) -> dict[str, Figu
     if voltage is None or (own is not None and abs(voltage - own) <= _EXACT * own):
         return {key: _at_supply(figure, own) if key == "position_gain" else figure for key, figure in given.items()}
     if own is None:
-        raise UnscalableMotor(f"no source gives the supply of '{name}', so that its figures cannot be scaled")
+        raise UnknownSupply(f"no source gives the supply of '{name}', so that its figures cannot be scaled")
     known = [own, *(other.voltage for other in motor.at_other_voltages)]
     if not _SUPPLIES[0] * min(known) <= voltage <= _SUPPLIES[1] * max(known):
         of = f"{min(known):g} to {max(known):g} V" if len(known) > 1 else f"{own:g} V"
-        raise UnscalableMotor(f"a supply of {voltage:g} V is too far from that of '{name}', {of}, to scale its figures")
+        raise UnknownSupply(f"a supply of {voltage:g} V is too far from that of '{name}', {of}, to scale its figures")
     for key, kinds in _SCALED_BY_VOLTAGE.items():
         if key in given and motor.kind in kinds:
             figure = given[key]

@@ -20,10 +20,15 @@ def file_name(path: Path) -> str:
     return path.as_posix()
 
 
-def read_text(path: Path, found: Diagnostics) -> str | None:
+def read_text(
+    path: Path, found: Diagnostics, start: str = "start with `version: 1`; see `stepbot docs sidecar`"
+) -> str | None:
     """The text of a file with line feeds at line ends, or None if it cannot be read.
 
     Reports SB001 not found, SB102 too large, SB102 not UTF-8, SB102 empty, SB102 a STEP file instead of a sidecar.
+
+    Args:
+        start: The remedy of an empty file.
     """
     whole = Span(file_name(path))
     try:
@@ -45,7 +50,7 @@ def read_text(path: Path, found: Diagnostics) -> str | None:
         return None
     text = _decoded(content, whole.file, found)
     if text is not None and not text.strip("\ufeff \t\n"):
-        found.add("SB102", "sidecar: empty file", whole, help=["start with `version: 1`; see `stepbot docs sidecar`"])
+        found.add("SB102", "sidecar: empty file", whole, help=[start])
         return None
     return text
 

@@ -353,6 +353,14 @@ def test_damping_of_the_torque_speed_line(kind: ActuatorKind, effort: float, vel
     assert line_damping(Actuator("motor", "lean", kind), joint) == expected
 
 
+def test_a_damping_that_is_the_slope_leaves_no_residue() -> None:
+    """Effort / velocity as a catalogue has it differs from the joint's damping by a rounding, which no file has."""
+    for effort, velocity in ((2.942, 4.712), (1.912, 5.454)):
+        limit, dynamics = Limit(-1.0, 1.0, velocity, effort), JointDynamics(damping=effort / velocity * (1.0 - 1e-14))
+        joint = Joint("lean", JointKind.REVOLUTE, "base", "rod", at(), limit=limit, dynamics=dynamics)
+        assert line_damping(Actuator("motor", "lean", ActuatorKind.POSITION), joint) == 0.0
+
+
 @pytest.mark.mujoco
 def test_no_target_drives_a_joint_beyond_its_velocity_limit() -> None:
     """The effort is used up at the limit, however far the target is; without gravity the joint does not reach it."""

@@ -333,6 +333,7 @@ def test_faults_of_a_users_own_file(tmp_path: Path, text: str, code: str, line: 
     [
         ("{motor: mine}", "motors: gone.yaml\n", "SB001", "gone.yaml"),
         ("{motor: STS3215}", "", "SB147", "STS3215-12V"),
+        ("{motor: STS3215-7.4V, voltage: 12 V}", "", "SB148", "of its family: STS3215-12V at 12 V"),
         ("{motor: XL43O-W250}", "", "SB147", "XL430-W250"),
         ("{motor: AS1010, voltage: 24 V}", "", "SB148", "no source gives the supply"),
         ("{voltage: 24 V}", "", "SB137", "'voltage' without 'motor'"),
