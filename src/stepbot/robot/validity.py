@@ -47,6 +47,8 @@ _UNIT_SLACK = 1e-9
 _TRIANGLE_SLACK = 1e-6
 _NEGLIGIBLE = 1e-6
 """Share of the mass of what a link is fixed to, at most of 1 kg, below which its missing inertia changes nothing."""
+_SLIGHT = 0.01
+"""The same, up to which it is a point mass and not a forgotten inertia."""
 
 _Named = Actuator | Collision | Frame | Joint | Link | LoopClosure | MeshAsset | Sensor | Visual
 Report = Callable[..., None]
@@ -235,8 +237,17 @@ def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> No
             _report_massless(members, report, described=massless_between)
     points = _point_masses(robot)
     for link in robot.links:
-        fault = inertia_fault(link.mass_properties)
-        if fault and link.name not in points:
+        mass, fault = link.mass_properties.mass, inertia_fault(link.mass_properties)
+        if link.name in points:
+            if mass >= _NEGLIGIBLE * min(points[link.name], 1.0):
+                message = f"{mass:.4g} kg without inertia is taken as a point mass at its centre of mass"
+                report(
+                    "SB518:small-inertia",
+                    f"link '{link.name}': {message}",
+                    help=("give it an inertia, if it was forgotten",),
+                    about=f"link '{link.name}': inertial",
+                )
+        elif fault:
             solids = "solids without one are open or self-intersecting: repair them in CAD"
             report(
                 "SB509",
@@ -246,9 +257,9 @@ def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> No
             )
 
 
-def _point_masses(robot: Robot) -> set[str]:
-    """Links with a negligible mass and no inertia on links with both: frames of programs that need a mass."""
-    points = set()
+def _point_masses(robot: Robot) -> dict[str, float]:
+    """Links with a slight mass and no inertia, frames of programs that need a mass, and what they are fixed to [kg]."""
+    points = dict[str, float]()
     for members in _rigid_groups(robot):
         bare = {
             link.name
@@ -256,8 +267,7 @@ def _point_masses(robot: Robot) -> set[str]:
             if link.mass_properties.mass > 0.0 and not np.any(link.mass_properties.inertia)
         }
         rest = exact_sum(link.mass_properties.mass for link in members if link.name not in bare)
-        most = _NEGLIGIBLE * min(rest, 1.0)
-        points |= {name for name in bare if robot.link_by_name[name].mass_properties.mass < most}
+        points |= {name: rest for name in bare if robot.link_by_name[name].mass_properties.mass < _SLIGHT * rest}
     return points
 
 

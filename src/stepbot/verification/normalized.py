@@ -7,73 +7,19 @@ from math import inf, isfinite, nan, tau
 import numpy as np
 
 from stepbot.engines.observation import (
-    NEVER_ZERO,
     Observation,
     ObservedActuator,
-    ObservedJoint,
     ObservedLink,
     ObservedSensor,
     ObservedShape,
 )
-from stepbot.formats.lowering.joints import UNLIMITED
-from stepbot.formats.lowering.masses import LEAST_MASS, LEAST_MOMENT, STAND_IN_MASS, STAND_IN_MOMENT
 from stepbot.formats.lowering.shapes import capsule_parts
-from stepbot.geometry.spatial import ZERO3, ZERO33, Pose, join_bounds
-from stepbot.robot.kinematics import NO_BOUND
-from stepbot.robot.model import ActuatorKind, Limit, Mimic
+from stepbot.geometry.spatial import Pose, join_bounds
+from stepbot.robot.model import ActuatorKind, Mimic
 
 from .chains import is_bare
 from .shapes import plain_name
-
-_STAND_INS = ((STAND_IN_MASS, STAND_IN_MOMENT), (LEAST_MASS, LEAST_MOMENT))
-_ROUNDING = 1e-6
-"""Relative error of numbers in single precision."""
-
-
-def without_stand_ins(observation: Observation) -> Observation:
-    """The observation with infinite limits, massless links and point masses, in place of such numbers."""
-    return replace(
-        observation,
-        links=tuple(_without_stand_in(link) for link in observation.links),
-        joints=tuple(_freed(_without_zeros(joint)) for joint in observation.joints),
-    )
-
-
-def _without_zeros(joint: ObservedJoint) -> ObservedJoint:
-    zero = [name for name in NEVER_ZERO if joint.limit is not None and getattr(joint.limit, name) == 0.0]
-    limit = joint.limit and replace(joint.limit, **dict.fromkeys(zero, inf))
-    return replace(joint, limit=limit, steps=tuple(map(_without_zeros, joint.steps)))
-
-
-def _without_stand_in(link: ObservedLink) -> ObservedLink:
-    """A massless link, or a point mass: links of other programs may have the same mass alone."""
-    for mass, moment in _STAND_INS if link.mass is not None else ():
-        is_mass = abs((link.mass or 0.0) - mass) < _ROUNDING * mass
-        is_moment = link.inertia is not None and np.allclose(
-            link.inertia, moment * np.eye(3), rtol=0.0, atol=_ROUNDING * moment
-        )
-        if is_mass and (is_moment or link.inertia is None):
-            return replace(link, mass=0.0, com=ZERO3, inertia=ZERO33)
-        if is_moment and (link.mass or 0.0) < mass:  # lighter than any link that has this inertia itself
-            return replace(link, inertia=ZERO33)
-    return link
-
-
-def _freed(joint: ObservedJoint) -> ObservedJoint:
-    far = joint.limit is not None and -inf < joint.limit.lower <= -NO_BOUND and NO_BOUND <= joint.limit.upper < inf
-    joint = replace(joint, kind="continuous") if joint.kind == "revolute" and far else joint
-    return replace(joint, limit=joint.limit and _free(joint.limit), steps=tuple(map(_freed, joint.steps)))
-
-
-def _free(limit: Limit) -> Limit:
-    return replace(
-        limit,
-        lower=-inf if limit.lower <= -NO_BOUND else limit.lower,
-        upper=inf if limit.upper >= NO_BOUND else limit.upper,
-        velocity=inf if limit.velocity >= UNLIMITED else limit.velocity,
-        effort=inf if limit.effort >= UNLIMITED else limit.effort,
-    )
-
+from .stand_ins import freed, with_points_of, without_stand_ins
 
 WORLD = "world"
 """Common name in URDF of the link that represents the world."""
@@ -93,7 +39,7 @@ def normalized(a: Observation, b: Observation) -> tuple[Observation, Observation
     """
     alike = a.format == b.format and a.engine == b.engine
     a, b = (
-        replace(side, joints=tuple(map(_freed, side.joints))) if alike else without_stand_ins(side)
+        replace(side, joints=tuple(map(freed, side.joints))) if alike else without_stand_ins(side)
         for side in map(_without_world, (a, b))
     )
     links_a, links_b = ({link.name for link in side.links} for side in (a, b))
@@ -101,6 +47,7 @@ def normalized(a: Observation, b: Observation) -> tuple[Observation, Observation
     if alike:
         a, b = _with_capsules_of(a, b), _with_capsules_of(b, a)
         return _with_common_frames(a, b)
+    a, b = with_points_of(a, b), with_points_of(b, a)
     a, b = _without_held_mimics(a, b), _without_held_mimics(b, a)
     a, b = _with_common_looks(_with_velocities(a), _with_velocities(b))
     a, b = (_within_a_turn(a), _within_a_turn(b)) if "usd" in (a.format, b.format) else (a, b)

@@ -14,7 +14,7 @@ from .chains import Chain, Edge, chain, coordinates, is_known, unlike_edges
 from .correspondence import Correspondence, match
 from .deviation import tolerance
 from .naming import Naming, naming
-from .normalized import without_stand_ins
+from .stand_ins import without_stand_ins
 
 Observe = Callable[[Engine, Request], Observation | None]
 """Runs an engine; None if it fails: it will be run again later, and its failure reported then."""

@@ -21,8 +21,9 @@ from stepbot.runtime.worker import Workers
 from .files import observed
 from .judging import Subject, compared_with_first, judged, ranked
 from .merged_observation import Gathered, gather
-from .normalized import joined, without_stand_ins
+from .normalized import joined
 from .shapes import plain_name
+from .stand_ins import without_stand_ins
 
 Bounds = tuple[float, float]
 

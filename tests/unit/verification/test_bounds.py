@@ -13,7 +13,8 @@ from stepbot.geometry.spatial import ZERO3, matrix3
 from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import Limit
 from stepbot.verification.compare import compare
-from stepbot.verification.normalized import normalized, without_stand_ins
+from stepbot.verification.normalized import normalized
+from stepbot.verification.stand_ins import without_stand_ins
 
 STAND_INS = [(STAND_IN_MASS, STAND_IN_MOMENT), (LEAST_MASS, LEAST_MOMENT)]
 

@@ -1,0 +1,77 @@
+"""Values that formats write where the robot has none: mass and inertia of frames, and bounds that mean unlimited."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+
+from stepbot.engines.observation import NEVER_ZERO, Observation, ObservedJoint, ObservedLink
+from stepbot.formats.lowering.joints import UNLIMITED
+from stepbot.formats.lowering.masses import LEAST_MASS, LEAST_MOMENT, STAND_IN_MASS, STAND_IN_MOMENT
+from stepbot.geometry.spatial import ZERO3, ZERO33
+from stepbot.robot.kinematics import NO_BOUND
+from stepbot.robot.model import Limit
+
+_STAND_INS = ((STAND_IN_MASS, STAND_IN_MOMENT), (LEAST_MASS, LEAST_MOMENT))
+_FILLED = ("usd", "webots")
+"""Formats in which each mass has an inertia."""
+_ROUNDING = 1e-6
+"""Relative error of numbers in single precision."""
+
+
+def without_stand_ins(observation: Observation) -> Observation:
+    """The observation with infinite limits, massless links and point masses, in place of such numbers."""
+    return replace(
+        observation,
+        links=tuple(_without_stand_in(link) for link in observation.links),
+        joints=tuple(freed(_without_zeros(joint)) for joint in observation.joints),
+    )
+
+
+def _without_zeros(joint: ObservedJoint) -> ObservedJoint:
+    zero = [name for name in NEVER_ZERO if joint.limit is not None and getattr(joint.limit, name) == 0.0]
+    limit = joint.limit and replace(joint.limit, **dict.fromkeys(zero, inf))
+    return replace(joint, limit=limit, steps=tuple(map(_without_zeros, joint.steps)))
+
+
+def _without_stand_in(link: ObservedLink) -> ObservedLink:
+    """A massless link, or a point mass: links of other programs may have the same mass alone."""
+    for mass, moment in _STAND_INS if link.mass is not None else ():
+        is_mass, is_moment = abs((link.mass or 0.0) - mass) < _ROUNDING * mass, _has_moment(link, moment)
+        if is_mass and (is_moment or link.inertia is None):
+            return replace(link, mass=0.0, com=ZERO3, inertia=ZERO33)
+        if is_moment and (link.mass or 0.0) < mass:  # lighter than any link that has this inertia itself
+            return replace(link, inertia=ZERO33)
+    return link
+
+
+def _has_moment(link: ObservedLink, moment: float) -> bool:
+    same = link.inertia is not None and np.allclose(link.inertia, moment * np.eye(3), rtol=0.0, atol=_ROUNDING * moment)
+    return bool(same)
+
+
+def with_points_of(a: Observation, b: Observation) -> Observation:
+    """One side without the moments that its format needs where the other side has point masses."""
+    points = {one.name for one in b.links if one.mass and one.inertia == ZERO33} if a.format in _FILLED else set()
+    links = (
+        replace(link, inertia=ZERO33) if link.name in points and _has_moment(link, STAND_IN_MOMENT) else link
+        for link in a.links
+    )
+    return replace(a, links=tuple(links))
+
+
+def freed(joint: ObservedJoint) -> ObservedJoint:
+    """A joint without bounds that mean unlimited; a hinge without any is continuous."""
+    far = joint.limit is not None and -inf < joint.limit.lower <= -NO_BOUND and NO_BOUND <= joint.limit.upper < inf
+    joint = replace(joint, kind="continuous") if joint.kind == "revolute" and far else joint
+    return replace(joint, limit=joint.limit and _free(joint.limit), steps=tuple(map(freed, joint.steps)))
+
+
+def _free(limit: Limit) -> Limit:
+    return replace(
+        limit,
+        lower=-inf if limit.lower <= -NO_BOUND else limit.lower,
+        upper=inf if limit.upper >= NO_BOUND else limit.upper,
+        velocity=inf if limit.velocity >= UNLIMITED else limit.velocity,
+        effort=inf if limit.effort >= UNLIMITED else limit.effort,
+    )
