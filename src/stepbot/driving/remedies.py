@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from stepbot.formats.lowering.joints import shaken_by_damping
 from stepbot.robot.model import Robot
 
 from .results import Grip, Loss, Spin
@@ -49,20 +50,19 @@ class Facts:
     light: frozenset[str] = frozenset()
     """Joints with motors and without armature."""
     diverging: frozenset[str] = frozenset()
-    """Joints whose damping makes PyBullet diverge, as `convert` reported (SB760:stiff-damping)."""
+    """Joints whose damping makes PyBullet diverge, as `convert` reports (SB760:stiff-damping)."""
 
 
 def facts_of(document: Mapping[str, Any], robot: Robot) -> Facts:
-    """The facts of a report."""
+    """The facts of a report, and of its robot."""
     actuators = document["robot"]["actuators"]
     shapes = document.get("collision_shapes", [])
     driven = {one["joint"] for one in actuators}
-    diverging = [one["message"] for one in document.get("diagnostics", []) if one["code"] == STIFF_DAMPING]
     return Facts(
         frozenset(one["joint"] for one in actuators if one.get("computed") is not None),
         frozenset(one["link"] for one in shapes if one["rule"] not in _HOLLOW),
         frozenset(j.name for j in robot.joints if j.name in driven and not j.dynamics.armature),
-        frozenset(j.name for j in robot.joints if any(f"'{j.name}'" in message for message in diverging)),
+        frozenset(shaken_by_damping(robot)[1]),
     )
 
 

@@ -38,11 +38,11 @@ def test_the_remedy_of_computed_gains_is_not_to_compute_them() -> None:
 
 
 def test_where_pybullet_diverges_by_damping_the_remedy_is_neither_gains_nor_masses() -> None:
-    """Only in PyBullet, at the joints that `convert` named, or where nothing but they can add energy."""
-    robot = clamp(5.0)
-    message = "URDF: PyBullet, whose step is 4.2 ms by default, diverges by the damping of joints: 'close'"
-    report = {"robot": {"actuators": []}, "diagnostics": [{"code": "SB760:stiff-damping", "message": message}]}
-    facts = facts_of(report, robot)
+    """Only in PyBullet, at the joints that `convert` names, or where nothing but they can add energy."""
+    robot, report = clamp(5.0), {"robot": {"actuators": []}}
+    mount, close = robot.joints
+    stiff = replace(robot, joints=(mount, replace(close, dynamics=replace(close.dynamics, damping=2.0))))
+    facts = facts_of(report, stiff)
     assert facts.diverging == {"close"}
     measures = (Measure("overshoot", 300.0, "close"), Measure("angle error", 2.0, "mount"))
     for engine, expected in (("pybullet", [True, False]), ("mujoco", [False, False])):
@@ -53,7 +53,7 @@ def test_where_pybullet_diverges_by_damping_the_remedy_is_neither_gains_nor_mass
     drop = Result("drop", (Measure("energy gain", 101.0),), Plot("t", "mm", {}))
     list(judge("pybullet", "arm.urdf", [drop], demands({}), found, facts))
     assert "PyBullet diverges" in next(iter(found)).help[0]
-    assert facts_of({"robot": {"actuators": []}}, robot).diverging == frozenset()
+    assert facts_of(report, robot).diverging == frozenset()
 
 
 @pytest.mark.parametrize(

@@ -73,25 +73,31 @@ def is_loaded_ball(joint: Joint) -> bool:
 
 
 def stiffly_damped(robot: Robot) -> list[str]:
-    """The longest step in which explicit damping does not diverge, if PyBullet's is longer, and the joints that do.
+    """The longest step in which explicit damping does not diverge, if PyBullet's is longer, and the joints that do."""
+    step, shaken = shaken_by_damping(robot)
+    return [f"in steps longer than {1e3 * step:.2g} ms", *(f"'{name}'" for name in shaken)] if shaken else []
+
+
+def shaken_by_damping(robot: Robot) -> tuple[float, tuple[str, ...]]:
+    """The longest step [s] in which explicit damping does not diverge, and the joints that diverge in PyBullet's.
 
     A motion that damping brakes by more than twice its inertia / step is reversed and enlarged in each step. Behind a
     gear, most of the inertia is armature, which URDF lacks.
     """
     damping = {joint.name: joint.dynamics.damping for joint in robot.joints}
     if not any(damping.values()) or damped_softly(robot):
-        return []
+        return inf, ()
     names, M = free_mass_matrix(robot)
     root = np.sqrt([damping.get(name, 0.0) for name in names])
     moments, modes = np.linalg.eigh(M) if np.isfinite(M).all() else (np.zeros(1), M)
     with np.errstate(all="ignore"):
         braked = root[:, None] * (modes / moments @ modes.T) * root
     if moments[0] <= _MASSLESS * moments[-1] or not np.isfinite(braked).all():  # a massless link moves: it is reported
-        return []
+        return inf, ()
     rates, shapes = np.linalg.eigh(braked)
     fast = shapes[:, rates > 2.0 / _PYBULLET_STEP] ** 2
-    shaken = [f"'{name}'" for name, share in zip(names, fast, strict=True) if share.max(initial=0.0) > _SHARE]
-    return [f"in steps longer than {2e3 / rates[-1]:.2g} ms", *shaken] if shaken else []
+    shaken = (name for name, share in zip(names, fast, strict=True) if share.max(initial=0.0) > _SHARE)
+    return 2.0 / float(rates[-1]), tuple(shaken)
 
 
 def damped_softly(robot: Robot) -> bool:
