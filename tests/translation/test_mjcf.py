@@ -10,7 +10,7 @@ from stepbot.engines.describe import describe
 from stepbot.engines.observation import Quantity
 from stepbot.jobs.incremental import convert
 from stepbot.pipeline.conversion import Options
-from stepbot.robot.model import Base, JointKind
+from stepbot.robot.model import Base, JointKind, MeshRef
 
 LEG = """<mujoco model="leg">
   <compiler angle="radian" eulerseq="zyx" autolimits="true"/>
@@ -357,3 +357,46 @@ def test_a_reading_alone_is_no_sensor(tmp_path: Path) -> None:
     path.write_text(apart.replace('<torque name="t" site="load"/>', '<torque name="t" site="imu"/>'), encoding="utf-8")
     robot = robot_of_description(describe(str(path), "mjcf"), "leg", path.name).robot
     assert [one.name for one in robot.sensors] == ["hip"]
+
+
+ARM = """<mujoco model="{name}"><compiler meshdir="{folder}"/><option timestep="0.001"/>
+  <asset><mesh name="{name}_body" file="body.obj"/></asset>
+  <worldbody><body name="{name}"><joint name="{name}_hinge"/><geom type="mesh" mesh="{name}_body" mass="1"/></body>
+  </worldbody>
+</mujoco>"""
+CELL = """<mujoco model="cell"><compiler meshdir="mine"/>
+  <asset><mesh name="plinth" file="body.obj"/>
+    <model name="one" file="one/arm.xml"/><model name="two" file="two/arm.xml"/></asset>
+  <worldbody><body name="base"><geom type="mesh" mesh="plinth" mass="2"/>
+    <frame pos="1 0 0"><attach model="one" prefix=""/></frame><attach model="two" prefix="two_"/></body></worldbody>
+</mujoco>"""
+
+
+@pytest.mark.slow
+def test_attached_models_have_meshes_of_their_own(tmp_path: Path) -> None:
+    """Each has its mesh folder, and their files may have the same names; what they hold is listed with their file."""
+    for name, size in (("mine", 1.0), ("one/meshes", 2.0), ("two/parts", 3.0)):
+        (tmp_path / name).mkdir(parents=True)
+        corners = ((0, 0, 0), (size, 0, 0), (0, size, 0), (0, 0, size))
+        text = "".join(f"v {x} {y} {z}\n" for x, y, z in corners) + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+        (tmp_path / name / "body.obj").write_text(text, encoding="utf-8")
+    for name, folder in (("one", "meshes"), ("two", "parts")):
+        text = ARM.format(name=name, folder=folder)
+        (tmp_path / name / "arm.xml").write_text(text, encoding="utf-8")
+    (tmp_path / "cell.xml").write_text(CELL, encoding="utf-8")
+    conversion = convert(tmp_path / "cell.xml", Options(tmp_path / "out", formats=("mjcf", "urdf"), base="fixed"))
+    assert not conversion.diagnostics.has_errors, list(map(str, conversion.diagnostics))
+    robot = conversion.robot
+    assert robot is not None
+    sizes = {
+        link.name: max(robot.mesh_by_name[shape.geometry.name].mesh.bounds[1])
+        for link in robot.links
+        for shape in link.visuals
+        if isinstance(shape.geometry, MeshRef)
+    }
+    assert sizes == pytest.approx({"base": 1.0, "one": 2.0, "two_two": 3.0})
+    assert robot.simulation.timestep is None  # the options of a model are not attached
+    assert not any("<attach>" in one.message or "<model>" in one.message for one in conversion.diagnostics)
+    (tmp_path / "one" / "meshes" / "body.obj").unlink()
+    found = convert(tmp_path / "cell.xml", Options(tmp_path / "out", formats=("mjcf",), verify=False)).diagnostics
+    assert found.has_errors  # and not the file of another model

@@ -114,7 +114,7 @@ def refusals(file: str, written_in: str, folders: Iterable[Path] = ()) -> tuple[
     given, main = Path(file), resolved(Path(file))  # engines resolve symbolic links
     found = _layer_refusals(main) if written_in == "usd" else ()
     if written_in in _XML:
-        found = _refusals(main, written_in == "mjcf", [main.parent, *map(resolved, folders)])
+        found = _refusals(main, written_in == "mjcf", [main.parent, *map(resolved, folders)], {main})
     return tuple(replace(one, file=_shown(one.file, main, given)) for one in found)
 
 
@@ -165,11 +165,11 @@ def declares_entities(root: Element) -> bool:
     return declared is not None and next(iter(declared.iterentities()), None) is not None
 
 
-def _refusals(main: Path, has_includes: bool, allowed: Sequence[Path]) -> Iterator[Refusal]:
+def _refusals(main: Path, has_includes: bool, allowed: Sequence[Path], seen: set[Path]) -> Iterator[Refusal]:
+    """Why engines must not read a file, what it includes, or the models that it attaches."""
     from lxml import etree
 
-    pending, seen = [main], {main}
-    roots: list[tuple[Path, Element]] = []
+    pending, roots = [main], list[tuple[Path, Element]]()
     while pending:
         path = pending.pop()
         try:
@@ -189,24 +189,28 @@ def _refusals(main: Path, has_includes: bool, allowed: Sequence[Path]) -> Iterat
         roots.append((path, root))
         for element, reason in excessive_sizes(root) if has_includes else ():
             yield Refusal(TOO_LARGE, reason, str(path), element.sourceline or 0)
-        for element in root.iter("include") if has_includes else ():
-            name = element.get("file", "")
+        for element in root.iter("include", "model") if has_includes else ():
+            name, is_model = element.get("file", ""), element.tag == "model"
             if not name:
                 continue
             included = main.parent / name
             if not any(map(resolved(included).is_relative_to, allowed)):
-                message = f"includes '{name}', which is outside the folder of {main.name}"
+                does = "attaches" if is_model else "includes"
+                message = f"{does} '{name}', which is outside the folder of {main.name}"
                 yield Refusal(UNSAFE, message, str(path), element.sourceline or 0)
             elif _is_irregular(included):
                 yield Refusal(UNSAFE, f"'{name}' is not a regular file", str(path), element.sourceline or 0)
             elif is_file(included) and resolved(included) not in seen and len(seen) < _MOST_INCLUDES:
                 seen.add(resolved(included))
-                pending.append(included)
+                if is_model:
+                    yield from _refusals(resolved(included), has_includes, allowed, seen)
+                else:
+                    pending.append(included)
     # The settings of one file apply to all files included together.
     folders = [main.parent / folder for folder in ("", *(name for _, root in roots for name in _folders(root)))]
     for path, root in roots:
         for element in root.iter("*"):
-            if not (has_includes and element.tag == "include"):
+            if not (has_includes and element.tag in ("include", "model")):
                 yield from _irregular(element, main, folders, path)
 
 

@@ -108,6 +108,7 @@ def compared_with_source(
             described.of_robot,
             found,
             options.workers,
+            options.package_path,
         )
     return replace(report, checks=(*report.checks, *checks))
 

@@ -165,6 +165,7 @@ def observed(
     seconds: float = SECONDS,
     renamed: Mapping[str, NewNames] | None = None,
     packages: Iterable[Path] | None = None,
+    included: Sequence[Path] = (),
     xacro: Iterable[tuple[str, str]] = (),
 ) -> "tuple[Asked, Sequence[Outcome]]":
     """Load every file in every engine that reads it.
@@ -175,6 +176,7 @@ def observed(
         seconds: Duration [s] of the passive simulation.
         renamed: By absolute path, the names under which files are compared.
         packages: Folders of packages; None for files whose meshes every engine finds.
+        included: Then folders from which an MJCF may include files, in addition to its own.
         xacro: Name and value of arguments of the files with macros.
     """
     names = dict(renamed or {})
@@ -184,7 +186,7 @@ def observed(
         if server is not None:
             workers = workers._replace(start=running.enter_context(server).fork)
         if packages is None:
-            formats = admitted(formats, found, workers)
+            formats = admitted(formats, found, workers, included)
             places, texts = {path: path for path in formats}, dict[Path, tuple[Statement, ...]]()
         else:
             copies = Path(running.enter_context(TemporaryDirectory(dir=run_folder())))

@@ -4,7 +4,7 @@ Quantities with a declared loss are not compared: their difference is the loss t
 """
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf, isnan
 from pathlib import Path, PurePath
@@ -90,6 +90,7 @@ def verify_against_source(
     of_robot: Callable[[Observation], Observation],
     found: Diagnostics,
     workers: Workers,
+    included: Sequence[Path] = (),
 ) -> tuple[Check, ...]:
     """The checks of every file against the file that it was converted from.
 
@@ -101,6 +102,7 @@ def verify_against_source(
         pieces: For each written visual the first one of the same visual in the source.
         of_robot: What an observation of the source has of the robot, without its surroundings.
         found: Receives differences, and SB867 if no engine reads the source.
+        included: Folders from which an MJCF may include files, in addition to its own.
     """
     name = PurePath(span.file).name
     reported = Diagnostics()  # engines that reject a written file are reported by the comparison with the model
@@ -108,6 +110,7 @@ def verify_against_source(
         (source, *files),
         reported,
         workers,
+        included=included,
         renamed={str(openable(source)): names, **{str(openable(path)): one.names for path, one in files.items()}},
     )
     of_source = [outcome for outcome in outcomes if outcome.key == source.as_posix()]

@@ -48,6 +48,28 @@ def test_includes_stay_in_the_folder(tmp_path: Path) -> None:
     assert including("parts/far.xml") == ["SB820"]
 
 
+def test_attached_models_are_read_as_includes_are(tmp_path: Path) -> None:
+    """A model that is attached stays in the folder, and so does what it includes, from its own folder."""
+    inside = tmp_path / "scene"
+    (inside / "arm").mkdir(parents=True)
+    (tmp_path / "outside.xml").write_text("<mujoco/>", encoding="utf-8")
+    (inside / "arm" / "near.xml").write_text("<mujoco/>", encoding="utf-8")
+    (inside / "arm" / "arm.xml").write_text('<mujoco><include file="near.xml"/></mujoco>', encoding="utf-8")
+    (inside / "arm" / "far.xml").write_text('<mujoco><include file="../../outside.xml"/></mujoco>', encoding="utf-8")
+    (inside / "arm" / "self.xml").write_text(
+        '<mujoco><asset><model name="m" file="self.xml"/></asset></mujoco>', encoding="utf-8"
+    )
+
+    def attaching(name: str) -> list[str]:
+        text = f'<mujoco><asset><model name="m" file="{name}"/></asset></mujoco>'
+        return codes(inside / "scene.xml", text, "mjcf")
+
+    assert attaching("arm/arm.xml") == []
+    assert attaching("arm/self.xml") == []
+    assert attaching("../outside.xml") == ["SB820"]
+    assert attaching("arm/far.xml") == ["SB820"]
+
+
 OUTSIDE = b'<include file="../outside.xml"/>'
 
 

@@ -66,6 +66,7 @@ MJCF = Vocabulary(
         "mujoco/asset": "",
         "mujoco/asset/mesh": "*",
         "mujoco/asset/material": "name class rgba",
+        "mujoco/asset/model": "name file content_type",
         "mujoco/contact": "",
         "mujoco/contact/exclude": "name body1 body2",
         "mujoco/equality": "",
@@ -109,7 +110,6 @@ MJCF = Vocabulary(
         "texture": "visuals have their plain colours",
         "geom": "only the robot is converted, not its surroundings",
         "light": "the written scenes have lights of their own",
-        "attach": "losses of the attached model are not listed",
         "density": "the robot moves in empty space",
         "viscosity": "the robot moves in empty space",
         "wind": "the robot moves in empty space",
@@ -117,7 +117,12 @@ MJCF = Vocabulary(
         "user": "data for programs",
     },
     nests=("default", "body"),
-    holders={"frame": f"name childclass {_PLACE}", "replicate": "count offset euler sep", "include": "file"},
+    holders={
+        "frame": f"name childclass {_PLACE}",
+        "replicate": "count offset euler sep",
+        "include": "file",
+        "attach": "model body prefix",
+    },
     kinds={"mujoco/keyframe/key": "name"},
 )
 

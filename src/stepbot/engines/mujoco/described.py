@@ -1,6 +1,6 @@
 """MJCF as MuJoCo compiles it, without the meshes and textures whose files are missing."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,10 @@ from .model import collected_warnings
 from .observer import observe_model
 from .shapes import collides, color_of, geoms, is_visual, primitive_of, surface_of
 
+_MOST_MODELS = 100
+_SINGLE = 1e-5
+"""Difference of meshes in single precision, as a share of their size."""
+
 
 @collected_warnings()
 def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
@@ -39,9 +43,11 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
 
     path = Path(file)
     roots = _roots(path)
+    attached = _attached(path, roots)
+    folders = [folder for main, some in [(path, roots), *attached] for folder in _mesh_folders(main, some)]
     try:
         spec = engine.MjSpec.from_file(file)
-        unread = _drop_missing(spec, path.parent)
+        unread = _drop_missing(spec, path.parent, folders)
         model = spec.compile()
     except ValueError as error:
         raise EngineRefused(str(error).replace(f"{path.parent.as_posix()}/", "").strip()) from error
@@ -59,7 +65,8 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         for joint in observation.joints
         if joint.parent in poses
     }
-    meshes = _MeshFiles(compiled, spec, path)
+    meshes = _MeshFiles(compiled, spec, path, folders)
+    everything = [*roots, *((root, name, at) for _, some in attached for root, name, at in some)]
     shapes = tuple(shape for body in compiled.bodies if body for shape in _shapes(compiled, body, meshes))
     first = compiled.bodies[0]
     return Description(
@@ -68,11 +75,11 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         shapes,
         tuple(sorted({*unread, *meshes.files.unread})),
         (
-            *(lost for root, name, at in roots for lost in unread_of_mjcf(root, name, at)),
+            *(lost for root, name, at in everything for lost in unread_of_mjcf(root, name, at)),
             *_direct(compiled),
             *((Unread(LED, len(closures) - len(kept), 0, effect=MJCF.effects["mocap"]),) if kept != closures else ()),
         ),
-        (*(path.parent / name for _, name, _ in roots if name), *meshes.files.files),
+        (*(path.parent / name for _, name, _ in everything if name), *meshes.files.files),
         X_WR=compiled.X_WB(compiled.data({}), first) if first else Pose(),
         free_roots=tuple(_free(compiled)),
         assumed=_from_geoms(spec, compiled),
@@ -81,15 +88,23 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
     )
 
 
-def _roots(path: Path) -> list[tuple[Any, str, str]]:
-    """The root element of the file and of each included one, its name, and the path of the element that includes it.
+_Root = tuple[Any, str, str]
+"""The root element of a file, its name, and the path of the element that includes it."""
 
-    Names are relative to the folder of the file; its own is empty.
+
+def _roots(path: Path, main: str = "") -> list[_Root]:
+    """The root elements of a model's file and of each included one.
+
+    Names are relative to the folder of ``path``. Includes are relative to the folder of the model's file.
+
+    Args:
+        main: Name of the model's file; empty for ``path`` itself.
 
     Raises:
         EngineRefused: One is not XML.
     """
-    pending, found = [("", "mujoco")], list[tuple[Any, str, str]]()
+    pending, found = [(main, "mujoco")], list[_Root]()
+    folder = Path(main).parent
     while pending:
         name, at = pending.pop(0)
         try:
@@ -98,9 +113,32 @@ def _roots(path: Path) -> list[tuple[Any, str, str]]:
             raise EngineRefused(f"{name or path.name}: {error}") from error
         found.append((root, name, at))
         known = {one for _, one, _ in found}
-        includes = ((one.get("file", ""), MJCF.path_of(one, at)) for one in root.iter("include"))
+        includes = (((folder / one.get("file", "")).as_posix(), MJCF.path_of(one, at)) for one in root.iter("include"))
         pending += [one for one in includes if one[0] not in known]
     return found
+
+
+def _attached(path: Path, roots: Iterable[_Root]) -> list[tuple[Path, list[_Root]]]:
+    """The models that a file attaches, and those that these attach, each with its file.
+
+    Raises:
+        EngineRefused: One is not XML.
+    """
+    pending, found = [("", [*roots])], dict[str, list[_Root]]()
+    while pending:
+        main, some = pending.pop(0)
+        named = (model.get("file", "") for root, *_ in some for model in root.iter("model"))
+        for name in ((Path(main).parent / one).as_posix() for one in named if one):
+            if name not in found and len(found) < _MOST_MODELS:
+                found[name] = _roots(path, name)
+                pending.append((name, found[name]))
+    return [(path.parent / name, some) for name, some in found.items()]
+
+
+def _mesh_folders(main: Path, roots: Iterable[_Root]) -> list[Path]:
+    """The folders in which MuJoCo looks for the meshes of a model, by its file."""
+    stated = (one.get("meshdir") or one.get("assetdir") for root, *_ in roots for one in root.iter("compiler"))
+    return [*(main.parent / folder for folder in stated if folder), main.parent]
 
 
 def _without_ends(observation: Observation) -> dict[str, tuple[str, Pose]]:
@@ -164,9 +202,9 @@ def _simulation(roots: Iterable[Any]) -> Simulation:
 class _MeshFiles:
     """The meshes of a model: of their files, in double precision, else as MuJoCo has them."""
 
-    def __init__(self, compiled: Compiled, spec: Any, path: Path) -> None:
+    def __init__(self, compiled: Compiled, spec: Any, path: Path, folders: Sequence[Path]) -> None:
         self.files = MeshFiles(path)
-        self._compiled, self._spec, self._folder = compiled, spec, path.parent
+        self._compiled, self._spec, self._folders = compiled, spec, folders
         self._meshes: dict[int, tuple[TriMesh, Pose, str]] = {}
 
     def mesh(self, number: int) -> tuple[TriMesh, Pose, str]:
@@ -179,24 +217,33 @@ class _MeshFiles:
         model, name = self._compiled.model, self._compiled.name("MESH", number)
         stated = next((mesh for mesh in self._spec.meshes if mesh.id == number), None)
         if stated is not None and stated.file and not any(stated.refpos) and list(stated.refquat) == [1, 0, 0, 0]:
-            below = (self._folder / self._spec.meshdir / stated.file, self._folder / stated.file)
-            file = next((one for one in below if is_file(one)), None)
-            if file is not None and file.suffix.lower() in KINDS:
+            files = dict.fromkeys(folder / stated.file for folder in self._folders if is_file(folder / stated.file))
+            X = Pose.from_quaternion(model.mesh_quat[number].tolist(), model.mesh_pos[number]).inverse()
+            for file in (one for one in files if one.suffix.lower() in KINDS):
                 mesh = self.files.mesh(file.as_posix(), tuple(stated.scale))
-                X = Pose.from_quaternion(model.mesh_quat[number].tolist(), model.mesh_pos[number]).inverse()
-                if mesh is not None:
+                # Models that are attached may name different files alike.
+                if mesh is not None and (len(files) == 1 or self._is_like(mesh, X, number)):
                     return mesh, X, stated.file
         start, first = model.mesh_vertadr[number], model.mesh_faceadr[number]
         vertices = model.mesh_vert[start : start + model.mesh_vertnum[number]]
         faces = model.mesh_face[first : first + model.mesh_facenum[number]]
         return TriMesh.of(vertices, faces), Pose(), name
 
+    def _is_like(self, mesh: TriMesh, X_GM: Pose, number: int) -> bool:
+        """Whether a mesh is where MuJoCo has one, by their boxes."""
+        model, start = self._compiled.model, self._compiled.model.mesh_vertadr[number]
+        vertices = model.mesh_vert[start : start + model.mesh_vertnum[number]]
+        moved = X_GM.apply(mesh.vertices)
+        size = float(np.ptp(vertices, axis=0).max())
+        ours, theirs = ([points.min(axis=0), points.max(axis=0)] for points in (vertices, moved))
+        return bool(np.allclose(ours, theirs, rtol=0.0, atol=_SINGLE * size))
 
-def _drop_missing(spec: Any, folder: Path) -> tuple[str, ...]:
+
+def _drop_missing(spec: Any, folder: Path, mesh_folders: Sequence[Path]) -> tuple[str, ...]:
     """Remove references to missing meshes, height fields and textures; returns the files as in the description."""
     missing = set()
     for mesh in list(spec.meshes):
-        if mesh.file and not _is_there(folder, spec.meshdir, mesh.file):
+        if mesh.file and not any(is_file(one / mesh.file) for one in mesh_folders):
             missing.add(mesh.file)
             for geom in [geom for geom in spec.geoms if geom.meshname == mesh.name]:
                 spec.delete(geom)
