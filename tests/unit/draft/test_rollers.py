@@ -7,7 +7,7 @@ import pytest
 
 from stepbot.robot.model import JointKind
 from tests.assembled import BARE, Node, inferred, joints, part, turned
-from tests.solids import box, cone, cylinder
+from tests.solids import Solid, box, cone, cylinder
 
 COUNT = 6
 BASE = part("base", box(200, 200, 60), z=-80)
@@ -92,3 +92,26 @@ def test_a_carriage_with_wheels_on_both_sides_of_a_rail_slides_along_it() -> Non
 def test_wheels_on_one_side_or_beyond_a_body_do_not_hold_on_it(nodes: list[Node]) -> None:
     """Nothing slides where wheels on one side could fall off, or where the body is shorter than their row."""
     assert not [arc for arc in inferred(*nodes).arcs if arc.evidence.type == JointKind.PRISMATIC]
+
+
+def test_the_wheel_of_a_caster_rolls_beside_larger_wheels() -> None:
+    """Without names: two equal wheels and a smaller one stand on the ground; the fork of the smaller one swivels."""
+
+    def across(radius: float, width: float) -> Solid:
+        return turned(cylinder(radius, width).at(0, 0, -width / 2), rpy=(pi / 2, 0, 0))
+
+    deck = box(260, 180, 6).at(0, 0, 3) - cylinder(5, 60).at(100, 0, -30)
+    nodes = [part("1", deck)]
+    for n, side in enumerate((-1, 1)):
+        bracket = box(50, 8, 80).at(0, 0, -40) - across(6.1, 30).at(0, 0, -68)
+        nodes += [part(f"{n}2", bracket, -80, side * 70), part(f"{n}3", across(6, 40), -80, side * 80, -68)]
+        nodes.append(part(f"{n}4", across(40, 20) - across(6, 20), -80, side * 90, -68))
+    fork = box(50, 44, 4).at(-8, 0, -2) - cylinder(5, 60).at(0, 0, -30)
+    for side in (-1, 1):
+        fork = fork + box(24, 3, 84).at(-25, side * 20.5, -46)
+    nodes.append(part("5", fork - across(4.1, 80).at(-25, 0, -74), 100))
+    pin = cylinder(5, 10).at(0, 0, -4) + cylinder(8, 2).at(0, 0, -6)
+    nodes += [part("6", pin, 100), part("7", across(34, 30) - across(4.1, 30), 75, 0, -74)]
+    nodes.append(part("8", across(4, 46), 75, 0, -74))
+    found = inferred(*nodes, sources=BARE)
+    assert {("revolute", "1", "5"), ("revolute", "5", "7")} <= set(joints(found))

@@ -1,8 +1,8 @@
 """Wheels: round bodies that an assembly stands on, by their shape, or that are named so; and what they turn in.
 
-Two equal turned bodies or more, whose axes are parallel to the ground and whose rims touch it, while all else is above,
-are wheels. A wheel on an axle, a bolt or a shaft touches its fork about that line alone: by itself such a line could be
-clamped, but a wheel turns.
+Turned bodies whose axes are parallel to the ground and whose rims touch it, while all else is above, are wheels, if two
+of them are equal: the wheel of a caster has a radius of its own. A wheel on an axle, a bolt or a shaft touches its fork
+about that line alone: by itself such a line could be clamped, but a wheel turns.
 """
 
 from collections import defaultdict
@@ -155,10 +155,10 @@ def rolling(survey: Survey) -> Iterator[tuple[int, Axis]]:
             continue
         near = _FLAT * max(radii[i] for i in equal)
         others = [
-            i for i, height in zip(drawn, heights.tolist(), strict=True) if height < ground + near and i not in equal
+            i for i, height in zip(drawn, heights.tolist(), strict=True) if height < ground + near and i not in rolling
         ]
         if survey.total_volume(others) <= _SLIGHT * survey.volume:
-            yield from ((i, round_ones[i]) for i in equal)
+            yield from ((i, round_ones[i]) for i in rolling)
             return
 
 
