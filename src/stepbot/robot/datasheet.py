@@ -10,7 +10,7 @@ from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array, rotated
 
 from .bounding_boxes import robot_bounds, standing
-from .closures import RANK_TOLERANCE, Loops, driven_joints, following
+from .closures import RANK_TOLERANCE, DoesNotClose, Loops, driven_joints, following
 from .dh import DhTable, dh_table
 from .dynamics import GRAVITY, equations_of_motion
 from .gains import actuator_limit
@@ -151,10 +151,13 @@ def _materials(robot: Robot) -> tuple[tuple[str, float], ...]:
 
 
 def accelerations(robot: Robot) -> dict[str, float]:
-    """For each driven joint whose motors have an effort limit, :attr:`JointFigures.acceleration`."""
+    """For each driven joint with an effort limit, :attr:`JointFigures.acceleration`; none where loops are open."""
     if not any(isfinite(joint.limit.effort) for joint in robot.joints):
         return {}
-    forces = _Forces(robot, POSTURES_IN_LOOPS if robot.closures else 24)
+    try:
+        forces = _Forces(robot, POSTURES_IN_LOOPS if robot.closures else 24)
+    except DoesNotClose:  # reported where the loops are verified
+        return {}
     return {one.name: one.acceleration for one in forces.joints() if one.acceleration is not None}
 
 

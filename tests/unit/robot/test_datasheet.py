@@ -223,6 +223,10 @@ def test_acceleration_of_a_joint_that_drives_a_loop() -> None:
     found = accelerations(parallelogram())
     assert set(found) == {"crank_turn"}
     assert found["crank_turn"] == pytest.approx((30.0 - held) / inertia, rel=0.02)
+    robot = parallelogram()
+    (closure,) = robot.closures
+    far = replace(closure, X_BF=Pose.of(position=(0.0, 0.0, 9.0)))
+    assert accelerations(replace(robot, closures=(far,))) == {}  # convert reports the open loop
 
 
 @pytest.mark.parametrize("seed", range(12))
