@@ -256,7 +256,7 @@ def test_mujoco_warp(written: Mapping[str, Written]) -> None:
 def test_mujoco_warp_steps(for_mjx: Mapping[str, Written]) -> None:
     """Ten steps from home take every robot of the library, with shapes for MJX, where MuJoCo's take it.
 
-    The youBot is 0.0012 apart: the hull of its body reaches over its rollers (SB810), in 92 contacts.
+    The youBot is 0.0006 apart: the hull of its body reaches over its rollers (SB810), in 92 contacts.
     """
     if importlib.util.find_spec("mujoco_warp") is None:
         pytest.skip("mujoco_warp is not installed")
@@ -268,6 +268,19 @@ def test_mujoco_warp_steps(for_mjx: Mapping[str, Written]) -> None:
     apart: dict[str, float] = json.loads(run.stdout.rstrip().rpartition("\n")[2])
     assert {name for name, off in apart.items() if not off < (2e-3 if name == "youbot" else SINGLE)} == set()
     assert apart.keys() == for_mjx.keys()
+
+
+def test_mujoco_warp_says_which_contacts_it_drops(for_mjx: Mapping[str, Written]) -> None:
+    """Its default reservation is too small for the youBot: if it were not, the advice in the docs would be void."""
+    if importlib.util.find_spec("mujoco_warp") is None:
+        pytest.skip("mujoco_warp is not installed")
+    program = "import json, sys" + WARP_STEPS.replace(", nconmax=512, njmax=2048", "") + EACH
+    job = {"youbot": (str(for_mjx["youbot"].folder / "youbot.xml"), {})}
+    command = [sys.executable, "-c", program]
+    run = subprocess.run(command, input=json.dumps(job), capture_output=True, text=True, check=False, timeout=1200)
+    assert run.returncode == 0, run.stderr[-2000:]
+    assert "please increase nconmax" in run.stdout
+    assert json.loads(run.stdout.rstrip().rpartition("\n")[2])["youbot"] > 2e-3
 
 
 def test_sapien(written: Mapping[str, Written]) -> None:
