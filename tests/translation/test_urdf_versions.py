@@ -20,6 +20,7 @@ from stepbot.formats.urdf.ros2.moveit import _further
 from stepbot.geometry.spatial import Pose, quaternion_from_rotation, rotation_from_rpy
 from stepbot.jobs.incremental import convert
 from stepbot.pipeline.conversion import Options
+from stepbot.robot.datasheet import accelerations, with_accelerations
 from stepbot.robot.model import Capsule, Collision, FormatVersions, Limit, Robot
 from tests.robots import two_link_arm
 
@@ -152,11 +153,33 @@ def test_what_is_written_reads_back(tmp_path: Path) -> None:
     assert rod.geometry == Capsule(0.02, 0.1)
     np.testing.assert_allclose(rod.X_LG.matrix, robot.links[-1].collisions[0].X_LG.matrix, atol=1e-15)
     seen = {joint.name: joint.limit for joint in read.observation.joints}
-    for joint in robot.joints:
+    for joint in with_accelerations(robot).joints:
         smooth = (joint.limit.acceleration, joint.limit.deceleration, joint.limit.jerk)
         limit = seen[joint.name] or Limit()
         assert (limit.acceleration, limit.deceleration, limit.jerk) == smooth
     assert any(isfinite(joint.limit.jerk) for joint in robot.joints)
+
+
+def test_joints_without_an_acceleration_have_that_which_their_efforts_allow() -> None:
+    """In version 1.2, with a note; what the robot states is kept, and a joint without effort has none."""
+    robot = two_link_arm()
+    first, second = robot.joints[-2:]
+    stated = replace(second, limit=replace(second.limit, acceleration=8.0, effort=5.0))
+    driven = replace(first, limit=replace(first.limit, effort=200.0))
+    robot = replace(robot, joints=(*robot.joints[:-2], driven, stated), versions=FormatVersions(urdf=1.2))
+    expected = accelerations(robot)
+    found = Diagnostics()
+    top = ET.fromstring(render(robot, "urdf", found)[f"{robot.name}.urdf"])
+    written = {joint.get("name"): joint.find("limit") for joint in top.findall("joint")}
+    assert float(written[first.name].get("acceleration")) == expected[first.name] > 0.0
+    assert written[second.name].get("acceleration") == "8"
+    (note,) = [one for one in found if one.code == "SB763:acceleration"]
+    assert f"'{first.name}'" in note.message
+    assert second.name not in note.message
+    older = Diagnostics()
+    text = render(replace(robot, versions=FormatVersions()), "urdf", older)[f"{robot.name}.urdf"].decode()
+    assert "acceleration=" not in text
+    assert "SB763:acceleration" not in {one.code for one in older}
 
 
 @pytest.mark.skipif(importlib.util.find_spec("pinocchio") is None, reason="Pinocchio, with urdfdom, is not installed")

@@ -1,7 +1,7 @@
 """The data sheet of a robot: what its geometry, masses and limits allow, over postures in the range of its joints."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import floor, inf, isfinite, log10, pi, sqrt
 
 import numpy as np
@@ -159,6 +159,13 @@ def accelerations(robot: Robot) -> dict[str, float]:
     except DoesNotClose:  # reported where the loops are verified
         return {}
     return {one.name: one.acceleration for one in forces.joints() if one.acceleration is not None}
+
+
+def with_accelerations(robot: Robot) -> Robot:
+    """The robot with :func:`accelerations` as limits of the joints that have none of their own."""
+    most = accelerations(robot) | {j.name: j.limit.acceleration for j in robot.joints if j.limit.acceleration < inf}
+    limits = {j.name: replace(j.limit, acceleration=most.get(j.name, inf)) for j in robot.joints}
+    return replace(robot, joints=tuple(replace(joint, limit=limits[joint.name]) for joint in robot.joints))
 
 
 class _Forces:

@@ -50,6 +50,8 @@ def lower(robot: Robot, written: Format, found: Diagnostics, file: str | None = 
         support = written.expresses[Feature.RESERVED_NAME]
         code = f"{support.code}:{Feature.RESERVED_NAME.word}"
         found.add(code, f"{written.title}: {support.how}: {', '.join(reserved)}", span)
+    if written.version_of(robot) >= written.expresses[Feature.ACCELERATION].exact_from:
+        robot = _accelerated(robot, written, found, span)
     for feature, handling in _HANDLINGS.items():
         support = written.expresses[feature]
         exact = support.level is Level.EXACT or written.version_of(robot) >= support.exact_from
@@ -59,6 +61,18 @@ def lower(robot: Robot, written: Format, found: Diagnostics, file: str | None = 
             left_out = support.level is Level.REPORTED and handling.leave_out is not None
             robot = handling.leave_out(robot) if left_out and handling.leave_out else handling.rewrite(robot)
     return robot
+
+
+def _accelerated(robot: Robot, written: Format, found: Diagnostics, span: Span) -> Robot:
+    """The robot with the accelerations that its efforts allow, where it has an effort and states none."""
+    from stepbot.robot.datasheet import with_accelerations
+
+    limited = with_accelerations(robot)
+    added = [f"'{a.name}'" for a, b in zip(limited.joints, robot.joints, strict=True) if a.limit != b.limit]
+    if added:
+        how = "these joints have the acceleration that their efforts allow in the worst posture as a limit"
+        found.add(f"SB763:{Feature.ACCELERATION.word}", f"{written.title}: {how}: {', '.join(added)}", span)
+    return limited
 
 
 def _root_if(base: Base) -> Callable[[Robot], list[str]]:
