@@ -13,7 +13,7 @@ from stepbot.draft.mechanism.joints import same_joint
 from stepbot.draft.mechanism.loops import TreeJoint
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
-from tests.assembled import BARE, Node, assembled, group, inferred, links, part
+from tests.assembled import BARE, Node, assembled, group, inferred, joints, links, part
 from tests.solids import box, cylinder
 
 BLOCK = box(40, 40, 10)
@@ -138,3 +138,11 @@ def test_weak_axes_are_offered_where_no_joint_is() -> None:
     draft = _Drafting(assembled(*nodes), found).draft("blocks")
     assert [((one.a, one.b), one.confidence.score) for one in draft.offered] == [(("block 1", "block 2"), 0.3)]
     assert [one.confidence.score for one in draft.joints[0].alternatives] == [0.4]
+
+
+def test_levers_that_touch_turn_on_pins_of_their_own() -> None:
+    """Welded, neither of two levers side by side could turn, each on a pin of one base."""
+    lever = box(80, 20, 5).at(0, 10, 2.5) - cylinder(5, 5).at(0, 10, 0)
+    base = box(200, 60, 5).at(0, 0, -2.5) + cylinder(5, 5).at(0, 10, 0) + cylinder(5, 5).at(0, -10, 0)
+    found = inferred(part("base", base), part("left", lever), part("right", lever, 0, -20, 0))
+    assert joints(found) == [("revolute", "base", "left"), ("revolute", "base", "right")]

@@ -203,3 +203,17 @@ def test_a_bound_of_the_search_is_stated(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(settling, "_MOST_BODIES", 2)
     draft = infer(assembled(*by_hand((0.2, -0.1, 0.0))), "robot")
     assert "more than 2 bodies were compared as drawn, though some are off what they fit" in draft.notes
+
+
+@pytest.mark.parametrize("off", [0.1, 0.4])
+def test_a_shaft_off_its_bore_may_turn_in_it(off: float) -> None:
+    """A lever that stands on its base, with the pin of the base in its hole, drawn off its axis by hand."""
+    base = box(200, 40, 5).at(0, 0, -2.5) + cylinder(5, 5)
+    lever = box(80, 12, 5).at(0, 0, 2.5) - cylinder(5.05, 5)
+    found = inferred(part("base", base), part("lever", lever, off))
+    assert joints(found) == [("revolute", "base", "lever")]
+    (hinge,) = [arc.evidence for arc in found.arcs]
+    assert hinge.why == f"shaft of r 5 mm in a bore, {off} mm off its axis"
+    assert hinge.review == "the two are drawn off each other, so that their common axis is a guess"
+    far = inferred(part("base", base), part("lever", lever, 0.7))
+    assert joints(far) == []

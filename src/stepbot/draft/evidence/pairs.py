@@ -22,6 +22,7 @@ _REVIEW_BEARING = "a bearing is between two links: one of its sides may belong t
 _REVIEW_TUBES = "a round tube in another one: it may turn, too"
 _TUBE, _WALL = 4.0, 0.5
 """Engaged length of tubes, in radii, from which one slides in the other; radius of the bore of a tube, in its own."""
+_DRAWN_OFF = "the two are drawn off each other, so that their common axis is a guess"
 _OF_LINKAGE = 0.6
 """Maximum score of a linkage's pin: its sides turn on each other, and it is on one of them."""
 _RINGS, _TREAD, _AS_WIDE = 0.92, 3.0, 0.25
@@ -97,10 +98,19 @@ class PairEvidence:
             share = r.area / max(1e-9, min(parts[r.a].size, parts[r.b].size) ** 2)
             self._weld(r, (0.46 if self._across(r) else 0.55) + min(0.04, share), "plane faces in contact")
             self._in_slot(r)
+            self._near_fit(r)
         elif r.holes >= 2:
             self._weld(r, 0.6, f"{r.holes} coaxial holes")
         else:
             self._weld(r, 0.42, "coaxial")
+
+    def _near_fit(self, r: Relation) -> None:
+        """A hinge about a shaft that is drawn a little off its bore: the faces in contact alone do not hold it."""
+        shafts = [fit for fit in self._survey.near_fits.get((r.a, r.b), ()) if fit.kind == FitKind.SHAFT]
+        if len(shafts) == 1 and all(abs(float(patch.normal @ shafts[0].axis.d)) > _OPPOSITE for patch in r.patches):
+            fit, score = shafts[0], 0.72 if self._across(r) else 0.6
+            why = f"shaft of r {_mm(fit.radius)} in a bore, {_mm(fit.offset)} off its axis"
+            self._found.joint(JointEvidence(score, r.a, r.b, JointKind.REVOLUTE, fit.axis, why, r, review=_DRAWN_OFF))
 
     def _in_slot(self, r: Relation) -> None:
         """Offer a slide of a block on a pin between two faces, across the pin: a loop may need it."""

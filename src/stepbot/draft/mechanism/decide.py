@@ -17,7 +17,7 @@ from stepbot.draft.evidence.evidence import BY_SHAPE, Apart, Evidence, JointEvid
 from stepbot.draft.evidence.fingers import centroid, direction_between
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure
-from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import largest, least_gap
@@ -31,6 +31,8 @@ _OWN_BODIES = 0.5
 _BESIDE = 1e-3
 """Distance [m] up to which a body is beside the output of a motor."""
 _REVIEW_BESIDE = "what the motor turns is only drawn beside its output"
+_TOUCHING = 0.6
+"""Score below which a weld shows that two parts touch, and nothing that fastens them."""
 _OUT = 1e-3
 """Distance [m] from which a body reaches out of another one's bounding box."""
 
@@ -81,13 +83,29 @@ def accept(made: Decision, one: Weld | JointEvidence | Apart) -> None:
     if one.a not in clusters or one.b not in clusters:
         one.verdict = Verdict.REFUSED
     elif isinstance(one, Weld):
-        one.verdict = Verdict.TAKEN if clusters.join(one.a, one.b) else Verdict.REFUSED
+        is_taken = not _locks(made, one) and clusters.join(one.a, one.b)
+        one.verdict = Verdict.TAKEN if is_taken else Verdict.REFUSED
     elif isinstance(one, Apart):
         one.verdict = Verdict.TAKEN if clusters.forbid(one.a, one.b) else Verdict.REFUSED
     elif one.score < CHOSEN:
         one.verdict = Verdict.OFFERED
     else:
         one.verdict = Verdict.TAKEN if clusters.forbid(one.a, one.b) else Verdict.REFUSED
+
+
+def _locks(made: Decision, weld: Weld) -> bool:
+    """Whether a weld of two parts that only touch would lock hinges about different lines: of each on the same link."""
+    clusters = made.clusters
+    if weld.score >= _TOUCHING or weld.priority is not Priority.FOUND or clusters.find(weld.a) == clusters.find(weld.b):
+        return False
+    for common in sorted(clusters.apart_from_both(weld.a, weld.b)):
+        one, two = (
+            [h.axis for h in made.joints if h.type is JointKind.REVOLUTE and ends == {*map(clusters.find, (h.a, h.b))}]
+            for ends in ({clusters.find(part), common} for part in (weld.a, weld.b))
+        )
+        if any(not a.same(b, SAME_LINE) for a in one for b in two):
+            return True
+    return False
 
 
 def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:

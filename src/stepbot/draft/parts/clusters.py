@@ -57,6 +57,10 @@ class Clusters:
         self._apart[b].add(a)
         return True
 
+    def apart_from_both(self, a: int, b: int) -> set[int]:
+        """The representatives of the sets that must stay apart from both of two others."""
+        return self._apart[self.find(a)] & self._apart[self.find(b)]
+
     def allow(self, a: int, b: int) -> None:
         """Revoke that two sets must stay apart."""
         a, b = self.find(a), self.find(b)
