@@ -169,7 +169,7 @@ def _with_line(actuator: Actuator, robot: Robot) -> Actuator:
     if firmware is None or (actuator.kp, actuator.kv) != (firmware.value, 0.0):
         return actuator
     line = line_damping(actuator, robot.joint_by_name[actuator.joint])
-    return replace(actuator, kv=_rounded(line / actuator.gear**2))
+    return replace(actuator, kv=line / actuator.gear**2)  # not rounded: what is beyond the line would be written as kv
 
 
 def _driven(robot: Robot) -> _Driven:

@@ -457,6 +457,7 @@ def test_a_servo_with_the_gain_of_its_firmware_keeps_its_no_load_speed(name: str
     servo = Actuator("servo", "turn", ActuatorKind.POSITION, kp=has["kp"], gear=gear, motor=motor)
     robot = Robot("servo", links, (joint,), actuators=(servo,), meshes=shop.sorted_meshes())
     model = compiled(tuned(robot, fails), gravity=False)
+    assert model.actuator_biasprm[0][2] == 0.0  # all of kv is the line's damping: no rounding is left of it
     data = mujoco.MjData(model)
     data.ctrl[0] = gear * 1e3
     fastest = 0.0
