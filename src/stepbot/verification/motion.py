@@ -108,10 +108,18 @@ def _inertias_about_root(observation: Observation) -> Iterator[float]:
 
 
 def _weight_times_reach(observation: Observation) -> float:
-    """Weight [N] times the largest distance [m] of any link from the root: a scale of gravity torques."""
+    """Weight [N] times the largest distance [m] of any link from the root: a scale of gravity torques.
+
+    At least that times the largest radius of gyration: a ball about the origin has no other length.
+    """
     weight = exact_sum(link.mass or 0.0 for link in observation.links) * float(np.linalg.norm(GRAVITY))
     positions: Array = np.array([X.p for poses in observation.poses for X in poses.values()]).reshape(-1, 3)
-    return weight * float(np.linalg.norm(positions, axis=1).max(initial=0.0))
+    radii = [
+        float(np.sqrt(np.abs(link.inertia).max() / link.mass))
+        for link in observation.links
+        if link.mass and link.inertia is not None
+    ]
+    return weight * max(float(np.linalg.norm(positions, axis=1).max(initial=0.0)), *radii, 0.0)
 
 
 def compare_closures(deviations: Deviations, reference: Observation, observed: Observation) -> None:

@@ -12,11 +12,12 @@ from stepbot.engines.engine import Tolerance
 from stepbot.engines.observation import Dynamics, Observation, ObservedJoint, Quantity, Request
 from stepbot.engines.reference import observe_robot
 from stepbot.engines.workers import Fate, Outcome
+from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose, rotation_about, vector3
 from stepbot.report.robot import Status
 from stepbot.robot.closures import loop_ways
 from stepbot.robot.kinematics import configurations, initial_configuration
-from stepbot.robot.model import ActuatorKind, JointDynamics, Limit, Mimic, Robot
+from stepbot.robot.model import ActuatorKind, Base, Joint, JointDynamics, JointKind, Limit, Link, Mimic, Robot
 from stepbot.verification.compare import compare
 from stepbot.verification.deviation import TOLERANCES, Deviations, tolerance
 from stepbot.verification.judging import Subject, check_of, checks_without_observation, report_failure
@@ -406,6 +407,20 @@ def test_planar_mechanisms_feel_no_gravity() -> None:
 
     assert failed(loop, pushed(1e-17)) == set()
     assert failed(loop, pushed(1e-6)) == {Quantity.GRAVITY}
+
+
+def test_a_ball_about_the_origin_feels_no_gravity() -> None:
+    """All of its links are there: what is round has the length of its radius of gyration, and a force fails."""
+    inertia = ((4e-6, 0.0, 0.0), (0.0, 4e-6, 0.0), (0.0, 0.0, 4e-6))
+    links = tuple(Link(name, MassProperties(0.3, inertia=inertia)) for name in ("socket", "ball"))
+    neck = Joint("neck", JointKind.BALL, "socket", "ball", limit=Limit(velocity=4.0, effort=3.0))
+    still = seen(Robot("rod_end", links, (neck,), base=Base.FIXED))
+
+    def pushed(force: float) -> Observation:
+        return replace(still, dynamics=tuple(replace(one, gravity=np.full(3, force)) for one in still.dynamics))
+
+    assert failed(still, pushed(7e-21)) == set()
+    assert failed(still, pushed(1e-7)) == {Quantity.GRAVITY}
 
 
 @pytest.mark.parametrize(("far", "passes"), [(0.3, True), (0.3, False), (3.0, True)])
