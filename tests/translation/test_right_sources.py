@@ -635,3 +635,18 @@ def test_links_that_start_in_one_another(tmp_path: Path) -> None:
     again = convert(tmp_path / "burst.xml", Options(tmp_path / "again", formats=("mjcf",)))
     assert "SB811" in {one.code for one in again.diagnostics}
     assert not told(again, "SB874:contacts")
+
+
+@pytest.mark.slow
+def test_a_flat_collision_mesh_is_left_out_where_mujoco_rejects_it(tmp_path: Path) -> None:
+    """A printed marker of two triangles, as on Stretch: MuJoCo loads no file with it, and the loss is reported."""
+    text = "v 0 0 0\nv 0.06 0 0\nv 0.06 0.06 0\nv 0 0.06 0\nf 1 2 3\nf 1 3 4\n"
+    (tmp_path / "marker.obj").write_text(text, encoding="utf-8")
+    mesh = '<geometry><mesh filename="marker.obj"/></geometry>'
+    marker = f'<link name="marker">{_INERTIAL}<visual>{mesh}</visual><collision>{mesh}</collision></link>'
+    mount = '<joint name="mount" type="fixed"><parent link="arm"/><child link="marker"/><origin xyz="0 0 0.2"/></joint>'
+    source = urdf(f'<link name="base">{_INERTIAL}</link>', f"{marker}{mount}")
+    conversion = proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf")
+    assert len(told(conversion, "SB760:flat-collision")) == 2  # of URDF and MJCF
+    assert conversion.robot is not None
+    assert len(conversion.robot.link_by_name["marker"].collisions) == 1

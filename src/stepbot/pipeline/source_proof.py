@@ -33,6 +33,7 @@ from .writing import Rendered
 _CHANGED = {
     "SB760:actuator-input": (Quantity.ACTUATORS,),
     "SB760:far-limit": (Quantity.JOINTS, Quantity.LIMITS),
+    "SB760:flat-collision": (Quantity.MESHES, Quantity.SHAPES),
     "SB760:mixed-mimic": (Quantity.MIMIC,),
     "SB760:passive-limit": (Quantity.LIMITS,),
     "SB760:second-actuator": (Quantity.ACTUATORS,),

@@ -52,7 +52,7 @@ EXPRESSES = {
     Feature.OTHER_COLLISION: lowered("simulators agree on OBJ and STL; collision meshes are OBJ"),
     Feature.SHAPE: exact("`<box>`, `<cylinder>`, `<sphere>`"),
     Feature.CAPSULE: lowered("a capsule is written as a cylinder and two spheres", _CAPSULES, "`<capsule>`"),
-    Feature.FLAT_COLLISION: exact("as any mesh"),
+    Feature.FLAT_COLLISION: reported("MuJoCo rejects a URDF with a flat collision mesh; omitted"),
     Feature.CONCAVE_COLLISION: exact("as any mesh"),
     Feature.COLOR: exact("a `<material>` in each visual"),
     Feature.NEIGHBOURS: exact("readers disable it between parent and child"),
