@@ -158,9 +158,7 @@ def _parser() -> argparse.ArgumentParser:
     stepped.add_argument("-n", "--rounds", type=int, default=7, metavar="N", help="[default: 7]")
     stepped.set_defaults(run=_steps)
     followed = commands.add_parser("follow", help="how position motors follow, before and after a change")
-    followed.add_argument(
-        "before", type=Path, help="folder of output folders of an earlier conversion, or the only one"
-    )
+    followed.add_argument("before", type=Path, help="output folders; of an earlier conversion if AFTER is given")
     followed.add_argument("after", type=Path, nargs="?", help="folder of output folders")
     followed.set_defaults(run=_follow)
     learned = commands.add_parser("gym", help="steps per second of environments of stepbot.gym")

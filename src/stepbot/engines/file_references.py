@@ -114,7 +114,7 @@ def refusals(file: str, written_in: str, folders: Iterable[Path] = ()) -> tuple[
     given, main = Path(file), resolved(Path(file))  # engines resolve symbolic links
     found = _layer_refusals(main) if written_in == "usd" else ()
     if written_in in _XML:
-        found = _refusals(main, written_in == "mjcf", [main.parent, *map(resolved, folders)], {main})
+        found = _refusals(main, written_in == "mjcf", [main.parent, *map(resolved, folders)], {main}, (main,))
     return tuple(replace(one, file=_shown(one.file, main, given)) for one in found)
 
 
@@ -165,8 +165,14 @@ def declares_entities(root: Element) -> bool:
     return declared is not None and next(iter(declared.iterentities()), None) is not None
 
 
-def _refusals(main: Path, has_includes: bool, allowed: Sequence[Path], seen: set[Path]) -> Iterator[Refusal]:
-    """Why engines must not read a file, what it includes, or the models that it attaches."""
+def _refusals(
+    main: Path, has_includes: bool, allowed: Sequence[Path], seen: set[Path], chain: tuple[Path, ...]
+) -> Iterator[Refusal]:
+    """Why engines must not read a file, what it includes, or the models that it attaches.
+
+    Args:
+        chain: The models that attach each other down to this one, which is the last.
+    """
     from lxml import etree
 
     pending, roots = [main], list[tuple[Path, Element]]()
@@ -200,10 +206,13 @@ def _refusals(main: Path, has_includes: bool, allowed: Sequence[Path], seen: set
                 yield Refusal(UNSAFE, message, str(path), element.sourceline or 0)
             elif _is_irregular(included):
                 yield Refusal(UNSAFE, f"'{name}' is not a regular file", str(path), element.sourceline or 0)
+            elif is_model and resolved(included) in chain:  # MuJoCo would overflow its stack
+                yield Refusal(UNSAFE, f"cycle of attached models: '{name}'", str(path), element.sourceline or 0)
             elif is_file(included) and resolved(included) not in seen and len(seen) < _MOST_INCLUDES:
                 seen.add(resolved(included))
                 if is_model:
-                    yield from _refusals(resolved(included), has_includes, allowed, seen)
+                    model = resolved(included)
+                    yield from _refusals(model, has_includes, allowed, seen, (*chain, model))
                 else:
                     pending.append(included)
     # The settings of one file apply to all files included together.

@@ -6,6 +6,8 @@ from math import inf
 import numpy as np
 
 from stepbot.engines.observation import NEVER_ZERO, Observation, ObservedJoint, ObservedLink
+from stepbot.formats import format_named
+from stepbot.formats.features import Feature, Level
 from stepbot.formats.lowering.joints import UNLIMITED
 from stepbot.formats.lowering.masses import LEAST_MASS, LEAST_MOMENT, STAND_IN_MASS, STAND_IN_MOMENT
 from stepbot.geometry.spatial import ZERO3, ZERO33
@@ -13,8 +15,6 @@ from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import Limit
 
 _STAND_INS = ((STAND_IN_MASS, STAND_IN_MOMENT), (LEAST_MASS, LEAST_MOMENT))
-_FILLED = ("usd", "webots")
-"""Formats in which each mass has an inertia."""
 _ROUNDING = 1e-6
 """Relative error of numbers in single precision."""
 
@@ -52,7 +52,9 @@ def _has_moment(link: ObservedLink, moment: float) -> bool:
 
 def with_points_of(a: Observation, b: Observation) -> Observation:
     """One side without the moments that its format needs where the other side has point masses."""
-    points = {one.name for one in b.links if one.mass and one.inertia == ZERO33} if a.format in _FILLED else set()
+    points = {one.name for one in b.links if one.mass and one.inertia == ZERO33}
+    if not points or format_named(a.format).expresses[Feature.MASSLESS].level is Level.EXACT:
+        return a
     links = (
         replace(link, inertia=ZERO33) if link.name in points and _has_moment(link, STAND_IN_MOMENT) else link
         for link in a.links

@@ -65,7 +65,8 @@ def test_attached_models_are_read_as_includes_are(tmp_path: Path) -> None:
         return codes(inside / "scene.xml", text, "mjcf")
 
     assert attaching("arm/arm.xml") == []
-    assert attaching("arm/self.xml") == []
+    assert attaching("arm/self.xml") == ["SB820"]
+    assert attaching("scene.xml") == ["SB820"]
     assert attaching("../outside.xml") == ["SB820"]
     assert attaching("arm/far.xml") == ["SB820"]
 

@@ -22,7 +22,9 @@ _REVIEW_BEARING = "a bearing is between two links: one of its sides may belong t
 _REVIEW_TUBES = "a round tube in another one: it may turn, too"
 _TUBE, _WALL = 4.0, 0.5
 """Engaged length of tubes, in radii, from which one slides in the other; radius of the bore of a tube, in its own."""
-_DRAWN_OFF = "the two are drawn off each other, so that their common axis is a guess"
+_NEAR, _NEAR_ACROSS = 0.6, 0.72
+"""Scores of a hinge about a shaft that is drawn off its bore, within a subassembly and between two."""
+_REVIEW_NEAR = "the two are drawn off each other, so that their common axis is a guess"
 _OF_LINKAGE = 0.6
 """Maximum score of a linkage's pin: its sides turn on each other, and it is on one of them."""
 _RINGS, _TREAD, _AS_WIDE = 0.92, 3.0, 0.25
@@ -108,9 +110,9 @@ class PairEvidence:
         """A hinge about a shaft that is drawn a little off its bore: the faces in contact alone do not hold it."""
         shafts = [fit for fit in self._survey.near_fits.get((r.a, r.b), ()) if fit.kind == FitKind.SHAFT]
         if len(shafts) == 1 and all(abs(float(patch.normal @ shafts[0].axis.d)) > _OPPOSITE for patch in r.patches):
-            fit, score = shafts[0], 0.72 if self._across(r) else 0.6
+            fit, score = shafts[0], _NEAR_ACROSS if self._across(r) else _NEAR
             why = f"shaft of r {_mm(fit.radius)} in a bore, {_mm(fit.offset)} off its axis"
-            self._found.joint(JointEvidence(score, r.a, r.b, JointKind.REVOLUTE, fit.axis, why, r, review=_DRAWN_OFF))
+            self._found.joint(JointEvidence(score, r.a, r.b, JointKind.REVOLUTE, fit.axis, why, r, review=_REVIEW_NEAR))
 
     def _in_slot(self, r: Relation) -> None:
         """Offer a slide of a block on a pin between two faces, across the pin: a loop may need it."""

@@ -32,7 +32,7 @@ _BESIDE = 1e-3
 """Distance [m] up to which a body is beside the output of a motor."""
 _REVIEW_BESIDE = "what the motor turns is only drawn beside its output"
 _TOUCHING = 0.6
-"""Score below which a weld shows that two parts touch, and nothing that fastens them."""
+"""Score from which a weld holds against the hinges that it would lock: below are faces in contact, and one screw."""
 _OUT = 1e-3
 """Distance [m] from which a body reaches out of another one's bounding box."""
 

@@ -76,7 +76,7 @@ class _Expansion:
         self._at = Span(str(file))
         self._calls: list[Span] = []
         self._failed: tuple[Span, tuple[Span, ...]] | None = None
-        self._declared: dict[str, None] = {}
+        self._arguments: dict[str, None] = {}
 
     def run(self, arguments: dict[str, str]) -> Expanded:
         self._replace()
@@ -94,11 +94,11 @@ class _Expansion:
         text, places = _written(document, str(self._file))
         top = etree.fromstring(text, etree.XMLParser(resolve_entities=False, no_network=True))
         locate(top, self._file, self._packages.searched)
-        return Expanded(etree.tostring(top), places, self._read(), tuple(self._declared))
+        return Expanded(etree.tostring(top), places, self._read(), tuple(self._arguments))
 
     def _error(self, text: str) -> Expanded:
         at, calls = self._failed or (self._at, tuple(reversed(self._calls)))
-        return Expanded(b"", (), self._read(), tuple(self._declared), text, at, calls)
+        return Expanded(b"", (), self._read(), tuple(self._arguments), text, at, calls)
 
     def _read(self) -> tuple[Path, ...]:
         return tuple(dict.fromkeys(Path(name) for name in self._xacro.all_includes))
@@ -130,7 +130,7 @@ class _Expansion:
         """The function that looks an argument up; one that the file uses need not be declared in it."""
 
         def noting(name: str, args: Any) -> Any:
-            self._declared[name] = None
+            self._arguments[name] = None
             return function(name=name, args=args)
 
         return noting
@@ -146,7 +146,7 @@ class _Expansion:
         def touching(node: Any, *others: Any) -> Any:
             self._at = node.getUserData(_PLACE) or self._at
             if node.tagName == "xacro:arg" and node.hasAttribute("name"):
-                self._declared[node.getAttribute("name")] = None
+                self._arguments[node.getAttribute("name")] = None
             return function(node, *others)
 
         return touching

@@ -26,6 +26,7 @@ from .observer import observe_model
 from .shapes import collides, color_of, geoms, is_visual, primitive_of, surface_of
 
 _MOST_MODELS = 100
+"""Models that may be attached."""
 _SINGLE = 1e-5
 """Difference of meshes in single precision, as a share of their size."""
 
@@ -66,7 +67,7 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         if joint.parent in poses
     }
     meshes = _MeshFiles(compiled, spec, path, folders)
-    everything = [*roots, *((root, name, at) for _, some in attached for root, name, at in some)]
+    of_models = [one for _, some in attached for one in some]
     shapes = tuple(shape for body in compiled.bodies if body for shape in _shapes(compiled, body, meshes))
     first = compiled.bodies[0]
     return Description(
@@ -75,11 +76,11 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         shapes,
         tuple(sorted({*unread, *meshes.files.unread})),
         (
-            *(lost for root, name, at in everything for lost in unread_of_mjcf(root, name, at)),
+            *(lost for root, name, at in (*roots, *of_models) for lost in unread_of_mjcf(root, name, at)),
             *_direct(compiled),
             *((Unread(LED, len(closures) - len(kept), 0, effect=MJCF.effects["mocap"]),) if kept != closures else ()),
         ),
-        (*(path.parent / name for _, name, _ in everything if name), *meshes.files.files),
+        (*(path.parent / name for _, name, _ in (*roots, *of_models) if name), *meshes.files.files),
         X_WR=compiled.X_WB(compiled.data({}), first) if first else Pose(),
         free_roots=tuple(_free(compiled)),
         assumed=_from_geoms(spec, compiled),
