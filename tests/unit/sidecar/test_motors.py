@@ -58,6 +58,10 @@ def test_each_figure_has_a_source_of_a_known_grade() -> None:
             assert (other.source or "").partition(":")[0] in GRADES, name
 
 
+ADDED = {"STS3215-12V": frozenset({"armature", "coulomb_friction"})}
+"""Figures that the reference leaves out: the maker's simulation file uses them with this motor's stall torque."""
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(not REFERENCE.exists(), reason=f"reference figures are absent: no {REFERENCE}")
 def test_the_catalogue_has_the_figures_and_sources_of_the_reference() -> None:
@@ -68,16 +72,18 @@ def test_the_catalogue_has_the_figures_and_sources_of_the_reference() -> None:
     assert [one["key"] for one in listed] == list(catalogue_names())
     count = 0
     for one in listed:
-        figures = catalogue_motor(one["key"]).figures()
-        assert figures.keys() == one["sources"].keys()
+        motor, added = catalogue_motor(one["key"]), ADDED.get(one["key"], frozenset())
+        figures = motor.figures()
+        assert figures.keys() - added == one["sources"].keys()
         for key, source in one["sources"].items():
             count += 1
             assert figures[key].source == source
             given = one[key]
             wanted = tuple(map(tuple, sorted(given.items()))) if isinstance(given, dict) else given
             assert figures[key].value == (tuple(wanted) if isinstance(wanted, list) else wanted), (one["key"], key)
-        assert len(catalogue_motor(one["key"]).alternatives) == len(one.get("alternatives", ()))
-        assert set(catalogue_motor(one["key"]).doubts.values()) == set(one.get("doubt", {}).values())
+        assert len(motor.alternatives) == len(one.get("alternatives", ()))
+        kept = {key: doubt for key, doubt in motor.doubts.items() if key not in added}
+        assert set(kept.values()) == {doubt for key, doubt in one.get("doubt", {}).items() if key not in added}
     assert count == 895
 
 
