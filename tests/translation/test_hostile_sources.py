@@ -86,6 +86,22 @@ def test_wrong_values_are_named(case: str, tmp_path: Path) -> None:
     assert message in error.message
 
 
+@pytest.mark.parametrize("bound", ["inf", "-inf"])
+def test_equal_infinite_limits_are_no_position(bound: str, tmp_path: Path) -> None:
+    """Equal limits fix a joint at their value, unless this is infinite."""
+    source = tmp_path / "robot.sdf"
+    source.write_text(
+        f"<sdf version='1.9'><model name='r'><link name='a'>{_MASS}</link><link name='b'>{_MASS}</link>"
+        "<joint name='j' type='revolute'><parent>a</parent><child>b</child>"
+        f"<axis><limit><lower>{bound}</lower><upper>{bound}</upper></limit></axis></joint></model></sdf>",
+        encoding="utf-8",
+    )
+    conversion = convert(source, Options(tmp_path / "out", verify=False))
+    (error,) = [one for one in conversion.diagnostics if one.severity == "error"]
+    assert error.code == "SB414"
+    assert "joint 'j': a number is not finite" in error.message
+
+
 def test_a_lidar_with_millions_of_rays_is_not_written(tmp_path: Path) -> None:
     """MJCF has an element for each ray: one number in a file must not decide how long a conversion takes."""
     sensor = (

@@ -263,6 +263,7 @@ def with_locked_fixed(joints: Sequence[Joint], of_urdf: bool, found: list[Findin
         for name, mimic in held.items():
             at[name] = mimic.multiplier * at[mimic.joint] + mimic.offset
             text[name] = f"joint '{name}' mimics '{mimic.joint}', which cannot move"
+    at = {name: q for name, q in at.items() if isfinite(q)}  # others are rejected with the robot's numbers
     for name, q in at.items():
         differs = () if of_urdf and q == 0.0 else _OF_LOCKED
         found.append(Finding(OPEN_LIMIT, f"{text[name]}: converted to a fixed joint", differs))
