@@ -180,10 +180,7 @@ _HANDLINGS: Mapping[Feature, _Handling] = {
         lambda joint: joint.dynamics.stiffness != 0.0,
         leave_out=lambda joint: replace(joint, dynamics=replace(joint.dynamics, stiffness=0.0, spring_reference=0.0)),
     ),
-    Feature.ARMATURE: _joints(
-        lambda joint: joint.dynamics.armature != 0.0,
-        lambda joint: replace(joint, dynamics=replace(joint.dynamics, armature=0.0)),
-    ),
+    Feature.ARMATURE: _joints(lambda joint: joint.dynamics.armature != 0.0, joints.without_armature),
     Feature.STIFF_DAMPING: _Handling(joints.stiffly_damped),
     # Kept for MoveIt's settings.
     Feature.ACCELERATION: _joints(lambda joint: joint.limit.is_smooth),

@@ -69,7 +69,12 @@ def bound_effort(joint: Joint) -> Joint:
 
 def is_loaded_ball(joint: Joint) -> bool:
     """Whether a ball joint has damping, friction or a spring."""
-    return joint.kind is JointKind.BALL and replace(joint.dynamics, armature=0.0) != JointDynamics()
+    return joint.kind is JointKind.BALL and without_armature(joint).dynamics != JointDynamics()
+
+
+def without_armature(joint: Joint) -> Joint:
+    """The joint without the inertia of its motor's rotor."""
+    return replace(joint, dynamics=replace(joint.dynamics, armature=0.0))
 
 
 def stiffly_damped(robot: Robot) -> list[str]:
@@ -82,8 +87,9 @@ def shaken_by_damping(robot: Robot) -> tuple[float, tuple[str, ...]]:
     """The longest step [s] in which explicit damping does not diverge, and the joints that diverge in PyBullet's.
 
     A motion that damping brakes by more than twice its inertia / step is reversed and enlarged in each step. Behind a
-    gear, most of the inertia is armature, which URDF lacks.
+    gear, most of the inertia is armature, which PyBullet lacks: it does not count.
     """
+    robot = replace(robot, joints=tuple(without_armature(joint) for joint in robot.joints))
     damping = {joint.name: joint.dynamics.damping for joint in robot.joints}
     if not any(damping.values()) or damped_softly(robot):
         return inf, ()
