@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft_robot import _Drafting
@@ -88,6 +89,24 @@ def test_arm_drawn_around_a_horn_moves_with_it() -> None:
     assert links(found) == [{"base", "servo/case"}, {"servo/horn", "arm"}]
     assert [str(arc.evidence.type) for arc in found.arcs] == ["revolute"]
     assert "output of a motor beside it" in found.guesses[5]
+
+
+def test_a_loaded_output_gets_no_more() -> None:
+    """A horn with an arm and a motor on it does not get the hoop around it, too, which is nearer to the base."""
+    servo = group("servo", part("case", box(40, 20, 40), z=20), part("horn", cylinder(8, 4), z=40))
+    arm = [part("arm", box(60, 18, 4), 22, z=46), part("hub motor", box(20, 30, 30), 46, z=63)]
+    frame = box(300, 130, 32).at(50, 0, 46) - box(280, 110, 32).at(50, 0, 46)
+    found = inferred(part("base", box(200, 200, 10), z=-5), servo, *arm, part("hoop", frame))
+    assert {"servo/horn", "arm", "hub motor"} in links(found)
+    assert not any({"horn", "hoop"} <= link for link in links(found))
+
+
+@pytest.mark.parametrize("rpy", [(0.0, 0.0, 0.0), (0.4, 0.3, 0.2), (0.0, 0.0, 0.7)])
+def test_nearest_part_does_not_depend_on_how_a_limb_is_turned(rpy: tuple[float, float, float]) -> None:
+    """A shin is 2 mm from its foot, and 12 mm from a larger thigh, however all three are turned."""
+    thigh, shin, foot = box(90, 100, 20).at(0, 0, 72), box(20, 20, 100), box(20, 60, 20).at(0, 0, -62)
+    nodes = [part(name, solid, rpy=rpy) for name, solid in (("thigh", thigh), ("shin", shin), ("foot", foot))]
+    assert nearest(Survey(assembled(*nodes), ALL_SOURCES), [2]) == 3
 
 
 def motors_of_bodies() -> list[Node]:

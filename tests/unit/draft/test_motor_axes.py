@@ -4,6 +4,7 @@ from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.evidence.motor_outputs import OutputAxes, hidden_outputs
 from stepbot.draft.evidence.motors import Motor
 from tests.assembled import Node, assembled, inferred, joints, links, part
+from tests.made.kit import drilled
 from tests.solids import box, cylinder
 
 LID, FRONT = box(40, 20, 4), box(40, 20, 20)
@@ -62,6 +63,40 @@ def test_a_horn_in_a_bore_is_fastened_to_what_it_turns() -> None:
     assert {"horn", "leg"} in links(found)
     assert joints(found) == [("revolute", "base", "leg"), ("revolute", "foot", "leg")]
     assert "turns about the same axis as the motor" in found.guesses[3]
+
+
+def test_a_case_between_horn_and_idler_turns() -> None:
+    """A servo that touches only two discs at both ends of its axis, each bolted to a plate of one fork, turns in it."""
+    case, ring = box(24, 36, 24).at(0, -9, 0), [(6, 0, 2), (-6, 0, 2), (0, 6, 2), (0, -6, 2)]
+    horn, idler = (drilled(cylinder(r, 2), *ring, depth=8) for r in (9, 10))
+    plate = drilled(box(18, 80, 2).at(0, 31, 0), *ring, depth=8)
+    nodes = [part("horn", horn, z=12), part("idler", idler, z=-14), part("servo", case)]
+    nodes += [part("left", plate, z=15), part("right", plate, z=-15), part("yoke", box(18, 10, 28), 0, 66)]
+    found = inferred(*nodes)
+    assert {"servo"} in links(found)
+    assert {"horn", "idler", "left", "right", "yoke"} in links(found)
+
+
+def test_horns_in_the_holes_of_a_board_are_of_the_board() -> None:
+    """Two legs hang on their servos, whose horns are in wider holes of one board: a joint each, on the servo's case."""
+    servo = box(23, 12, 22).at(-5.5, 0, -11) + cylinder(2.3, 3)
+    horn = cylinder(3.3, 4).at(0, 0, 1) + box(30, 4, 1).at(0, 0, 5) - cylinder(2.3, 2).at(0, 0, 1)
+    nodes = [part("board", drilled(box(100, 60, 1).at(20, 0, 3.5), (0, 0, 3.2), (60, 0, 3.2)))]
+    for n, x in enumerate((0, 60)):
+        nodes += [part(f"servo SG90 {n}", servo, x), part(f"horn {n}", horn, x)]
+        nodes += [part(f"leg {n}", box(23, 12, 40), x, z=-42)]
+    found = inferred(*nodes)
+    assert joints(found) == [("revolute", "board", "leg 0"), ("revolute", "board", "leg 1")]
+    assert {found.survey.parts[arc.evidence.a].path for arc in found.arcs} == {"servo SG90 0", "servo SG90 1"}
+
+
+def test_a_pen_in_the_bore_of_the_last_link_is_none() -> None:
+    """A rod of 6 % of all volume, in the bore of a lever, would only spin."""
+    servo = box(23, 12, 22).at(-5.5, 0, 11) + cylinder(2.3, 3).at(0, 0, 22)
+    lever = box(50, 14, 5).at(20, 0, 24.5) - cylinder(2.3, 3).at(0, 0, 22) - cylinder(3, 5).at(38, 0, 22)
+    nodes = [part("base", box(60, 40, 5), z=-2.5), part("servo SG90", servo), part("lever", lever)]
+    found = inferred(*nodes, part("pen", cylinder(3, 50), 38))
+    assert links(found) == [{"base", "servo SG90"}, {"lever", "pen"}]
 
 
 def test_what_holds_the_flange_of_a_motor_does_not_turn() -> None:

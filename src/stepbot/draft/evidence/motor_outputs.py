@@ -14,8 +14,8 @@ from stepbot.draft.contacts.relations import Relation, Via, merged, reach
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
-from stepbot.draft.evidence.near_outputs import NearOutput, alone
-from stepbot.draft.parts.axis import SAME_LINE, Axis, are_parallel
+from stepbot.draft.evidence.near_outputs import NearOutput, alone, idlers, is_even
+from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.geometry.fixed_point import exact_sum
@@ -26,8 +26,8 @@ SAME_AXIS = 5e-5
 """Distance [m] up to which axes at a motor are equal."""
 _WEIGHTS = {Via.RING: 3, Via.FACE: 2, Via.PIN: 2}
 _TURNING = (Via.FACE, Via.PIN, Via.BOLT)
-_LEVEL, _EVEN = 1e-2, 0.02
-"""Angles [rad] up to which a contact is normal to the output axis, and holes are evenly spaced."""
+_LEVEL = 1e-2
+"""Angle [rad] up to which a contact is normal to the output axis."""
 _MOST_OUTPUT_VOLUME, _LEAST_OUTPUT_VOLUME, _SHAFT = 0.25, 0.01, 0.05
 """Shares of the case's volume between which an unnamed part may be its output, and up to which what turns on it may be
 its shaft.
@@ -78,7 +78,7 @@ class OutputAxes:
             for other, r in survey.around(motor.case):
                 if other in motor.parts or r.via not in _WEIGHTS or r.axis is None:
                     continue
-                if r.via == Via.RING and not _is_even(r, r.axis):
+                if r.via == Via.RING and not is_even(r, r.axis):
                     continue  # the ears of a servo, at the corners of a rectangle
                 local = Axis(X.apply(r.axis.point), X.turn(r.axis.d))
                 ballot = _WEIGHTS[r.via], max(r.radius, r.ring_radius, reach(r.axis, [r]))
@@ -109,16 +109,6 @@ class OutputAxes:
                 if fit.shaft == motor.case:
                     axis = fit.of(motor.case)
                     of_case.append((Axis(X.apply(axis.point), X.turn(axis.d)), [(1, fit.radius)]))
-
-
-def _is_even(r: Relation, axis: Axis) -> bool:
-    """Whether the gaps between holes around an axis are multiples of the smallest one."""
-    x, y, _ = perpendicular_frame(axis.d).T
-    away = [fit.axis.point - axis.point for fit in r.fits if axis.distance(fit.axis.point) >= SAME_LINE]
-    angles = np.sort([np.arctan2(float(at @ y), float(at @ x)) for at in away])
-    gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
-    gaps = gaps[gaps > _EVEN]  # one hole may be on both sides of a flange
-    return not len(gaps) or bool(np.abs(gaps - gaps.min() * np.round(gaps / gaps.min())).max() < _EVEN)
 
 
 def _weight(vote: tuple[Axis, list[tuple[int, float]]]) -> float:
@@ -181,12 +171,15 @@ def apart_outputs(survey: Survey, motor: Motor) -> dict[int, list[int]]:
 
 def lies_on(output: Output, relations: Sequence[Relation]) -> bool:
     """Whether all contacts are on the output's face: normal to its axis, and within its radius."""
-    if not output.reach:
-        return False
-    directions = [p.normal for r in relations for p in r.patches] + [f.axis.d for r in relations for f in r.fits]
-    if not all(are_parallel(output.axis.d, direction, _LEVEL) for direction in directions):
+    if not output.reach or not _is_level(output, relations):
         return False
     return 0.0 < reach(output.axis, relations) <= 1.05 * output.reach + 1e-4
+
+
+def _is_level(output: Output, relations: Sequence[Relation]) -> bool:
+    """Whether all contacts are normal to the output's axis."""
+    directions = [p.normal for r in relations for p in r.patches] + [f.axis.d for r in relations for f in r.fits]
+    return all(are_parallel(output.axis.d, direction, _LEVEL) for direction in directions)
 
 
 _BRUSH_AREA, _WIDER = 5e-6, 0.8
@@ -227,6 +220,7 @@ class _OneMotor:
         self._anchors = {o: o for o in self._outputs} | {i: o for o, others in self._apart.items() for i in others}
         """The output of each part that turns with one."""
         self._output = axes.of(motor, self._outputs)
+        self._idlers: set[int] = set()
 
     def say(self) -> None:
         """Add the evidence of this motor."""
@@ -290,7 +284,10 @@ class _OneMotor:
                 else side
                 for side in sides
             ]
-        return sides
+        some = {side.part for side in sides if side.on_output}
+        level = {side.part for side in sides if _is_level(output, side.relations) and side.whole.holes < 2} - some
+        self._idlers = idlers(survey, output.axis, some, level)
+        return [replace(side, on_output=True) if side.part in self._idlers else side for side in sides]
 
     def _width(self, side: _Side) -> float:
         """The largest radius [m] at which a part touches the motor about its output."""
@@ -310,7 +307,8 @@ class _OneMotor:
         if self._motor.is_named and 0 < len(own) < len(driven):  # what touches the case alone holds it, however narrow
             return [s for s in driven if s.part in own], [s for s in driven if s.part not in own], 0.83, ""
         if len(groups) < 2:
-            score, review = alone(self._survey, self._motor, self._outputs, [side.whole for side in driven])
+            outputs = self._outputs or list(self._idlers)
+            score, review = alone(self._survey, self._motor, outputs, [side.whole for side in driven])
             return (driven if score else []), [], score, review
         widths = [max(map(self._width, group)) for group in groups]
         order = sorted(range(len(groups)), key=lambda n: (-round(widths[n], 5), groups[n][0].part))
@@ -327,7 +325,7 @@ class _OneMotor:
                 r = survey.relation(x.part, y.part)
                 home = survey.scene.component(x.part).parent
                 together = survey.sources.tree and 0 < home == survey.scene.component(y.part).parent
-                if together or (r is not None and (r.is_rigid or r.patches)):
+                if together or self._idlers or (r is not None and (r.is_rigid or r.patches)):
                     tied.join(x.part, y.part)
         by_root: dict[int, list[_Side]] = defaultdict(list)
         for side in sides:

@@ -1,19 +1,20 @@
 """What a motor turns that nothing touches at its output: parts placed by hand beside it, nearly on its axis."""
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 
 import numpy as np
 
 from stepbot.draft.contacts.contacts import FitKind
 from stepbot.draft.contacts.near_fits import ANGLE, OFFSET
-from stepbot.draft.contacts.relations import Relation
+from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.shafts import HALF_ROUND
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence
 from stepbot.draft.evidence.motors import Motor
-from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.parts import least_gap
+from stepbot.geometry.spatial import perpendicular_frame
 
 _NEARLY_HELD, _NEARLY = 0.86, 0.75
 """Scores of what carries a motor and of what it turns, if their holes are only nearly in line with its own."""
@@ -25,6 +26,8 @@ _REVIEW_BESIDE = "drawn beside the end of the motor's output; no face shows what
 _REVIEW_NEARLY = "drawn beside the output of the motor, or up to 0.6 mm and 1.2 degrees off"
 _ALONE, _ON_SHAFT, _THIN = 0.85, 0.7, 0.09
 """Scores of what is alone on a motor's drawn output or its shaft; radius of a shaft as a share of the size, at most."""
+_EVEN, _TWIN = 0.02, 1e-4
+"""Angle [rad] up to which holes are evenly spaced; share of a volume up to which two parts are equal."""
 _REVIEW_ALONE = "nothing else touches the motor: what is on its shaft may hold it"
 
 
@@ -39,6 +42,40 @@ def alone(survey: Survey, motor: Motor, outputs: Sequence[int], relations: Itera
     shafts = (fit for r in relations for fit in r.shafts if fit.shaft == motor.case and fit.full)
     is_on_shaft = motor.is_named and any(fit.radius < thin for fit in shafts)
     return (_ON_SHAFT, _REVIEW_ALONE) if is_on_shaft else (0.0, "")
+
+
+def is_even(r: Relation, axis: Axis) -> bool:
+    """Whether the gaps between holes around an axis are multiples of the smallest one."""
+    x, y, _ = perpendicular_frame(axis.d).T
+    away = [fit.axis.point - axis.point for fit in r.fits if axis.distance(fit.axis.point) >= SAME_LINE]
+    angles = np.sort([np.arctan2(float(at @ y), float(at @ x)) for at in away])
+    gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
+    gaps = gaps[gaps > _EVEN]  # one hole may be on both sides of a flange
+    return not len(gaps) or bool(np.abs(gaps - gaps.min() * np.round(gaps / gaps.min())).max() < _EVEN)
+
+
+def idlers(survey: Survey, axis: Axis, driven: Collection[int], others: Iterable[int]) -> set[int]:
+    """Of other parts at a motor those that turn with what it drives: the discs at the other ends of their axis.
+
+    Each is balanced about it, and has a ring of screws to what has one to a driven part, too, or to an equal part, as
+    the two plates of a fork.
+    """
+
+    def ringed(part: int) -> set[int]:
+        around = survey.around(part)
+        return {i for i, r in around if r.via == Via.RING and r.axis is not None and r.axis.same(axis, SAME_LINE)}
+
+    held = {i for part in driven for i in ringed(part)}
+    volumes = [survey.parts[i].volume for i in held]
+    return {
+        part
+        for part in others
+        if survey.parts[part].is_balanced(axis)
+        and any(
+            i in held or any(abs(survey.parts[i].volume - volume) < _TWIN * volume for volume in volumes)
+            for i in ringed(part)
+        )
+    }
 
 
 class NearOutput:

@@ -20,14 +20,16 @@ from stepbot.draft.evidence.subassemblies import Structure
 from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
-from stepbot.draft.parts.parts import largest, least_gap
+from stepbot.draft.parts.parts import largest
 from stepbot.robot.model import JointKind
 
 _TINY = 2e-3
 """Share of the assembly's volume below which an unconnected cluster does not become a link."""
 _OFFERED = 0.3
 _OWN_BODIES = 0.5
-"""Share of a motor's volume up to which what is welded to it is its own bodies, such as its plug, and no support."""
+"""Share of a motor's volume up to which what is welded to it is its own bodies, such as its plug, and no support, and
+what is welded to its output is its horn.
+"""
 _BESIDE = 1e-3
 """Distance [m] up to which a body is beside the output of a motor."""
 _REVIEW_BESIDE = "what the motor turns is only drawn beside its output"
@@ -120,7 +122,11 @@ def _homeless_motors(made: Decision, motors: Sequence[Motor]) -> None:
         least = 0.0 if motor.is_named else _OWN_BODIES * survey.parts[case].volume
         if not own or (motor.is_named and case in carried) or survey.total_volume(others) > least:
             continue
-        outputs = {clusters.find(h.b) for h in made.joints if h.drives and h.a == case}
+        turned = [h for h in made.joints if h.drives and h.a == case]
+        apart = [(survey.parts[h.b].com - survey.parts[case].com) @ h.axis.d for h in turned if h.b not in motor.parts]
+        if apart and min(apart) < 0.0 < max(apart):
+            continue  # held at both ends of its axis
+        outputs = {clusters.find(h.b) for h in turned}
         if any(
             {h.a, h.b}.intersection(own) and outputs.isdisjoint(map(clusters.find, (h.a, h.b))) for h in made.joints
         ):
@@ -142,9 +148,9 @@ def _bare_outputs(made: Decision) -> None:
     for h in made.joints:
         own = clusters.members(h.b)
         volume = survey.total_volume(own)
-        if not h.drives or volume > survey.parts[h.a].volume:
+        if not h.drives or volume > _OWN_BODIES * survey.parts[h.a].volume:
             continue
-        box, faces = survey.box_of(own), np.concatenate([survey.scene.face_boxes(i) for i in own])
+        box, drawn = survey.box_of(own), [i for i in own if survey.parts[i].size]
         near: dict[int, list[int]] = defaultdict(list)
         for i, gap in survey.box_gaps(box).items():
             if gap < _BESIDE and i in clusters:
@@ -154,7 +160,7 @@ def _bare_outputs(made: Decision) -> None:
             theirs = survey.total_volume(clusters.members(root))
             if tied.find(root) == tied.find(clusters.find(h.b)) or theirs <= volume:
                 continue
-            gap = min(least_gap(faces, survey.scene.face_boxes(i)) for i in some)
+            gap = min(survey.scene.gap(drawn, i) for i in some)
             if gap < _BESIDE:
                 mine = round(gap, 4), -theirs, root
                 best = mine if best is None else min(best, mine)
@@ -170,14 +176,14 @@ def _bare_outputs(made: Decision) -> None:
 def _nearest_apart(made: Decision, own: Sequence[int], reach: float) -> int | None:
     """The part with the nearest faces within reach [m] of a cluster that no joint keeps apart from it."""
     survey, clusters = made.survey, made.clusters
-    box, faces = survey.box_of(own), np.concatenate([survey.scene.face_boxes(i) for i in own])
+    box, drawn = survey.box_of(own), [i for i in own if survey.parts[i].size]
     ranked = []
     for i, gap in survey.box_gaps(box).items():
         if gap >= reach or i not in clusters or clusters.find(i) == clusters.find(own[0]):
             continue
         if not clusters.are_apart(i, own[0]):
             volume = survey.parts[i].volume
-            ranked.append((round(least_gap(faces, survey.scene.face_boxes(i)), 5), -volume, i))
+            ranked.append((round(survey.scene.gap(drawn, i), 5), -volume, i))
     gap, _, best = min(ranked, default=(reach, 0.0, -1))
     return best if gap < reach else None
 
@@ -243,7 +249,7 @@ def nearest(survey: Survey, members: Sequence[int], others: Collection[int] = ()
     """
     box, inside = survey.box_of(members), {*members, *others}
     home = survey.scene.component(members[0]).parent
-    faces = np.concatenate([survey.scene.face_boxes(i) for i in members if survey.parts[i].size] or [box[None]])
+    drawn = [i for i in members if survey.parts[i].size]
     best: tuple[float, bool, float, int] | None = None
     for i, gap in survey.nearest_boxes(box):
         if best is not None and round(gap, 3) > best[0]:
@@ -251,7 +257,7 @@ def nearest(survey: Survey, members: Sequence[int], others: Collection[int] = ()
         if i in inside or i in survey.small:
             continue
         elsewhere = not (survey.sources.tree and survey.scene.component(i).parent == home)
-        gap = round(least_gap(faces, survey.scene.face_boxes(i)), 3)
+        gap = round(survey.scene.gap(drawn, i) if drawn else gap, 3)
         mine = gap, elsewhere, -survey.parts[i].volume, i
         best = mine if best is None else min(best, mine)
     return best[-1] if best is not None else None

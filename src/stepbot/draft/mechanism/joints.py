@@ -27,8 +27,10 @@ from stepbot.robot.model import JointKind
 
 _SAME_AXIS, _SAME_CENTRE = 5e-5, 1e-4
 """Distances [m] up to which two axes are one: of joints of one pair, and of two bodies that turn on the same one."""
-_SPINNER, _SCREW = 0.05, 2e-3
-"""Shares of the assembly's volume up to which a body that spins is a pin or a ring, and a subassembly is a screw."""
+_SPINNER, _SPINNING_ROD, _SCREW = 0.05, 0.1, 2e-3
+"""Shares of the assembly's volume up to which a body that spins is a pin or a ring, a rod at the end of a chain is no
+link, and a subassembly is a screw.
+"""
 _TRIFLE, _AROUND = 0.02, 1e-3
 """Share of a cluster's volume below which a part is ignored; distance [m] of two boxes that may be around a third."""
 _IDLER, _EQUAL = 0.02, 0.01
@@ -79,7 +81,7 @@ class Mechanism:
         """One joint per pair of clusters: the strongest; True if lines apart were found to lock a pair, now one."""
         taken: dict[tuple[int, int], Joint] = {}
         self.offered = []
-        for h in sorted(self._made.evidence.joints, key=lambda h: (-round(h.score, 6), h.a, h.b)):
+        for h in sorted(self._made.evidence.joints, key=lambda h: (-round(h.score, 6), not h.drives, h.a, h.b)):
             if h.a not in self._clusters or h.b not in self._clusters:
                 continue
             a, b = sorted((self._clusters.find(h.a), self._clusters.find(h.b)))
@@ -168,7 +170,8 @@ class Mechanism:
             return None
         members = self._clusters.members(root)
         first, *others = sorted(joints, key=lambda j: j.evidence.type == JointKind.BALL)
-        if not self._spins(members, first.axis):
+        is_rod = len(joints) == 1 and self._is_rod(members, first)
+        if not self._spins(members, first.axis, _SPINNING_ROD if is_rod else _SPINNER):
             return None
         balls = [j for j in others if j.evidence.type == JointKind.BALL]
         if len(balls) == len(others) > 1 and first.axis.direction is not None:
@@ -199,7 +202,8 @@ class Mechanism:
                 continue
             plain, driven = sorted(joints, key=lambda j: j.evidence.drives)
             is_driven = driven.evidence.drives and not plain.evidence.drives
-            if is_driven and _is_plain(plain.evidence) and driven.evidence.type == JointKind.REVOLUTE:
+            is_beside = _is_plain(plain.evidence) or plain.evidence.of_linkage
+            if is_driven and is_beside and plain.evidence.type == driven.evidence.type == JointKind.REVOLUTE:
                 self._made.guess(self._clusters.members(middle), "turns about the same axis as the motor it is beside")
                 self.joints.remove(plain)
                 self._unite(plain.a, plain.b, self.joints)
@@ -274,10 +278,10 @@ class Mechanism:
         length = r.length if r is not None else 0.0
         return not self._structure.are_together(h.a, h.b), round(clearance, 7), h.score, -length
 
-    def _spins(self, members: Sequence[int], axis: Axis) -> bool:
-        """Whether a body is small and symmetric about an axis."""
+    def _spins(self, members: Sequence[int], axis: Axis, most: float) -> bool:
+        """Whether a body is symmetric about an axis, and has a share of the volume up to a bound."""
         volume = self._survey.total_volume(members)
-        if axis.direction is None or not 0.0 < volume <= _SPINNER * self._survey.volume:
+        if axis.direction is None or not 0.0 < volume <= most * self._survey.volume:
             return False
         if any(pair.gear.part in members for pair in self._survey.rack_meshes):
             return False  # it moves a rack
@@ -286,20 +290,23 @@ class Mechanism:
 
     def _is_pin(self, members: Sequence[int], joint: Joint) -> bool:
         """Whether a body that only spins is a rod, or a ring beside other joints, and no wheel."""
-        if self._survey.total_volume(members) < _CRUMB * self._survey.volume:
-            return True
-        frame = perpendicular_frame(joint.axis.d).T
-        drawn = [i for i in members if self._survey.parts[i].size]
-        spans = np.array([[self._survey.scene.span(i, d) for i in drawn] for d in frame])
-        *across, along = (spans[:, :, 1].max(axis=1) - spans[:, :, 0].min(axis=1)).tolist()
-        r = joint.evidence.relation
-        is_inner = r is not None and any(fit.shaft in members for fit in r.shafts)
-        if is_inner and along > _ROD * hypot(*across):
+        if self._survey.total_volume(members) < _CRUMB * self._survey.volume or self._is_rod(members, joint):
             return True
         # The last of several equal feet is none, either; a lone disc may be all that moves.
         volume = self._survey.total_volume(members)
         is_like_others = any(abs(volume - other) <= _EQUAL * volume for other in self._dropped)
         return (len(self.joints) > 1 or is_like_others) and not self._is_wheel(members, joint)
+
+    def _is_rod(self, members: Sequence[int], joint: Joint) -> bool:
+        """Whether a body is long, and in a bore of the other side of its joint."""
+        r = joint.evidence.relation
+        if r is None or joint.axis.direction is None or not any(fit.shaft in members for fit in r.shafts):
+            return False
+        drawn = [i for i in members if self._survey.parts[i].size]
+        frame = perpendicular_frame(joint.axis.d).T
+        spans = np.array([[self._survey.scene.span(i, d) for i in drawn] for d in frame])
+        *across, along = (spans[:, :, 1].max(axis=1) - spans[:, :, 0].min(axis=1)).tolist()
+        return bool(along > _ROD * hypot(*across))
 
     def _is_wheel(self, members: Sequence[int], joint: Joint) -> bool:
         if any(Role.WHEEL in self._survey.parts[i].roles or Role.WHEEL in self._structure.names(i) for i in members):

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from stepbot.draft.parts.parts import least_gap
+from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
 from stepbot.step.assembly import Assembly, Body, Component
 from stepbot.step.faces import Face, FaceKind
@@ -20,6 +22,8 @@ T = TypeVar("T")
 _EQUAL_POSE = 1e-9
 """Steps [1, m] of relative poses that are taken for equal."""
 _PAIRS_AT_ONCE = 10_000
+_FILLED = 0.5
+"""Share of its box from which a plane fills it."""
 
 
 class PlacedFace(NamedTuple):
@@ -130,6 +134,24 @@ class Scene:
         """Bounding boxes (n, 2, 3) [m] of the faces of a part in the assembly."""
         return np.stack(self._corners(part), axis=1)
 
+    def gap(self, members: Sequence[int], other: int) -> float:
+        """Distance [m] of another part from some parts, at least, by boxes of their faces.
+
+        Boxes along the axes of the assembly are wide around faces of a limb that is drawn turned, so those along the
+        axes of the first and of the other part count, too.
+        """
+        turns = {R.tobytes(): R for R in (np.eye(3), *(self.component(i).X_WC.R for i in (members[0], other)))}
+        return max(
+            least_gap(np.concatenate([self._boxes_along(i, R) for i in members]), self._boxes_along(other, R))
+            for R in turns.values()
+        )
+
+    def _boxes_along(self, part: int, R: Array) -> Array:
+        """Boxes (n, 2, 3) [m] of the faces of a part along turned axes."""
+        boxes, X = self.of_definition(part, _thin_boxes), self.component(part).X_WC
+        middles, halves = X.apply(boxes.mean(axis=1)) @ R, 0.5 * np.ptp(boxes, axis=1) @ np.abs(R.T @ X.R).T
+        return np.stack([middles - halves, middles + halves], axis=1)
+
     def span(self, part: int, direction: Array) -> tuple[float, float]:
         """Where a part begins and ends along a direction [m], by the boxes of its faces in its own frame."""
         drawn, X = self._drawn_faces(part), self.component(part).X_WC
@@ -179,6 +201,21 @@ class Scene:
             by_kind = {kind: np.array(of, dtype=np.intp) for kind, of in rows.items()}
             self._drawn[body] = _Drawn(by_kind, points, directions, boxes.mean(axis=1), 0.5 * np.ptp(boxes, axis=1))
         return self._drawn[body]
+
+
+def _thin_boxes(body: Body) -> Array:
+    """Boxes (n, 2, 3) [m] of the faces of a body; of the edges of a plane with little in its box."""
+    rows = [np.zeros((0, 2, 3))]
+    for face in body.faces:
+        box, edges = np.array(face.box).reshape(1, 2, 3), [(ring, np.roll(ring, -1, axis=0)) for ring in face.rings]
+        outer, *holes = [0.5 * np.abs(np.cross(a - a[0], b - a[0]).sum(axis=0)) for a, b in edges] or [np.zeros(3)]
+        across = int(outer.argmax())
+        sides = np.delete(np.ptp(box[0], axis=0), across)
+        if edges and outer[across] - exact_sum(hole[across] for hole in holes) < _FILLED * sides[0] * sides[1]:
+            rows += [np.stack([np.minimum(a, b), np.maximum(a, b)], axis=1) for a, b in edges]
+        else:
+            rows.append(box)
+    return np.concatenate(rows)
 
 
 Indices_of_runs = NDArray[np.int64]
