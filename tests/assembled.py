@@ -17,12 +17,14 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import Pose
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.robot.model import JointKind
-from stepbot.step.assembly import Assembly, Body, BodyKind, Component
+from stepbot.step.assembly import Assembly, Body, BodyKind, Component, MeshTolerance
 
 from .solids import Solid, faces
 
 BARE = Sources(names=False, tree=False)
 """Neither names nor subassemblies are used."""
+_COARSE = MeshTolerance(relative=0.05, angle=0.8)
+"""As drafting reads files."""
 _NO_MESH = TriMesh.of(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int32))
 
 
@@ -49,12 +51,12 @@ def group(name: str, *children: Node) -> Node:
     return Node(name, children=children)
 
 
-def assembled(*nodes: Node) -> Assembly:
-    """The assembly of some nodes, as the reader returns it with ``ReadOptions.faces``."""
+def assembled(*nodes: Node, is_meshed: bool = False) -> Assembly:
+    """The assembly of some nodes, as the reader returns it with ``ReadOptions.faces``; with meshes if they count."""
     components, shapes = [Component(0, -1, ".", ".", "", "", 1)], [None]
     for node in nodes:
         _add(node, 0, Pose(), components, shapes)
-    bodies = tuple(_body(shape) for shape in shapes[1:])
+    bodies = tuple(_body(shape, _mesh(shape) if is_meshed else _NO_MESH) for shape in shapes[1:])
     return Assembly("made.step", "AP242", "", "mm", 1e-3, tuple(components), bodies)
 
 
@@ -99,7 +101,14 @@ def _largest(found: Inferred, link: int) -> str:
     return max(parts, key=lambda p: (p.volume, p.path)).path
 
 
-def _body(shape: Any) -> Body:
+def _mesh(shape: Any) -> TriMesh:
+    from stepbot.step.shapes.tessellation import diagonal, fineness, tessellated_once
+
+    mesh = tessellated_once(shape, fineness((_COARSE,), diagonal(shape))).mesh
+    return TriMesh.of(mesh.vertices * 1e-3, mesh.faces)
+
+
+def _body(shape: Any, mesh: TriMesh) -> Body:
     from OCP.BRepGProp import BRepGProp
     from OCP.GProp import GProp_GProps
     from OCP.TopoDS import TopoDS
@@ -112,9 +121,13 @@ def _body(shape: Any) -> Body:
     inertia = np.array([[matrix.Value(i, j) for j in (1, 2, 3)] for i in (1, 2, 3)])
     exact = VolumeProperties.of(found.Mass() * 1e-9, np.array([com.X(), com.Y(), com.Z()]) * 1e-3, inertia * 1e-15)
     errors: list[str] = []
-    colors, read = np.zeros(0, dtype=np.int32), read_faces([TopoDS.Face(face) for face in faces(shape)], errors)
+    colors, read = (
+        np.zeros(len(mesh.faces), dtype=np.int32),
+        read_faces([TopoDS.Face(face) for face in faces(shape)], errors),
+    )
     assert not errors
-    return Body(BodyKind.SOLID, _NO_MESH, colors, (None,), True, exact=exact, faces=read)
+    colors = np.zeros(len(mesh.faces), dtype=np.int32)
+    return Body(BodyKind.SOLID, mesh, colors, (None,), True, exact=exact, faces=read)
 
 
 def turned(solid: Solid, x: float = 0.0, y: float = 0.0, z: float = 0.0, rpy: Any = (0, 0, 0)) -> Solid:

@@ -138,7 +138,7 @@ class Kit:
             return
         self.add(SCREWS, "screw", cylinder(radius, length) + _head(radius).at(0, 0, length), X)
 
-    def assembly(self) -> tuple[Assembly, dict[str, str]]:
+    def assembly(self, *, is_meshed: bool = False) -> tuple[Assembly, dict[str, str]]:
         """The assembly, and the link of each path."""
         nodes: list[Node] = []
         link_of: dict[str, str] = {}
@@ -160,7 +160,7 @@ class Kit:
             folder = {node.name: f"Import {1 + (n >= half)}" for n, node in enumerate(nodes)}
             link_of = {f"{folder[path.split('/')[0]]}/{path}": link for path, link in link_of.items()}
             nodes = [Node(f"Import {n}", children=tuple(some)) for n, some in ((1, nodes[:half]), (2, nodes[half:]))]
-        return assembled(*nodes), link_of
+        return assembled(*nodes, is_meshed=is_meshed), link_of
 
 
 def _head(radius: float) -> Solid:
