@@ -42,9 +42,7 @@ BodyStyle = tuple[Rgba | None, dict[int, Rgba]]
 class Colors:
     """The colours of one document."""
 
-    def __init__(self, document: Any) -> None:
-        # Accessing the tool creates it: a document without colours would have none.
-        XCAFDoc_DocumentTool.ColorTool_s(document.Main())
+    def __init__(self) -> None:
         self.errors: list[str] = []
         """Failures of the kernel; what they concern has no colour of its own."""
 
@@ -117,7 +115,7 @@ class Definitions:
     def __init__(self, document: Any, products: Products) -> None:
         self._products = products
         self._shapes = XCAFDoc_DocumentTool.ShapeTool_s(document.Main())
-        self._colors = Colors(document)
+        self._colors = Colors()
         self._index: dict[str, int] = {}
         self.all: list[Definition] = []
         self.color_errors = self._colors.errors
