@@ -3,7 +3,7 @@
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.evidence.motor_outputs import OutputAxes, hidden_outputs
 from stepbot.draft.evidence.motors import Motor
-from tests.assembled import Node, assembled, inferred, joints, links, part
+from tests.assembled import Node, assembled, group, inferred, joints, links, part
 from tests.made.kit import drilled
 from tests.solids import box, cylinder
 
@@ -75,6 +75,15 @@ def test_a_case_between_horn_and_idler_turns() -> None:
     found = inferred(*nodes)
     assert {"servo"} in links(found)
     assert {"horn", "idler", "left", "right", "yoke"} in links(found)
+
+
+def test_a_clip_around_the_case_of_a_motor_holds_it() -> None:
+    """A motor snapped into a ring of another subassembly, with its shaft in a solid wheel, does not turn in it."""
+    motor = cylinder(14, 19) + cylinder(2.5, 10).at(0, 8, 19)
+    clip = box(40, 40, 5).at(0, 0, 5) - cylinder(14, 5).at(0, 0, 2.5)
+    base = part("base", clip + box(40, 6, 100).at(0, -23, 40))
+    drive = group("drive", part("motor 28BYJ-48", motor), part("wheel", cylinder(32, 5), 0, 8, 23))
+    assert {"base", "drive/motor 28BYJ-48"} <= links(inferred(base, drive))[0]
 
 
 def test_horns_in_the_holes_of_a_board_are_of_the_board() -> None:

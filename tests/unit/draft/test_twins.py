@@ -5,8 +5,12 @@ from math import pi
 import numpy as np
 import pytest
 
-from stepbot.draft.evidence.evidence import Verdict
-from tests.assembled import BARE, Node, inferred, joints, links, part, turned
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
+from stepbot.draft.evidence.evidence import JointEvidence, Verdict
+from stepbot.draft.evidence.repetition import repeated_joints
+from stepbot.draft.parts.axis import Axis
+from stepbot.robot.model import JointKind
+from tests.assembled import BARE, Node, assembled, inferred, joints, links, part, turned
 from tests.solids import box, cylinder
 
 ALONG_Y = (pi / 2, 0.0, 0.0)
@@ -38,6 +42,18 @@ def test_fingers_that_are_equal_but_for_a_rounding(ratio: float) -> None:
         ("prismatic", "one", "palm"),
         ("prismatic", "palm", "two"),
     ]
+
+
+def test_a_joint_is_repeated_on_its_own_side() -> None:
+    """Arm and lever turn on one line on either side of a cart: no arm turns on the lever of the other side."""
+    bore = turned(cylinder(4, 10), -5, rpy=(0, pi / 2, 0))
+    arm, lever = ((box(10, 20, length) - bore).at(x, 0, 0) for length, x in ((60, 40), (90, 50)))
+    named = [(n, name, solid) for n in (0, 1) for name, solid in (("arm", arm), ("lever", lever))]
+    sides = [part(f"{name} {n}", solid, rpy=(0, 0, n * pi)) for n, name, solid in named]
+    survey = Survey(assembled(*sides), ALL_SOURCES)
+    known = JointEvidence(0.9, 1, 2, JointKind.REVOLUTE, Axis(np.zeros(3), np.array([1.0, 0.0, 0.0])), "")
+    found = repeated_joints(survey, [known], [[1], [2], [3], [4]])
+    assert [(h.a, h.b) for h in found] == [(3, 4)]
 
 
 def test_tiny_fingers_are_offered_only() -> None:

@@ -14,7 +14,7 @@ from stepbot.draft.contacts.relations import Relation, Via, merged, reach
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
-from stepbot.draft.evidence.near_outputs import NearOutput, alone, idlers, is_even
+from stepbot.draft.evidence.near_outputs import NearOutput, alone, clips, idlers, is_even
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
@@ -309,7 +309,8 @@ class _OneMotor:
         if len(groups) < 2:
             outputs = self._outputs or list(self._idlers)
             score, review = alone(self._survey, self._motor, outputs, [side.whole for side in driven])
-            return (driven if score else []), [], score, review
+            held = () if score else clips(self._survey, self._motor)
+            return (driven if score else []), [side for side in driven if side.part in held], score, review
         widths = [max(map(self._width, group)) for group in groups]
         order = sorted(range(len(groups)), key=lambda n: (-round(widths[n], 5), groups[n][0].part))
         score = 0.83 if widths[order[-1]] < _WIDER * widths[order[0]] else 0.65

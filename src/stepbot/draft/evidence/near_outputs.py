@@ -26,6 +26,8 @@ _REVIEW_BESIDE = "drawn beside the end of the motor's output; no face shows what
 _REVIEW_NEARLY = "drawn beside the output of the motor, or up to 0.6 mm and 1.2 degrees off"
 _ALONE, _ON_SHAFT, _THIN = 0.85, 0.7, 0.09
 """Scores of what is alone on a motor's drawn output or its shaft; radius of a shaft as a share of the size, at most."""
+_WIDE = 0.15
+"""Radius of a motor's case as a share of its size, at least."""
 _EVEN, _TWIN = 0.02, 1e-4
 """Angle [rad] up to which holes are evenly spaced; share of a volume up to which two parts are equal."""
 _REVIEW_ALONE = "nothing else touches the motor: what is on its shaft may hold it"
@@ -76,6 +78,17 @@ def idlers(survey: Survey, axis: Axis, driven: Collection[int], others: Iterable
             for i in ringed(part)
         )
     }
+
+
+def clips(survey: Survey, motor: Motor) -> list[int]:
+    """The parts with bores around the case of a named motor, wider than a shaft: they hold it, and do not turn."""
+    wide = _WIDE * survey.parts[motor.case].size
+    around = survey.around(motor.case) if motor.is_named else ()
+    return [
+        other
+        for other, r in around
+        if other not in motor.parts and any(f.shaft == motor.case and f.radius > wide for f in r.shafts)
+    ]
 
 
 class NearOutput:

@@ -68,8 +68,10 @@ def _is_guess(h: JointEvidence) -> bool:
 def _elsewhere(survey: Survey, equal: "_Equal", h: JointEvidence) -> Iterator[tuple[int, int, Axis]]:
     """The places where the same joint is expected: both parts, the smaller index first, and the axis."""
     others = [list(equal.axes(i, h.axis)) for i in (h.a, h.b)]
+    smaller = min((survey.parts[i] for i in (h.a, h.b)), key=lambda part: (part.volume, part.index))
+    along = float((smaller.com - h.axis.point) @ h.axis.d)
     for (a, of_a), (b, of_b) in product(*others):
-        if a != b and {a, b} != {h.a, h.b} and _agree(of_a, of_b):
+        if a != b and {a, b} != {h.a, h.b} and _agree(of_a, of_b, along):
             yield (a, b, of_a) if a < b else (b, a, of_a)
     for own, host in ((0, h.b), (1, h.a)):
         for part, axis in others[own]:
@@ -77,9 +79,10 @@ def _elsewhere(survey: Survey, equal: "_Equal", h: JointEvidence) -> Iterator[tu
                 yield min(part, host), max(part, host), axis
 
 
-def _agree(one: Axis, two: Axis) -> bool:
+def _agree(one: Axis, two: Axis, along: float) -> bool:
+    """Whether two axes are one, and the places at a distance [m] along each, beside the joint, too."""
     close = one.distance(two.point) < OFFSET and one.is_along(two.d, ANGLE)
-    return close and abs(float((two.point - one.point) @ one.d)) < _ALONG
+    return close and abs(float((two.point + along * two.d - one.point - along * one.d) @ one.d)) < _ALONG
 
 
 def _supports(survey: Survey, host: int, part: int, axis: Axis) -> bool:
