@@ -52,14 +52,21 @@ def test_something_a_shape_is_made_of_is_missing(keyword: str, text: str, tmp_pa
     assert f"line {line_of(user, damaged)}: #{user[1]} " in "\n".join(fault.notes)
 
 
-def test_a_reference_to_the_wrong_kind(text: str, tmp_path: Path) -> None:
-    """A face whose surface is a point is an error."""
+@pytest.mark.parametrize("is_last", [False, True])
+def test_a_reference_to_the_wrong_kind(text: str, tmp_path: Path, *, is_last: bool) -> None:
+    """A face whose surface is a point is an error with its line, wherever it is in the file."""
     point, plane = first("CARTESIAN_POINT", text), first("PLANE", text)
-    damaged = re.sub(rf"(ADVANCED_FACE\([^;]*?)#{plane[1]}\b", rf"\g<1>#{point[1]}", text, count=1)
-    assert damaged != text
+    face = re.search(rf"^#(\d+)=ADVANCED_FACE\([^;]*#{plane[1]},[^;]*;\n", text, re.MULTILINE)
+    assert face is not None
+    wrong = face[0].replace(f"#{plane[1]},", f"#{point[1]},")
+    damaged = text.replace(face[0], "" if is_last else wrong)
+    if is_last:
+        start, end, rest = damaged.rpartition("ENDSEC;")
+        damaged = start + wrong + end + rest
     (fault,) = complaints(damaged, tmp_path)
     assert fault.code == "SB221"
-    assert "ADVANCED_FACE" in fault.notes[0]
+    line = damaged.count("\n", 0, damaged.index(wrong)) + 1
+    assert fault.notes[0].startswith(f"line {line}: #{face[1]} ADVANCED_FACE")
     assert "has the wrong type" in fault.notes[0]
 
 
