@@ -10,7 +10,6 @@ from xml.etree import ElementTree as ET
 
 import mujoco
 import numpy as np
-import pybullet
 import pytest
 
 from stepbot.pipeline.conversion import Conversion, Options
@@ -176,6 +175,7 @@ def test_pinocchio_has_the_sum_of_the_modules(folder: Path) -> None:
 @contextmanager
 def loaded(folder: Path, name: str) -> Iterator[tuple[int, int, dict[str, int]]]:
     """A URDF in PyBullet: client, body, and the index of each link, by its name."""
+    pybullet = pytest.importorskip("pybullet")
     client = pybullet.connect(pybullet.DIRECT)
     try:
         path = str(folder / name / f"{name}.urdf")
@@ -247,6 +247,7 @@ def owner_of(name: str) -> str:
 
 def of_pybullet(folder: Path, name: str) -> tuple[list[str], np.ndarray]:
     """The joints that move in a URDF and the mass matrix, each joint at 0.1."""
+    pybullet = pytest.importorskip("pybullet")
     with loaded(folder, name) as (client, body, links):
         infos = [pybullet.getJointInfo(body, i, physicsClientId=client) for i in links.values()]
         names = [info[1].decode() for info in infos if info[2] != pybullet.JOINT_FIXED]
@@ -257,6 +258,7 @@ def of_pybullet(folder: Path, name: str) -> tuple[list[str], np.ndarray]:
 @MODULES
 def test_pybullet_reads_the_module(alone: str, prefix: str, folder: Path) -> None:
     """Mass, inertia, axis and limits of every link, and its pose in the joint's parent."""
+    pybullet = pytest.importorskip("pybullet")
     seen: list[dict[str, np.ndarray]] = []
     for name, start in ((alone, ""), ("both", prefix)):
         with loaded(folder, name) as (client, body, links):

@@ -30,13 +30,16 @@ _NAMES = (
 _DEFAULTS = {"mujoco/option@timestep": "0.002", "mujoco/option@integrator": "Euler", "/static": "false"}
 """What files mean that leave out what is read, but what no engine reports, by the end of the place."""
 _UNREPORTED = re.compile(
-    r"^robot/(transmission|ros2_control|gazebo)\b|^sdf(/world[^/]*)?/model[^/]*/pose$|/surface/.*/|/plugin\b"
+    r"^robot/(transmission|ros2_control|gazebo)\b|^robot/link[^/]*/contact/|^sdf(/world[^/]*)?/model[^/]*/pose$|"
+    r"/surface/.*/|/plugin\b"
 )
-"""Places of what is read and reported by no engine, unless it is an actuator or a sensor."""
+"""Places of what is read and reported by no engine, or by one that may not be installed, but actuators and sensors."""
 _LEFT_OUT = {
     **dict.fromkeys(("mu", "mu1", "mu2", "allow_auto_disable", "cast_shadows"), 1.0),
     **dict.fromkeys(("restitution_coefficient", "pose", "self_collide", "kinematic", "enable_wind"), 0.0),
     **dict.fromkeys(("must_be_base_link", "laser_retro", "transparency", "fdir1", "slip1", "slip2", "visualize"), 0.0),
+    **dict.fromkeys(("spinning_friction", "rolling_friction", "restitution"), 0.0),
+    "lateral_friction": 0.5,
 }
 """Numbers that are meant where these elements of SDFormat, and of URDF's extensions, are left out; 1 is true."""
 _NUMBER = re.compile(r" \d+(?=[/@]|$)")
@@ -97,7 +100,7 @@ def compare_settings(ours: Mapping[str, Sequence[float]], theirs: Mapping[str, S
 
 def _is_default(one: Statement) -> bool:
     """Whether a number is what a file means that leaves it out."""
-    default = _LEFT_OUT.get(last_of(one.place))
+    default = _LEFT_OUT.get(last_of(one.place.removesuffix("@value")))
     values = numbers({"true": "1", "false": "0"}.get(one.value, one.value))
     return default is not None and values is not None and set(values) == {default}
 
