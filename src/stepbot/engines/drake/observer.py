@@ -233,8 +233,7 @@ def observed_shape(built: Built, geometry: Any, *, seen: bool) -> ObservedShape:
     """Name of a shape; colours of a visual, friction of a collision."""
     inspector = built.scene.model_inspector()
     given = inspector.GetName(geometry).removeprefix(f"{built.name}::")
-    kind = type(inspector.GetShape(geometry)).__name__
-    name = None if re.fullmatch(rf"{kind}\d*", given) else given  # Drake's own for a shape without one
+    name = given if given in built.names else None
     if not seen:
         return ObservedShape(name, surface=_surface(built, geometry))
     properties = inspector.GetIllustrationProperties(geometry)

@@ -15,6 +15,7 @@ from stepbot.robot.dynamics import GRAVITY
 
 from ..observation import EngineCannotRead, EngineRefused, ObservedClosure, Request
 from ..resources import resolve
+from ..xml import xml_root
 from .coordinates import Coordinates, pose
 
 STEP = 1e-3
@@ -41,6 +42,11 @@ class Built:
     frames: tuple[str, ...]
     """Names of the frames in the file, as far as Drake keeps them."""
     name: str
+
+    @cached_property
+    def names(self) -> frozenset[str]:
+        """All names in the file; Drake makes others for shapes without one, or with one that is taken."""
+        return frozenset(map(str, xml_root(Path(self.request.file)).xpath("//@name")))
 
     @cached_property
     def bodies(self) -> list[Any]:
