@@ -4,8 +4,9 @@ The origin of a joint is a mate or an axis of components where possible, since t
 """
 
 from collections import defaultdict
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -335,9 +336,16 @@ class _Drafting:
 
     def _alternatives(self, arc: TreeJoint) -> tuple[Alternative, ...]:
         """Other joints found between the same two links."""
-        ends = {arc.parent, arc.child}
-        between = [h for h in self._found.offered if {self._link_of[h.a], self._link_of[h.b]} == ends]
+        between = self._offered_between.get(frozenset((arc.parent, arc.child)), ())
         return tuple(self._alternative(h) for h in _distinct(between, [arc.evidence]))
+
+    @cached_property
+    def _offered_between(self) -> Mapping[frozenset[int], Sequence[JointEvidence]]:
+        """Joints found, by their links."""
+        found = defaultdict[frozenset[int], list[JointEvidence]](list)
+        for h in self._found.offered:
+            found[frozenset((self._link_of[h.a], self._link_of[h.b]))].append(h)
+        return found
 
     def _offered(self) -> list[JointEvidence]:
         """Joints found within one link, or between links that another path joins."""

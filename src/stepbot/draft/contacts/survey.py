@@ -29,7 +29,7 @@ from stepbot.draft.contacts.teeth import (
 from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, is_belt, roles
-from stepbot.draft.parts.parts import box_gaps, joint_box
+from stepbot.draft.parts.parts import Boxes, joint_box
 from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
@@ -184,9 +184,10 @@ class Survey:
 
     def has_screw_at(self, axis: Axis) -> bool:
         """Whether a screw is on a line, near the given position."""
-        lines, boxes = self._screws
-        near = (axis.point > boxes[:, 0] - _SCREW_REACH) & (axis.point < boxes[:, 1] + _SCREW_REACH)
-        return any(axis.same(lines[k]) for k in np.flatnonzero(near.all(axis=1)).tolist())
+        lines, boxes, places = self._screws
+        some, _ = places.within(np.array([axis.point, axis.point]), 2.0 * _SCREW_REACH)
+        near = (axis.point > boxes[some, 0] - _SCREW_REACH) & (axis.point < boxes[some, 1] + _SCREW_REACH)
+        return any(axis.same(lines[k]) for k in some[near.all(axis=1)].tolist())
 
     @cached_property
     def near_fits(self) -> dict[Pair, list[NearFit]]:
@@ -268,16 +269,15 @@ class Survey:
         """[m^3]."""
         return exact_sum(self.parts[i].volume for i in members)
 
-    def box_gaps(self, box: Array) -> dict[int, float]:
-        """Distance [m] of each part's bounding box from another box (2, 3); without parts that have none."""
+    def parts_near(self, box: Array, reach: float) -> list[int]:
+        """Parts whose bounding boxes are up to ``reach`` [m] from another box (2, 3)."""
         numbers, boxes = self._boxes
-        return dict(zip(numbers, box_gaps(box[None], boxes)[0].tolist(), strict=True))
+        return [numbers[k] for k in boxes.within(box, reach)[0].tolist()]
 
     def nearest_boxes(self, box: Array) -> Iterator[tuple[int, float]]:
-        """The same, the nearest part first."""
+        """All parts with a bounding box and its distance [m] from another box (2, 3), the nearest part first."""
         numbers, boxes = self._boxes
-        gaps = box_gaps(box[None], boxes)[0]
-        return ((numbers[k], float(gaps[k])) for k in np.argsort(gaps, kind="stable"))
+        return ((numbers[k], gap) for k, gap in boxes.nearest(box))
 
     def box_of(self, members: Iterable[int]) -> Array:
         """The bounding box (2, 3) [m] of parts."""
@@ -289,17 +289,18 @@ class Survey:
         return float(np.linalg.norm(high - low)) or 1.0
 
     @cached_property
-    def _boxes(self) -> tuple[list[int], Array]:
-        """The parts with a bounding box, and these (n, 2, 3)."""
+    def _boxes(self) -> tuple[list[int], Boxes]:
+        """The parts with a bounding box, and these."""
         numbers = [i for i, part in self.parts.items() if part.size]
-        return numbers, np.array([self.parts[i].box for i in numbers]).reshape(-1, 2, 3)
+        return numbers, Boxes(np.array([self.parts[i].box for i in numbers]).reshape(-1, 2, 3))
 
     @cached_property
-    def _screws(self) -> tuple[list[Axis], Array]:
-        """Lines of fasteners, and the fasteners' bounding boxes (n, 2, 3)."""
+    def _screws(self) -> tuple[list[Axis], Array, Boxes]:
+        """Lines of fasteners, and the fasteners' bounding boxes (n, 2, 3), also sorted."""
         screws = self.small - self._belts
         rows = [(line.axis, part) for line in self.contacts.lines for part in line.faces if part in screws]
-        return [axis for axis, _ in rows], np.array([self.parts[part].box for _, part in rows]).reshape(-1, 2, 3)
+        boxes = np.array([self.parts[part].box for _, part in rows]).reshape(-1, 2, 3)
+        return [axis for axis, _ in rows], boxes, Boxes(boxes)
 
 
 def find_contacts(scene: Scene) -> Contacts:

@@ -172,9 +172,8 @@ class NearOutput:
         com = float((survey.parts[self._motor.case].com - axis.point) @ axis.d)
         end = axis.point + axis.d * (high if high - com > com - low else low)
         here, gaps = np.array([end, end]), []
-        for i, gap in survey.box_gaps(here).items():
-            own = i in held or i in self._motor.parts or i in survey.small
-            if not own and gap < _NEAR_END:
+        for i in survey.parts_near(here, _NEAR_END):
+            if i not in held and i not in self._motor.parts and i not in survey.small:
                 volume = survey.parts[i].volume
                 gaps.append((round(least_gap(here[None], survey.scene.face_boxes(i)), 5), -volume, i))
         gap, _, best = min(gaps, default=(_NEAR_END, 0.0, -1))

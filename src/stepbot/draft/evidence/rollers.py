@@ -96,8 +96,8 @@ def rail_evidence(survey: Survey, found: Evidence) -> None:
     for carriage, wheels in carried.items():
         first = next(iter(wheels.values()))
         wheels = {i: axis for i, axis in wheels.items() if axis.is_along(first.d)}
-        near = survey.box_gaps(survey.box_of(wheels)) if len(wheels) >= _FEWEST_WHEELS else {}
-        for rail in sorted(i for i, gap in near.items() if gap <= 0.0 and i not in {carriage, *wheels, *survey.small}):
+        near = survey.parts_near(survey.box_of(wheels), 0.0) if len(wheels) >= _FEWEST_WHEELS else []
+        for rail in sorted(i for i in near if i not in {carriage, *wheels, *survey.small}):
             along = _runs_along(survey, rail, wheels)
             if along is not None:
                 a, b = sorted((carriage, rail))

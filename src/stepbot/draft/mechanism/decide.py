@@ -47,6 +47,8 @@ class Decision:
     evidence: Evidence
     clusters: Clusters
     guesses: dict[int, str] = field(default_factory=dict)
+    hinges: dict[int, list[JointEvidence]] = field(default_factory=lambda: defaultdict(list))
+    """Those that were accepted, by part."""
 
     def guess(self, members: Sequence[int], why: str) -> None:
         """Record that the assignment of some parts is a guess."""
@@ -93,6 +95,9 @@ def accept(made: Decision, one: Weld | JointEvidence | Apart) -> None:
         one.verdict = Verdict.OFFERED
     else:
         one.verdict = Verdict.TAKEN if clusters.forbid(one.a, one.b) else Verdict.REFUSED
+        if one.verdict == Verdict.TAKEN and one.type is JointKind.REVOLUTE:
+            made.hinges[one.a].append(one)
+            made.hinges[one.b].append(one)
 
 
 def _locks(made: Decision, weld: Weld) -> bool:
@@ -102,8 +107,8 @@ def _locks(made: Decision, weld: Weld) -> bool:
         return False
     for common in sorted(clusters.apart_from_both(weld.a, weld.b)):
         one, two = (
-            [h.axis for h in made.joints if h.type is JointKind.REVOLUTE and ends == {*map(clusters.find, (h.a, h.b))}]
-            for ends in ({clusters.find(part), common} for part in (weld.a, weld.b))
+            [h.axis for i in members for h in made.hinges.get(i, ()) if common in map(clusters.find, (h.a, h.b))]
+            for members in map(clusters.members, (weld.a, weld.b))
         )
         if any(not a.same(b, SAME_LINE) for a in one for b in two):
             return True
@@ -152,8 +157,8 @@ def _bare_outputs(made: Decision) -> None:
             continue
         box, drawn = survey.box_of(own), [i for i in own if survey.parts[i].size]
         near: dict[int, list[int]] = defaultdict(list)
-        for i, gap in survey.box_gaps(box).items():
-            if gap < _BESIDE and i in clusters:
+        for i in survey.parts_near(box, _BESIDE):
+            if i in clusters:
                 near[clusters.find(i)].append(i)
         best: tuple[float, float, int] | None = None
         for root, some in near.items():
@@ -178,8 +183,8 @@ def _nearest_apart(made: Decision, own: Sequence[int], reach: float) -> int | No
     survey, clusters = made.survey, made.clusters
     box, drawn = survey.box_of(own), [i for i in own if survey.parts[i].size]
     ranked = []
-    for i, gap in survey.box_gaps(box).items():
-        if gap >= reach or i not in clusters or clusters.find(i) == clusters.find(own[0]):
+    for i in survey.parts_near(box, reach):
+        if i not in clusters or clusters.find(i) == clusters.find(own[0]):
             continue
         if not clusters.are_apart(i, own[0]):
             volume = survey.parts[i].volume

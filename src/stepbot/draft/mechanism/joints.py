@@ -324,8 +324,8 @@ class Mechanism:
         is_last = any(beside in (j.a, j.b) for j in self.joints if j is not joint)
         if not is_last or self._volume(root) < _SCREW * self._survey.volume:
             return False
-        near = {i for i, gap in self._survey.box_gaps(self._survey.box_of(members)).items() if gap < _AROUND}
-        return near <= {*members, *self._clusters.members(beside)} and has_free_circle(
+        near = self._survey.parts_near(self._survey.box_of(members), _AROUND)
+        return set(near) <= {*members, *self._clusters.members(beside)} and has_free_circle(
             self._survey.contacts.lines, members, joint.axis
         )
 

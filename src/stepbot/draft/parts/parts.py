@@ -1,6 +1,6 @@
 """One part: its role, size and centroid."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +14,9 @@ _OFF_AXIS = 0.01
 """Distance of a turned part's centroid from its axis, as a share of its size, up to which it is on the axis."""
 _TILT, _UNEVEN = 0.02, 0.03
 """Tolerances of a turned part's inertia about its axis, as shares of its moments: tilt and asymmetry."""
+
+_NARROW = 0.9
+"""Share of boxes that are sought by their place; the others are longer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +87,42 @@ def box_gaps(some: Array, others: Array) -> Array:
     """Distances (n, m) [m] of boxes (n, 2, 3) and (m, 2, 3)."""
     apart = np.maximum(some[:, None, 0] - others[None, :, 1], others[None, :, 0] - some[:, None, 1])
     return np.asarray(np.sqrt((np.maximum(apart, 0.0) ** 2).sum(axis=2)))
+
+
+class Boxes:
+    """Boxes (n, 2, 3) [m], of which those near another one are found without looking at all."""
+
+    def __init__(self, boxes: Array) -> None:
+        self._boxes = boxes
+        self._along = int(np.argmax(np.ptp(boxes[:, 0], axis=0))) if len(boxes) else 0
+        low, high = boxes[:, 0, self._along], boxes[:, 1, self._along]
+        # A few wide ones, which are near to much, are always looked at.
+        self._length = float(np.quantile(high - low, _NARROW)) if len(boxes) else 0.0
+        self._wide = np.flatnonzero(high - low > self._length)
+        narrow = np.flatnonzero(high - low <= self._length)
+        self._narrow = narrow[np.argsort(low[narrow], kind="stable")]
+        self._low = low[self._narrow]
+
+    def within(self, box: Array, reach: float) -> tuple[Array, Array]:
+        """Numbers of the boxes up to ``reach`` [m] from another one (2, 3), ascending, and their distances [m]."""
+        low, high = box[:, self._along].tolist()
+        first = np.searchsorted(self._low, low - 1.001 * reach - self._length, side="left")
+        last = np.searchsorted(self._low, high + 1.001 * reach, side="right")
+        some = np.sort(np.concatenate([self._wide, self._narrow[first:last]]))
+        gaps = box_gaps(box[None], self._boxes[some])[0]
+        return some[gaps <= reach], gaps[gaps <= reach]
+
+    def nearest(self, box: Array) -> Iterator[tuple[int, float]]:
+        """Number and distance [m] of each box, the nearest one first."""
+        before, reach = -1.0, max(1e-3, float(np.linalg.norm(box[1] - box[0])))
+        while True:
+            some, gaps = self.within(box, reach)
+            for k in np.argsort(gaps, kind="stable"):
+                if gaps[k] > before:
+                    yield int(some[k]), float(gaps[k])
+            if len(some) == len(self._boxes):
+                return
+            before, reach = reach, 4.0 * reach
 
 
 def largest(parts: Sequence[Part]) -> Part:

@@ -77,6 +77,7 @@ class Scene:
         self._drawn: dict[int, _Drawn] = {}
         self._known: dict[tuple[int, Callable[[Body], Any]], Any] = {}
         self._corners_of: dict[int, tuple[Array, Array]] = {}
+        self._gaps: dict[bytes, float] = {}
         self._faces: dict[FaceKind, list[PlacedFace]] = {}
         placed = [assembly.components[part] for part in self.parts]
         self._row = {part: row for row, part in enumerate(self.parts)}
@@ -138,8 +139,15 @@ class Scene:
         """Distance [m] of another part from some parts, at least, by boxes of their faces.
 
         Boxes along the axes of the assembly are wide around faces of a limb that is drawn turned, so those along the
-        axes of the first and of the other part count, too.
+        axes of the first and of the other part count, too. It is found once for equal parts that are placed alike.
         """
+        turned = np.rint(self.component(other).X_WC.R / _EQUAL_POSE).astype(np.int64).tobytes()
+        key = turned + self.arrangement(other, members)
+        if key not in self._gaps:
+            self._gaps[key] = self._least_gap(members, other)
+        return self._gaps[key]
+
+    def _least_gap(self, members: Sequence[int], other: int) -> float:
         turns = {R.tobytes(): R for R in (np.eye(3), *(self.component(i).X_WC.R for i in (members[0], other)))}
         return max(
             least_gap(np.concatenate([self._boxes_along(i, R) for i in members]), self._boxes_along(other, R))
