@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
@@ -120,7 +121,7 @@ class Boxes:
             for k in np.argsort(gaps, kind="stable"):
                 if gaps[k] > before:
                     yield int(some[k]), float(gaps[k])
-            if len(some) == len(self._boxes):
+            if len(some) == len(self._boxes) or reach == inf:
                 return
             before, reach = reach, 4.0 * reach
 
