@@ -200,7 +200,7 @@ class _Linkages:
             for i in pivot.axles if any(axis.same(pivot.axis) for axis in axes) else ():
                 held = [r for r in survey.near.get(i, ()) if r.shafts and r.other(i) in pivot.hosts]
                 if i not in survey.small and Role.BEARING not in survey.parts[i].roles and held:
-                    tightest = min(held, key=lambda r: (round(r.shafts[0].clearance, 7), -r.length, r.a, r.b))
+                    tightest = min(held, key=lambda r: (round(r.shafts[0].clearance, 7), -round(r.length, 6), r.a, r.b))
                     self._found.weld(_AXLE_HELD, i, tightest.other(i), "a pin of a joint")
                     self._found.pins.add(i)
 
@@ -305,7 +305,7 @@ class _Linkages:
         for pair, relations in self._between().items():
             r = merged(relations, pair, ()) if on.issuperset(pair) and pair not in hinged else None
             if r is not None and r.freedom.kind == FreedomKind.PRISMATIC and r.freedom.direction is not None:
-                largest = max(relations, key=lambda one: (one.area, -one.a, -one.b))
+                largest = max(relations, key=lambda one: (round(one.area, 9), -one.a, -one.b))
                 axis = Axis(r.patches[0].point if r.patches else r.fits[0].axis.point, r.freedom.direction)
                 found.append(Hinge(axis, largest.a, largest.b, slides=True))
         for one in self._on_rods:

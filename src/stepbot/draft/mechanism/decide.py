@@ -206,9 +206,10 @@ def _join_surfaces(made: Decision) -> set[int]:
 
 
 def _tightness(r: Relation) -> tuple[float, ...]:
+    """The order of hosts of a fastener, in which fits and faces that are drawn equal are equal despite rounding."""
     shafts = r.shafts
-    clearance = min((f.clearance for f in shafts), default=1.0)
-    return bool(shafts), -round(clearance, 6), max((f.length for f in shafts), default=0.0), r.area
+    clearance, length = min((f.clearance for f in shafts), default=1.0), max((f.length for f in shafts), default=0.0)
+    return bool(shafts), -round(clearance, 6), round(length, 6), round(r.area, 9)
 
 
 def adopt(made: Decision, structure: Structure) -> None:

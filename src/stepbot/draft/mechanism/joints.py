@@ -276,7 +276,7 @@ class Mechanism:
         h, r = joint.evidence, joint.evidence.relation
         clearance = min((f.clearance for f in r.shafts), default=1.0) if r is not None else 1.0
         length = r.length if r is not None else 0.0
-        return not self._structure.are_together(h.a, h.b), round(clearance, 7), h.score, -length
+        return not self._structure.are_together(h.a, h.b), round(clearance, 7), round(h.score, 6), -round(length, 6)
 
     def _spins(self, members: Sequence[int], axis: Axis, most: float) -> bool:
         """Whether a body is symmetric about an axis, and has a share of the volume up to a bound."""
