@@ -113,6 +113,7 @@ _WEAKEST = 0.3
 _SEAM = 6e-3
 """Gap [m] across which faces of two links may still belong to one joint."""
 _TEN_MICRONS = 5
+"""Decimals of gaps [m]."""
 _WIDE = _SEAM + 5e-6
 """The same rounded to the next 10 um: gaps are drawn with errors."""
 _FAR = 3e-3
@@ -349,9 +350,7 @@ class _Seams:
         gap, radius, i, j = best
         at = line.point + line.d * (0.5 * (max(some.low[i], others.low[j]) + min(some.high[i], others.high[j])))
         meets = abs(max(some.low[i], others.low[j]) - min(some.high[i], others.high[j])) < _BUTT
-        gap = round(
-            gap, _TEN_MICRONS
-        )  # of whole millimetres, which it is often drawn with, rounding must decide nothing
+        gap = round(gap, _TEN_MICRONS)  # often drawn as whole millimetres, at which rounding must not decide
         seam = _Seam(radius, gap, some.faces[i].part, others.faces[j].part, Axis(at, line.direction), meets)
         if gap > _SEAM and (gap > 2.0 * radius or not self._touch(one, two)):
             return None
