@@ -41,7 +41,8 @@ _LEFT_OUT = {
     **dict.fromkeys(("spinning_friction", "rolling_friction", "restitution"), 0.0),
     "lateral_friction": 0.5,
 }
-"""Numbers that are meant where these elements of SDFormat, and of URDF's extensions, are left out; 1 is true."""
+"""Numbers that are meant where these elements of SDFormat, and of URDF's extensions, are left out; 1 is true. The
+last two rows are what PyBullet gives a link without `<contact>` (`getDynamicsInfo`)."""
 _NUMBER = re.compile(r" \d+(?=[/@]|$)")
 """The number of one of several elements with the same tag and name."""
 _SAME_WORDS = {"1": "true", "0": "false"}
