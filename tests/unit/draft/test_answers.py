@@ -6,8 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from stepbot.draft.answers import Facts, known_fixed, known_joint, rerooted
+from stepbot.draft.answers import Facts, KnownJoint, fact_evidence, known_fixed, known_joint, rerooted
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft import Alternative, Confidence, Draft, DraftLink, OriginForm, OriginSnippet
+from stepbot.draft.evidence.evidence import Evidence
 from stepbot.geometry.spatial import Vector3
 from stepbot.robot.kinematics import link_poses
 from stepbot.robot.model import JointKind, Limit
@@ -95,3 +97,32 @@ def test_answer_is_a_fact_about_two_parts() -> None:
     assert known_joint(joint, replace(turn, point=None)).point == HINGE.point
     facts = Facts().with_joint(known_fixed(joint)).with_joint(other)
     assert (facts.rigid, facts.joints) == ((HINGE.parts,), (other,))
+
+
+def test_facts_are_evidence_of_the_same_axes() -> None:
+    """A stated cross has both of its axes, a hinge one, and a ball none; parts are in the order of the survey."""
+    made = Workshop()
+    for i, name in enumerate(("base", "arm", "hand")):
+        made.box(name, X_PC=at(30 * i, 0, 0))
+    point, cross = (0.01, 0.02, 0.03), ((0.0, 0.6, 0.8), (1.0, 0.0, 0.0))
+    facts = Facts(
+        (
+            KnownJoint("arm", "base", JointKind.UNIVERSAL, point, *cross),
+            KnownJoint("arm", "hand", JointKind.REVOLUTE, point, cross[0]),
+            KnownJoint("base", "hand", JointKind.BALL, point, None),
+        ),
+        (("hand", "arm"),),
+    )
+    survey, found = Survey(made.assembly, ALL_SOURCES), Evidence()
+    fact_evidence(survey, facts, found)
+    index = {part.path: i for i, part in survey.parts.items()}
+    assert [(one.a, one.b) for one in found.welds] == [(index["arm"], index["hand"])]
+    universal, hinge, ball = found.joints
+    assert (universal.a, universal.b) == (index["base"], index["arm"])
+    assert universal.axis2 is not None
+    assert [universal.axis.d.tolist(), universal.axis2.d.tolist()] == [list(one) for one in cross]
+    assert universal.axis2.point.tolist() == list(point)
+    assert (hinge.axis2, hinge.axis.d.tolist()) == (None, list(cross[0]))
+    assert (ball.axis2, ball.axis.point.tolist()) == (None, list(point))
+    with pytest.raises(KeyError):
+        fact_evidence(survey, Facts((), (("hand", "nobody"),)), Evidence())

@@ -7,10 +7,16 @@ import pytest
 
 from stepbot.draft.draft import DraftJoint
 from stepbot.draft.from_description.drafted import draft_of_description
+from stepbot.engines.description import DescribedShape, Description
+from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
+from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.spatial import Pose
 from stepbot.robot.model import JointKind
+from tests.assembled import assembled, part
 from tests.made.described import description_of
 from tests.made.kit import SCREWS
 from tests.made.scored import drawn
+from tests.solids import box
 
 FOUND = (
     ("pan_tilt", 1),
@@ -52,3 +58,29 @@ def test_a_description_is_found_in_its_assembly(kind: str, seed: int) -> None:
         assert joint.zero == pytest.approx(positions[joint.child], abs=1e-5)
         assert joint.limits is not None
         assert (joint.limits.lower, joint.limits.upper) == pytest.approx((joint.zero - 0.5, joint.zero + 0.5), abs=1e-5)
+
+
+def test_a_part_of_no_link_goes_to_the_nearest_of_links_that_are_fixed() -> None:
+    """Of links on fixed joints, to the one whose centre of mass is nearest; one without mass has none."""
+    post, clip = box(20, 20, 30), box(10, 10, 4)
+    nodes = [part("slab", box(300, 40, 10)), part("left", post, x=-100, z=20), part("right", post, x=100, z=20)]
+    assembly = assembled(*nodes, part("clip", clip, x=60, z=7), is_meshed=True)
+    paths = {one.path.rpartition("/")[2]: one for one in assembly.components if one.body >= 0}
+    mass = {"mass": 1.0, "com": (0.0, 0.0, 0.0), "inertia": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))}
+    places = {"slab": (-0.15, 0.0, 0.0), "left": (-0.1, 0.0, 0.02), "bare": (0.06, 0.0, 0.0), "right": (0.1, 0.0, 0.02)}
+    parents = {"left": "slab", "bare": "slab", "right": "bare"}  # a link without mass that carries another is a link
+    links = tuple(ObservedLink(name, **(mass if name != "bare" else {})) for name in places)
+    joints = tuple(ObservedJoint(f"to_{name}", "fixed", above, name) for name, above in parents.items())
+    frames = {name: Pose.of(position=np.subtract(places[name], places[above])) for name, above in parents.items()}
+    shapes = []
+    for name in ("slab", "left", "right"):
+        mesh = assembly.bodies[paths[name].body].mesh
+        placed = TriMesh.of(paths[name].X_WC.apply(mesh.vertices), mesh.faces)
+        shapes.append(DescribedShape(name, name, placed, Pose.of(position=places[name]).inverse()))
+    draft = draft_of_description(
+        Description(Observation("test", "1", "urdf", links=links, joints=joints), frames, tuple(shapes)),
+        *(assembly, "drawn", "drawn.urdf"),
+    )
+    assert draft is not None
+    found = {assembly.components[i].path.rpartition("/")[2]: link.name for link in draft.links for i in link.components}
+    assert found == {"slab": "slab", "left": "left", "right": "right", "clip": "right"}

@@ -39,6 +39,17 @@ def test_block_on_two_rods_slides() -> None:
     assert abs(found.arcs[0].evidence.axis.d) == pytest.approx((1, 0, 0))
 
 
+def test_two_blocks_on_the_same_rods_both_slide() -> None:
+    """A block with long bores on the rods of another slides on them, too; it does not hold them."""
+    base, left, *rods = carriage(2)
+    block = box(50, 100, 20).at(60, 0, 30)
+    for y in (-30.0, 30.0):
+        block = block - turned(cylinder(4.05, 50), 35, y, 30, ALONG_X)
+    found = inferred(base, left, part("other", block), *rods, sources=BARE)
+    assert joints(found) == [("prismatic", "base", "block"), ("prismatic", "base", "other")]
+    assert {"base", "rod 0", "rod 1"} in links(found)
+
+
 def test_drive_screw_behind_a_coupling_turns_and_holds_no_nut() -> None:
     """A lead screw in a coupling turns with the motor; the nut moves with the block on the rods."""
     base, block, *rods = carriage(2)

@@ -57,6 +57,17 @@ def test_equal_blocks_that_turn_something_are_motors() -> None:
     assert [motor.is_named for motor in motors(two_servos(), BARE)] == [False, False]
 
 
+def test_equal_frames_that_turn_something_are_no_motors(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A hollow frame of the same outside, held and with a disc alike, has no room for a motor."""
+    monkeypatch.setattr("tests.unit.draft.test_motors.CASE", case() - box(34, 40, 24).at(-2, 0, -15))
+    assert motors(two_servos(), BARE) == []
+
+
+def test_equal_trifles_that_turn_something_are_no_motors() -> None:
+    """Blocks of less than half a percent of the whole drive nothing."""
+    assert motors([*two_servos(), part("table", box(600, 600, 100), z=-95)], BARE) == []
+
+
 def test_screws_in_a_pattern_are_no_outputs() -> None:
     """Equal cases on which nothing but four equal screws turns are covers, not motors."""
     assert motors(two_servos(horn=False), BARE) == []

@@ -250,6 +250,18 @@ def test_damping_within_bounds_of_the_inertias_diverges_in_no_step(seed: int) ->
     assert rates.max(initial=0.0) <= 2.0 * 240.0 * (1.0 + 1e-9)
 
 
+@pytest.mark.parametrize("base", [Base.FIXED, Base.FLOATING])
+@pytest.mark.parametrize(("share", "softly"), [(0.999, True), (1.001, False)])
+def test_the_bound_of_soft_damping(share: float, base: Base, *, softly: bool) -> None:
+    """A hinge about a ball of inertia I diverges from damping of 2 I / step; from I / step, the mass matrix decides."""
+    ball = MassProperties.of(1.0, (0.0, 0.0, 0.0), 4e-3 * np.eye(3))
+    heavy = MassProperties.of(9.0, (0.0, 0.0, 0.0), 9e-3 * np.eye(3))
+    damping = JointDynamics(damping=share * 4e-3 * 240.0)
+    hinge = Joint("hinge", JointKind.CONTINUOUS, "base", "wheel", at(), (0.0, 0.0, 1.0), dynamics=damping)
+    robot = Robot("wheel", (Link("base", heavy), Link("wheel", ball)), (hinge,), base=base)
+    assert damped_softly(robot) == softly
+
+
 def test_frames_become_links_in_urdf() -> None:
     """A frame is a massless link at the end, on a fixed joint with a free name."""
     stated = lowered(two_link_arm(), "urdf", "SB760:armature", "SB762:initial-pose", "SB763:frame", "SB763:actuator")

@@ -149,7 +149,7 @@ def _same_points(uses: Sequence[EdgeUse], starts: dict[int, int]) -> tuple[Indic
         nodes = np.array(use.nodes, dtype=np.int64) + (starts[use.place] - 1)
         if use.is_point:
             left.append(nodes[1:])
-            right.append(np.full(len(nodes) - 1, nodes[0]))
+            right.append(nodes[:-1])
         else:
             other = first_use.setdefault(use.edge, nodes)
             if len(other) == len(nodes) and other is not nodes:
