@@ -1,6 +1,6 @@
 """The data sheet of a robot: what its geometry, masses and limits allow, over postures in the range of its joints."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import floor, inf, isfinite, log10, pi, sqrt
 
@@ -13,27 +13,30 @@ from .bounding_boxes import robot_bounds, standing
 from .closures import RANK_TOLERANCE, DoesNotClose, Loops, driven_joints, following
 from .dh import DhTable, dh_table
 from .dynamics import GRAVITY, equations_of_motion
-from .gains import actuator_limit
-from .kinematics import Tree, initial_configuration, leader_ranges, link_poses, rigid_bodies
+from .gains import actuator_limit, worst_postures
+from .kinematics import Tree, initial_configuration, link_poses, rigid_bodies
 from .model import ActuatorKind, Base, Frame, Joint, JointKind, Robot
 from .multi_dof import unfolded
-from .sampling import sampled
+from .sampling import sampled, where_largest
 
 POSTURES = 96
-"""Number of postures, the drawn one and random ones, in which forces are computed."""
+"""Number of postures, the drawn one and random ones, in which forces are computed, beside the worst ones."""
 POSTURES_IN_LOOPS = 384
 """The same with closed loops, whose postures follow one another on random walks."""
 _STRETCHES = 4
 """Step of the reaches that payloads are given for, relative to the longest: a quarter."""
 _DIGITS = 4
 """Significant digits: more would depend on the last bits of the linear algebra."""
+_ROUNDING = 1e-9
+"""Inertia, relative to itself, and gravity force [N m] or [N] that are rounding."""
 _SHORTEST = 3
 """Number of joints of a chain that is an arm."""
-_GRID = 24
-"""Positions of each joint in the search for the farthest posture; bands of a workspace."""
+_BANDS = 24
+"""Bands of equal height of a workspace."""
+_RUNS = 12
+"""Starts of the search for the farthest posture of an arm."""
 _REACHED = 2000
 """Number of postures that show a workspace."""
-_ROUNDS = 3
 
 
 @dataclass(frozen=True)
@@ -180,11 +183,23 @@ class _Forces:
         )
         self.q = sampled(robot, postures) if tree.joints else np.zeros((1, 0))
         self.names = driven_joints(robot) if robot.closures else tree.independent
-        self.q, S = self._moved() if robot.closures else (self.q, np.broadcast_to(tree.B, (len(self.q), *tree.B.shape)))
-        found = [equations_of_motion(self.robot, self.named(q), tree=tree) for q in self.q]
-        self.M = np.array([B.T @ (one.mass_matrix + armature) @ B for one, B in zip(found, S, strict=True)])
-        self.g = np.array([one.gravity @ B for one, B in zip(found, S, strict=True)])
+        self.q, S = self._moved() if robot.closures else (self.q, tree.B[None])
+        self.M, self.g = self._at(self.q, armature, S)
+        if not robot.closures:
+            own = self.M.diagonal(axis1=1, axis2=2)
+            varies = (np.ptp(own, axis=0) > _ROUNDING * own.max(axis=0)) | (np.abs(self.g).max(axis=0) > _ROUNDING)
+            if varies.any():
+                worst, *_ = worst_postures(self.robot, tree, np.flatnonzero(varies).tolist())
+                M, g = self._at(worst, armature, S)
+                self.q, self.M, self.g = (np.concatenate(pair) for pair in ((self.q, worst), (self.M, M), (self.g, g)))
         self.efforts = np.array([self._effort(name) for name in self.names])
+
+    def _at(self, q: Array, armature: Array, S: Array) -> tuple[Array, Array]:
+        """Mass matrices (m, n, n) and gravity forces (m, n) at q (m, joints of the tree); S maps the n to these."""
+        equations = [equations_of_motion(self.robot, self.named(row), tree=self.tree) for row in q]
+        along = np.broadcast_to(S, (len(q), *S.shape[1:]))
+        M = np.array([B.T @ (one.mass_matrix + armature) @ B for one, B in zip(equations, along, strict=True)])
+        return M, np.array([one.gravity @ B for one, B in zip(equations, along, strict=True)])
 
     def _moved(self) -> tuple[Array, Array]:
         """The postures that are not near a singularity of the loops, and how all joints follow the driven ones."""
@@ -323,7 +338,8 @@ def _arm(forces: _Forces, tip: Frame) -> ArmFigures:
         apart = p - X[..., start, :3, 3]
         return np.hypot(apart[..., 0], apart[..., 1]), p[..., 2]
 
-    q = _farthest(forces, names, lambda q: distances(tree.follow(q))[0])
+    varied = [i for i, name in enumerate(tree.independent) if name in names]
+    q = where_largest(robot, tree, [varied], lambda q: distances(q)[0], _RUNS)[0]
     reach = float(distances(q)[0])
     limited = np.isfinite(forces.efforts)
     payloads: list[tuple[float, float]] = []
@@ -343,38 +359,14 @@ def _arm(forces: _Forces, tip: Frame) -> ArmFigures:
     )
 
 
-def _farthest(forces: _Forces, names: Sequence[str], distance: Callable[[Array], Array]) -> Array:
-    """The posture q over all joints in which the tip is farthest: joint after joint of the chain, on finer grids."""
-    tree = forces.tree
-    ranges = leader_ranges(forces.robot, [name for name in tree.independent if name in names])
-    columns = {name: tree.independent.index(name) for name in ranges}
-    q = tree.vector(initial_configuration(forces.robot))
-    for name, (low, high) in ranges.items():
-        q[columns[name]] = np.clip(q[columns[name]], low, high)
-
-    def best(name: str, values: Sequence[float]) -> Array:
-        tried = np.tile(q, (len(values), 1))
-        tried[:, columns[name]] = values
-        return np.asarray(tried[int(np.argmax(distance(tried)))])
-
-    for _ in range(_ROUNDS):
-        for name, (low, high) in ranges.items():
-            q = best(name, [*np.linspace(low, high, _GRID), q[columns[name]]])
-    for scale in (0.5, 0.25, 0.1, 0.03, 0.01):
-        for name, (low, high) in ranges.items():
-            at, step = q[columns[name]], scale * (high - low) / _GRID
-            q = best(name, np.clip([at - step, at, at + step], low, high).tolist())
-    return np.asarray(tree.follow(q))
-
-
 def _workspace(apart: Array, height: Array) -> tuple[tuple[float, float, float], ...]:
     """Bands of equal height, and the least and largest distance in each."""
     low, high = float(height.min()), float(height.max())
-    if high - low < _GRID * 1e-6:
+    if high - low < _BANDS * 1e-6:
         return ((_rounded(low), _rounded(float(apart.min())), _rounded(float(apart.max()))),)
-    band = np.minimum((_GRID * (height - low) / (high - low)).astype(int), _GRID - 1)
-    middle = [low + (j + 0.5) * (high - low) / _GRID for j in range(_GRID)]
-    inside = [apart[band == j] for j in range(_GRID)]
+    band = np.minimum((_BANDS * (height - low) / (high - low)).astype(int), _BANDS - 1)
+    middle = [low + (j + 0.5) * (high - low) / _BANDS for j in range(_BANDS)]
+    inside = [apart[band == j] for j in range(_BANDS)]
     return tuple(
         (_rounded(z), _rounded(float(r.min())), _rounded(float(r.max())))
         for z, r in zip(middle, inside, strict=True)

@@ -139,6 +139,33 @@ class Tree:
         """Whether each joint (n,) moves one of two links, given by index, relative to the other."""
         return np.asarray(self._above[a] != self._above[b])
 
+    def related(self, coordinate: int) -> NDArray[np.intp]:
+        """Indices of the independent joints that move a link which the given one moves: above it, itself, below it."""
+        moved = self._above @ (self.B != 0.0)
+        return np.flatnonzero(moved[moved[:, coordinate]].any(axis=0))
+
+    def depths(self) -> NDArray[np.intp]:
+        """The largest number of independent joints above a link that each of them moves."""
+        moved = self._above @ (self.B != 0.0)
+        return np.array([int(moved[column].sum(axis=1).min()) - 1 for column in moved.T], dtype=np.intp)
+
+    def twists(self, X: Array, along: Array) -> tuple[Array, Array]:
+        """Velocities of all links, per unit speed along a direction of the joints.
+
+        Args:
+            X: Homogeneous X_WL [m] of all links, shape (..., links, 4, 4).
+            along: Speeds of the joints, shape (..., n).
+
+        Returns:
+            Angular velocities [rad/s], and velocities [m/s] of the point of each link that is at the world's origin,
+                both of shape (..., links, 3).
+        """
+        frames = X[..., self._child, :, :]
+        a_W, p_WC = np.einsum("...nij,nj->...ni", frames[..., :3, :3], self._axis), frames[..., :3, 3]
+        turned, slid = self._turn[:, None] * a_W, self._advance[:, None] * a_W
+        speeds = along[..., None, :] * self._above
+        return speeds @ turned, speeds @ (slid + cross(p_WC, turned))
+
     def follow(self, u: Array) -> Array:
         """Vector q (..., n) [rad] or [m] of all moving joints from u (..., k) of the independent ones."""
         return np.asarray(u @ self.B.T + self.c)

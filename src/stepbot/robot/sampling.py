@@ -1,9 +1,11 @@
-"""Configurations over the whole range of a robot, with closed loops: where self-collisions are searched.
+"""Configurations over the whole range of a robot: random ones, with closed loops, and those where something is largest.
 
 Without loops, the independent joints are independent and uniform between their limits, so that a share of the samples
 estimates a share of the range. Loops are closed by Newton's method on many random walks at once; these samples follow
 one another on the walks, and cover the range without being independent.
 """
+
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +24,14 @@ CROSSINGS = 2
 _PATIENCE = 20
 """Times as many steps as would be sufficient, if all succeeded, after which walks that are stuck are given up."""
 _SLACK = 1e-9
+_STARTS = 32
+"""Number of configurations from the best of which a largest value is sought."""
+_GRIDS = (1.0, 0.4, 0.1, 0.025)
+"""Widths of the grids on which a largest value is sought, one after the other, as shares of the coordinate's range."""
+_POINTS = 9
+"""Points of such a grid, with its ends and its middle."""
+_EQUAL = 9
+"""Decimals of values, relative to the largest, that decide: the last bits of the linear algebra do not."""
 
 
 def sampled(robot: Robot, n: int, seed: int = 1) -> Array:
@@ -45,6 +55,53 @@ def sampled(robot: Robot, n: int, seed: int = 1) -> Array:
         anywhere[0] = drawn
         return tree.follow(anywhere)
     return tree.follow(_Walks(robot, drawn, ranges, random).configurations(n, anywhere))
+
+
+def where_largest(
+    robot: Robot, tree: Tree, coordinates: Sequence[Sequence[int]], values: Callable[[Array], Array], runs: int = 1
+) -> Array:
+    """Configurations q (t, joints) [rad] or [m] over :attr:`Tree.joints` in which t values are largest, one for each.
+
+    One coordinate after the other, on finer and finer grids, from the best of the drawn pose and random ones, in which
+    joints that are equally deep in the tree are equally far through their range: equal limbs get equal values. The
+    result is a local maximum; loops stay open.
+
+    Args:
+        robot: Its joints have one degree of freedom each.
+        coordinates: Indices of the independent joints that each value depends on, at least one.
+        values: The t values at m configurations each (t, m), of configurations (t, m, joints).
+        runs: Number of starts, the best of whose results are returned.
+    """
+    ranges = leader_ranges(robot, tree.independent)
+    low, high = np.array([ranges[name] for name in tree.independent]).T
+    each, longest = np.arange(len(coordinates)), max(map(len, coordinates))
+    columns = [np.array([one[step % len(one)] for one in coordinates]) for step in range(longest)]
+
+    def best(tried: Array, count: int = 1) -> Array:
+        """The configurations (t, count, k) of the largest values among some for each, (t, m, k)."""
+        found = values(tree.follow(tried))
+        scale = np.maximum(np.abs(found).max(axis=1, keepdims=True), np.finfo(float).tiny)
+        order = np.argsort(-np.round(found / scale, _EQUAL), axis=1, kind="stable")[:, :count]
+        return np.asarray(np.take_along_axis(tried, order[..., None], axis=1))
+
+    depth = tree.depths()
+    shares = np.random.Generator(np.random.PCG64(1)).random((_STARTS, max(depth) + 1))[:, depth]
+    starts = low + shares * (high - low)
+    starts[0] = np.clip(tree.vector(initial_configuration(robot)), low, high)
+    from_each = best(np.tile(starts, (len(coordinates), 1, 1)), runs)
+    for run in range(runs):
+        u = from_each[:, run]
+        for width in _GRIDS:
+            for column in columns:
+                start, end, here = low[column], high[column], u[each, column]
+                if width < 1.0:
+                    reach = 0.5 * width * (end - start)
+                    start, end = np.maximum(start, here - reach), np.minimum(end, here + reach)
+                tried = np.repeat(u[:, None], _POINTS + 1, axis=1)
+                tried[each, 1:, column] = np.linspace(start, end, _POINTS, axis=1)
+                u = best(tried)[:, 0]
+        from_each[:, run] = u
+    return tree.follow(best(from_each)[:, 0])
 
 
 class _Walks:

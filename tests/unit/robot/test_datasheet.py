@@ -71,6 +71,7 @@ def test_plane_arm() -> None:
     for i in range(3):
         reached = np.cumsum((0.0, *LENGTHS[i:]))
         own = sum(m * G * (x + 0.5 * a) for m, x, a in zip(MASSES[i:], reached[:-1], LENGTHS[i:], strict=True))
+        assert sheet.joints[i].gravity == pytest.approx(own, rel=1e-3)
         payload = min(payload, (EFFORTS[i] - own) / (G * reached[-1]))
     assert arm.payloads[-1] == (pytest.approx(sum(LENGTHS), rel=1e-3), pytest.approx(payload, rel=2e-3))
     assert arm.dh is not None

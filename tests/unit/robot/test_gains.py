@@ -9,11 +9,12 @@ import pytest
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats.rendering import render
-from stepbot.geometry.spatial import Array, turn_inertia
+from stepbot.geometry.inertia import MassProperties
+from stepbot.geometry.spatial import Array, Pose, turn_inertia
 from stepbot.robot.closures import close_loops
 from stepbot.robot.gains import OVERSHOOT, SAG, SINKING, line_damping, tuned
 from stepbot.robot.kinematics import initial_configuration, link_poses
-from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointDynamics, JointKind, Limit, Robot
+from stepbot.robot.model import Actuator, ActuatorKind, Base, Joint, JointDynamics, JointKind, Limit, Link, Robot
 from stepbot.robot.simulation_settings import OPEN_TIMESTEP, SHORT_TIMESTEP, settings_of
 from stepbot.robot.tuning import BANDWIDTH as TUNED
 from stepbot.robot.tuning import Simulation, Tuning
@@ -122,6 +123,35 @@ def test_a_light_link_does_not_sag() -> None:
     assert stepped(compiled(robot, gravity=True), 0.0, 1.0)[-1] == pytest.approx(-weight / motor.kp, rel=0.01)
     (lift,) = short_arm(0.0, slides=True).actuators
     assert lift.kp == pytest.approx(body.mass * 9.81 / SINKING, rel=1e-3)
+
+
+def legs(*sides: float) -> Robot:
+    """Legs of three joints on a trunk, at the side y = 0.2 m times each of the given, all in another drawn pose."""
+    links, joints, motors = [Link("trunk")], [], []
+    body = MassProperties(0.8, (0.01, 0.0, -0.12), ((0.004, 0.0, 2e-4), (0.0, 0.004, 0.0), (2e-4, 0.0, 5e-4)))
+    for side in sides:
+        steps = (
+            ("roll", (0.3, 0.2 * side, 0.0), (1.0, 0.0, 0.0), (-0.7, 0.7), 0.0),
+            ("hip", (0.02, 0.06 * side, 0.0), (0.0, 1.0, 0.0), (-1.2, 2.4), 0.6 + 0.2 * side),
+            ("knee", (0.0, 0.0, -0.25), (0.0, 1.0, 0.0), (-2.6, -0.3), -1.2 - 0.3 * side),
+        )
+        above = "trunk"
+        for name, place, axis, limit, drawn in steps:
+            link = f"{name}{side:+.0f}"
+            links.append(Link(link, replace(body, com=(0.01, 0.05 * side if name == "roll" else 0.0, -0.12))))
+            joint = Joint(f"{link}_turn", JointKind.REVOLUTE, above, link, Pose.of(position=place), axis)
+            joints.append(replace(joint, limit=Limit(*limit), drawn_position=drawn))
+            motors.append(Actuator(link, joint.name, ActuatorKind.POSITION, tuning=Tuning(at_least=True)))
+            above = link
+    return tuned(Robot("legs", tuple(links), tuple(joints), actuators=tuple(motors)), fails)
+
+
+def test_equal_limbs_get_equal_gains() -> None:
+    """Gains of a leg and of its mirror image are equal, whatever else hangs on the trunk, and however it is drawn."""
+    both, left = legs(1.0, -1.0), legs(1.0)
+    gains = [(one.kp, one.kv) for one in both.actuators]
+    np.testing.assert_allclose(gains[:3], gains[3:], rtol=1e-3)
+    np.testing.assert_allclose(gains[:3], [(one.kp, one.kv) for one in left.actuators], rtol=1e-3)
 
 
 @pytest.mark.mujoco

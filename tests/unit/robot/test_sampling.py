@@ -6,9 +6,13 @@ from math import pi
 import numpy as np
 import pytest
 
+from stepbot.geometry.spatial import Array
 from stepbot.robot.closures import Loops
+from stepbot.robot.dynamics import equations_of_motion
+from stepbot.robot.gains import worst_postures
 from stepbot.robot.kinematics import Tree, complete, initial_configuration, moving_joints
 from stepbot.robot.model import Limit, Robot
+from stepbot.robot.multi_dof import unfolded
 from stepbot.robot.sampling import sampled
 from tests.closed_mechanisms import delta, four_bar_angles, slider_crank, stewart
 from tests.mechanisms import floating
@@ -101,3 +105,29 @@ def test_many_configurations_at_once_are_as_one_after_the_other(robot: Robot) ->
         np.testing.assert_allclose(J_tip, tree.jacobian(one, len(tree.links) - 1, at), atol=1e-13)
         for many, alone in zip((residual, J), loops.constraints(u[place]), strict=True):
             np.testing.assert_allclose(many[place], alone, atol=1e-13)
+
+
+@pytest.mark.parametrize("name", [name for name, robot in ROBOTS.items() if not robot().closures])
+def test_no_random_posture_is_worse_than_the_worst(name: str) -> None:
+    """The largest inertia and weight of each joint are those of the equations of motion there, and nowhere more."""
+    robot = unfolded(ROBOTS[name]())
+    tree = Tree(robot)
+    if not tree.independent:
+        return
+
+    def seen(q: Array) -> tuple[Array, Array]:
+        equations = equations_of_motion(robot, dict(zip(tree.joints, q.tolist(), strict=True)), tree=tree)
+        return np.diag(tree.B.T @ equations.mass_matrix @ tree.B), np.abs(equations.gravity @ tree.B)
+
+    n = len(tree.independent)
+    postures, inertia, weight = worst_postures(robot, tree, range(n))
+    there = [seen(q) for q in postures]
+    np.testing.assert_allclose(inertia, [there[i][0][i] for i in range(n)], rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(weight, [there[n + i][1][i] for i in range(n)], rtol=1e-9, atol=1e-9)
+    anywhere = [seen(q) for q in sampled(robot, 1000, seed=7)]
+    assert (np.max([one[0] for one in anywhere], axis=0) <= 1.02 * inertia + 1e-12).all()
+    assert (np.max([one[1] for one in anywhere], axis=0) <= 1.02 * weight + 1e-9).all()
+    assert all(
+        joint.limit.lower - 1e-9 <= low and high <= joint.limit.upper + 1e-9
+        for joint, low, high in zip(moving_joints(robot), postures.min(axis=0), postures.max(axis=0), strict=True)
+    )
