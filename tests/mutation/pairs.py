@@ -49,6 +49,22 @@ def other_numbers(content: bytes, random: Random, count: int) -> Iterator[tuple[
         yield f"{slot.path}[{index}]: {slot.words[index]} -> {new}", etree.tostring(top)
 
 
+def in_other_words(content: bytes) -> bytes:
+    """The same robot with longer axes and quaternions, of which the direction alone has a meaning."""
+    top = etree.fromstring(content)
+    for element in top.iter("axis", "joint", "body", "geom"):
+        for name, factor in (("xyz", 2.5), ("axis", 2.5), ("quat", -2.0)):
+            if text := element.get(name):
+                element.set(name, _scaled(text, factor))
+    for element in top.iter("xyz"):
+        element.text = _scaled(element.text, 2.5)
+    return bytes(etree.tostring(top))
+
+
+def _scaled(text: str, factor: float) -> str:
+    return " ".join(repr(factor * float(word)) for word in text.split())
+
+
 def differences(first: Path, other: Path, written_in: str) -> str:
     """What differs between two files; empty if they are called equal.
 

@@ -34,6 +34,7 @@ _UNREPORTED = re.compile(
     r"/surface/.*/|/plugin\b"
 )
 """Places of what is read and reported by no engine, or by one that may not be installed, but actuators and sensors."""
+_MODEL = re.compile(r"^sdf(/world[^/]*)?/model[^/]*/pose$")
 _LEFT_OUT = {
     **dict.fromkeys(("mu", "mu1", "mu2", "allow_auto_disable", "cast_shadows"), 1.0),
     **dict.fromkeys(("restitution_coefficient", "pose", "self_collide", "kinematic", "enable_wind"), 0.0),
@@ -70,10 +71,11 @@ def compare_text(
     settings = [place for place in {*a, *b} if place.endswith(_SETTINGS)]
     equal = equal and all(place in a and place in b and a[place].value == b[place].value for place in settings)
     differ = [one for place, one in a.items() if place in b and b[place].value != one.value]
-    alone = whole and len(differ) == 1 and set(a) == set(b)
+    differ = [one for one in differ if not means_the_same(one.place, one.value, b[one.place].value, a)]
+    alone = whole and sum(map(_may_make_up_for_another, differ)) == 1 and set(a) == set(b)
     for one in differ:
-        other, in_other_words = b[one.place], last_of(one.place) in _IN_OTHER_WORDS.split() and not alone
-        if (one.read and (not equal or in_other_words)) or means_the_same(one.place, one.value, other.value, a):
+        other, in_other_words = b[one.place], _is_in_other_words(one) and not alone
+        if one.read and (not equal or in_other_words):
             continue
         words = last_of(one.place) not in _NAMES.split() if one.read else whole
         _compare(deviations, one, other, words=words)
@@ -97,6 +99,16 @@ def compare_settings(ours: Mapping[str, Sequence[float]], theirs: Mapping[str, S
             deviations, *(Statement(place, " ".join(map(repr, side[place])), read=True) for side in (ours, theirs))
         )
     return deviations
+
+
+def _is_in_other_words(one: Statement) -> bool:
+    """Whether a number may be another one in a file of the same robot; the place of a model is its own."""
+    return last_of(one.place) in _IN_OTHER_WORDS.split() and _MODEL.match(one.place) is None
+
+
+def _may_make_up_for_another(one: Statement) -> bool:
+    """Whether another number, or word, may be the same robot together with others: a mesh and its scale, two poses."""
+    return _is_in_other_words(one) or (one.read and numbers(one.value) is None)
 
 
 def _is_default(one: Statement) -> bool:
