@@ -573,6 +573,17 @@ def test_a_single_contact_property(stated: str, tmp_path: Path) -> None:
     assert stepbot("diff", "robot.urdf", "same.urdf", cwd=tmp_path).code == 0
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("contact", ["", '<contact><rolling_friction value="0.01"/></contact>'])
+def test_friction_for_gazebo_alone(contact: str, tmp_path: Path) -> None:
+    """Robots for Gazebo state `mu1`: what PyBullet takes without `<lateral_friction>` is not the robot's."""
+    gazebo = '<gazebo reference="base"><mu1>0.62</mu1></gazebo>'
+    proven(tmp_path, ".urdf", urdf(_SOLID.format(contact) + gazebo), "urdf", "sdf", "mjcf")
+    written = (tmp_path / "out" / "robot.urdf").read_text(encoding="utf-8")
+    assert "<mu1>0.62</mu1>" in written
+    assert '<lateral_friction value="0.62"/>' in written
+
+
 def test_sensors_of_one_name_are_those_of_their_joints(tmp_path: Path) -> None:
     """SDFormat names sensors within their joint or link: a file equals its copy, and not one with two exchanged."""
     moments = "".join(f"<{one}>0.01</{one}>" for one in ("ixx", "iyy", "izz"))

@@ -16,6 +16,7 @@ from stepbot.engines.observation import Observation, ObservedActuator, ObservedS
 from stepbot.report.robot import Check
 from stepbot.robot.model import ActuatorKind, Limit
 from stepbot.robot.renaming import NewNames
+from stepbot.robot.surfaces import PLAIN, SURFACE_FIELDS, Surface
 from stepbot.runtime.worker import Workers
 
 from .files import observed
@@ -147,8 +148,9 @@ def _comparable(gathered: Gathered) -> Gathered:
     """The source without what the written files have by conventions of their own.
 
     These are the name of the robot, names of shapes to which the source gives none or that several of a link have,
-    colours of shapes without one, groups of shapes, ranges of actuators beyond the limits of their joints, limits of 0,
-    and ambient colours: one that is not the diffuse colour is reported as lost.
+    colours of shapes without one, contact properties that are PyBullet's own, groups of shapes, ranges of actuators
+    beyond the limits of their joints, limits of 0, and ambient colours: one that is not the diffuse colour is reported
+    as lost.
     """
     seen = gathered.observation
 
@@ -161,6 +163,8 @@ def _comparable(gathered: Gathered) -> Gathered:
                 rgba=shape.rgba or None,
                 groups=None,
                 ambient=None,
+                surface=_stated(shape),
+                surface_default=shape.surface_default and PLAIN,
             )
             for shape in shapes
         )
@@ -169,6 +173,15 @@ def _comparable(gathered: Gathered) -> Gathered:
     return replace(
         gathered, observation=with_effective_ranges(without_stand_ins(replace(seen, name=None, links=links)))
     )
+
+
+def _stated(shape: ObservedShape) -> Surface | None:
+    """Contact properties without PyBullet's own: what a URDF states for Gazebo alone, written files have for both."""
+    own, surface = shape.surface_default, shape.surface
+    if own is None or surface is None:
+        return surface
+    given = {name: getattr(surface, name) for name in SURFACE_FIELDS}
+    return Surface(**{name: value for name, value in given.items() if value != getattr(own, name)})
 
 
 def _with_whole_visuals(observation: Observation, first: Mapping[str, str]) -> Observation:
