@@ -69,6 +69,7 @@ ANOTHER_ROBOT = {
     "no friction of a link": ("urdf", "<mu1>0.62</mu1>", ""),
     "no friction in MuJoCo": ("mjcf", ' class="rubber" type', " type"),
     "no gear of a tendon": ("mjcf", ' gear="2"', ""),
+    "a rest without a spring": ("mjcf", 'name="turn" axis', 'name="turn" springref="0.4" axis'),
     "no noise": ("mjcf", ' noise="0.01"', ""),
     "no cutoff": ("mjcf", ' cutoff="5"', ""),
     "a cylinder turned about its axis": ("urdf", 'rpy="0.3 0.2 -3"', 'rpy="0.3 0.2 -2.9"'),

@@ -584,6 +584,14 @@ def test_friction_for_gazebo_alone(contact: str, tmp_path: Path) -> None:
     assert '<lateral_friction value="0.62"/>' in written
 
 
+@pytest.mark.slow
+def test_a_rest_without_a_spring(tmp_path: Path) -> None:
+    """A spring reference without stiffness moves nothing, and is not written."""
+    turn = '<body name="arm" pos="0 0 0.5"><joint name="turn" axis="0 1 0" springref="0.4"/><geom size="0.1"/></body>'
+    text = f'<worldbody><body name="base"><geom size="0.1"/>{turn}</body></worldbody>'
+    proven(tmp_path, ".xml", f'<mujoco model="robot">{text}</mujoco>', "urdf", "sdf", "mjcf")
+
+
 def test_sensors_of_one_name_are_those_of_their_joints(tmp_path: Path) -> None:
     """SDFormat names sensors within their joint or link: a file equals its copy, and not one with two exchanged."""
     moments = "".join(f"<{one}>0.01</{one}>" for one in ("ixx", "iyy", "izz"))

@@ -1,11 +1,13 @@
 """Visuals and collisions: colours, sharing, hulls, fitted primitives, and precedence."""
 
+from math import pi, tan
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from stepbot.geometry.mesh import TriMesh
+from stepbot.assemble.collisions import _prism
+from stepbot.geometry.mesh import TriMesh, signed_volume
 from stepbot.geometry.solids.manifolds import convex_hull
 from stepbot.robot.mesh_files import MeshFiles
 from stepbot.robot.model import Box, Capsule, Collision, Cylinder, MeshRef, Rgba, Robot, Sphere
@@ -308,3 +310,14 @@ def test_materials_have_sources_and_are_documented() -> None:
         sliding, source = MATERIALS[material]
         assert source
         assert f"`{material.value}` ({sliding:g})" in page
+
+
+@pytest.mark.parametrize("faces", [5, 8, 34])
+def test_the_prism_around_a_cylinder(faces: int) -> None:
+    """Its n sides touch the cylinder: n r^2 tan(pi / n) across, and as long; n + 2 faces with the ends."""
+    prism, sides = _prism(Cylinder(0.02, 0.07), faces), faces - 2
+    assert signed_volume(prism.vertices, prism.faces) == pytest.approx(
+        sides * 0.02**2 * tan(pi / sides) * 0.07, rel=1e-12
+    )
+    assert prism.vertices[:, 2].min() == pytest.approx(-0.035, abs=1e-15)
+    assert prism.vertices[:, 2].max() == pytest.approx(0.035, abs=1e-15)

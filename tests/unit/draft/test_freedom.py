@@ -56,3 +56,19 @@ def test_axis_of_a_hinge_of_two_balls_runs_through_both() -> None:
     axis = Axis(found.point, found.direction)
     assert axis.is_along(Z, 1e-9)
     assert axis.distance(AT) < 1e-12
+
+
+def test_a_ball_turns_about_its_centre_wherever_it_is_compared() -> None:
+    """Not about the point near the contacts to which lengths are relative."""
+    found = freedom([], [], [ball(AT)], AT + 0.02 * X - 0.01 * Y, 0.05)
+    assert found.kind == FreedomKind.BALL
+    assert found.point is not None
+    assert np.allclose(found.point, AT, atol=1e-12)
+
+
+@pytest.mark.parametrize("count", [1, 2, 60])
+@pytest.mark.parametrize(("angle", "kind"), [(1.2e-3, "cylindrical"), (2.5e-3, "rigid")])
+def test_tilted_shafts_lock_whatever_their_number(count: int, angle: float, kind: str) -> None:
+    """Two shafts on one line, tilted to both sides, lock from 2 mrad / sqrt(2), and many pairs as one does."""
+    shafts = [shaft(AT, np.array([np.sin(sign * angle), 0.0, np.cos(angle)])) for sign in (-1, 1) for _ in range(count)]
+    assert freedom(shafts, [], [], AT, 0.03).kind == kind

@@ -1,12 +1,14 @@
 """Slides on two rods, and crosses of universal joints."""
 
 from collections.abc import Sequence
-from math import pi
+from math import cos, pi, sin
 
+import numpy as np
 import pytest
 
 from stepbot.draft.contacts import captured
 from stepbot.draft.contacts.captured import Captured, _slide
+from stepbot.draft.contacts.contacts import Patch
 from stepbot.draft.contacts.planes import Facing
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.evidence.guides import REVIEW
@@ -134,6 +136,15 @@ def test_cross_is_a_universal_joint() -> None:
     assert arc.evidence.axis.point == pytest.approx((0, 0, 0), abs=1e-9)
     assert arc.evidence.axis2 is not None
     assert abs(arc.evidence.axis.d @ arc.evidence.axis2.d) < 1e-9
+
+
+def test_faces_of_one_side_hold_nothing() -> None:
+    """Two faces of a slide that face the same way, within rounding or drawn a little apart, do not hold it."""
+    patch = Patch(0, 1, np.zeros(3), np.array([0.0, 0.0, 1.0]), 1e-4, np.zeros((1, 3)), (), np.zeros(3), 0.0)
+    x, near = np.array([1.0, 0.0, 0.0]), np.array([cos(1e-5), sin(1e-5), 0.0])
+    same, apart = ([Facing(x, 0.0, patch), Facing(other, 0.0, patch)] for other in (near, -near))
+    assert not captured._is_between(same)
+    assert captured._is_between(apart)
 
 
 def slot(length: float) -> list[Node]:

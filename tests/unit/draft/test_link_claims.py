@@ -64,6 +64,19 @@ def test_a_number_within_a_divided_subassembly_stays() -> None:
     assert paths == ((), ("plate/M4#1",), ("plate/M4#2",))
 
 
+def test_what_only_wraps_the_whole_is_no_link() -> None:
+    """An exporter's folder around everything, and the folder in it, are the whole; the group below is a part of it."""
+    shop = Workshop()
+    inner = shop.group("exported", shop.group("file"))
+    shop.box("base", parent=inner)
+    group = shop.group("arm", inner)
+    for name in ("upper", "lower"):
+        shop.box(name, parent=group)
+    survey = Survey(shop.assembly, ALL_SOURCES)
+    names = {one.index: one.path.rpartition("/")[2] for one in survey.assembly.components}
+    assert {names.get(i) for i in survey.tops} == {None, names[0], "file", "exported"}
+
+
 def test_bodies_of_the_whole_are_named_by_their_place() -> None:
     """Bodies of one product have no names but the product's: the root is the base, the others are numbered by it."""
     shop = Workshop()

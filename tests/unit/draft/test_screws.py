@@ -1,17 +1,17 @@
 """Fasteners by their shape."""
 
+from math import cos, pi, sin
+
 import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.parts.names import Role
-from tests.assembled import BARE, assembled, part
+from tests.assembled import BARE, assembled, cut, part
 from tests.solids import Solid, box, cylinder, joined
 
 
 def prism(across: float, height: float) -> Solid:
     """A hexagonal prism along +z, by the distance of its flats."""
-    from math import cos, pi, sin
-
     from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakePolygon
     from OCP.BRepPrimAPI import BRepPrimAPI_MakePrism
     from OCP.gp import gp_Pnt, gp_Vec
@@ -41,18 +41,28 @@ def test_nut() -> None:
     assert role(prism(10, 5) - cylinder(3, 5)) == Role.FASTENER
 
 
+def flange() -> Solid:
+    """A hub on a shank with a hexagonal recess, and three lugs with a hole each, balanced about the shank."""
+    solid = cylinder(3, 20) + (cylinder(5, 5).at(0, 0, 20) - prism(5, 3).at(0, 0, 22))
+    spots = [(9 * cos(k * 2 * pi / 3), 9 * sin(k * 2 * pi / 3)) for k in range(3)]
+    for x, y in spots:
+        solid = solid + cylinder(4.5, 5).at(x, y, 20)
+    return cut(solid, *(cylinder(1.5, 5).at(x, y, 20) for x, y in spots))
+
+
 @pytest.mark.parametrize(
     "solid",
     [
+        flange(),
         cylinder(3, 20),
         joined(cylinder(3, 20), cylinder(5, 5).at(0, 0, 20)),
         joined(cylinder(30, 200), cylinder(50, 50).at(0, 0, 200)),
         box(20, 10, 5) - cylinder(2, 5).at(0, 0, -2.5),
     ],
-    ids=["plain shaft", "stepped shaft", "large", "plate"],
+    ids=["flange", "plain shaft", "stepped shaft", "large", "plate"],
 )
 def test_parts_that_are_no_fasteners(solid: Solid) -> None:
-    """A plain or stepped shaft, a large spindle and a plate with a hole are not fasteners."""
+    """A flange that others are screwed to, a plain or stepped shaft, a large spindle and a plate are not fasteners."""
     assert role(solid) is None
 
 
