@@ -1,5 +1,6 @@
 """Drawn mechanisms are drafted from descriptions of them: parts in their links, joints on their lines and as drawn."""
 
+from collections.abc import Mapping, Sequence
 from random import Random
 
 import numpy as np
@@ -10,13 +11,14 @@ from stepbot.draft.from_description.drafted import draft_of_description
 from stepbot.engines.description import DescribedShape, Description
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
 from stepbot.geometry.mesh import TriMesh
-from stepbot.geometry.spatial import Pose
-from stepbot.robot.model import JointKind
+from stepbot.geometry.spatial import Array, Pose
+from stepbot.robot.model import JointKind, Limit
+from stepbot.step.assembly import Assembly
 from tests.assembled import assembled, part
 from tests.made.described import description_of
 from tests.made.kit import SCREWS
 from tests.made.scored import drawn
-from tests.solids import box
+from tests.solids import box, cylinder
 
 FOUND = (
     ("pan_tilt", 1),
@@ -60,27 +62,48 @@ def test_a_description_is_found_in_its_assembly(kind: str, seed: int) -> None:
         assert (joint.limits.lower, joint.limits.upper) == pytest.approx((joint.zero - 0.5, joint.zero + 0.5), abs=1e-5)
 
 
+def link_of_parts(assembly: Assembly, places: Mapping[str, Array], joints: Sequence[ObservedJoint]) -> dict[str, str]:
+    """The link of each part as drafted from a description with frames at places [m]; parts named like links are theirs.
+
+    A link without a part has no mass.
+    """
+    bodies = {one.path.rpartition("/")[2]: one for one in assembly.components if one.body >= 0}
+    mass = {"mass": 1.0, "com": (0.0, 0.0, 0.0), "inertia": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))}
+    links = tuple(ObservedLink(name, **(mass if name in bodies else {})) for name in places)
+    frames = {one.child: Pose.of(position=places[one.child] - places[one.parent]) for one in joints}
+    shapes = []
+    for name in places.keys() & bodies.keys():
+        mesh = assembly.bodies[bodies[name].body].mesh
+        placed = TriMesh.of(bodies[name].X_WC.apply(mesh.vertices), mesh.faces)
+        shapes.append(DescribedShape(name, name, placed, Pose.of(position=places[name]).inverse()))
+    seen = Observation("test", "1", "urdf", links=links, joints=tuple(joints))
+    draft = draft_of_description(Description(seen, frames, tuple(shapes)), assembly, "drawn", "drawn.urdf")
+    assert draft is not None
+    return {assembly.components[i].path.rpartition("/")[2]: link.name for link in draft.links for i in link.components}
+
+
 def test_a_part_of_no_link_goes_to_the_nearest_of_links_that_are_fixed() -> None:
     """Of links on fixed joints, to the one whose centre of mass is nearest; one without mass has none."""
     post, clip = box(20, 20, 30), box(10, 10, 4)
     nodes = [part("slab", box(300, 40, 10)), part("left", post, x=-100, z=20), part("right", post, x=100, z=20)]
     assembly = assembled(*nodes, part("clip", clip, x=60, z=7), is_meshed=True)
-    paths = {one.path.rpartition("/")[2]: one for one in assembly.components if one.body >= 0}
-    mass = {"mass": 1.0, "com": (0.0, 0.0, 0.0), "inertia": ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))}
-    places = {"slab": (-0.15, 0.0, 0.0), "left": (-0.1, 0.0, 0.02), "bare": (0.06, 0.0, 0.0), "right": (0.1, 0.0, 0.02)}
+    points = {"slab": (-0.15, 0, 0), "left": (-0.1, 0, 0.02), "bare": (0.06, 0, 0), "right": (0.1, 0, 0.02)}
     parents = {"left": "slab", "bare": "slab", "right": "bare"}  # a link without mass that carries another is a link
-    links = tuple(ObservedLink(name, **(mass if name != "bare" else {})) for name in places)
-    joints = tuple(ObservedJoint(f"to_{name}", "fixed", above, name) for name, above in parents.items())
-    frames = {name: Pose.of(position=np.subtract(places[name], places[above])) for name, above in parents.items()}
-    shapes = []
-    for name in ("slab", "left", "right"):
-        mesh = assembly.bodies[paths[name].body].mesh
-        placed = TriMesh.of(paths[name].X_WC.apply(mesh.vertices), mesh.faces)
-        shapes.append(DescribedShape(name, name, placed, Pose.of(position=places[name]).inverse()))
-    draft = draft_of_description(
-        Description(Observation("test", "1", "urdf", links=links, joints=joints), frames, tuple(shapes)),
-        *(assembly, "drawn", "drawn.urdf"),
-    )
-    assert draft is not None
-    found = {assembly.components[i].path.rpartition("/")[2]: link.name for link in draft.links for i in link.components}
+    joints = [ObservedJoint(f"to_{name}", "fixed", above, name) for name, above in parents.items()]
+    found = link_of_parts(assembly, {name: np.array(point) for name, point in points.items()}, joints)
     assert found == {"slab": "slab", "left": "left", "right": "right", "clip": "right"}
+
+
+@pytest.mark.parametrize("larger", ["front", "back"])
+def test_a_part_of_no_link_moves_with_most_of_what_it_is_fastened_to(larger: str) -> None:
+    """Where contacts join parts of two links, the one with more volume takes the others."""
+    front, back = (60, 20) if larger == "front" else (20, 60)
+    nodes = [
+        part("front", box(front, 30, 20), x=-front / 2),
+        part("back", box(back, 24, 14) - cylinder(3, 14).at(0, 0, -7), x=back / 2, z=3),
+        part("clip", box(10, 10, 4), z=12),
+    ]
+    joint = ObservedJoint("turn", "revolute", "front", "back", axis=(0.0, 1.0, 0.0), limit=Limit(-1.0, 1.0))
+    places = {name: np.array([0.0, 0.0, 0.01]) for name in ("front", "back")}
+    found = link_of_parts(assembled(*nodes, is_meshed=True), places, [joint])
+    assert found == {"front": "front", "back": "back", "clip": larger}

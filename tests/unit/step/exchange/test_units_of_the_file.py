@@ -108,6 +108,28 @@ def test_densities_that_contradict_each_other(tmp_path: Path, found: ReadDiagnos
     assert "7850, 1200" in diagnostic.message
 
 
+def test_a_part_made_from_a_raw_material(tmp_path: Path) -> None:
+    """Its density is the raw material's, and its material the name of that product, as in files of I-DEAS."""
+    path = parts.write_box(tmp_path / "box.step", density=7850.0).path
+    text = path.read_text(encoding="utf-8").replace("\n", "")
+    part = re.search(r"(#\d+)=PRODUCT_DEFINITION\('[^']*','[^']*',#\d+,(#\d+)\)", text)
+    product = re.search(r"PRODUCT\('[^']*','[^']*','[^']*',\((#\d+)\)\)", text)
+    unit = re.search(r"POSITIVE_RATIO_MEASURE\(7.85\),(#\d+)\)", text)
+    assert part
+    assert product
+    assert unit
+    raw = f"""\
+#9101=PRODUCT('bar','Bar of bronze','',({product[1]}));
+#9102=PRODUCT_DEFINITION_FORMATION('','',#9101);
+#9103=PRODUCT_DEFINITION('design','',#9102,{part[2]});
+#9104=MEASURE_WITH_UNIT(COUNT_MEASURE(1.),{unit[1]});
+#9105=MAKE_FROM_USAGE_OPTION('1','','',{part[1]},#9103,1,'',#9104);
+"""
+    made = rewrite(path, (f"'density',{part[1]}", "'density',#9103"), ("'stuff of 7850'", "''"), extra=raw)
+    component = next(one for one in read_quietly(made).components if one.body >= 0)
+    assert (component.material, component.density) == ("Bar of bronze", pytest.approx(7850.0, rel=1e-12))
+
+
 @pytest.mark.parametrize(
     ("unit", "name", "scale"),
     [
