@@ -585,6 +585,17 @@ def test_friction_for_gazebo_alone(contact: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_two_contacts_of_one_link(tmp_path: Path) -> None:
+    """PyBullet reads the first one, and of each property the first in it."""
+    twice = '<contact><restitution value="0.2"/><restitution value="0.3"/></contact>'
+    source = urdf(_SOLID.format(twice + '<contact><restitution value="0.4"/><lateral_friction value="0.9"/></contact>'))
+    proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf")
+    written = (tmp_path / "out" / "robot.urdf").read_text(encoding="utf-8")
+    assert '<restitution value="0.2"/>' in written
+    assert "lateral_friction" not in written
+
+
+@pytest.mark.slow
 def test_a_rest_without_a_spring(tmp_path: Path) -> None:
     """A spring reference without stiffness moves nothing, and is not written."""
     turn = '<body name="arm" pos="0 0 0.5"><joint name="turn" axis="0 1 0" springref="0.4"/><geom size="0.1"/></body>'

@@ -132,7 +132,7 @@ def _surface(link: Element) -> Surface:
         for one in block.findall("mu1") if block.get("reference") == link.get("name") else ():
             values["friction"] = _not_negative("mu1", one.get("value") or one.text)
     for tag, name in BULLET.items():
-        for one in link.findall(f"contact/{tag}"):
+        if (one := link.find(f"contact[1]/{tag}")) is not None:  # PyBullet reads the first of several
             values[name] = _not_negative(tag, one.get("value"))
     return Surface(**values)
 
