@@ -132,8 +132,9 @@ def _surface(link: Element) -> Surface:
         for one in block.findall("mu1") if block.get("reference") == link.get("name") else ():
             values["friction"] = _not_negative("mu1", one.get("value") or one.text)
     for tag, name in BULLET.items():
-        if (one := link.find(f"contact[1]/{tag}")) is not None:  # PyBullet reads the first of several
-            values[name] = _not_negative(tag, one.get("value"))
+        first = link.find(f"contact[1]/{tag}")  # of several, PyBullet reads no other
+        if first is not None:
+            values[name] = _not_negative(tag, first.get("value"))
     return Surface(**values)
 
 
