@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
+from stepbot.draft.evidence.motor_outputs import apart_outputs
 from stepbot.draft.evidence.motors import Motor, find_motors
 from stepbot.draft.link_claims import LinkClaims
 from stepbot.geometry.spatial import Pose
@@ -162,6 +163,9 @@ def test_a_saddle_on_the_case_holds_the_motor(size: float, names: tuple[str, str
     assert {"stand", f"{names[0]}/shell"} <= links(found)[arc.parent]
     assert {"lever", f"{names[0]}/{names[1]}"} <= links(found)[arc.child]
     assert abs(arc.evidence.axis.d[1]) == pytest.approx(1.0)
+    (motor,) = find_motors(found.survey)
+    assert [found.survey.parts[i].name for i in apart_outputs(found.survey, motor)] == [names[1]]
+    assert not apart_outputs(found.survey, replace(motor, is_named=False))
 
 
 def test_a_tyre_turns_with_the_rotor_of_its_motor() -> None:

@@ -29,6 +29,15 @@ def test_ends_on_one_axis_turn_across_a_gap() -> None:
     assert arc.evidence.review
 
 
+@pytest.mark.parametrize(("beside", "turns"), [(32.0, True), (70.0, False)])
+def test_ends_across_a_wide_gap_turn_if_the_bodies_are_in_one_another(beside: float, *, turns: bool) -> None:
+    """A gap of 12 mm is no joint, unless a post of the stand reaches beside the drum, as a fork does."""
+    _, turret = across_a_gap(12.0)
+    foot, post = part("foot", box(130, 60, 10), x=25, z=-5), part("post", box(10, 10, 130), x=beside, z=65)
+    found = inferred(group("stand", part("column", cylinder(20, 100)), foot, post), turret)
+    assert joints(found) == ([("revolute", "stand/column", "turret/drum")] if turns else [])
+
+
 def test_rods_of_a_frame_turn_on_nothing() -> None:
     """Two rods whose ends meet the holes of two blocks hold these together: nothing turns about a long bar's axis."""
     hole = cylinder(8.5, 30)
