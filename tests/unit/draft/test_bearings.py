@@ -149,3 +149,16 @@ def test_what_a_shaft_in_bearings_ends_in_turns_with_it() -> None:
     found = inferred(part("shell", shell), *rings, spindle, *nodes)
     assert {"spindle", "left crank", "right crank"} in links(found)
     assert [kind for kind, *_ in joints(found)] == ["revolute"]
+
+
+@pytest.mark.parametrize(("hole", "is_its_own"), [(1.7, True), (2.2, False)])
+def test_what_a_screw_in_a_bearing_goes_through_turns_in_the_seat(hole: float, *, is_its_own: bool) -> None:
+    """An M3 in a ring's bore and, 10 mm away, in the clearance hole of an arm; a wider hole is not its own."""
+    lever = box(60, 10, 3).at(25, 0, 1.5) - cylinder(3, 3)
+    arm = box(60, 10, 4).at(-25, 0, 2) - cylinder(hole, 4)
+    ring, screw = cylinder(3, 2.5) - cylinder(1.5, 2.5), cylinder(1.5, 18) + cylinder(2.75, 3).at(0, 0, 18)
+    nodes = [part("arm", arm, z=-14), part("lever", lever), part("MR63ZZ", ring, z=0.25), part("M3x18", screw, z=-14)]
+    assert (
+        any(h.through == 3 and {h.a, h.b} == {1, 2} for arc in inferred(*nodes).arcs for h in [arc.evidence])
+        == is_its_own
+    )

@@ -12,7 +12,7 @@ from stepbot.draft.contacts import teeth
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft_robot import infer
 from stepbot.geometry.spatial import Array, Pose
-from tests.assembled import BARE, Node, assembled, part
+from tests.assembled import BARE, Node, assembled, inferred, part
 from tests.made.scored import drawn
 from tests.solids import Solid, box, cylinder
 
@@ -303,3 +303,9 @@ def test_a_band_around_two_discs_is_a_belt() -> None:
     for outer, is_belt in ((13.4, True), (20.0, False)):
         survey = Survey(assembled(part("ring", slot(outer, 6) - slot(12, 6)), *discs), BARE)
         assert (1 in survey.small) == is_belt
+
+
+def test_a_round_gear_that_drives_another_is_a_link() -> None:
+    """A pinion and a wheel on pins both turn where their teeth mesh; apart, one is a ring on its pin."""
+    rims = [fused(toothed(n, 1.0, 6, turned=0.5 * k), less=cylinder(3.05, 20).shape) for k, n in enumerate((14, 46))]
+    assert [len(inferred(*on_pins(*rims, away=away), sources=BARE).arcs) for away in (30.0, 45.0)] == [2, 1]

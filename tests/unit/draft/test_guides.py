@@ -240,3 +240,14 @@ def test_a_rod_as_thick_as_its_bore_is_the_screw_of_a_slide() -> None:
     found = inferred(part("base", base), part("block", block), *nodes[2:], part("screw", screw), sources=BARE)
     assert joints(found) == [("prismatic", "base", "block")]
     assert not any({"block", "screw"} <= link for link in links(found))
+
+
+def test_a_plate_that_screws_hold_does_not_slide_on_them() -> None:
+    """A ring below a table, its unnamed screws sunk in this, does not slide though a block on the table hides them."""
+    ring, table, block, screws = cylinder(50, 14), cylinder(60, 15), box(100, 100, 20).at(0, 0, 10), list[Node]()
+    for x in (-45, 45):
+        ring = ring - cylinder(2.1, 14).at(x, 0, 0)
+        table = table - cylinder(2.1, 15).at(x, 0, 0) - cylinder(3.7, 4).at(x, 0, 11)
+        screws.append(part(f"c{x}", cylinder(2, 25) + cylinder(3.5, 4).at(0, 0, 25), x, 0, -14))
+    nodes = [part("ring", ring, z=-14), part("table", table), part("block", block, z=15)]
+    assert not joints(inferred(*nodes, *screws, sources=BARE))

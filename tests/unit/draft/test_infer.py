@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from math import pi
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +20,8 @@ from stepbot.draft.inference import infer_mechanism
 from stepbot.robot.model import Base, JointKind
 from stepbot.step.assembly import Assembly, BodyKind, MeshTolerance, ReadOptions
 from stepbot.step.reader import read_assembly
-from tests.assembled import assembled, group, part
-from tests.solids import box, cylinder
+from tests.assembled import BARE, Node, assembled, group, inferred, joints, part, turned
+from tests.solids import box, cylinder, joined
 
 LIBRARY = Path(__file__).parents[3] / "robot_library"
 
@@ -210,3 +211,20 @@ def test_a_draft_without_joints_says_why() -> None:
     draft = infer(assembled(part("block", box(10, 10, 10)), part("lid", box(10, 10, 2), z=6)), "still")
     assert not draft.joints
     assert draft.notes[0].startswith("no moving parts found: ")
+
+
+def test_wheels_that_all_stands_on_turn_at_the_ends_of_round_bosses() -> None:
+    """Two equal wheels end 2 mm beside bosses, without shafts: they are links, since their rims are on the ground."""
+    chassis, wheels = box(100, 600, 60), list[Node]()
+    for n, side in enumerate((1, -1)):
+        rpy = (0, side * pi / 2, 0)
+        chassis = joined(chassis, turned(cylinder(15, 15), side * 45, -60, 0, rpy))
+        wheels.append(part(f"w{n}", turned(cylinder(40, 15), side * 62, -60, 0, rpy)))
+    found = inferred(
+        part("a", chassis),
+        part("b", box(30, 30, 60), 0, 90),
+        part("c", box(10, 30, 8), 0, 90, 34),
+        *wheels,
+        sources=BARE,
+    )
+    assert [pair[1:] for pair in joints(found)] == [("a", "w0"), ("a", "w1")]

@@ -256,3 +256,28 @@ def test_a_horn_that_is_a_body_of_its_servo_turns() -> None:
         plate -= cylinder(1.5, 5).at(x, y, -2.5)
     found = inferred(part("plate", BASE, z=-35), group("SG90", *bodies), part("arm", arm, 40, 0, 5))
     assert len(joints(found)) == 1
+
+
+def test_holes_at_the_corners_of_a_rectangle_hold_unnamed_motors() -> None:
+    """Blocks with discs on bosses are motors, though four holes to a bracket are on a wider circle than the boss."""
+    block = box(28, 46, 32).at(0, -12, -16) + cylinder(10, 1)
+    bracket = box(140, 4, 30).at(30, 13, -16)
+    for x, z in product((-8, 8), (-22, -10)):
+        block -= turned(cylinder(1.2, 8), x, 11, z, (pi / 2, 0, 0))
+        for away in (0, 60):
+            bracket -= turned(cylinder(1.3, 8), away + x, 17, z, (pi / 2, 0, 0))
+    disc = cylinder(9.7, 3) - cylinder(3, 3)
+    nodes = [part("a", bracket)]
+    for x in (0, 60):
+        nodes += [part(f"b{x}", block, x), part(f"c{x}", disc, x, 0, 1)]
+    assert [motor.is_named for motor in motors(nodes, BARE)] == [False, False]
+
+
+def test_what_touches_the_case_alone_holds_a_motor_with_a_drawn_output() -> None:
+    """A round motor ends at the wall of its housing, with a gear on its shaft: the gear turns."""
+    motor = cylinder(10, 30).at(0, 0, -30) + cylinder(1.5, 12)
+    wall = box(60, 60, 2).at(0, 0, 1) - cylinder(9, 2)
+    gear = cylinder(7, 8) - cylinder(1.5, 8)
+    found = inferred(part("plate", wall), part("motor N20", motor), part("motor gear", gear, z=4))
+    assert joints(found) == [("revolute", "motor N20", "motor gear")]
+    assert {"plate", "motor N20"} in links(found)

@@ -89,3 +89,14 @@ def test_a_block_around_two_rods_is_no_nut() -> None:
     """What is named a nut and has shafts in it on two lines is a block; one with a single shaft may be a nut."""
     assert small_parts(1) == {"nut_block"}
     assert small_parts(2) == set()
+
+
+def test_a_pulley_by_the_name_of_its_belt_is_neither_a_belt_nor_a_screw() -> None:
+    """A pulley with flanges, turned to any place, is a link of its own on a shaft; a flat loop is a belt."""
+    drum = joined(cylinder(6.1, 8), cylinder(8, 7).at(0, 0, -7), cylinder(8, 1.2).at(0, 0, 8)) - cylinder(2.5, 17).at(
+        0, 0, -7
+    )
+    loop = box(60, 20, 6) - box(58, 18, 6)
+    nodes = part("Belt 20T", drum, 11.1, -3.3, 7.7, (0.3, 0.7, 1.1)), part("Belt 200", loop, z=50)
+    survey = Survey(assembled(part("frame", box(200, 200, 10), z=-30), *nodes), ALL_SOURCES)
+    assert {survey.parts[i].path for i in survey.small} == {"Belt 200"}

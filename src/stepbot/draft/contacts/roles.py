@@ -76,8 +76,8 @@ _HEAD = (1.25, 3.0)
 """Ratio of the radii of head and shank."""
 _NUT = 12.0
 """Maximum ratio of a nut's size to the radius of its bore."""
-_FLANGE = 0.9
-"""Share of the largest radius from which a face is one of two flanges."""
+_FLANGE, _BESIDE = 0.9, 1e-6
+"""Share of the largest radius from which a face is one of two flanges; overlap [m] of faces beside each other."""
 _HEXAGON = 6
 _SIXTY_DEGREES = 2e-3
 _ACROSS = 1e-3
@@ -117,8 +117,8 @@ def _is_spool(own: Sequence[LineFace]) -> bool:
     flanges = [face for face in outside if face.radius > _FLANGE * widest]
     return any(
         face not in flanges
-        and any(flange.high <= face.low for flange in flanges)
-        and any(face.high <= flange.low for flange in flanges)
+        and any(flange.high < face.low + _BESIDE for flange in flanges)
+        and any(face.high < flange.low + _BESIDE for flange in flanges)
         for face in outside
     )
 

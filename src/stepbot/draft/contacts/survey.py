@@ -77,7 +77,7 @@ class Survey:
         self.volume = exact_sum(part.volume for part in self.parts.values()) or 1.0
         self.cut: dict[str, None] = {}
         """Searches that a bound cut short, in words, in the order in which they were."""
-        self._belts = {i for i, p in self.parts.items() if sources.names and is_belt(p.name)}
+        self._belts = {i for i, p in self.parts.items() if sources.names and is_belt(p.name) and not self._is_turned(i)}
         self._belts |= {i for i in find_bands(self.parts, self.contacts.lines) if self.parts[i].role is None}
         self.small = self._belts | {i for i, p in self.parts.items() if p.is_small and self._is_trifle(i)}
         """Parts that move with their host and form no joint: fasteners, seals, and belts, which are no rigid bodies."""
@@ -116,10 +116,10 @@ class Survey:
 
     def _is_trifle(self, part: int) -> bool:
         """Whether a part that is named a fastener may be one: it is small, or turned, and no ball stud in a socket."""
-        one, lines = self.parts[part], self.turned.get(part, ())
+        one = self.parts[part]
         if any(r.via == Via.BALL and r.radius < _BALL * one.size for r in self.near.get(part, ())):
             return False
-        is_turned = any(one.is_balanced(axis) for axis in lines[:3])
+        is_turned = self._is_turned(part)
         if not is_turned and sum(r.holes >= _BLOCK for r in self.near.get(part, ())) > 1:
             return False  # a block that is screwed to two parts
         if not is_turned and self._has_bores_apart(part):
@@ -127,6 +127,10 @@ class Survey:
         if one.size < _SMALL_SHARE * self.extent:
             return True
         return one.volume < _LARGE * self.volume and is_turned
+
+    def _is_turned(self, part: int) -> bool:
+        """Whether a part is symmetric about one of its lines: a pulley, though it is named after its belt."""
+        return any(self.parts[part].is_balanced(axis) for axis in self.turned.get(part, ())[:3])
 
     def _has_bores_apart(self, part: int) -> bool:
         """Whether shafts of other parts are in its bores on two lines: a nut has one."""

@@ -8,6 +8,7 @@ import numpy as np
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
+from stepbot.draft.evidence.pivots import in_holes
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import Part
@@ -202,11 +203,9 @@ def _turning(survey: Survey, bearing: int, held: _Seat, inner: list[_Seat]) -> l
         if seat.part not in survey.small:
             turning.append(seat.part)
             continue
-        turning += [
-            other
-            for other, r in survey.around(seat.part)
-            if other not in (bearing, held.part) and r.turns is not None and r.turns.same(axis)
-        ]
+        on_screw = [other for other, r in survey.around(seat.part) if r.turns is not None and r.turns.same(axis)]
+        on_screw = [other for other in on_screw if other not in (bearing, held.part)]
+        turning += on_screw or [other for other in in_holes(survey, seat.part, axis) if other != held.part]
     turning += [
         other
         for other, r in survey.around(bearing)

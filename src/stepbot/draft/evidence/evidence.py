@@ -112,6 +112,8 @@ class Evidence:
     """Pins of linkages, which are no links."""
     wheels: dict[int, Axis] = field(default_factory=dict)
     """Axes of the hubs of omnidirectional wheels, by part."""
+    rolling: dict[int, Axis] = field(default_factory=dict)
+    """Axes of all wheels, by part."""
 
     def weld(self, score: float, a: int, b: int, why: str, *, holds_motor: bool = False) -> None:
         """Add evidence that two parts are welded."""

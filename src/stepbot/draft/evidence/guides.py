@@ -39,6 +39,8 @@ _LONGER = 1.3
 """Ratio of the lengths of a rod and its bore, from which a part can slide on it."""
 _LONG_BORE = 3.0
 """Length of a bore in radii, above which it guides, below which it clamps."""
+_HEAD = 4.0
+"""Length in radii that the head of a screw, or its end behind a nut, is outside of what it holds, at most."""
 _APART = 1e-3
 """Distance [m] from which two rods are distinct."""
 _SAME_END = 1e-4
@@ -135,8 +137,22 @@ def guided(survey: Survey, part: int, rods: Sequence[tuple[int, Relation]]) -> I
     for (one, r), (two, s) in combinations(rods, 2):
         if r.axis is None or s.axis is None or not r.axis.is_along(s.axis.d) or r.axis.distance(s.axis.point) < _APART:
             continue
-        if not _is_blocked(survey, part, r.axis) and _holders_of(survey, part, one, two):
+        if _is_blocked(survey, part, r.axis) or not all(
+            _has_travel(survey, part, *row) for row in ((one, r), (two, s))
+        ):
+            continue
+        if _holders_of(survey, part, one, two):
             yield one, two, r
+
+
+def _has_travel(survey: Survey, part: int, rod: int, r: Relation) -> bool:
+    """Whether a rod reaches farther out of a part and what is fastened to it on the rod than a screw's head or end."""
+    fastened = [i for i in survey.holders(part) if survey.relation(i, rod) is not None]
+    if not fastened or r.axis is None:
+        return True
+    low, high = np.array([survey.scene.span(i, r.axis.d) for i in (part, *fastened)]).T
+    start, end = survey.scene.span(rod, r.axis.d)
+    return bool(max(low.min() - start, end - high.max()) > _HEAD * r.radius)
 
 
 def _turns_in_nut(found: Evidence, nut: int, screw: int) -> None:

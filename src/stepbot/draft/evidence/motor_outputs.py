@@ -13,8 +13,8 @@ import numpy as np
 from stepbot.draft.contacts.relations import Relation, Via, merged, reach
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
-from stepbot.draft.evidence.motors import Motor
-from stepbot.draft.evidence.near_outputs import NearOutput, alone, clips, idlers, is_even
+from stepbot.draft.evidence.motors import Motor, is_even
+from stepbot.draft.evidence.near_outputs import NearOutput, alone, clips, idlers
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
@@ -304,7 +304,8 @@ class _OneMotor:
         """
         groups = self._groups(driven)
         own = {side.part for group in groups if any(map(self._is_on_anchor, group)) for side in group}
-        if self._motor.is_named and 0 < len(own) < len(driven):  # what touches the case alone holds it, however narrow
+        on_case = len(own) < len(driven) and (own or self._outputs)
+        if self._motor.is_named and on_case:  # what touches the case alone holds it, however narrow
             return [s for s in driven if s.part in own], [s for s in driven if s.part not in own], 0.83, ""
         if len(groups) < 2:
             outputs = self._outputs or list(self._idlers)

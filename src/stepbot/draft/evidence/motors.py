@@ -11,7 +11,7 @@ from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.roles import spoken_names
 from stepbot.draft.contacts.shafts import HALF_ROUND
 from stepbot.draft.contacts.survey import Survey
-from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, roles
 from stepbot.draft.parts.parts import largest
@@ -51,6 +51,8 @@ _PIN, _RIM = 4.0, 0.45
 """Width in radii of its fit, up to which what turns in a part is a pin; share of a part's width, from which the radius
 of what is around it is that of a tyre or a clamp.
 """
+_EVEN = 0.02
+"""Angle [rad] up to which holes are evenly spaced."""
 _ABOUT = (Via.RING, Via.FACE, Via.PIN)
 
 
@@ -328,14 +330,14 @@ def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
         others = [
             (other, r) for other, r in survey.around(i) if survey.parts[other].definition != survey.parts[i].definition
         ]
-        about = [(other, r) for other, r in others if r.via in _ABOUT and r.axis is not None]
+        about = [(other, r) for other, r in others if r.via in _ABOUT and r.axis is not None and not _holds_corners(r)]
         least = _JOURNAL * survey.parts[i].size
         if any(fit.shaft != i and fit.radius > least for _, r in about for fit in r.journals):
             return False  # a shaft runs in it: a bearing block
         if any(fit.shaft == other and survey.parts[other].volume > volume for other, r in others for fit in r.shafts):
             return False  # what is in it is heavier: a clamp around a motor
         on = [r for other, r in about if not _is_worn(survey, i, other, r)]
-        off = any(r.turns is None and (r.is_rigid or r.patches) for _, r in others)
+        off = any((r.turns is None or _holds_corners(r)) and (r.is_rigid or r.patches) for _, r in others)
         held += off and bool(on)
         for r in on:
             assert r.axis is not None
@@ -351,3 +353,18 @@ def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
     # A motor has one output. Several axes of one radius are those of screws.
     widest = max(common, default=0.0)
     return held >= 2 and sum(radius > _AS_WIDE * widest for radius in common) == 1
+
+
+def _holds_corners(r: Relation) -> bool:
+    """Whether holes in a circle are at the corners of a rectangle, as the ears of a servo are."""
+    return r.via == Via.RING and r.axis is not None and not is_even(r, r.axis)
+
+
+def is_even(r: Relation, axis: Axis) -> bool:
+    """Whether the gaps between holes around an axis are multiples of the smallest one."""
+    x, y, _ = perpendicular_frame(axis.d).T
+    away = [fit.axis.point - axis.point for fit in r.fits if axis.distance(fit.axis.point) >= SAME_LINE]
+    angles = np.sort([np.arctan2(float(at @ y), float(at @ x)) for at in away])
+    gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
+    gaps = gaps[gaps > _EVEN]  # one hole may be on both sides of a flange
+    return not len(gaps) or bool(np.abs(gaps - gaps.min() * np.round(gaps / gaps.min())).max() < _EVEN)

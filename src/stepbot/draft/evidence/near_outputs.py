@@ -14,7 +14,6 @@ from stepbot.draft.evidence.evidence import Evidence
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.parts import least_gap
-from stepbot.geometry.spatial import perpendicular_frame
 
 _NEARLY_HELD, _NEARLY = 0.86, 0.75
 """Scores of what carries a motor and of what it turns, if their holes are only nearly in line with its own."""
@@ -28,8 +27,8 @@ _ALONE, _ON_SHAFT, _THIN = 0.85, 0.7, 0.09
 """Scores of what is alone on a motor's drawn output or its shaft; radius of a shaft as a share of the size, at most."""
 _WIDE = 0.15
 """Radius of a motor's case as a share of its size, at least."""
-_EVEN, _TWIN = 0.02, 1e-4
-"""Angle [rad] up to which holes are evenly spaced; share of a volume up to which two parts are equal."""
+_TWIN = 1e-4
+"""Share of a volume up to which two parts are equal."""
 _REVIEW_ALONE = "nothing else touches the motor: what is on its shaft may hold it"
 
 
@@ -44,16 +43,6 @@ def alone(survey: Survey, motor: Motor, outputs: Sequence[int], relations: Itera
     shafts = (fit for r in relations for fit in r.shafts if fit.shaft == motor.case and fit.full)
     is_on_shaft = motor.is_named and any(fit.radius < thin for fit in shafts)
     return (_ON_SHAFT, _REVIEW_ALONE) if is_on_shaft else (0.0, "")
-
-
-def is_even(r: Relation, axis: Axis) -> bool:
-    """Whether the gaps between holes around an axis are multiples of the smallest one."""
-    x, y, _ = perpendicular_frame(axis.d).T
-    away = [fit.axis.point - axis.point for fit in r.fits if axis.distance(fit.axis.point) >= SAME_LINE]
-    angles = np.sort([np.arctan2(float(at @ y), float(at @ x)) for at in away])
-    gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
-    gaps = gaps[gaps > _EVEN]  # one hole may be on both sides of a flange
-    return not len(gaps) or bool(np.abs(gaps - gaps.min() * np.round(gaps / gaps.min())).max() < _EVEN)
 
 
 def idlers(survey: Survey, axis: Axis, driven: Collection[int], others: Iterable[int]) -> set[int]:

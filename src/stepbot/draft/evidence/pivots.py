@@ -68,6 +68,24 @@ def _loose_pins(survey: Survey, line: CoaxialLine) -> Iterator[Pair]:
                 yield min(i, j), max(i, j)
 
 
+def in_holes(survey: Survey, screw: int, axis: Axis) -> list[int]:
+    """The larger parts that a screw on an axis goes through with the clearance of its hole."""
+    found = []
+    for line in survey.contacts.lines:
+        if screw in line.faces and line.axis.same(axis):
+            shanks = [f for f in line.faces[screw] if not f.bore and not f.cone]
+            for i, faces in line.faces.items():
+                bores = [f for f in faces if f.bore and f.span > HALF_ROUND and i not in survey.small]
+                if any(
+                    0.0 < bore.radius - shank.radius < _HOLE * bore.radius
+                    and min(bore.high, shank.high) > max(bore.low, shank.low)
+                    for bore in bores
+                    for shank in shanks
+                ):
+                    found.append(i)
+    return found
+
+
 def _pivots(survey: Survey, line: CoaxialLine, fitted: Sequence[Pair]) -> Iterator[Pivot]:
     """The groups of parts that are fitted on each other on a line, by the pairs of them."""
     touching = Clusters(sorted({i for pair in fitted for i in pair}))

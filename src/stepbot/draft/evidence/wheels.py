@@ -64,6 +64,7 @@ def wheel_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> 
     """Add a joint for each wheel that is held about its axis alone by what is not turned about it."""
     driven = {h.b for h in found.joints if h.drives} | {i for motor in motors for i in motor.parts}
     of, hinges = wheels(survey), defaultdict(list)
+    found.rolling = of
     for i, axis in of.items():
         for other, r in _held_by(survey, i, axis) if i not in driven else ():
             part = survey.parts[other]

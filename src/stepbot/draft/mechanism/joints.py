@@ -16,7 +16,9 @@ from stepbot.draft.contacts.concentric import has_free_circle
 from stepbot.draft.contacts.relations import Via
 from stepbot.draft.draft import SURE
 from stepbot.draft.evidence.evidence import JointEvidence, Priority, Verdict
+from stepbot.draft.evidence.gears import SAME_GEAR
 from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.evidence.wheels import is_wheel
 from stepbot.draft.mechanism.decide import Decision
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
@@ -283,8 +285,10 @@ class Mechanism:
         volume = self._survey.total_volume(members)
         if axis.direction is None or not 0.0 < volume <= most * self._survey.volume:
             return False
-        if any(pair.gear.part in members for pair in self._survey.rack_meshes):
-            return False  # it moves a rack
+        moved = [pair.gear for pair in self._survey.rack_meshes]
+        moved += [gear for mesh in self._survey.meshes for gear in (mesh.one, mesh.two) if not mesh.belt]
+        if any(gear.part in members and gear.axis.same(axis, SAME_GEAR) for gear in moved):
+            return False  # it moves a rack or another gear
         parts = [self._survey.parts[i] for i in members if i not in self._survey.small]
         return all(part.is_balanced(axis) for part in parts if part.volume > _TRIFLE * volume)
 
@@ -309,6 +313,8 @@ class Mechanism:
         return bool(along > _ROD * hypot(*across))
 
     def _is_wheel(self, members: Sequence[int], joint: Joint) -> bool:
+        if is_wheel(self._survey, self._made.evidence.rolling, members, joint.axis):
+            return True  # the assembly stands on it
         if any(Role.WHEEL in self._survey.parts[i].roles or Role.WHEEL in self._structure.names(i) for i in members):
             return True
         if not self._structure.are_across(joint.evidence.a, joint.evidence.b):

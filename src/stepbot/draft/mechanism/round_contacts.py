@@ -27,6 +27,7 @@ from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.parts import Part, whole
 from stepbot.geometry.spatial import perpendicular_frame
+from stepbot.robot.model import JointKind
 from stepbot.step.faces import FaceKind
 
 _FLAT = 1e-4
@@ -102,7 +103,7 @@ def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
     held = {(w.a, w.b) for w in made.evidence.welds if w.verdict == Verdict.TAKEN and w.score >= SURE}
     for root, members in made.clusters.groups().items():
         pivots = [_Sides(survey, pivot, members, ties[root]) for pivot in _pivots(survey, structure, held, members)]
-        between = [pair for sides in pivots if (pair := sides.between_lopsided()) is not None]
+        between = [pair for sides in pivots if not sides.share_line(made) and (pair := sides.between_lopsided())]
         found |= dict.fromkeys(between, _REVIEW)
         if between or root in jointed:
             below = [pair for sides in pivots if (pair := sides.above_stand(feet)) is not None]
@@ -159,6 +160,20 @@ class _Sides:
     def between_lopsided(self) -> Pair | None:
         """The joint between two lopsided sides, if there are two."""
         return self._weakest(*self._lopsided)[0] if len(self._lopsided) == 2 else None
+
+    def share_line(self, made: Decision) -> bool:
+        """Whether two lopsided sides turn about one other line, on the same body: a bar between them moves neither."""
+        lines: list[list[tuple[Axis, int]]] = []
+        for root in self._lopsided:
+            inside = set(self._groups.members(root))
+            turning = [h for h in made.joints if h.type == JointKind.REVOLUTE and len(inside & {h.a, h.b}) == 1]
+            lines.append([(h.axis, made.clusters.find(h.b if h.a in inside else h.a)) for h in turning])
+        one, *others = lines or [[]]
+        return any(
+            body == other and axis.same(line) and line.is_along(self._pivot.axis.d)
+            for axis, body in one
+            for line, other in (others[0] if len(others) == 1 else ())
+        )
 
     def above_stand(self, feet: Feet) -> Pair | None:
         """The joint between the only lopsided side and the stand that it is on, if there is one."""
