@@ -13,11 +13,11 @@ from .bounding_boxes import robot_bounds, standing
 from .closures import RANK_TOLERANCE, DoesNotClose, Loops, driven_joints, following
 from .dh import DhTable, dh_table
 from .dynamics import GRAVITY, equations_of_motion
-from .gains import actuator_limit, worst_postures
+from .gains import actuator_limit
 from .kinematics import Tree, initial_configuration, link_poses, rigid_bodies
 from .model import ActuatorKind, Base, Frame, Joint, JointKind, Robot
 from .multi_dof import unfolded
-from .sampling import sampled, where_largest
+from .sampling import sampled, where_largest, worst_postures
 
 POSTURES = 96
 """Number of postures, the drawn one and random ones, in which forces are computed, beside the worst ones."""
@@ -185,13 +185,11 @@ class _Forces:
         self.names = driven_joints(robot) if robot.closures else tree.independent
         self.q, S = self._moved() if robot.closures else (self.q, tree.B[None])
         self.M, self.g = self._at(self.q, armature, S)
-        if not robot.closures:
-            own = self.M.diagonal(axis1=1, axis2=2)
-            varies = (np.ptp(own, axis=0) > _ROUNDING * own.max(axis=0)) | (np.abs(self.g).max(axis=0) > _ROUNDING)
-            if varies.any():
-                worst, *_ = worst_postures(self.robot, tree, np.flatnonzero(varies).tolist())
-                M, g = self._at(worst, armature, S)
-                self.q, self.M, self.g = (np.concatenate(pair) for pair in ((self.q, worst), (self.M, M), (self.g, g)))
+        own = self.M.diagonal(axis1=1, axis2=2)
+        varies = (np.ptp(own, axis=0) > _ROUNDING * own.max(axis=0)) | (np.abs(self.g).max(axis=0) > _ROUNDING)
+        if varies.any() and (worst := worst_postures(robot, tree, np.flatnonzero(varies).tolist())) is not None:
+            M, g = self._at(worst[0], armature, S)
+            self.q, self.M, self.g = (np.concatenate(pair) for pair in ((self.q, worst[0]), (self.M, M), (self.g, g)))
         self.efforts = np.array([self._effort(name) for name in self.names])
 
     def _at(self, q: Array, armature: Array, S: Array) -> tuple[Array, Array]:

@@ -18,25 +18,26 @@ back by more than :data:`STUCK`, and where the damping alone would make it slowe
 carries: :func:`_load_on_wheel`.
 
 In a mechanism, I is the entry of the driven joint in the mass matrix of the driven joints, mimics and loops followed:
-the other motors hold. The base is held, too. With loops the postures are the drawn pose alone.
+the other motors hold. The base is held, too. With loops, and in robots of more than some 70 joints, the posture is the
+drawn pose.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import copysign, floor, inf, isfinite, log10, pi, sqrt
 
 import numpy as np
 
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.geometry.spatial import Array, cross, dot, rotated
+from stepbot.geometry.spatial import Array
 
 from .bounding_boxes import standing_height
 from .closures import Loops, driven_joints, following
-from .dynamics import GRAVITY, equations_of_motion
-from .kinematics import Tree, initial_configuration, link_poses
+from .dynamics import equations_of_motion
+from .kinematics import initial_configuration, link_poses
 from .model import Actuator, ActuatorKind, Base, Joint, JointKind, Limit, Robot
 from .multi_dof import unfolded
-from .sampling import where_largest
+from .sampling import worst_postures
 
 Bounds = tuple[float, float]
 
@@ -88,8 +89,6 @@ against their casters and against each other."""
 _SHORTEST = 2e-3
 """Least time constant [s] of a wheel's speed: with a shorter one a motor at its effort limit leaps from one side of its
 target to the other in the time steps of simulators."""
-_VARIED = 12
-"""Largest number of joints, the nearest ones, on whose positions the inertia and the weight of a joint depend here."""
 _RESIDUE = 9
 """Decimals [N m] or [N] of weights: smaller ones are rounding of axes that point up."""
 _DIGITS = 4
@@ -198,8 +197,8 @@ def _driven(robot: Robot) -> _Driven:
     largest, heaviest = inertia, np.abs(weight)
     searched = {one.joint for one in robot.actuators if one.tuning is not None and one.tuning.at_least}
     of = [drive for drive in drives if tree.independent[drive] in searched]
-    if of and not robot.closures:
-        _, found, held = worst_postures(unfolded(robot), tree, of)
+    if of and (worst := worst_postures(robot, tree, of)) is not None:
+        _, found, held = worst
         armatures = ((armature[:, None] * tree.B**2)[:, of]).sum(axis=0)
         largest, heaviest = inertia.copy(), heaviest.copy()
         largest[of] = np.maximum(largest[of], found + armatures)
@@ -215,42 +214,6 @@ def _driven(robot: Robot) -> _Driven:
             q = {joint: home[joint] + share * moved_by for joint, share in with_mimics}
             stepped[index, column] = seen(q)[1][index]
     return _Driven(names, inertia, weight, largest, heaviest, np.diag(S.T @ np.diag(damping) @ S), stepped)
-
-
-def worst_postures(robot: Robot, tree: Tree, of: Sequence[int]) -> tuple[Array, Array, Array]:
-    """Where independent joints move the largest inertia, and where they hold the largest weight.
-
-    Args:
-        robot: Its joints have one degree of freedom each; loops stay open.
-        of: Indices of the joints (n,), at least one.
-
-    Returns:
-        Configurations (2 n, joints) [rad] or [m] over :attr:`Tree.joints`, first those of the inertias; the inertias
-            (n,) without armatures; the magnitudes (n,) of the gravity forces.
-    """
-    links = [tree.link_index[link.name] for link in robot.links]
-    bodies = [link.mass_properties for link in robot.links]
-    coms, masses, inertias = (
-        np.array([getattr(body, field) for body in bodies]) for field in ("com", "mass", "inertia")
-    )
-    along = tree.B.T[[*of, *of], None]
-
-    def values(q: Array) -> Array:
-        """Inertias (n, m), then gravity forces (n, m), at q (2 n, m, joints)."""
-        X = tree.frames(q)
-        turned, moved = (one[..., links, :] for one in tree.twists(X, along))
-        X_WL = X[..., links, :, :]
-        R_WL, p_WL = X_WL[..., :3, :3], X_WL[..., :3, 3]
-        moved = moved + cross(turned, p_WL + rotated(R_WL, coms))
-        lifted = np.abs((moved[len(of) :] @ np.array(GRAVITY)) @ masses)
-        inside = rotated(R_WL.swapaxes(-1, -2), turned)[: len(of)]
-        energy = dot(inside, rotated(inertias, inside)).sum(axis=-1) + dot(moved, moved)[: len(of)] @ masses
-        return np.concatenate([energy, lifted])
-
-    near = [sorted(tree.related(one), key=lambda other: abs(int(other) - one))[:_VARIED] for one in of]
-    q = where_largest(robot, tree, [sorted(one) for one in (*near, *near)], values)
-    inertia, weight = np.split(values(q[:, None])[:, 0], 2)
-    return q, inertia, weight
 
 
 def _tuned(

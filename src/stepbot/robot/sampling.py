@@ -10,9 +10,10 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, cross, dot, rotated
 
 from .closures import LARGEST_JUMP, LARGEST_STEP, Loops, driven_joints, following
+from .dynamics import GRAVITY
 from .kinematics import MOVING, Tree, initial_configuration, leader_ranges
 from .model import JointKind, Robot
 from .multi_dof import unfolded
@@ -32,6 +33,12 @@ _POINTS = 9
 """Points of such a grid, with its ends and its middle."""
 _EQUAL = 9
 """Decimals of values, relative to the largest, that decide: the last bits of the linear algebra do not."""
+_VARIED = 12
+"""Largest number of joints, the nearest ones, on whose positions the inertia and the weight of a joint depend here."""
+_SEARCHED = 5000
+"""Largest product of joints and links of a robot whose worst postures are searched: some seconds."""
+_BATCH = 4000
+"""Links whose motion is computed for one start of all joints at once: some hundred megabytes."""
 
 
 def sampled(robot: Robot, n: int, seed: int = 1) -> Array:
@@ -102,6 +109,54 @@ def where_largest(
                 u = best(tried)[:, 0]
         from_each[:, run] = u
     return tree.follow(best(from_each)[:, 0])
+
+
+def worst_postures(robot: Robot, tree: Tree, of: Sequence[int]) -> tuple[Array, Array, Array] | None:
+    """Where independent joints move the largest inertia, and where they hold the largest weight.
+
+    Args:
+        of: Indices of the joints (n,), at least one.
+
+    Returns:
+        Configurations (2 n, joints) [rad] or [m] over :attr:`Tree.joints`, first those of the inertias; the inertias
+            (n,) without armatures; the magnitudes (n,) of the gravity forces. None for robots with loops, and for those
+            of so many joints that the search would take longer than a conversion.
+    """
+    robot = unfolded(robot)
+    if robot.closures or len(of) * len(tree.links) > _SEARCHED:
+        return None
+    size = max(1, _BATCH // (2 * len(tree.links)))
+    parts = [_worst_postures(robot, tree, of[first : first + size]) for first in range(0, len(of), size)]
+    halves = [np.split(q, 2) for q, _, _ in parts]
+    postures = np.concatenate([q for half in zip(*halves, strict=True) for q in half])
+    return postures, np.concatenate([part[1] for part in parts]), np.concatenate([part[2] for part in parts])
+
+
+def _worst_postures(robot: Robot, tree: Tree, of: Sequence[int]) -> tuple[Array, Array, Array]:
+    """:func:`worst_postures` of some of the joints."""
+    links = [tree.link_index[link.name] for link in robot.links]
+    bodies = [link.mass_properties for link in robot.links]
+    coms, masses, inertias = (
+        np.array([getattr(body, field) for body in bodies]) for field in ("com", "mass", "inertia")
+    )
+    along = tree.B.T[[*of, *of], None]
+
+    def values(q: Array) -> Array:
+        """Inertias (n, m), then gravity forces (n, m), at q (2 n, m, joints)."""
+        X = tree.frames(q)
+        turned, moved = (one[..., links, :] for one in tree.twists(X, along))
+        X_WL = X[..., links, :, :]
+        R_WL, p_WL = X_WL[..., :3, :3], X_WL[..., :3, 3]
+        moved = moved + cross(turned, p_WL + rotated(R_WL, coms))
+        lifted = np.abs((moved[len(of) :] @ np.array(GRAVITY)) @ masses)
+        inside = rotated(R_WL.swapaxes(-1, -2), turned)[: len(of)]
+        energy = dot(inside, rotated(inertias, inside)).sum(axis=-1) + dot(moved, moved)[: len(of)] @ masses
+        return np.concatenate([energy, lifted])
+
+    near = [sorted(tree.related(one), key=lambda other: abs(int(other) - one))[:_VARIED] for one in of]
+    q = where_largest(robot, tree, [sorted(one) for one in (*near, *near)], values)
+    inertia, weight = np.split(values(q[:, None])[:, 0], 2)
+    return q, inertia, weight
 
 
 class _Walks:

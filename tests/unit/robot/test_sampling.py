@@ -9,11 +9,10 @@ import pytest
 from stepbot.geometry.spatial import Array
 from stepbot.robot.closures import Loops
 from stepbot.robot.dynamics import equations_of_motion
-from stepbot.robot.gains import worst_postures
 from stepbot.robot.kinematics import Tree, complete, initial_configuration, moving_joints
 from stepbot.robot.model import Limit, Robot
 from stepbot.robot.multi_dof import unfolded
-from stepbot.robot.sampling import sampled
+from stepbot.robot.sampling import sampled, worst_postures
 from tests.closed_mechanisms import delta, four_bar_angles, slider_crank, stewart
 from tests.mechanisms import floating
 from tests.robots import ROBOTS, four_bar, four_bar_with_zeros, one_link, two_link_arm
@@ -120,7 +119,9 @@ def test_no_random_posture_is_worse_than_the_worst(name: str) -> None:
         return np.diag(tree.B.T @ equations.mass_matrix @ tree.B), np.abs(equations.gravity @ tree.B)
 
     n = len(tree.independent)
-    postures, inertia, weight = worst_postures(robot, tree, range(n))
+    worst = worst_postures(robot, tree, range(n))
+    assert worst is not None
+    postures, inertia, weight = worst
     there = [seen(q) for q in postures]
     np.testing.assert_allclose(inertia, [there[i][0][i] for i in range(n)], rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(weight, [there[n + i][1][i] for i in range(n)], rtol=1e-9, atol=1e-9)
