@@ -65,13 +65,14 @@ def _scaled(text: str, factor: float) -> str:
     return " ".join(repr(factor * float(word)) for word in text.split())
 
 
-def differences(first: Path, other: Path, written_in: str) -> str:
+def differences(first: Path, other: Path, written_in: str, *, by_diff: bool = True) -> str:
     """What differs between two files; empty if they are called equal.
 
     Args:
         first: The first file.
         other: The other file.
         written_in: The format of both.
+        by_diff: Whether ``diff`` compares them; else ``verify``, which takes no words for another robot.
     """
 
     def observe(engine: Engine, request: Request) -> Observation | None:
@@ -88,7 +89,8 @@ def differences(first: Path, other: Path, written_in: str) -> str:
     ours, theirs = (_seen(path, written_in, asked.requests[path.as_posix()]) for path in formats)
     if ours is None or theirs is None:
         return "refused"
-    failed = [one for one in compared_with_first(ours, theirs, asked) if one.deviations.failures and not one.not_run]
+    results = compared_with_first(ours, theirs, asked, whole=by_diff)
+    failed = [one for one in results if one.deviations.failures and not one.not_run]
     return "; ".join(f"{one.quantity.value}: {one.deviations.failures[0]}" for one in failed)
 
 

@@ -194,10 +194,7 @@ def _compare_dynamics(deviations: Deviations, reference: Observation, observed: 
     for a, b in _moving_pairs(reference, observed):
         if a.dynamics is None or b.dynamics is None:
             continue
-        is_sprung = a.dynamics.stiffness or b.dynamics.stiffness
         for name in a.dynamics_fields:
-            if name == "spring_reference" and not is_sprung:  # without a spring there is no rest
-                continue
             expected = getattr(a.dynamics, name)
             if name in b.dynamics_fields:
                 words = f"{name.replace('_', ' ')} of joint '{a.name}'"

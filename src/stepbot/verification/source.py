@@ -149,8 +149,8 @@ def _comparable(gathered: Gathered) -> Gathered:
 
     These are the name of the robot, names of shapes to which the source gives none or that several of a link have,
     colours of shapes without one, contact properties that are PyBullet's own, groups of shapes, ranges of actuators
-    beyond the limits of their joints, limits of 0, and ambient colours: one that is not the diffuse colour is reported
-    as lost.
+    beyond the limits of their joints, limits of 0, where springs without stiffness are at rest, and ambient colours:
+    one that is not the diffuse colour is reported as lost.
     """
     seen = gathered.observation
 
@@ -170,9 +170,14 @@ def _comparable(gathered: Gathered) -> Gathered:
         )
 
     links = tuple(replace(link, visuals=plain(link.visuals), collisions=plain(link.collisions)) for link in seen.links)
-    return replace(
-        gathered, observation=with_effective_ranges(without_stand_ins(replace(seen, name=None, links=links)))
+    joints = tuple(
+        replace(joint, dynamics=replace(joint.dynamics, spring_reference=0.0))
+        if joint.dynamics is not None and not joint.dynamics.stiffness
+        else joint
+        for joint in seen.joints
     )
+    bare = without_stand_ins(replace(seen, name=None, links=links, joints=joints))
+    return replace(gathered, observation=with_effective_ranges(bare))
 
 
 def _stated(shape: ObservedShape) -> Surface | None:

@@ -72,7 +72,7 @@ def compare_text(
     equal = equal and all(place in a and place in b and a[place].value == b[place].value for place in settings)
     differ = [one for place, one in a.items() if place in b and b[place].value != one.value]
     differ = [one for one in differ if not means_the_same(one.place, one.value, b[one.place].value, a)]
-    alone = whole and len([one for one in differ if _may_make_up_for_another(one)]) == 1 and set(a) == set(b)
+    alone = len([one for one in differ if _may_make_up_for_another(one)]) == 1 and set(a) == set(b)
     for one in differ:
         other, in_other_words = b[one.place], _is_in_other_words(one) and not alone
         if one.read and (not equal or in_other_words):
