@@ -585,6 +585,26 @@ def test_friction_for_gazebo_alone(contact: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+def test_a_command_interface_of_a_follower(tmp_path: Path) -> None:
+    """Grippers claim mimic joints, too: what follows has no gains, and MuJoCo took 0 for a motor."""
+    finger = f'<link name="{{0}}">{_INERTIAL}</link><joint name="to_{{0}}" type="prismatic"><parent link="base"/>'
+    finger += (
+        '<child link="{0}"/><axis xyz="0 {1} 0"/><limit lower="0" upper="0.04" effort="20" velocity="0.1"/>{2}</joint>'
+    )
+    mimic = '<mimic joint="to_left"/>'
+    claims = "".join(
+        f'<joint name="to_{one}"><command_interface name="position"/></joint>' for one in ("left", "right")
+    )
+    control = (
+        f'<ros2_control name="hand" type="system"><hardware><plugin>a/B</plugin></hardware>{claims}</ros2_control>'
+    )
+    fingers = finger.format("left", 1, "") + finger.format("right", -1, mimic)
+    proven(tmp_path, ".urdf", urdf(_SOLID.format("") + fingers + control), "urdf", "sdf", "mjcf")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    assert [model.actuator(n).name for n in range(model.nu)] == ["to_left_position"]
+
+
+@pytest.mark.slow
 def test_two_contacts_of_one_link(tmp_path: Path) -> None:
     """PyBullet reads the first one, and of each property the first in it."""
     twice = '<contact><restitution value="0.2"/><restitution value="0.3"/></contact>'

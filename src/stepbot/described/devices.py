@@ -23,9 +23,12 @@ def actuators_of(description: Description, joints: Mapping[str, Joint], found: l
     for one in _without_alternatives(description.observation, found):
         joint = joints.get(one.joint)
         powerless = _powerless(one)
-        if joint is None or joint.kind is JointKind.FIXED or one.kind not in set(ActuatorKind) or powerless:
+        known = one.kind in set(ActuatorKind)
+        leader = joint.mimic.joint if joint is not None and joint.mimic is not None else ""
+        is_led = bool(leader) and known and _gain(one) is None  # what follows has no motion to compute gains for
+        if joint is None or joint.kind is JointKind.FIXED or not known or powerless or is_led:
             on = f" on '{one.joint}'" if one.joint else ""
-            why = f" with a {powerless} of 0" if powerless else ""
+            why = f" with a {powerless} of 0" if powerless else f", which follows '{leader}'" if is_led else ""
             text = f"actuator '{one.name}' of type '{one.kind}'{on}{why}: not converted"
             found.append(Finding(DEVICE, text, (Quantity.ACTUATORS,)))
             continue
