@@ -15,6 +15,7 @@ from stepbot.pipeline.conversion import Options
 from stepbot.pipeline.differences import differing_robots
 from stepbot.robot.mesh_files import share_meshes
 from stepbot.runtime.output import write_atomically
+from tests.mutation.extras import with_extras
 from tests.random_robots import drawn_robot, widened
 
 from .rewriting import rewritten
@@ -108,6 +109,29 @@ def test_many_conversions_pass_their_proof(seed: int, tmp_path: Path) -> None:
             for wide in (False, True):
                 folder = tmp_path / f"{one}_{written_in}_{wide}"
                 assert not _errors(one, written_in, folder, wide=wide), (one, written_in, wide)
+
+
+def _errors_of_field(seed: int, written_in: str, folder: Path) -> list[str]:
+    """The errors of a conversion of a file with what stepbot never writes, but those about what it does not convert."""
+    robot = widened(Random(f"{seed} wide"), drawn_robot(Random(seed)))
+    files = render(share_meshes(robot), written_in, Diagnostics())
+    name = next(iter(files))
+    write_atomically({**files, name: with_extras(written_in, files[name], Random(seed))}, folder / "in")
+    return [one for one in _errors_of(folder / "in" / name, folder / "out") if "[SB861]" not in one]
+
+
+@pytest.mark.slow
+def test_conversion_of_a_description_of_the_field_passes_its_proof(tmp_path: Path) -> None:
+    """Contacts for Gazebo and for PyBullet, solvers, plugins, lights and further drives: known ones are converted."""
+    assert not _errors_of_field(1, "urdf", tmp_path)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(200, 220))
+@pytest.mark.parametrize("written_in", FORMATS)
+def test_many_descriptions_of_the_field(seed: int, written_in: str, tmp_path: Path) -> None:
+    """The same, of more robots."""
+    assert not _errors_of_field(seed, written_in, tmp_path)
 
 
 @pytest.mark.slow
