@@ -2,8 +2,12 @@
 
 from math import pi
 
+import numpy as np
 import pytest
 
+from stepbot.draft.evidence.mobility import Hinge, mobility
+from stepbot.draft.parts.axis import Axis
+from stepbot.draft.parts.clusters import Clusters
 from tests.assembled import Node, cut, inferred, joints, links, part, turned
 from tests.solids import Solid, box, cylinder
 
@@ -178,3 +182,18 @@ def test_a_finger_that_a_block_on_two_rods_moves(fit: str) -> None:
         ("revolute", "finger", "frame"),
         ("revolute", "finger", "link"),
     ]
+
+
+def test_bodies_that_no_loop_connects_may_be_one() -> None:
+    """Two loops, each of a frame and three bars, and a bar between them: the frames may stand on one plate."""
+    corners = [(0.0, 0.0), (0.0, 0.1), (0.2, 0.1), (0.2, 0.0)]
+    hinges = []
+    for first, x in ((0, 0.0), (4, 0.5)):
+        places = [Axis(np.array([x + u, v, 0.0]), np.array([0.0, 0.0, 1.0])) for u, v in corners]
+        hinges += [Hinge(axis, first + n, first + (n + 1) % 4) for n, axis in enumerate(places)]
+    up = np.array([0.0, 0.0, 1.0])
+    hinges += [Hinge(Axis(np.array([x, 0.1, 0.0]), up), body, 8) for x, body in ((0.1, 2), (0.6, 6))]
+    found = mobility(hinges, Clusters(range(9)))
+    assert found is not None
+    assert found.turning == set(range(10))
+    assert {(a < 4, b < 4) for a, b in found.apart} == {(True, True), (False, False)}

@@ -281,3 +281,19 @@ def test_what_touches_the_case_alone_holds_a_motor_with_a_drawn_output() -> None
     found = inferred(part("plate", wall), part("motor N20", motor), part("motor gear", gear, z=4))
     assert joints(found) == [("revolute", "motor N20", "motor gear")]
     assert {"plate", "motor N20"} in links(found)
+
+
+@pytest.mark.parametrize(("beyond", "is_doubted"), [(60.0, True), (0.0, False)])
+def test_a_rod_through_a_motor_may_be_the_screw_of_a_linear_one(beyond: float, *, is_doubted: bool) -> None:
+    """A rod in the bore of a motor has a mark, unmarked as its shaft, if it is out of both ends of the case."""
+    motor = box(35, 35, 36).at(0, 0, -18) - cylinder(2.5, 36).at(0, 0, -36)
+    for x, y in product((-13, 13), (-13, 13)):
+        motor -= cylinder(1.5, 8).at(x, y, -8)
+    plate = box(60, 60, 8).at(0, 0, 4) - cylinder(5, 8)
+    for x, y in product((-13, 13), (-13, 13)):
+        plate -= cylinder(1.6, 8).at(x, y, 0)
+    rod, block = cylinder(2.5, 66 + beyond), box(40, 20, 8).at(6, 0, 34) - cylinder(2.5, 8).at(0, 0, 30)
+    nodes = [part("plate", plate), part("NEMA 14", motor), part("rod", rod, z=-26 - beyond), part("block", block)]
+    (arc,) = inferred(*nodes).arcs
+    assert arc.evidence.drives
+    assert ("end to end" in arc.evidence.review) == is_doubted

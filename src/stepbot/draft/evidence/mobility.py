@@ -65,7 +65,13 @@ def mobility(hinges: Sequence[Hinge], bodies: Clusters) -> Mobility | None:
     free = basis[int((values > _NULL).sum()) :]
     moves = np.abs(np.array(turns) @ free.T).max(axis=1, initial=0.0) > _NULL
     turning = set(np.flatnonzero(moves).tolist())
-    return Mobility(turning, looped & turning, _moving_pairs(moving, free) if looped & turning else [])
+    tied = Clusters(moving)
+    for n in looped & turning:
+        tied.join(*ends[n])
+    # What no loop connects may rest on one body, as the brackets at both ends of a chain.
+    pairs = _moving_pairs(moving, free) if looped & turning else []
+    apart = [(a, b) for a, b in pairs if tied.find(a) == tied.find(b)]
+    return Mobility(turning, looped & turning, apart)
 
 
 def _in_loops(ends: Sequence[tuple[int, int]], bodies: Sequence[int]) -> set[int]:

@@ -14,7 +14,7 @@ from stepbot.draft.contacts.relations import Relation, Via, merged, reach
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor, is_even
-from stepbot.draft.evidence.near_outputs import NearOutput, alone, clips, idlers
+from stepbot.draft.evidence.near_outputs import NearOutput, alone, clips, idlers, through
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
@@ -358,7 +358,7 @@ class _OneMotor:
             for o in mine:
                 self._found.weld(0.94, o, side.part, f"fastened to the output of '{self._motor.path}'")
             if not mine:
-                self._joint(side.part, score, why, review)
+                self._joint(side.part, score, why, review or through(self._survey, self._motor, side.whole))
                 self._mount(side.part)
         for o in anchors:
             self._joint(o, score, why, review)

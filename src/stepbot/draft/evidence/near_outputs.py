@@ -29,6 +29,7 @@ _WIDE = 0.15
 """Radius of a motor's case as a share of its size, at least."""
 _TWIN = 1e-4
 """Share of a volume up to which two parts are equal."""
+_REVIEW_THROUGH = "a rod through the motor from end to end: the screw of a linear motor slides in it"
 _REVIEW_ALONE = "nothing else touches the motor: what is on its shaft may hold it"
 
 
@@ -43,6 +44,15 @@ def alone(survey: Survey, motor: Motor, outputs: Sequence[int], relations: Itera
     shafts = (fit for r in relations for fit in r.shafts if fit.shaft == motor.case and fit.full)
     is_on_shaft = motor.is_named and any(fit.radius < thin for fit in shafts)
     return (_ON_SHAFT, _REVIEW_ALONE) if is_on_shaft else (0.0, "")
+
+
+def through(survey: Survey, motor: Motor, r: Relation) -> str:
+    """What to review of a rod in the bore of a motor's case that reaches out of both ends of it; empty for others."""
+    for fit in r.shafts if motor.case in (r.a, r.b) else ():
+        (low, high), (start, end) = (survey.scene.span(i, fit.axis.d) for i in (motor.case, r.other(motor.case)))
+        if fit.shaft == r.other(motor.case) and low - start > fit.radius and end - high > fit.radius:
+            return _REVIEW_THROUGH
+    return ""
 
 
 def idlers(survey: Survey, axis: Axis, driven: Collection[int], others: Iterable[int]) -> set[int]:
