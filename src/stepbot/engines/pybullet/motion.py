@@ -143,8 +143,10 @@ def _driven(
     threshold = 0.0 if slowly else _THRESHOLD
     engine.setPhysicsEngineParameter(numSolverIterations=sweeps, solverResidualThreshold=threshold)
     held = [_Held(body, closure, _points(closure, request)) for closure in closures]
-    of_gears = gears(body, {k: v for k, v in request.mimics.items() if k in joints}, strength(body))
-    driven, others = [one for one in request.driven if one in joints], body.coordinates.keys() - joints
+    # What mimics a driven joint is driven, too: gears give way, and near a dead centre loops multiply that.
+    driven = [one for one in body.coordinates if one in joints and _leader(request, one) in request.driven]
+    geared = {name: mimic for name, mimic in request.mimics.items() if name in joints and name not in driven}
+    of_gears, others = gears(body, geared, strength(body)), body.coordinates.keys() - joints
     following, deviation = joints.difference(driven), 0.0
     for way in (way for way in request.ways if any(q[name] != way[0][name] for q in way for name in driven)):
         body.set(way[0])
@@ -166,11 +168,6 @@ def _coupled(body: "Body", request: Request) -> list[tuple[list[LoopClosure], se
     """The closures in groups that have joints, or leaders of joints, in common, each with all of these joints."""
     above = {body.links[info[0] + 1]: (body.name(info[0]), body.links[info[16] + 1]) for info in body.joints}
 
-    def leader(name: str) -> str:
-        while name in request.mimics:
-            name = request.mimics[name].joint
-        return name
-
     def way_up(link: str) -> set[str]:
         names = set()
         while link in above:
@@ -180,12 +177,21 @@ def _coupled(body: "Body", request: Request) -> list[tuple[list[LoopClosure], se
 
     groups: list[tuple[list[LoopClosure], set[str]]] = []
     for closure in request.closures:
-        closures, joints = [closure], {leader(name) for name in way_up(closure.link_a) ^ way_up(closure.link_b)}
+        closures, joints = [closure], {_leader(request, one) for one in way_up(closure.link_a) ^ way_up(closure.link_b)}
         for group in [group for group in groups if group[1] & joints]:
             groups.remove(group)
             closures, joints = [*group[0], *closures], joints | group[1]
         groups.append((closures, joints))
-    return [(closures, {one for one in body.coordinates if leader(one) in joints}) for closures, joints in groups]
+    return [
+        (closures, {one for one in body.coordinates if _leader(request, one) in joints}) for closures, joints in groups
+    ]
+
+
+def _leader(request: Request, name: str) -> str:
+    """The joint that a joint follows by mimics, or itself."""
+    while name in request.mimics:
+        name = request.mimics[name].joint
+    return name
 
 
 class _Held:
