@@ -30,6 +30,8 @@ _OFFERED = 12
 """Maximum number of axes that were found but not drafted."""
 _OVERVIEW = 40
 """Maximum number of links in the overview."""
+_POSES = 200
+"""Poses in which a drafted robot is searched for links whose collision shapes always overlap."""
 
 
 def sidecar_text(draft: Draft, step: str, *, encoding: str = "", schema: str = SCHEMA_FILE) -> str:
@@ -222,6 +224,10 @@ def _defaults(draft: Draft) -> list[str]:
         lines += [f"defaults: {{density: todo, {_COLLISION}}}  # REVIEW: {reason}"]
     else:
         lines += [f"defaults: {{{_COLLISION}}}"]
+    if len(draft.links) > 2:  # two are adjacent
+        lines += [
+            f"self_collision: {{samples: {_POSES}}}  # excludes contacts of links that overlap in all of these poses"
+        ]
     return [*lines, ""]
 
 
