@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from stepbot.engines import engine_of
+from stepbot.verification.meaning import OF_MESHES
 from tests.simulators.conftest import skip_without
 
 from .conftest import Stepbot
@@ -337,3 +338,53 @@ def test_an_engine_that_crashes_ends_no_comparison(tmp_path: Path, stepbot: Step
         assert "SB815" in run.err
         assert "not compared in pybullet, only in mujoco" in run.err
         assert ("mass of link 'b'" in run.out) == (other is new)
+
+
+DENTED = """v 0 0 0
+v 0.1 0 0
+v 0.1 0.1 0
+v 0 0.1 0
+v 0 0 0.1
+v 0.1 0 0.1
+v 0.1 0.1 0.1
+v 0 0.1 0.1
+v 0.05 0.05 {depth}
+f 1 4 3 2
+f 1 2 6 5
+f 2 3 7 6
+f 3 4 8 7
+f 4 1 5 8
+f 5 6 9
+f 6 7 9
+f 7 8 9
+f 8 5 9
+"""
+"""A cube of 0.1 m with a dent in its upper face, which no box around it shows."""
+MESHED = {
+    "urdf": """<robot name="dented"><link name="base"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+<visual name="seen"><geometry><mesh filename="dented.obj"/></geometry></visual></link></robot>""",
+    "sdf": """<sdf version="1.9"><model name="dented"><link name="base"><inertial><mass>1</mass>
+<inertia><ixx>1</ixx><iyy>1</iyy><izz>1</izz><ixy>0</ixy><ixz>0</ixz><iyz>0</iyz></inertia></inertial>
+<visual name="seen"><geometry><mesh><uri>dented.obj</uri></mesh></geometry></visual></link></model></sdf>""",
+    "xml": """<mujoco model="dented"><compiler meshdir="."/><asset><mesh name="dented" file="dented.obj"/></asset>
+<worldbody><body name="base"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+<geom name="seen" type="mesh" mesh="dented" contype="0" conaffinity="0" group="2"/></body></worldbody></mujoco>""",
+}
+
+
+@pytest.mark.slow
+@pytest.mark.mujoco
+@pytest.mark.parametrize("suffix", MESHED)
+def test_a_mesh_within_the_same_box_is_a_difference(suffix: str, tmp_path: Path, stepbot: Stepbot) -> None:
+    """A vertex that moves by a tenth of a millimetre is named; one that is rounded to single precision is not."""
+    for name, depth in (("old", "0.06"), ("rounded", "0.0600000002"), ("new", "0.0601")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / f"dented.{suffix}").write_text(MESHED[suffix], encoding="utf-8")
+        (tmp_path / name / "dented.obj").write_text(DENTED.format(depth=depth), encoding="utf-8")
+    old, rounded, new = (str(tmp_path / name / f"dented.{suffix}") for name in ("old", "rounded", "new"))
+    assert _diff(stepbot, old, rounded) == (0, [])
+    code, found = _diff(stepbot, old, new)
+    assert code == 1
+    assert {str(one["name"]).partition(",")[0].rpartition("@")[2] for one in found} == {*OF_MESHES}
+    assert stepbot("verify", old, new).code == 1

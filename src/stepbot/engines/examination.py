@@ -37,6 +37,6 @@ def examine(file: str, written_in: str, opened: str, copy: str, packages: Iterab
         return Examined(refused)
     missing = located_copy(opened, copy, packages) if written_in in _WITH_PACKAGES else ()
     try:
-        return Examined((), missing, statements(Path(opened), written_in) if stated else ())
+        return Examined((), missing, statements(Path(opened), written_in, packages) if stated else ())
     except EngineRefused:  # it is not XML, which engines report
         return Examined((), missing)

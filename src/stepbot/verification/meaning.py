@@ -24,6 +24,10 @@ Statements = Mapping[str, Statement]
 
 _TURNED = 1e-14
 """Rounding of a rotation matrix, of angles of a few turns."""
+OF_MESHES = ("area", "centroid", "gyration_radius")
+"""What is stated of the surface in a mesh file."""
+_RESHAPED = 1e-6
+"""Rounding of the vertices of a surface, relative to its size: that of single precision, and of six digits."""
 _DIRECTIONS = ("axis@xyz", "axis/xyz", "axis2/xyz", "@axis", "@zaxis", "@dir")
 _FIXED_AXES = "XYZ"
 """Roll, pitch and yaw, as a sequence of MJCF: capitals turn about fixed axes."""
@@ -42,7 +46,8 @@ def means_the_same(place: str, ours: str, theirs: str, statements: Statements) -
     if meaning is None or len(a) != len(b) or not np.isfinite([*a, *b]).all():
         return False
     one, other = (meaning(place, values, statements) for values in (a, b))
-    return one is not None and other is not None and bool(np.abs(one - other).max(initial=0.0) <= _TURNED)
+    rounding = _RESHAPED if last_of(place) in OF_MESHES else _TURNED
+    return one is not None and other is not None and bool(np.abs(one - other).max(initial=0.0) <= rounding)
 
 
 def last_of(place: str) -> str:
@@ -132,6 +137,15 @@ def _setting(statements: Statements, attribute: str, default: str) -> str:
     return stated[-1] if stated else default
 
 
+def _area(_place: str, values: Sequence[float], _statements: Statements) -> Array | None:
+    return np.log(values) if len(values) == 1 and values[0] > 0.0 else None
+
+
+def _of_surface(place: str, values: Sequence[float], statements: Statements) -> Array | None:
+    area = statements.get(f"{place.rpartition('@')[0]}@area")
+    return None if area is None else np.array(values) / float(area.value) ** 0.5
+
+
 _MEANINGS: Mapping[str, Callable[[str, Sequence[float], Statements], Array | None]] = {
     "rpy": _fixed_axes,
     "quat": _wxyz,
@@ -141,4 +155,7 @@ _MEANINGS: Mapping[str, Callable[[str, Sequence[float], Statements], Array | Non
     "axisangle": _axisangle,
     "xyaxes": _xyaxes,
     "fromto": _segment,
+    "area": _area,
+    "centroid": _of_surface,
+    "gyration_radius": _of_surface,
 }

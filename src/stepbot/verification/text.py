@@ -10,14 +10,14 @@ from stepbot.engines.observation import Quantity
 
 from .compare import Compared
 from .deviation import Deviations
-from .meaning import last_of, means_the_same, numbers
+from .meaning import OF_MESHES, last_of, means_the_same, numbers
 
 _EQUAL = Tolerance(absolute=1e-13, relative=1e-9)
 _SETTINGS = ("@angle", "@eulerseq", "@autolimits", "@inertiafromgeom", "@balanceinertia", "@settotalmass")
 """Settings of an MJCF by which other numbers change their meaning."""
 _IN_OTHER_WORDS = (
     "xyz rpy pos quat axisangle xyaxes zaxis euler fromto pose axis qpos size scale radius length "
-    "fullinertia diaginertia ixx ixy ixz iyy iyz izz"
+    "fullinertia diaginertia ixx ixy ixz iyy iyz izz area centroid gyration_radius"
 )
 """Numbers that may differ between files of one robot: engines report the poses, shapes and inertias that they make,
 to a tolerance. One such number that differs alone makes no equal robot, and is compared as it stands."""
@@ -72,7 +72,8 @@ def compare_text(
     equal = equal and all(place in a and place in b and a[place].value == b[place].value for place in settings)
     differ = [one for place, one in a.items() if place in b and b[place].value != one.value]
     differ = [one for one in differ if not means_the_same(one.place, one.value, b[one.place].value, a)]
-    alone = len([one for one in differ if _may_make_up_for_another(one)]) == 1 and set(a) == set(b)
+    others = [one for one in differ if _may_make_up_for_another(one)]
+    alone = set(a) == set(b) and (len(others) == 1 or all(last_of(one.place) in OF_MESHES for one in others))
     for one in differ:
         other, in_other_words = b[one.place], _is_in_other_words(one) and not alone
         if one.read and (not equal or in_other_words):

@@ -1,12 +1,21 @@
-"""Everything that a description states, place by place: for what no engine reports, the text itself is compared."""
+"""Everything that a description states, place by place: for what no engine reports, the text itself is compared.
+
+What a mesh file contains is stated at the element that names the file: the area of its surface, the centroid of that,
+and its radius of gyration about the centroid. Engines report no more of a mesh than its box.
+"""
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from stepbot.geometry.mesh_files import read_content
+
+from ..resources import resolve
 from ..xml import xml_root
 from .mjcf_vocabulary import MJCF
 from .sdf_vocabulary import AROUND, MODEL
@@ -30,8 +39,11 @@ class Statement:
     """Whether it reaches the model, so that engines can be expected to report it."""
 
 
-def statements(file: Path, written_in: str) -> tuple[Statement, ...]:
+def statements(file: Path, written_in: str, packages: Iterable[Path] = ()) -> tuple[Statement, ...]:
     """The statements of a file; none of a format that is not XML.
+
+    Args:
+        packages: Folders of packages, or those that contain them, in which meshes are searched, too.
 
     Raises:
         EngineRefused: The file is not XML.
@@ -40,7 +52,48 @@ def statements(file: Path, written_in: str) -> tuple[Statement, ...]:
     if vocabulary is None:
         return ()
     top = xml_root(file)
-    return tuple(_below(top, vocabulary))
+    of_meshes = _Surfaces(top, file, tuple(packages))
+    return tuple(_below(top, vocabulary, of_meshes))
+
+
+class _Surfaces:
+    """The surfaces of the mesh files that a description names; each file is read once."""
+
+    def __init__(self, top: Any, file: Path, packages: tuple[Path, ...]) -> None:
+        self._file, self._packages, self._known = file, packages, dict[Path, Mapping[str, str]]()
+        folders = [one.get("meshdir") or one.get("assetdir") or "" for one in top.iterfind("compiler")]
+        self._folder = next((folder for folder in reversed(folders) if folder), "")
+
+    def of(self, element: Any) -> Mapping[str, str]:
+        """Numbers by name; empty for another element than that of a mesh, and where there are no triangles to read."""
+        if element.tag != "mesh":
+            return {}
+        in_folder = element.get("file", "")
+        uri = element.get("filename") or (element.findtext("uri") or "").strip() or in_folder
+        path = resolve(str(Path(self._folder, uri)) if in_folder else uri, self._file, self._packages) if uri else None
+        if path is None:
+            return {}
+        if path not in self._known:
+            self._known[path] = _surface(path)
+        return self._known[path]
+
+
+def _surface(path: Path) -> Mapping[str, str]:
+    content = read_content(path)
+    if content is None:
+        return {}
+    corners = content.mesh.vertices[content.mesh.faces]
+    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    area = float(areas.sum())
+    if not area > 0.0:
+        return {}
+    middles = corners.mean(axis=1)
+    centroid = (areas[:, None] * middles).sum(axis=0) / area
+    # The mean of a square over a triangle, from its values at the corners and, three times as heavy, in the middle.
+    at_corners, in_middle = (np.square(p - centroid).sum(axis=-1) for p in (corners, middles))
+    gyration = float((areas * (at_corners.sum(axis=1) + 9.0 * in_middle)).sum() / (12.0 * area)) ** 0.5
+    values = {"area": [area], "centroid": centroid.tolist(), "gyration_radius": [gyration]}
+    return {name: " ".join(map(repr, numbers)) for name, numbers in values.items()}
 
 
 def _short(place: str) -> str:
@@ -51,7 +104,7 @@ def _short(place: str) -> str:
     return f"({sha256(head.encode()).hexdigest()[:12]}){tail}"
 
 
-def _below(top: Any, vocabulary: Vocabulary) -> Iterator[Statement]:
+def _below(top: Any, vocabulary: Vocabulary, of_meshes: _Surfaces) -> Iterator[Statement]:
     """The statements in the order of the file, without recursion: elements may be nested by thousands."""
     waiting = [(top, str(top.tag), str(top.tag), vocabulary, True)]
     while waiting:
@@ -60,6 +113,8 @@ def _below(top: Any, vocabulary: Vocabulary) -> Iterator[Statement]:
             yield Statement(f"{place}@{name}", value, read and vocabulary.reads(path, name, str(element.tag)))
         if text := (element.text or "").strip():
             yield Statement(place, text, read)
+        for name, value in of_meshes.of(element).items():
+            yield Statement(f"{place}@{name}", value, read)
         children, numbers = [], Counter[str]()
         for child in (child for child in element if isinstance(child.tag, str)):
             words, below = vocabulary, vocabulary.below(path, child)

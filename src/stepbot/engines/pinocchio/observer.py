@@ -203,11 +203,17 @@ class _Built:
                 yield self._moving(frame, parent, child, mimics)
 
     def _link_above(self, frame: Any) -> str:
-        """The link that is the parent of a joint's frame."""
-        above = self.model.frames[frame.parentFrame]
-        while above.type != self.engine.FrameType.BODY:
-            above = self.model.frames[above.parentFrame]
-        return str(above.name)
+        """The link that is the parent of a joint's frame.
+
+        Raises:
+            EngineCannotRead: The joint moves a body of the world, which is no link of the model.
+        """
+        index = frame.parentFrame
+        while index and self.model.frames[index].type != self.engine.FrameType.BODY:
+            index = self.model.frames[index].parentFrame
+        if not index:
+            raise EngineCannotRead(f"Pinocchio keeps no world, to which '{frame.name}' is a joint")
+        return str(self.model.frames[index].name)
 
     def _moving(self, frame: Any, parent: str, child: str, mimics: Mapping[str, Mimic] | None) -> ObservedJoint:
         model, joint = self.model, self.model.joints[frame.parentJoint]
