@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 from lxml import etree
 
+import stepbot
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.observation import EngineRefused, Quantity
 from stepbot.formats.rendering import render
+from stepbot.report.results import Status
 from stepbot.robot.dynamics import equations_of_motion
 from stepbot.robot.kinematics import moving_joints
 from stepbot.robot.model import JointDynamics
@@ -248,3 +250,21 @@ def test_libsdformat_calls_later_versions_valid(arm: Folder) -> None:
     with pytest.raises(RemoteError, match=r"version 9\.9") as caught:
         call_isolated("stepbot.engines.libsdformat.observer:observe", replace(arm.request("sdf"), file=str(path)))
     assert caught.value.kind == "EngineCannotRead"
+
+
+@pytest.mark.parametrize("engine", ["drake", "pinocchio"])
+def test_a_body_that_is_hinged_to_the_world_is_left_to_other_engines(engine: str, tmp_path: Path) -> None:
+    """Neither reports the world: Drake lacks the joint, and the search for the link above it did not end."""
+    skip_without(engine)
+    file = tmp_path / "cart.xml"
+    file.write_text(
+        """<mujoco model="cart"><worldbody><body name="a"><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+<joint name="j" axis="0 0 1"/></body></worldbody></mujoco>""",
+        encoding="utf-8",
+    )
+    verified = stepbot.verify(file)
+    assert not [str(one) for one in verified.diagnostics if one.severity == "error"]
+    own = [check for check in verified.report.checks if check.engine == engine]
+    (reason,) = {check.why for check in own}
+    assert {check.status for check in own} == {Status.NOT_RUN}
+    assert "world" in reason

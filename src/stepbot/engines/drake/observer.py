@@ -118,7 +118,8 @@ def _messages(path: Path) -> Iterator[list[str]]:
 
 
 def _check_mjcf(path: Path) -> None:
-    """Reject known failures of Drake: bodies with several joints or no mass, infinite ranges, meshes other than OBJ.
+    """Reject known failures of Drake: bodies with several joints or no mass, infinite ranges, meshes other than OBJ, and
+    bodies that joints connect to the world, which its models do not contain.
 
     Raises:
         EngineCannotRead: The file has one of them.
@@ -132,6 +133,9 @@ def _check_mjcf(path: Path) -> None:
         raise EngineCannotRead("Drake reads meshes of an MJCF as OBJ only")
     if any(float(inertial.get("mass") or 1.0) == 0.0 for inertial in top.iter("inertial")):
         raise EngineCannotRead("Drake aborts on a massless body in MJCF")
+    hinged = (joint for world in top.iter("worldbody") for joint in world.iterfind("body/joint"))
+    if any(joint.get("type") != "free" for joint in hinged):
+        raise EngineCannotRead("Drake's models do not contain the world, to which a joint connects a body")
 
 
 def _static(built: Built, request: Request) -> Observation:
