@@ -118,8 +118,9 @@ def _messages(path: Path) -> Iterator[list[str]]:
 
 
 def _check_mjcf(path: Path) -> None:
-    """Reject known failures of Drake: bodies with several joints or no mass, infinite ranges, meshes other than OBJ, and
-    bodies that joints connect to the world, which its models do not contain.
+    """Reject known failures of Drake: bodies with several joints or no mass, infinite ranges, meshes other than OBJ.
+
+    Neither are bodies read that joints connect to the world, which Drake's models do not contain.
 
     Raises:
         EngineCannotRead: The file has one of them.
