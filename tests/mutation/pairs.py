@@ -14,7 +14,7 @@ from stepbot.engines.description.statements import statements
 from stepbot.engines.observation import EngineCannotRead, Observation, Request
 from stepbot.engines.workers import Fate, Outcome
 from stepbot.verification.files import ask
-from stepbot.verification.judging import compared_with_first, ranked
+from stepbot.verification.judging import _compared_across, ranked
 from stepbot.verification.merged_observation import Gathered, gather
 from stepbot.verification.probe import Probe
 
@@ -89,7 +89,7 @@ def differences(first: Path, other: Path, written_in: str, *, by_diff: bool = Tr
     ours, theirs = (_seen(path, written_in, asked.requests[path.as_posix()]) for path in formats)
     if ours is None or theirs is None:
         return "refused"
-    results = compared_with_first(ours, theirs, asked, whole=by_diff)
+    results = _compared_across(ours, theirs, asked, first=True, whole=by_diff)
     failed = [one for one in results if one.deviations.failures and not one.not_run]
     return "; ".join(f"{one.quantity.value}: {one.deviations.failures[0]}" for one in failed)
 

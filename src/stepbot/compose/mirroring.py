@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stepbot.geometry.inertia import MassProperties
-from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.mesh import TriMesh, surface_moments
 from stepbot.geometry.spatial import Array, Pose, Vector3, tidy
 from stepbot.robot.mesh_names import UniqueNames
 from stepbot.robot.model import (
@@ -196,9 +196,7 @@ def _same_shape(mesh: TriMesh, moved: Array) -> bool:
 
 
 def _moments(points: Array, faces: NDArray[np.int32]) -> Array:
-    """Area, first and second moments of a surface: independent of how flat faces are divided into triangles."""
-    corners = points[faces]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    centre = corners.mean(axis=1)
-    second = np.einsum("n,nki,nkj->ij", area, corners, corners) + 9.0 * np.einsum("n,ni,nj->ij", area, centre, centre)
-    return np.concatenate([[area.sum()], area @ centre, second.ravel() / 12.0])
+    """Twice the area, the first and the second moments of a surface, about the origin."""
+    area, centroid, second = surface_moments(points, faces)
+    about_origin = second + area * np.outer(centroid, centroid)
+    return 2.0 * np.concatenate([[area], area * centroid, about_origin.ravel()])

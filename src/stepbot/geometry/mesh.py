@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .fixed_point import distinct_rows, fixed_point_lines
-from .spatial import Array, Pose, Vector3, bounds
+from .spatial import Array, Pose, Vector3, bounds, cross
 
 GRID_DECIMALS = 9
 GRID_PER_METRE = 10.0**GRID_DECIMALS
@@ -78,6 +78,30 @@ def signed_volume(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> fl
         return 0.0
     a, b, c = (vertices[faces[:, k]] - vertices.mean(axis=0) for k in range(3))
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
+
+
+def triangle_areas(corners: Array) -> Array:
+    """Areas (m,) [m^2] of triangles (m, 3, 3) [m]."""
+    a, b, c = (corners[:, k] for k in range(3))
+    return np.asarray(0.5 * np.linalg.norm(cross(b - a, c - a), axis=1))
+
+
+def surface_moments(vertices: Array, faces: NDArray[np.int32]) -> tuple[float, Array, Array]:
+    """Of a surface the area [m^2], the centroid (3,) [m], and the integral of x x^T (3, 3) [m^4] about the centroid.
+
+    They do not depend on how flat faces are divided into triangles. All are 0 without area.
+    """
+    corners = vertices[faces]
+    areas = triangle_areas(corners)
+    area = float(areas.sum())
+    if not area > 0.0:
+        return 0.0, np.zeros(3), np.zeros((3, 3))
+    centroid = (areas[:, None] * corners.mean(axis=1)).sum(axis=0) / area
+    about = corners - centroid
+    total = about.sum(axis=1)
+    # Of a triangle with corners a, b, c: area / 12 (a a^T + b b^T + c c^T + s s^T), s = a + b + c.
+    second = (np.einsum("t,tki,tkj->ij", areas, about, about) + np.einsum("t,ti,tj->ij", areas, total, total)) / 12.0
+    return area, centroid, second
 
 
 def merged(mesh: TriMesh) -> TriMesh:

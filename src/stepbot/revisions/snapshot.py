@@ -12,7 +12,7 @@ from math import floor, log10
 import numpy as np
 
 from stepbot.assemble.bound import Bound, PlacedJoint
-from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.mesh import TriMesh, surface_moments
 from stepbot.geometry.spatial import IDENTITY3, ZERO3, Array, Matrix3, Pose, Vector3, matrix3, vector3
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.sidecar.component_paths import component_paths
@@ -221,16 +221,9 @@ def _of_volume(
 
 def _of_surface(kind: str, faces: tuple[tuple[str, int], ...], mesh: TriMesh) -> Shape:
     """Area, centroid and second moments of the triangles of a mesh."""
-    corners = mesh.vertices[mesh.faces]
-    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    area = float(areas.sum())
-    if not area > 0.0:
+    area, com, second = surface_moments(mesh.vertices, mesh.faces)
+    if not area:
         return Shape(kind, faces, NOTHING)
-    com = (areas[:, None] * corners.mean(axis=1)).sum(axis=0) / area
-    about = corners - com
-    total = about.sum(axis=1)
-    # Of a triangle with corners a, b, c: integral of x x^T = area / 12 (a a^T + b b^T + c c^T + s s^T), s = a + b + c.
-    second = (np.einsum("t,tki,tkj->ij", areas, about, about) + np.einsum("t,ti,tj->ij", areas, total, total)) / 12.0
     inertia = np.trace(second) * np.eye(3) - second
     return Shape(kind, faces, AREA, _significant(area), _rounded(com), _six(inertia), _AREA_ERROR)
 

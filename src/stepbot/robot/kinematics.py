@@ -7,6 +7,7 @@ translate along it, screws do both. The coordinates of a multi-dof joint are tho
 """
 
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
 from math import pi
 
 import numpy as np
@@ -141,13 +142,21 @@ class Tree:
 
     def related(self, coordinate: int) -> NDArray[np.intp]:
         """Indices of the independent joints that move a link which the given one moves: above it, itself, below it."""
-        moved = self._above @ (self.B != 0.0)
-        return np.flatnonzero(moved[moved[:, coordinate]].any(axis=0))
+        return np.flatnonzero(self._moved[self._moved[:, coordinate]].any(axis=0))
 
     def depths(self) -> NDArray[np.intp]:
         """The largest number of independent joints above a link that each of them moves."""
-        moved = self._above @ (self.B != 0.0)
-        return np.array([int(moved[column].sum(axis=1).min()) - 1 for column in moved.T], dtype=np.intp)
+        return np.array([int(self._moved[links].sum(axis=1).min()) - 1 for links in self._moved.T], dtype=np.intp)
+
+    @cached_property
+    def _moved(self) -> NDArray[np.bool_]:
+        """Whether each link (links, k) is moved by each independent joint."""
+        return np.asarray(self._above @ (self.B != 0.0))
+
+    def _axes(self, X: Array) -> tuple[Array, Array]:
+        """Directions of the joints' axes, and their origins [m], (..., n, 3) in the world."""
+        frames = X[..., self._child, :, :]
+        return np.einsum("...nij,nj->...ni", frames[..., :3, :3], self._axis), frames[..., :3, 3]
 
     def twists(self, X: Array, along: Array) -> tuple[Array, Array]:
         """Velocities of all links, per unit speed along a direction of the joints.
@@ -160,8 +169,7 @@ class Tree:
             Angular velocities [rad/s], and velocities [m/s] of the point of each link that is at the world's origin,
                 both of shape (..., links, 3).
         """
-        frames = X[..., self._child, :, :]
-        a_W, p_WC = np.einsum("...nij,nj->...ni", frames[..., :3, :3], self._axis), frames[..., :3, 3]
+        a_W, p_WC = self._axes(X)
         turned, slid = self._turn[:, None] * a_W, self._advance[:, None] * a_W
         speeds = along[..., None, :] * self._above
         return speeds @ turned, speeds @ (slid + cross(p_WC, turned))
@@ -205,8 +213,7 @@ class Tree:
             Shape (..., 6, n) or (..., m, 6, n): angular velocity [rad/s], then velocity of Q [m/s], in the world, per
                 unit speed of a joint.
         """
-        frames = X[..., self._child, :, :]
-        a_W, p_WC = np.einsum("...nij,nj->...ni", frames[..., :3, :3], self._axis), frames[..., :3, 3]
+        a_W, p_WC = self._axes(X)
         if not isinstance(link, int):
             a_W, p_WC = a_W[..., None, :, :], p_WC[..., None, :, :]
         arm = p_WQ[..., None, :] - p_WC
@@ -228,12 +235,11 @@ class Tree:
         Returns:
             Angular acceleration (m, 3) [rad/s^2] of the links, and acceleration (m, 3) [m/s^2] of the points.
         """
-        frames = X[self._child]
-        a_W = np.einsum("nij,nj->ni", frames[:, :3, :3], self._axis)
-        twists = (self.jacobian(X, self._child.tolist(), frames[:, :3, 3]) * v).sum(axis=-1)
+        a_W, p_WC = self._axes(X)
+        twists = (self.jacobian(X, self._child.tolist(), p_WC) * v).sum(axis=-1)
         turned = cross(twists[:, :3], a_W)  # an axis moves with the link that it is fixed to
         v_Q = (self.jacobian(X, links, p_WQ)[:, 3:] * v).sum(axis=-1)
-        swept = cross(turned, p_WQ[:, None] - frames[:, :3, 3]) + cross(a_W, v_Q[:, None] - twists[:, 3:])
+        swept = cross(turned, p_WQ[:, None] - p_WC) + cross(a_W, v_Q[:, None] - twists[:, 3:])
         rows = self._turn[:, None] * swept + self._advance[:, None] * turned
         speeds = np.where(self._above[links], v, 0.0)
         turning = ((self._turn * speeds)[..., None] * turned).sum(axis=1)

@@ -38,7 +38,7 @@ _VARIED = 12
 _SEARCHED = 5000
 """Largest product of joints and links of a robot whose worst postures are searched: some seconds."""
 _BATCH = 4000
-"""Links whose motion is computed for one start of all joints at once: some hundred megabytes."""
+"""Links whose motion is computed for one start of all joints at once: below 100 MB."""
 
 
 def sampled(robot: Robot, n: int, seed: int = 1) -> Array:

@@ -242,9 +242,9 @@ def _checks_across(gathered: Sequence[Gathered], asked: Asked, found: Diagnostic
                 yield judged(subject, one, found)
 
 
-def compared_with_first(ours: Gathered, theirs: Gathered, asked: Asked, *, whole: bool = True) -> tuple[Compared, ...]:
-    """The comparison of a file with the first one, with words that are not read, if ``whole``."""
-    return _compared_across(ours, theirs, asked, first=True, whole=whole)
+def compared_with_first(ours: Gathered, theirs: Gathered, asked: Asked) -> tuple[Compared, ...]:
+    """The comparison of a file with the first one."""
+    return _compared_across(ours, theirs, asked, first=True, whole=True)
 
 
 def _compared_across(

@@ -29,12 +29,12 @@ _NAMES = (
 """Words by which one robot may be described in several ways, and whose effect engines report."""
 _DEFAULTS = {"mujoco/option@timestep": "0.002", "mujoco/option@integrator": "Euler", "/static": "false"}
 """What files mean that leave out what is read, but what no engine reports, by the end of the place."""
+_MODEL = re.compile(r"^sdf(/world[^/]*)?/model[^/]*/pose$")
+"""The place of a model in its world."""
 _UNREPORTED = re.compile(
-    r"^robot/(transmission|ros2_control|gazebo)\b|^robot/link[^/]*/contact/|^sdf(/world[^/]*)?/model[^/]*/pose$|"
-    r"/surface/.*/|/plugin\b"
+    rf"^robot/(transmission|ros2_control|gazebo)\b|^robot/link[^/]*/contact/|{_MODEL.pattern}|/surface/.*/|/plugin\b"
 )
 """Places of what is read and reported by no engine, or by one that may not be installed, but actuators and sensors."""
-_MODEL = re.compile(r"^sdf(/world[^/]*)?/model[^/]*/pose$")
 _LEFT_OUT = {
     **dict.fromkeys(("mu", "mu1", "mu2", "allow_auto_disable", "cast_shadows"), 1.0),
     **dict.fromkeys(("restitution_coefficient", "pose", "self_collide", "kinematic", "enable_wind"), 0.0),

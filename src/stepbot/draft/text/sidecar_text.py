@@ -202,7 +202,7 @@ def _actuators(draft: Draft, names: DraftNames) -> list[str]:
 
 
 def _defaults(draft: Draft) -> list[str]:
-    """Densities that the STEP lacks, typical ones by name and a placeholder for the rest; and collision geometry."""
+    """Densities that the STEP lacks, typical ones by name and a placeholder for others; collision shapes, contacts."""
     lines: list[str] = []
     if draft.equal_density:
         text = (

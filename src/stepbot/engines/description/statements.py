@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from stepbot.geometry.mesh import surface_moments
 from stepbot.geometry.mesh_files import read_content
 
 from ..resources import resolve
@@ -82,16 +83,10 @@ def _surface(path: Path) -> Mapping[str, str]:
     content = read_content(path)
     if content is None:
         return {}
-    corners = content.mesh.vertices[content.mesh.faces]
-    areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    area = float(areas.sum())
-    if not area > 0.0:
+    area, centroid, second = surface_moments(content.mesh.vertices, content.mesh.faces)
+    if not area:
         return {}
-    middles = corners.mean(axis=1)
-    centroid = (areas[:, None] * middles).sum(axis=0) / area
-    # The mean of a square over a triangle, from its values at the corners and, three times as heavy, in the middle.
-    at_corners, in_middle = (np.square(p - centroid).sum(axis=-1) for p in (corners, middles))
-    gyration = float((areas * (at_corners.sum(axis=1) + 9.0 * in_middle)).sum() / (12.0 * area)) ** 0.5
+    gyration = float(np.trace(second) / area) ** 0.5
     values = {"area": [area], "centroid": centroid.tolist(), "gyration_radius": [gyration]}
     return {name: " ".join(map(repr, numbers)) for name, numbers in values.items()}
 

@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh import TriMesh
+from ..mesh import TriMesh, triangle_areas
 from ..mesh_distance import SurfaceDistances, squared_distances
-from ..spatial import Array, cross
+from ..spatial import Array
 from .manifolds import faces_not_of, mesh_arrays, of_same_volume
 from .unions import SIMPLIFIED, PlacedShape, PlacedSolid, Union, union
 
@@ -122,7 +122,7 @@ def _farthest(
     bounds = _most_away(triangles, away)
     while (is_far := bounds > most + accuracy).any() and count < _MOST_POINTS:
         triangles, away, bounds = triangles[is_far], away[is_far], bounds[is_far]
-        order = np.argsort(-bounds * _areas(triangles), kind="stable")
+        order = np.argsort(-bounds * triangle_areas(triangles), kind="stable")
         first, rest = order[:_AT_ONCE], order[_AT_ONCE:]
         turned, of_turned = _turned(triangles[first], away[first])
         halves, of_halves = np.concatenate([turned, turned]), np.concatenate([of_turned, of_turned])
@@ -154,12 +154,6 @@ def _most_away(triangles: Array, away: Array) -> Array:
     of_nearest = away.max(axis=1) + lengths.max(axis=1) / sqrt(3.0)
     of_each = away + np.maximum(lengths, np.roll(lengths, 1, axis=1))
     return np.asarray(np.minimum(of_nearest, of_each.min(axis=1)))
-
-
-def _areas(triangles: Array) -> Array:
-    """Areas (m,) [m^2] of triangles (m, 3, 3)."""
-    a, b, c = (triangles[:, corner] for corner in range(3))
-    return np.asarray(0.5 * np.linalg.norm(cross(b - a, c - a), axis=1))
 
 
 def _side_lengths(triangles: Array) -> Array:

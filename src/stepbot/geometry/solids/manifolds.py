@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..fixed_point import distinct
-from ..mesh import TriMesh
+from ..mesh import TriMesh, triangle_areas
 from ..predicates import encloses
 from ..primitives import Box, Capsule, Cylinder, Primitive, Sphere
 from ..spatial import IDENTITY, Array, Pose, cross, lengths
@@ -161,7 +161,7 @@ class Intersection:
         """
         mesh = self._manifold.to_mesh64()
         corners = np.asarray(mesh.vert_properties)[:, :3][np.asarray(mesh.tri_verts, dtype=np.int64)]
-        areas = 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        areas = triangle_areas(corners)
         numbers = np.asarray(mesh.face_id, dtype=np.int64)
         # A run is the faces that come from one solid; its bounds count corners.
         runs = np.asarray(mesh.run_index, dtype=np.int64) // 3

@@ -9,7 +9,7 @@ import numpy as np
 
 from stepbot.diagnostics import Diagnostic
 from stepbot.geometry.fixed_point import distinct_rows, exact_sum
-from stepbot.geometry.mesh import TriMesh
+from stepbot.geometry.mesh import TriMesh, triangle_areas
 from stepbot.geometry.spatial import Array
 from stepbot.report.robot import Report, Status
 from stepbot.robot.model import Robot
@@ -142,7 +142,7 @@ def clustered(mesh: TriMesh, cell: float) -> tuple[TriMesh, float]:
     moved = float(np.linalg.norm(vertices[cluster] - mesh.vertices, axis=1).max())
     if not kept.any():  # smaller than a cell: a triangle remains, so that the part does not disappear
         kept = np.zeros(len(faces), dtype=bool)
-        kept[int(_areas(mesh).argmax())] = True
+        kept[int(triangle_areas(mesh.vertices[mesh.faces]).argmax())] = True
         return mesh.subset(kept), mesh.diagonal
     used, renumbered = np.unique(faces[kept], return_inverse=True)
     triangles = renumbered.reshape(-1, 3)
@@ -154,12 +154,6 @@ def _size(meshes: list[TriMesh]) -> int:
     vertices = sum(len(mesh.vertices) for mesh in meshes)
     faces = sum(len(mesh.faces) for mesh in meshes)
     return _PER_VERTEX * vertices + _PER_FACE * faces
-
-
-def _areas(mesh: TriMesh) -> Array:
-    corners = mesh.vertices[mesh.faces]
-    areas: Array = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    return areas
 
 
 STYLES = ("style.css", "report.css")
