@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import NamedTuple
 
-from .description.statements import Statement, statements
+from .description.statements import Statement, mesh_hash, statements
 from .file_references import Refusal, refusals
 from .observation import EngineRefused
 from .source_copy import MissingMesh, located_copy
@@ -21,9 +21,13 @@ class Examined(NamedTuple):
     """Meshes that it names and that do not exist."""
     stated: tuple[Statement, ...] = ()
     """What it states, if that is asked for."""
+    meshes: str = ""
+    """A hash of its mesh files, if what it states is asked for without surfaces."""
 
 
-def examine(file: str, written_in: str, opened: str, copy: str, packages: Iterable[Path], stated: bool) -> Examined:
+def examine(
+    file: str, written_in: str, opened: str, copy: str, packages: Iterable[Path], stated: bool, surfaces: bool
+) -> Examined:
     """See :func:`.refusals` and :func:`.located_copy`.
 
     Args:
@@ -31,12 +35,17 @@ def examine(file: str, written_in: str, opened: str, copy: str, packages: Iterab
         opened: Its path in UTF-8.
         copy: Path of the copy with absolute paths of meshes; empty to look for no meshes.
         packages: Folders of packages, or those that contain them; an MJCF may include files of these.
+        stated: Whether to return what the file states.
+        surfaces: Whether this includes the surfaces of its mesh files.
     """
     refused = refusals(file, written_in, packages)
     if refused or not copy:
         return Examined(refused)
     missing = located_copy(opened, copy, packages) if written_in in _WITH_PACKAGES else ()
+    if not stated:
+        return Examined((), missing)
     try:
-        return Examined((), missing, statements(Path(opened), written_in, packages) if stated else ())
+        said = statements(Path(opened), written_in, packages, surfaces=surfaces)
+        return Examined((), missing, said, "" if surfaces else mesh_hash(Path(opened), packages))
     except EngineRefused:  # it is not XML, which engines report
         return Examined((), missing)

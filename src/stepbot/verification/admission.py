@@ -149,7 +149,11 @@ def located(
     places, texts = {}, {}
     shared = len(set(formats.values())) < len(formats)
     formats = {file: formats[path] for file, (path, _) in sources.items()}
-    for file, one in _examined(formats, copies, packages, found, workers, stated=shared):
+    examined = dict(_examined(formats, copies, packages, found, workers, stated=shared))
+    if len({(formats[file], one.meshes) for file, one in examined.items()}) > len(set(formats.values())):
+        sound = {file: formats[file] for file in examined}
+        examined = dict(_examined(sound, copies, packages, found, workers, stated=True, surfaces=True))
+    for file, one in examined.items():
         copy, (path, stated_at) = copies[file], sources[file]
         if one.missing:
             line = one.missing[0].line
@@ -219,15 +223,16 @@ def _examined(
     workers: Workers,
     *,
     stated: bool = False,
+    surfaces: bool = False,
 ) -> Iterator[tuple[Path, Examined]]:
     """The files that engines may read, with what was found in each."""
     for path, written_in in formats.items():
         copy = copies[path]
         if copy is not None:
-            copy.parent.mkdir()
+            copy.parent.mkdir(exist_ok=True)
         names = str(path), written_in, str(openable(path)), str(copy or "")
         try:
-            examined: Examined = workers.call(_EXAMINE, *names, packages, stated)
+            examined: Examined = workers.call(_EXAMINE, *names, packages, stated, surfaces)
         except WorkerDied as death:
             message = f"the process that reads the file's references died: {death.reason}"
             found.add("SB902", message, Span(path.as_posix()), notes=death.last_lines)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from stepbot.engines.description.statements import mesh_hash
 from stepbot.engines.file_references import refusals
 from stepbot.engines.observation import EngineCannotRead
 from stepbot.engines.sdformat_reader.tree import read_model
@@ -249,3 +250,22 @@ def test_sizes_in_a_few_digits(tmp_path: Path, text: str) -> None:
     path.write_text(f"<mujoco>\n{text}</mujoco>", encoding="utf-8")
     found = refusals(str(path), "mjcf")
     assert [(one.code, one.line) for one in found] == [("SB823", 2)] * SIZES[text]
+
+
+def test_the_hash_of_meshes_tells_whether_their_surfaces_may_differ(tmp_path: Path) -> None:
+    """Equal bytes of files of one format have equal surfaces, whatever their names."""
+
+    def meshes(folder: str, file: str, content: bytes) -> str:
+        place = tmp_path / folder
+        place.mkdir()
+        (place / file).write_bytes(content)
+        link = f'<link name="a"><visual><geometry><mesh filename="{file}"/></geometry></visual></link>'
+        (place / "a.urdf").write_text(f'<robot name="a">{link}</robot>')
+        return mesh_hash(place / "a.urdf", ())
+
+    triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    known = meshes("one", "a.obj", triangle)
+    assert meshes("copy", "a.obj", triangle) == meshes("renamed", "b.obj", triangle) == known
+    assert meshes("other", "a.obj", triangle.replace(b"1 0 0", b"2 0 0")) != known
+    assert meshes("in_another_format", "a.stl", triangle) != known
+    assert meshes("gltf", "a.gltf", b"{}") != meshes("gltf_elsewhere", "a.gltf", b"{}"), "its triangles are elsewhere"

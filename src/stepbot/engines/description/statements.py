@@ -5,7 +5,8 @@ and its radius of gyration about the centroid. Engines report no more of a mesh 
 """
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -15,6 +16,7 @@ import numpy as np
 
 from stepbot.geometry.mesh import surface_moments
 from stepbot.geometry.mesh_files import read_content
+from stepbot.runtime.file import read_regular
 
 from ..resources import resolve
 from ..xml import xml_root
@@ -40,11 +42,14 @@ class Statement:
     """Whether it reaches the model, so that engines can be expected to report it."""
 
 
-def statements(file: Path, written_in: str, packages: Iterable[Path] = ()) -> tuple[Statement, ...]:
+def statements(
+    file: Path, written_in: str, packages: Iterable[Path] = (), *, surfaces: bool = False
+) -> tuple[Statement, ...]:
     """The statements of a file; none of a format that is not XML.
 
     Args:
         packages: Folders of packages, or those that contain them, in which meshes are searched, too.
+        surfaces: Whether to add area, centroid and radius of gyration of the surface of each mesh file.
 
     Raises:
         EngineRefused: The file is not XML.
@@ -53,30 +58,52 @@ def statements(file: Path, written_in: str, packages: Iterable[Path] = ()) -> tu
     if vocabulary is None:
         return ()
     top = xml_root(file)
-    of_meshes = _Surfaces(top, file, tuple(packages))
-    return tuple(_below(top, vocabulary, of_meshes))
+    return tuple(_below(top, vocabulary, _MeshFiles(top, file, packages).surface if surfaces else _no_surface))
 
 
-class _Surfaces:
-    """The surfaces of the mesh files that a description names; each file is read once."""
+def mesh_hash(file: Path, packages: Iterable[Path]) -> str:
+    """A hash of the mesh files that a description names, in its order: files of equal hashes have equal surfaces.
 
-    def __init__(self, top: Any, file: Path, packages: tuple[Path, ...]) -> None:
-        self._file, self._packages, self._known = file, packages, dict[Path, Mapping[str, str]]()
+    Raises:
+        EngineRefused: The file is not XML.
+    """
+    top, whole = xml_root(file), sha256()
+    files = _MeshFiles(top, file, packages)
+    for path in filter(None, map(files.path, top.iter("mesh"))):
+        content = str(path).encode()
+        if path.suffix.lower() != ".gltf":  # whose triangles are in other files
+            with suppress(OSError):  # a file that cannot be read has no surface
+                content = path.suffix.encode() + read_regular(path)
+        whole.update(sha256(content).digest())
+    return whole.hexdigest()
+
+
+class _MeshFiles:
+    """The mesh files that a description names; each is read once."""
+
+    def __init__(self, top: Any, file: Path, packages: Iterable[Path]) -> None:
+        self._file, self._packages, self._known = file, tuple(packages), dict[Path, Mapping[str, str]]()
         folders = [one.get("meshdir") or one.get("assetdir") or "" for one in top.iterfind("compiler")]
         self._folder = next((folder for folder in reversed(folders) if folder), "")
 
-    def of(self, element: Any) -> Mapping[str, str]:
-        """Numbers by name; empty for another element than that of a mesh, and where there are no triangles to read."""
-        if element.tag != "mesh":
-            return {}
+    def path(self, element: Any) -> Path | None:
+        """The file of an element; None if the element names none, or the file does not exist."""
         in_folder = element.get("file", "")
         uri = element.get("filename") or (element.findtext("uri") or "").strip() or in_folder
-        path = resolve(str(Path(self._folder, uri)) if in_folder else uri, self._file, self._packages) if uri else None
+        return resolve(str(Path(self._folder, uri)) if in_folder else uri, self._file, self._packages) if uri else None
+
+    def surface(self, element: Any) -> Mapping[str, str]:
+        """Numbers by name; empty for another element than that of a mesh, and where there are no triangles to read."""
+        path = self.path(element) if element.tag == "mesh" else None
         if path is None:
             return {}
         if path not in self._known:
             self._known[path] = _surface(path)
         return self._known[path]
+
+
+def _no_surface(_element: Any) -> Mapping[str, str]:
+    return {}
 
 
 def _surface(path: Path) -> Mapping[str, str]:
@@ -99,7 +126,7 @@ def _short(place: str) -> str:
     return f"({sha256(head.encode()).hexdigest()[:12]}){tail}"
 
 
-def _below(top: Any, vocabulary: Vocabulary, of_meshes: _Surfaces) -> Iterator[Statement]:
+def _below(top: Any, vocabulary: Vocabulary, surface: Callable[[Any], Mapping[str, str]]) -> Iterator[Statement]:
     """The statements in the order of the file, without recursion: elements may be nested by thousands."""
     waiting = [(top, str(top.tag), str(top.tag), vocabulary, True)]
     while waiting:
@@ -108,7 +135,7 @@ def _below(top: Any, vocabulary: Vocabulary, of_meshes: _Surfaces) -> Iterator[S
             yield Statement(f"{place}@{name}", value, read and vocabulary.reads(path, name, str(element.tag)))
         if text := (element.text or "").strip():
             yield Statement(place, text, read)
-        for name, value in of_meshes.of(element).items():
+        for name, value in surface(element).items():
             yield Statement(f"{place}@{name}", value, read)
         children, numbers = [], Counter[str]()
         for child in (child for child in element if isinstance(child.tag, str)):
