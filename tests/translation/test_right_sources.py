@@ -700,3 +700,13 @@ def test_a_flat_collision_mesh_is_left_out_where_mujoco_rejects_it(tmp_path: Pat
     assert len(told(conversion, "SB760:flat-collision")) == 2  # of URDF and MJCF
     assert conversion.robot is not None
     assert len(conversion.robot.link_by_name["marker"].collisions) == 1
+
+
+def test_planes_of_bodies_and_names_with_slashes(tmp_path: Path) -> None:
+    """A plane of a body is named as not converted; a geom whose name has a slash, as dm_control's have, is renamed."""
+    source = """<mujoco model="robot"><worldbody><body name="floor"><geom type="plane" size="1 1 1"/>
+      <body name="arm"><joint name="turn" axis="0 0 1"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+      <geom name="left/box" type="box" size=".1 .1 .1"/></body></body></worldbody></mujoco>"""
+    conversion = proven(tmp_path, ".xml", source, "urdf", "sdf", "mjcf")
+    assert told(conversion, "SB860") == ["planes in <body>: not converted"]
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml")).geom("left_box").bodyid == [2]

@@ -5,7 +5,6 @@ model cannot hold is listed, never left out in silence.
 """
 
 import re
-import unicodedata
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
@@ -28,7 +27,7 @@ from stepbot.robot.kinematics import (
     without_contacts,
 )
 from stepbot.robot.mesh_files import share_meshes
-from stepbot.robot.mesh_names import UniqueNames, ascii_name, free_name, is_device
+from stepbot.robot.mesh_names import UniqueNames, ascii_name, free_name, is_device, valid_name
 from stepbot.robot.model import (
     GREY,
     Base,
@@ -105,18 +104,7 @@ def _namer(link: str, kind: str, taken: set[str]) -> Callable[[DescribedShape], 
     return lambda shape: free_name(valid_name(shape.name or f"{link}_{kind}", kind), suffix, taken)
 
 
-_INVALID = re.compile(r"""[/<>&"'\x00-\x1f\x7f]+|::""")
 _INVALID_IN_FILES = re.compile(r"[\\:*?|]+")
-_LONGEST = 200
-
-
-def valid_name(name: str, fallback: str) -> str:
-    """A name that every format can hold, resembling ``name``."""
-    visible = "".join(letter for letter in name if unicodedata.category(letter) not in ("Cf", "Cs"))
-    valid = _INVALID.sub("_", visible).strip()[:_LONGEST].strip() or fallback
-    if valid.startswith("__") and valid.endswith("__"):
-        valid = valid.strip("_") or fallback
-    return "world_link" if valid == "world" else valid
 
 
 def valid_file_name(name: str) -> str:

@@ -22,6 +22,7 @@ from .primitives import srgb_from_linear
 KINDS = (".stl", ".obj", ".ply", ".dae", ".glb", ".gltf")
 """Suffixes of the files that are read."""
 _COLLADA = ".dae"
+_USE_OF_MATERIAL = "{http://www.collada.org/2005/11/COLLADASchema}instance_material"
 _STL = ".stl"
 _GLTF = ".gltf"
 _LINEAR = (".glb", _GLTF)
@@ -65,7 +66,7 @@ def read_content(path: Path) -> MeshContent | None:
         content, buffers = read_regular(path), tuple[Path, ...]()
         if kind == _GLTF:
             content, buffers = _with_buffers(content, path.parent)
-        loaded = trimesh.load_scene(BytesIO(content), file_type=kind[1:], process=False)
+        loaded, is_broken = _loaded(content, kind[1:])
         read = [mesh for mesh in _placed(loaded) if isinstance(mesh, trimesh.Trimesh)]
         unit = trimesh.units.unit_conversion(loaded.units, "meters") if kind == _COLLADA else 1.0
         meshes = [TriMesh.of(mesh.vertices * unit, mesh.faces) for mesh in read]
@@ -74,6 +75,7 @@ def read_content(path: Path) -> MeshContent | None:
         found = joined(meshes) if meshes else None
         colors = [_color(mesh.visual, linear=kind in _LINEAR) for mesh in read] if kind in (_COLLADA, *_LINEAR) else []
         other = b"usemtl" in content if kind == ".obj" else any(_has_other_looks(mesh.visual) for mesh in read)
+        other |= is_broken
     except Exception:  # noqa: BLE001 - whatever a loader raises over foreign bytes, there are no triangles
         return None
     if found is None or not len(found.vertices) or not bool(np.isfinite(found.vertices).all()):
@@ -98,6 +100,34 @@ def _with_buffers(content: bytes, folder: Path) -> tuple[bytes, tuple[Path, ...]
         buffer["uri"] = f"data:application/octet-stream;base64,{b64encode(read_regular(file)).decode('ascii')}"
         files.append(file)
     return json.dumps(tree).encode(), tuple(files)
+
+
+def _loaded(content: bytes, kind: str) -> tuple[Any, bool]:
+    """The scene of a file, and whether materials are left out that refer to what the file lacks.
+
+    With these, trimesh would leave out the shapes that have them.
+    """
+    import trimesh
+
+    if kind != _COLLADA[1:]:
+        return trimesh.load_scene(BytesIO(content), file_type=kind, process=False), False
+    import collada
+
+    try:
+        return trimesh.load_scene(BytesIO(content), file_type=kind, process=False, ignore_broken=False), False
+    except collada.common.DaeError:
+        broken = collada.Collada(BytesIO(content), ignore=[collada.common.DaeError])
+    known = {f"#{material.id}" for material in broken.materials}
+    uses = [
+        (parent, one) for parent in broken.xmlnode.getroot().iter() for one in parent if one.tag == _USE_OF_MATERIAL
+    ]
+    wrong = [(parent, one) for parent, one in uses if one.get("target") not in known]
+    for parent, one in wrong:
+        parent.remove(one)
+    mended = BytesIO()
+    broken.xmlnode.write(mended)
+    mended.seek(0)
+    return trimesh.load_scene(mended, file_type=kind, process=False), bool(wrong)
 
 
 def _placed(scene: Any) -> list[Any]:

@@ -46,6 +46,19 @@ def portable_name(name: str, kind: str) -> str:
     return f"{kind}_{known}" if known[0].isdigit() and not is_file else known
 
 
+_INVALID = re.compile(r"""[/<>&"'\x00-\x1f\x7f]+|::""")
+_LONGEST_OF_FILES = 200
+
+
+def valid_name(name: str, fallback: str) -> str:
+    """A name that every format can hold, resembling ``name``."""
+    visible = "".join(letter for letter in name if unicodedata.category(letter) not in ("Cf", "Cs"))
+    valid = _INVALID.sub("_", visible).strip()[:_LONGEST_OF_FILES].strip() or fallback
+    if valid.startswith("__") and valid.endswith("__"):
+        valid = valid.strip("_") or fallback
+    return "world_link" if valid == "world" else valid
+
+
 def _plain(letter: str) -> str:
     """A letter without accents, in Latin script if the table has it."""
     if letter in _LETTERS:

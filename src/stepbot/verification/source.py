@@ -6,14 +6,16 @@ Quantities with a declared loss are not compared: their difference is the loss t
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import inf, isnan
+from math import inf, isfinite, isnan
 from pathlib import Path, PurePath
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import own_parsers
 from stepbot.engines.file_references import openable
-from stepbot.engines.observation import Observation, ObservedActuator, ObservedShape, Quantity
+from stepbot.engines.observation import Observation, ObservedActuator, ObservedLink, ObservedShape, Quantity
+from stepbot.engines.resources import box_around
 from stepbot.report.robot import Check
+from stepbot.robot.mesh_names import valid_name
 from stepbot.robot.model import ActuatorKind, Limit
 from stepbot.robot.renaming import NewNames
 from stepbot.robot.surfaces import PLAIN, SURFACE_FIELDS, Surface
@@ -148,13 +150,14 @@ def _comparable(gathered: Gathered) -> Gathered:
     """The source without what the written files have by conventions of their own.
 
     These are the name of the robot, names of shapes to which the source gives none or that several of a link have,
-    colours of shapes without one, contact properties that are PyBullet's own, groups of shapes, ranges of actuators
-    beyond the limits of their joints, limits of 0, where springs without stiffness are at rest, and ambient colours:
-    one that is not the diffuse colour is reported as lost.
+    names that are not valid, shapes without end, colours of shapes without one, contact properties that are PyBullet's
+    own, groups of shapes, ranges of actuators beyond the limits of their joints, limits of 0, where springs without
+    stiffness are at rest, and ambient colours: one that is not the diffuse colour is reported as lost.
     """
     seen = gathered.observation
 
-    def plain(shapes: tuple[ObservedShape, ...] | None) -> tuple[ObservedShape, ...] | None:
+    def plain(shapes: tuple[ObservedShape, ...] | None, kind: str) -> tuple[ObservedShape, ...] | None:
+        shapes = shapes and tuple(replace(one, name=one.name and valid_name(one.name, kind)) for one in shapes)
         often = Counter(shape.name for shape in shapes or ())
         return shapes and tuple(
             replace(
@@ -169,7 +172,11 @@ def _comparable(gathered: Gathered) -> Gathered:
             for shape in shapes
         )
 
-    links = tuple(replace(link, visuals=plain(link.visuals), collisions=plain(link.collisions)) for link in seen.links)
+    ended = (_with_ends(_with_ends(link, "visual"), "collision") for link in seen.links)
+    links = tuple(
+        replace(link, visuals=plain(link.visuals, "visual"), collisions=plain(link.collisions, "collision"))
+        for link in ended
+    )
     joints = tuple(
         replace(joint, dynamics=replace(joint.dynamics, spring_reference=0.0))
         if joint.dynamics is not None and not joint.dynamics.stiffness
@@ -178,6 +185,17 @@ def _comparable(gathered: Gathered) -> Gathered:
     )
     bare = without_stand_ins(replace(seen, name=None, links=links, joints=joints))
     return replace(gathered, observation=with_effective_ranges(bare))
+
+
+def _with_ends(link: ObservedLink, kind: str) -> ObservedLink:
+    """The link without planes and height fields, which are reported as not converted."""
+    shapes: tuple[ObservedShape, ...] = getattr(link, f"{kind}s") or ()
+    kept = tuple(one for one in shapes if one.bounds is None or isfinite(one.bounds[0][0]))
+    if len(kept) == len(shapes):
+        return link
+    if kind == "visual":
+        return replace(link, visuals=kept, visual_bounds=box_around(kept), has_visuals=bool(kept))
+    return replace(link, collisions=kept, collision_bounds=box_around(kept), has_collisions=bool(kept))
 
 
 def _stated(shape: ObservedShape) -> Surface | None:

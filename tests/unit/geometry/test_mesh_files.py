@@ -100,6 +100,21 @@ def test_up_axis_of_collada_is_ignored(tmp_path: Path) -> None:
     assert _corners(_collada(tmp_path, "", up="Y_UP")) == _expected(1.0)
 
 
+def test_collada_without_its_materials(tmp_path: Path) -> None:
+    """A shape whose material the file lacks is read, and its colour is known to be missing."""
+    from stepbot.geometry.mesh_files import read_content
+
+    path, node = _collada(tmp_path, ""), '<instance_geometry url="#g"'
+    use = "<technique_common><instance_material symbol='m' target='#m'/></technique_common>"
+    path.write_text(
+        path.read_text().replace(f"{node}/>", f"{node}><bind_material>{use}</bind_material></instance_geometry>")
+    )
+    content = read_content(path)
+    assert content is not None
+    assert content.has_other_looks
+    assert _corners(path) == _expected(1.0)
+
+
 def test_gltf_with_its_data_inside(tmp_path: Path) -> None:
     """Binary glTF, and glTF with an embedded buffer, have the points of the specification."""
     content, buffer = _gltf()

@@ -78,6 +78,7 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         (
             *(lost for root, name, at in (*roots, *of_models) for lost in unread_of_mjcf(root, name, at)),
             *_direct(compiled),
+            *_endless(compiled),
             *((Unread(LED, len(closures) - len(kept), 0, effect=MJCF.effects["mocap"]),) if kept != closures else ()),
         ),
         (*(path.parent / name for _, name, _ in (*roots, *of_models) if name), *meshes.files.files),
@@ -187,6 +188,21 @@ def _direct(compiled: Compiled) -> Iterator[Unread]:
     count = int(np.any(compiled.model.geom_solref < 0.0, axis=1).sum())
     if count:
         yield Unread("negative `solref` of <geom>", count, 0, effect="contacts are as stiff as the formats' defaults")
+
+
+def _endless(compiled: Compiled) -> Iterator[Unread]:
+    """Planes and height fields of bodies; those of the world are no part of a robot."""
+    kinds = compiled.engine.mjtGeom
+    for kind, words in ((kinds.mjGEOM_PLANE, "planes"), (kinds.mjGEOM_HFIELD, "height fields")):
+        found = [
+            compiled.name("BODY", b)
+            for b in compiled.bodies
+            if b
+            for g in geoms(compiled, b)
+            if compiled.model.geom_type[g] == kind
+        ]
+        if found:
+            yield Unread(f"{words} in <body>", len(found), 0, effect=f"of {', '.join(found)}")
 
 
 def _simulation(roots: Iterable[Any]) -> Simulation:
