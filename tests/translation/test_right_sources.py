@@ -710,3 +710,13 @@ def test_planes_of_bodies_and_names_with_slashes(tmp_path: Path) -> None:
     conversion = proven(tmp_path, ".xml", source, "urdf", "sdf", "mjcf")
     assert told(conversion, "SB860") == ["planes in <body>: not converted"]
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml")).geom("left_box").bodyid == [2]
+
+
+@pytest.mark.parametrize("joint", ["revolute", "fixed"])
+def test_moments_below_those_of_mujoco(joint: str, tmp_path: Path) -> None:
+    """A pendulum that means a point mass has moments that MuJoCo rejects: they are raised, and reported."""
+    tiny = _INERTIAL.replace("1e-2", "1e-20")
+    tip = f'<link name="tip">{tiny}</link>' + _FRAME.format(joint).partition("</link>")[2]
+    conversion = proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}</link>', tip), "urdf", "mjcf")
+    assert told(conversion, "SB866") == ["link 'tip': principal moment of 1e-20 kg m^2: 1e-14 added about each axis"]
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml")).body("tip").inertia.min() >= 1e-14

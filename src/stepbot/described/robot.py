@@ -14,6 +14,7 @@ import numpy as np
 
 from stepbot.engines.description import DescribedShape, Description
 from stepbot.engines.observation import Observation, ObservedClosure, ObservedLink, Quantity
+from stepbot.formats.lowering.masses import LEAST_MOMENT
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.primitives import half_size
@@ -45,7 +46,7 @@ from stepbot.robot.model import (
 from stepbot.robot.renaming import NewNames, renamed
 
 from .devices import actuators_of, sensors_of
-from .finding import DROPPED_INERTIA, LOST, MOVED, REARRANGED, RENAMED, UNSUPPORTED, Finding
+from .finding import CHANGED_INERTIA, LOST, MOVED, REARRANGED, RENAMED, UNSUPPORTED, Finding
 from .tree import surroundings_of, tree_of, with_locked_fixed, without_broken_mimics, without_links
 
 
@@ -174,6 +175,8 @@ def closures_of(seen: Iterable[ObservedClosure], links: set[str], found: list[Fi
 _WORLD = "world"
 _BASES = {JointKind.FIXED: Base.FIXED, JointKind.FLOATING: Base.FLOATING}
 """The base that a joint on the world makes."""
+_ROUNDED = 1e-9
+"""Share of the largest principal moment up to which the least one may be the rounding of 0."""
 _RESIDUE = 1e-9
 """Difference [rad], [m] of positions that is numeric residue."""
 
@@ -289,14 +292,18 @@ def _with_turned_balls(robot: Robot) -> Robot:
 
 
 def _link(link: ObservedLink, shapes: Shapes, found: list[Finding]) -> Link:
-    mass = MassProperties()
+    mass, text, inertia = MassProperties(), "", np.array(link.inertia or ZERO33)
     if link.mass:
-        mass = MassProperties.of(link.mass, link.com or ZERO3, np.array(link.inertia or ZERO33))
-    elif link.inertia is not None and np.any(link.inertia):
+        least, _, largest = np.linalg.eigvalsh(inertia).tolist()
+        if _ROUNDED * largest < least < LEAST_MOMENT:
+            text = f"link '{link.name}': principal moment of {least:g} kg m^2: {LEAST_MOMENT:g} added about each axis"
+            inertia = inertia + LEAST_MOMENT * np.eye(3)
+        mass = MassProperties.of(link.mass, link.com or ZERO3, inertia)
+    elif np.any(inertia):
         text = f"link '{link.name}': inertia without mass is not converted"
-        found.append(
-            Finding(DROPPED_INERTIA, text, (Quantity.INERTIA, Quantity.MASS_MATRIX, Quantity.INVERSE_DYNAMICS))
-        )
+    if text:
+        changed = (Quantity.INERTIA, Quantity.MASS_MATRIX, Quantity.INVERSE_DYNAMICS)
+        found.append(Finding(CHANGED_INERTIA, text, changed))
     return Link(link.name, mass, shapes.visuals(link.name), shapes.collisions(link.name))
 
 

@@ -93,7 +93,10 @@ def _check_ends(joints: list[Element], links: set[str]) -> None:
         for tag in ("parent", "child"):
             end = joint.find(tag)
             if end is None or end.get("link") not in links:
-                lacks = f"no <{tag}>" if end is None else f"{tag} link '{end.get('link', '')}' does not exist"
+                name = "" if end is None else end.get("link", "")
+                lacks = f"no <{tag}>" if end is None else f"{tag} link '{name}' does not exist"
+                if name == "world":
+                    lacks += ', which Drake alone adds: add `<link name="world"/>`'
                 raise _refused(joint, f"joint '{joint.get('name')}': {lacks}")
         parent, child = joint.find("parent").get("link"), joint.find("child").get("link")
         if parent == child:
