@@ -720,3 +720,52 @@ def test_moments_below_those_of_mujoco(joint: str, tmp_path: Path) -> None:
     conversion = proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}</link>', tip), "urdf", "mjcf")
     assert told(conversion, "SB866") == ["link 'tip': principal moment of 1e-20 kg m^2: 1e-14 added about each axis"]
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml")).body("tip").inertia.min() >= 1e-14
+
+
+_FINGER = """<mujoco model="robot"><compiler angle="radian"/><worldbody><body name="palm">{inertial}
+  <body name="near" pos=".1 0 0"><joint name="near" axis="0 1 0" ref=".1"/>{inertial}
+  <body name="far" pos=".1 0 0"><joint name="far" axis="0 1 0" ref=".2"/>{inertial}
+  <body name="tip" pos=".1 0 0"><joint name="tip" axis="0 1 0"/>{inertial}</body></body></body></body></worldbody>
+  <tendon><fixed name="two"><joint joint="near" coef="1.5"/><joint joint="far" coef="-.5"/></fixed>
+  <fixed name="one"><joint joint="far" coef="2"/></fixed><fixed name="last"><joint joint="tip" coef="4"/></fixed>
+  <fixed name="all"><joint joint="near" coef="1"/><joint joint="far" coef="1"/><joint joint="tip" coef="1"/></fixed>
+  </tendon><equality>{equalities}</equality><actuator><motor name="pull" joint="far"/></actuator></mujoco>"""
+"""A finger of three joints, as hands couple them; those at their references have them as initial positions."""
+_BODY = '<inertial pos=".05 0 0" mass="1" diaginertia=".01 .01 .01"/>'
+
+
+def test_joints_coupled_by_tendons(tmp_path: Path) -> None:
+    """Tendons of two joints in equalities are mimics: the joint without motor follows, as MuJoCo holds it."""
+    couplings = (
+        '<tendon tendon1="two" polycoef=".3 1 0 0 0"/><tendon tendon1="last" tendon2="one" polycoef="0 .5 0 0 0"/>'
+    )
+    proven(tmp_path, ".xml", _FINGER.format(inertial=_BODY, equalities=couplings), "urdf", "mjcf")
+    read = {one.get("name"): one.find("mimic") for one in ET.parse(tmp_path / "out" / "robot.urdf").iter("joint")}
+    assert read["far"] is None
+    for follower, multiplier, offset in (("near", 1.0 / 3.0, 0.1 - 0.2 / 3.0 + 0.2), ("tip", 0.25, -0.05)):
+        mimic = read[follower]
+        assert mimic is not None
+        assert mimic.get("joint") == "far"
+        assert [float(mimic.get(name, "0")) for name in ("multiplier", "offset")] == pytest.approx([multiplier, offset])
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    data = mujoco.MjData(model)
+    data.qpos[:] = [0.5 / 3.0 + 0.1 - 0.2 / 3.0 + 0.2, 0.5, 0.25 * 0.5 - 0.05]
+    mujoco.mj_forward(model, data)
+    assert data.efc_pos[: data.ne] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    "equalities",
+    [
+        '<tendon name="e" tendon1="all"/>',
+        '<joint joint1="tip" joint2="far"/><joint name="e" joint1="tip" joint2="near"/>',
+    ],
+)
+def test_couplings_that_are_no_mimic(equalities: str, tmp_path: Path) -> None:
+    """A tendon of three joints, or a second leader of one joint, is refused, and not left out in silence."""
+    path = tmp_path / "robot.xml"
+    path.write_text(_FINGER.format(inertial=_BODY, equalities=equalities))
+    conversion = convert(path, Options(tmp_path / "out"))
+    assert told(conversion, "SB861") == [
+        "equality constraint 'e' is not a linear relation of two joints, of which one follows no other"
+    ]

@@ -71,8 +71,8 @@ MJCF = Vocabulary(
         "mujoco/contact/exclude": "name body1 body2",
         "mujoco/equality": "",
         **each(
-            ("mujoco/equality/connect", "mujoco/equality/weld", "mujoco/equality/joint"),
-            {"": "name class active body1 body2 site1 site2 joint1 joint2 anchor relpose polycoef"},
+            [f"mujoco/equality/{kind}" for kind in ("connect", "weld", "joint", "tendon")],
+            {"": "name class active body1 body2 site1 site2 joint1 joint2 tendon1 tendon2 anchor relpose polycoef"},
         ),
         "mujoco/actuator": "",
         **paths("mujoco/actuator", _ACTUATORS),

@@ -21,6 +21,7 @@ from ..description.vocabulary import Unread
 from ..observation import EngineRefused, Observation, Request
 from ..xml import xml_root
 from .compiled import Compiled
+from .joints import couplings
 from .model import collected_warnings
 from .observer import observe_model
 from .shapes import collides, color_of, geoms, is_visual, primitive_of, surface_of
@@ -172,15 +173,16 @@ def _from_geoms(spec: Any, compiled: Compiled) -> tuple[str, ...]:
 def _unsupported(compiled: Compiled) -> Iterator[str]:
     """Equality constraints that are neither closures nor mimics."""
     engine, model = compiled.engine, compiled.model
-    known = (engine.mjtEq.mjEQ_CONNECT, engine.mjtEq.mjEQ_WELD, engine.mjtEq.mjEQ_JOINT)
+    known = (engine.mjtEq.mjEQ_CONNECT, engine.mjtEq.mjEQ_WELD)
+    read = {e for _, e in couplings(compiled).values()}
     for e in range(model.neq):
         kind, name = engine.mjtEq(model.eq_type[e]), compiled.name("EQUALITY", e)
-        if not model.eq_active0[e]:
+        if not model.eq_active0[e] or kind in known or e in read:
             continue
-        if kind not in known:
+        if kind in (engine.mjtEq.mjEQ_JOINT, engine.mjtEq.mjEQ_TENDON):
+            yield f"equality constraint '{name}' is not a linear relation of two joints, of which one follows no other"
+        else:
             yield f"equality constraint '{name}' of type '{kind.name.removeprefix('mjEQ_').lower()}' is not supported"
-        elif kind == engine.mjtEq.mjEQ_JOINT and (model.eq_obj2id[e] < 0 or np.any(model.eq_data[e][2:5])):
-            yield f"equality constraint '{name}' is not a linear relation of two joints"
 
 
 def _direct(compiled: Compiled) -> Iterator[Unread]:
