@@ -162,3 +162,22 @@ def test_what_a_screw_in_a_bearing_goes_through_turns_in_the_seat(hole: float, *
         any(h.through == 3 and {h.a, h.b} == {1, 2} for arc in inferred(*nodes).arcs for h in [arc.evidence])
         == is_its_own
     )
+
+
+def rollers(count: int, hole: float) -> list[Node]:
+    """A plate with pins in its holes, and on each pin a roller with a bearing in each of its ends."""
+    plate, nodes = box(300 + 40 * count, 150, 10).at(20 * count - 20, 0, -6), list[Node]()
+    roller = cylinder(10, 20) - cylinder(6.5, 5) - cylinder(6.5, 5).at(0, 0, 15) - cylinder(3, 20)
+    ring = cylinder(6.5, 5) - cylinder(2, 5)
+    for x in (40.0 * n for n in range(count)):
+        plate -= cylinder(hole, 10).at(x, 0, -11)
+        rings = [part(f"624zz {n} {x:.0f}", ring, x, z=z) for n, z in enumerate((0, 15))]
+        nodes += [part(f"drum {x:.0f}", roller, x), *rings, part(f"pin {x:.0f}", cylinder(2, 31).at(0, 0, -11), x)]
+    return [part("plate", plate), *nodes]
+
+
+@pytest.mark.parametrize("hole", [2.0, 2.2, 2.3])
+def test_rollers_on_two_bearings_turn_about_their_pins(hole: float) -> None:
+    """Each is a link, however small, also if the plate has the clearance of a bolt's hole around the pins."""
+    found = inferred(*rollers(2, hole))
+    assert joints(found) == [("revolute", "drum 0", "plate"), ("revolute", "drum 40", "plate")]

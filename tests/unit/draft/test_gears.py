@@ -12,9 +12,9 @@ from stepbot.draft.contacts import teeth
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft_robot import infer
 from stepbot.geometry.spatial import Array, Pose
-from tests.assembled import BARE, Node, assembled, inferred, part
+from tests.assembled import BARE, Node, assembled, inferred, joints, links, part
 from tests.made.scored import drawn
-from tests.solids import Solid, box, cylinder
+from tests.solids import Solid, box, cylinder, joined
 
 
 def train(radii: tuple[float, float], *, belt: bool = False) -> list[Node]:
@@ -309,3 +309,23 @@ def test_a_round_gear_that_drives_another_is_a_link() -> None:
     """A pinion and a wheel on pins both turn where their teeth mesh; apart, one is a ring on its pin."""
     rims = [fused(toothed(n, 1.0, 6, turned=0.5 * k), less=cylinder(3.05, 20).shape) for k, n in enumerate((14, 46))]
     assert [len(inferred(*on_pins(*rims, away=away), sources=BARE).arcs) for away in (30.0, 45.0)] == [2, 1]
+
+
+def test_the_sun_of_a_planetary_gear_is_not_its_carrier() -> None:
+    """Both turn about one axis of the housing; the planets, which the sun moves, turn on the carrier."""
+    sides = [box(10, 80, 60).at(x, 0, 25) for x in (-55, 55)]
+    housing = joined(box(120, 80, 10), *sides, box(120, 80, 10).at(0, 0, 50)) - cylinder(3.05, 10).at(0, 0, -5)
+    housing -= cylinder(10, 10).at(0, 0, 45)
+    spots = [(15 * cos(k * 2 * pi / 3), 15 * sin(k * 2 * pi / 3)) for k in range(3)]
+    carrier = joined(cylinder(22, 6).at(0, 0, 24), cylinder(9.95, 41).at(0, 0, 24))
+    planet = fused(toothed(18, 1, 8), less=cylinder(2.05, 8).shape)
+    sun = fused(toothed(12, 1, 8, turned=0.5), cylinder(3, 23).at(0, 0, -17).shape)
+    for x, y in spots:
+        carrier += cylinder(2, 18).at(x, y, 10)
+    planets = [part("planet gear", planet, x, y, 12, (0, 0, k * 2 * pi / 3)) for k, (x, y) in enumerate(spots)]
+    found = inferred(part("housing", housing), part("sun gear", sun, z=12), part("carrier", carrier), *planets)
+    assert {"sun gear"} in links(found)
+    assert sorted(joints(found)) == sorted(
+        [("revolute", "carrier", "housing"), ("revolute", "housing", "sun gear")]
+        + [("revolute", "carrier", "planet gear")] * 3
+    )

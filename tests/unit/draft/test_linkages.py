@@ -9,7 +9,7 @@ from stepbot.draft.evidence.mobility import Hinge, mobility
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from tests.assembled import Node, cut, inferred, joints, links, part, turned
-from tests.solids import Solid, box, cylinder
+from tests.solids import Solid, box, cylinder, joined
 
 
 def bar(x: float, y: float, u: float, v: float, level: float, bore: float = 3.0) -> Solid:
@@ -197,3 +197,23 @@ def test_bodies_that_no_loop_connects_may_be_one() -> None:
     assert found is not None
     assert found.turning == set(range(10))
     assert {(a < 4, b < 4) for a, b in found.apart} == {(True, True), (False, False)}
+
+
+def test_a_rod_is_guided_by_its_piston_and_the_gland_that_is_fitted_to_its_barrel() -> None:
+    """A boom on a base, and a cylinder between both: its rod slides, though its fits have no play and are short."""
+    across = (0.0, pi / 2, 0.0)
+    eye, wide = cylinder(3, 30).at(0, 0, -15), cylinder(8, 5)
+    base = bar(0, 0, 0, 200, -2.5)
+    boom = joined(bar(0, 200, 200, 200, 7.5), wide.at(0, 200, 0)) - eye.at(0, 200, 0)
+    tube = cut(turned(cylinder(12, 95), x=35, z=2.5, rpy=across), turned(cylinder(9, 90), x=45, z=2.5, rpy=across))
+    barrel = joined(box(46, 16, 5).at(15, 0, 2.5), tube) - eye
+    gland = turned(cylinder(9, 10) - cylinder(5, 10), x=120, z=2.5, rpy=across)
+    far = 200 * 2**0.5
+    shaft = turned(joined(cylinder(5, 196), cylinder(9, 8)), x=60, z=2.5, rpy=across)
+    rod = joined(shaft, box(43, 10, 5).at(far - 11.5, 0, 2.5), wide.at(far, 0, 0)) - eye.at(far, 0, 0)
+    turn = (0.0, 0.0, pi / 4)
+    pieces = (part(name, solid, rpy=turn) for name, solid in (("barrel", barrel), ("gland", gland), ("rod", rod)))
+    found = inferred(part("base", base), part("boom", boom), *pieces)
+    assert ("prismatic", "barrel", "rod") in joints(found)
+    assert sorted(kind for kind, *_ in joints(found)) == ["prismatic", "revolute", "revolute", "revolute"]
+    assert {"barrel", "gland"} in links(found)

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from itertools import product
-from math import pi
+from math import cos, pi, sin
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ from stepbot.draft.evidence.motors import Motor, find_motors
 from stepbot.draft.link_claims import LinkClaims
 from stepbot.geometry.spatial import Pose
 from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, links, part, turned
-from tests.solids import Solid, box, cylinder
+from tests.solids import Solid, box, cylinder, joined
 
 NAMELESS = Sources(names=False)
 CORNERS = list(product((-16, 16), (-7, 7)))
@@ -297,3 +297,68 @@ def test_a_rod_through_a_motor_may_be_the_screw_of_a_linear_one(beyond: float, *
     (arc,) = inferred(*nodes).arcs
     assert arc.evidence.drives
     assert ("end to end" in arc.evidence.review) == is_doubted
+
+
+def actuator() -> Solid:
+    """A motor with a gearbox as one solid, its output flange above its face at z = 0, four holes in each [mm]."""
+    solid = joined(box(56, 56, 70).at(0, 0, -85), cylinder(30, 50).at(0, 0, -50), cylinder(20, 8))
+    around = [(cos(k * pi / 2 + pi / 4), sin(k * pi / 2 + pi / 4)) for k in range(4)]
+    return cut(solid, *(cylinder(2.1, 20).at(r * u, r * v, z) for u, v in around for r, z in ((25, -12), (14, -2))))
+
+
+def on_actuators(name: str) -> list[Node]:
+    """A stand around two actuators, and an arm on the flange of each."""
+    around = [(cos(k * pi / 2 + pi / 4), sin(k * pi / 2 + pi / 4)) for k in range(4)]
+    arm = cut(box(200, 50, 20).at(60, 0, 18), *(cylinder(2.6, 20).at(14 * u, 14 * v, 8) for u, v in around))
+    stand, nodes, solid = box(800, 100, 6).at(0, 0, 3), list[Node](), actuator()
+    for n, x in enumerate((-200.0, 200.0)):
+        stand = cut(
+            stand, cylinder(20.5, 6).at(x, 0, 0), *(cylinder(2.6, 6).at(x + 25 * u, 25 * v, 0) for u, v in around)
+        )
+        nodes += [part(f"{name} {n}" if name else "", solid, x), part(f"arm {n}", arm, x)]
+    return [part("stand", stand), *nodes]
+
+
+@pytest.mark.parametrize(("name", "sources"), [("NEMA23 motor", ALL_SOURCES), ("", BARE)])
+def test_what_is_bolted_on_within_the_circle_that_holds_the_case_turns(name: str, sources: Sources) -> None:
+    """An output flange may be one solid with its actuator: of two circles of bolts about one axis it is the inner."""
+    found = inferred(*on_actuators(name), sources=sources)
+    assert sorted(kind for kind, *_ in joints(found)) == ["revolute", "revolute"]
+    assert len(links(found)) == 3
+    assert {"arm 0"} in links(found)
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [box(80, 64, 4), joined(box(60, 40, 4), box(4, 40, 60).at(-28, 0, 32))],
+    ids=["plate", "bracket"],
+)
+def test_sheets_named_after_a_motor_are_none(solid: Solid) -> None:
+    """A plate and a bent sheet may be named after the servo that they hold."""
+    nodes = part("servo shelf", solid), part("servo MG996R", box(40, 20, 36), z=200)
+    found = find_motors(Survey(assembled(*nodes), ALL_SOURCES))
+    assert [motor.path for motor in found] == ["servo MG996R"]
+
+
+def test_a_folder_with_the_motor_in_it_says_nothing_of_its_sides() -> None:
+    """A motor's plate and the pulley on its shaft may be in one folder with it: the plate holds it."""
+    holes = [(x, y) for x in (-15.5, 15.5) for y in (-15.5, 15.5)]
+    motor = cut(box(42, 42, 40).at(0, 0, -20) + cylinder(2.5, 24), *(cylinder(1.5, 6).at(x, y, -6) for x, y in holes))
+    plate = cut(box(120, 44, 6).at(30, 0, 3), cylinder(11.2, 6), *(cylinder(1.7, 6).at(x, y, 0) for x, y in holes))
+    pulley = joined(cylinder(6, 10), cylinder(8, 1.2).at(0, 0, 10), cylinder(8, 1.2).at(0, 0, -1.2)) - cylinder(
+        2.5, 20
+    ).at(0, 0, -5)
+    drive = group("drive", part("plate", plate), part("NEMA 17", motor), part("GT2 pulley", pulley, z=10))
+    found = inferred(drive, part("frame", box(20, 44, 200), 80, 0, 106))
+    assert {"drive/GT2 pulley"} in links(found)
+    assert {"drive/plate", "drive/NEMA 17", "frame"} in links(found)
+
+
+def test_a_plate_around_the_output_of_a_motor_does_not_turn() -> None:
+    """A motor stands on a plate with a hole for its shaft: what it turns is the brush on it, not the plate."""
+    plate = box(200, 80, 5).at(40, 0, -2.5) - cylinder(9.5, 5).at(0, 0, -5)
+    pocket = cut(box(30, 20, 30).at(0, 0, 15), box(12.2, 10.2, 16).at(0, 0, 22), cylinder(4, 14))
+    motor = box(12, 10, 24).at(0, 0, 26) + cylinder(1.5, 20).at(0, 0, -6)
+    brush = joined(cylinder(8, 6), box(40, 3, 2).at(20, 0, 1)) - cylinder(1.5, 4.5).at(0, 0, 1.5)
+    sides = group("sides", part("pocket", pocket), part("N20 motor", motor), part("brush", brush, z=-7.5))
+    assert {"sides/brush"} in links(inferred(part("plate", plate), sides, part("post", box(8, 8, 90), 60, 0, 45)))

@@ -33,6 +33,8 @@ from stepbot.draft.parts.names import Role, portable, roles
         ("SFU1204 screw 560", Role.SLIDE),
         ("Lead screw nut TR8x8", Role.SLIDE),
         ("M8 threaded rod", Role.FASTENER),
+        ("caster fork", None),
+        ("Caster wheel", Role.WHEEL),
         ("軸受け", Role.BEARING),
         ("DIN 625", Role.BEARING),
         ("STS3215_03a:1", Role.MOTOR),

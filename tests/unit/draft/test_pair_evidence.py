@@ -177,3 +177,11 @@ def test_tube_in_a_tube_slides() -> None:
     assert [(kind, arc.evidence.review) for (kind, *_), arc in zip(joints(found), found.arcs, strict=True)] == [
         ("prismatic", "a round tube in another one: it may turn, too")
     ]
+
+
+@pytest.mark.parametrize(("length", "kind"), [(300.0, "weld"), (60.0, "revolute")])
+def test_a_long_tube_on_a_plug_in_its_end_is_fixed(length: float, kind: str) -> None:
+    """Structural tubes are drawn without play on their sockets; a short ring may turn."""
+    tube = cylinder(40, length) - cylinder(36, length)
+    plug = cylinder(36, 30) + box(90, 90, 20).at(0, 0, -10)
+    assert strongest(evidence(part("socket", plug), part("tube", tube))) == kind

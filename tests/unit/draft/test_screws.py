@@ -50,16 +50,24 @@ def flange() -> Solid:
     return cut(solid, *(cylinder(1.5, 5).at(x, y, 20) for x, y in spots))
 
 
+def hub() -> Solid:
+    """A bored hub on a disc with three holes inside of its rim, as the plate of a planet carrier."""
+    spots = [(10.5 * cos(k * 2 * pi / 3), 10.5 * sin(k * 2 * pi / 3)) for k in range(3)]
+    solid = joined(cylinder(13.7, 5), cylinder(9, 17).at(0, 0, 5)) - cylinder(4.7, 22)
+    return cut(solid, *(cylinder(1.6, 5).at(x, y, 0) for x, y in spots))
+
+
 @pytest.mark.parametrize(
     "solid",
     [
         flange(),
+        hub(),
         cylinder(3, 20),
         joined(cylinder(3, 20), cylinder(5, 5).at(0, 0, 20)),
         joined(cylinder(30, 200), cylinder(50, 50).at(0, 0, 200)),
         box(20, 10, 5) - cylinder(2, 5).at(0, 0, -2.5),
     ],
-    ids=["flange", "plain shaft", "stepped shaft", "large", "plate"],
+    ids=["flange", "hub", "plain shaft", "stepped shaft", "large", "plate"],
 )
 def test_parts_that_are_no_fasteners(solid: Solid) -> None:
     """A flange that others are screwed to, a plain or stepped shaft, a large spindle and a plate are not fasteners."""
@@ -100,3 +108,16 @@ def test_a_pulley_by_the_name_of_its_belt_is_neither_a_belt_nor_a_screw() -> Non
     nodes = part("Belt 20T", drum, 11.1, -3.3, 7.7, (0.3, 0.7, 1.1)), part("Belt 200", loop, z=50)
     survey = Survey(assembled(part("frame", box(200, 200, 10), z=-30), *nodes), ALL_SOURCES)
     assert {survey.parts[i].path for i in survey.small} == {"Belt 200"}
+
+
+@pytest.mark.parametrize(("nut", "is_rod"), [("lead screw nut", False), ("nut", True)])
+def test_a_threaded_rod_in_a_drive_nut_is_no_fastener(nut: str, *, is_rod: bool) -> None:
+    """A long rod that is named after its thread is the screw of a drive nut around it, and a fastener in any other."""
+    block = box(40, 40, 20) - cylinder(4.1, 20).at(0, 0, -10)
+    nodes = (
+        part("threaded rod M8", cylinder(4, 300).at(0, 0, -150)),
+        part(nut, block),
+        part("frame", box(9, 9, 900), 90),
+    )
+    survey = Survey(assembled(*nodes), ALL_SOURCES)
+    assert (1 in survey.small) == is_rod

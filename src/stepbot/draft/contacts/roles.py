@@ -95,8 +95,9 @@ def is_screw(part: Part, lines: Sequence[CoaxialLine], faces: Sequence[Face]) ->
     line = max(full, key=lambda row: (not row[1].bore, row[1].radius))[0]
     own = [face for other, face in full if other is line]
     widest = max(face.radius for face in own)
-    # A part with holes elsewhere has other parts fastened to it.
-    if any(line.axis.distance(other.axis.point) > 0.95 * widest for other, _ in full if other is not line):
+    # A part with holes elsewhere, such as in a flange around its hub, has other parts fastened to it.
+    inside = min([0.95 * widest, *_shanks(own)[:1]])
+    if any(line.axis.distance(other.axis.point) > inside for other, _ in full if other is not line):
         return False
     return part.is_balanced(line.axis) and (
         _has_head_and_drive(own, len({id(at) for at, _ in full}), faces) or _is_nut(part, own, faces)

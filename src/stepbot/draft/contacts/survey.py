@@ -28,7 +28,7 @@ from stepbot.draft.contacts.teeth import (
 )
 from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
-from stepbot.draft.parts.names import Role, is_belt, roles
+from stepbot.draft.parts.names import Role, is_belt, is_drive, roles
 from stepbot.draft.parts.parts import Boxes, joint_box
 from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.fixed_point import exact_sum
@@ -43,6 +43,8 @@ _BLOCK = 2
 """Holes in line with those of each of two parts, from which what is no turned part holds both together."""
 _LARGE = 0.2
 """Share of the assembly's volume from which a turned part is not a fastener, whatever its name."""
+_SPINDLE = 20.0
+"""Length in radii from which a turned part is a rod."""
 _SCREW_REACH = 4e-3
 """Distance [m] from a screw's bounding box within which it clamps."""
 
@@ -120,6 +122,8 @@ class Survey:
         if any(r.via == Via.BALL and r.radius < _BALL * one.size for r in self.near.get(part, ())):
             return False
         is_turned = self._is_turned(part)
+        if is_turned and self._is_spindle(part):
+            return False
         if not is_turned and sum(r.holes >= _BLOCK for r in self.near.get(part, ())) > 1:
             return False  # a block that is screwed to two parts
         if not is_turned and self._has_bores_apart(part):
@@ -131,6 +135,17 @@ class Survey:
     def _is_turned(self, part: int) -> bool:
         """Whether a part is symmetric about one of its lines: a pulley, though it is named after its belt."""
         return any(self.parts[part].is_balanced(axis) for axis in self.turned.get(part, ())[:3])
+
+    def _is_spindle(self, part: int) -> bool:
+        """Whether a long rod, though named after its thread, is in a drive nut or in line with the shaft of a motor."""
+        for line in self.contacts.lines:
+            shanks = [f.radius for f in line.faces.get(part, ()) if not f.bore and not f.cone]
+            if not shanks or self.parts[part].size < _SPINDLE * max(shanks):
+                continue
+            others = [(self.parts[i], f) for i, faces in line.faces.items() if i != part for f in faces]
+            if any(is_drive(one.name) if f.bore else Role.MOTOR in one.roles for one, f in others):
+                return True
+        return False
 
     def _has_bores_apart(self, part: int) -> bool:
         """Whether shafts of other parts are in its bores on two lines: a nut has one."""

@@ -164,6 +164,14 @@ def _say(survey: Survey, bearing: int, found: Evidence) -> None:
         found.joint(hinge)
 
 
+def _around_pin(survey: Survey, pin: int, seat: int, axis: Axis) -> list[int]:
+    """What a pin that only bearings touch goes through with the clearance of a hole, but for their seat."""
+    in_bearings = all(_is_bearing(survey.parts[other]) for other, _ in survey.around(pin))
+    is_pin = in_bearings and survey.parts[pin].is_balanced(axis)
+    around = in_holes(survey, pin, axis) if is_pin else []
+    return [other for other in around if other != seat and not _is_bearing(survey.parts[other])]
+
+
 def _slides_through(survey: Survey, bearing: int, rod: int) -> bool:
     """Whether a rod reaches far out of both ends of a long plain bearing, and is nowhere else in a bearing."""
     r = survey.relation(bearing, rod)
@@ -201,7 +209,7 @@ def _turning(survey: Survey, bearing: int, held: _Seat, inner: list[_Seat]) -> l
     turning: list[int] = []
     for seat in inner:
         if seat.part not in survey.small:
-            turning.append(seat.part)
+            turning += _around_pin(survey, seat.part, held.part, axis) or [seat.part]
             continue
         on_screw = [other for other, r in survey.around(seat.part) if r.turns is not None and r.turns.same(axis)]
         on_screw = [other for other in on_screw if other not in (bearing, held.part)]

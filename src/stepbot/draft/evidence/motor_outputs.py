@@ -182,8 +182,10 @@ def _is_level(output: Output, relations: Sequence[Relation]) -> bool:
     return all(are_parallel(output.axis.d, direction, _LEVEL) for direction in directions)
 
 
-_BRUSH_AREA, _WIDER = 5e-6, 0.8
-"""Contact [m^2] below which a part with fewer than two holes in line holds no motor; ratio of two sides' radii."""
+_BRUSH_AREA, _WIDER, _BOLTED = 5e-6, 0.8, 0.9
+"""Contact [m^2] below which a part with fewer than two holes in line holds no motor; ratio of two sides' radii; score
+of an output that is bolted on within the circle that holds the case, above that of what a circle of bolts holds.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -314,7 +316,8 @@ class _OneMotor:
             return (driven if score else []), [side for side in driven if side.part in held], score, review
         widths = [max(map(self._width, group)) for group in groups]
         order = sorted(range(len(groups)), key=lambda n: (-round(widths[n], 5), groups[n][0].part))
-        score = 0.83 if widths[order[-1]] < _WIDER * widths[order[0]] else 0.65
+        clear = _BOLTED if all(side.whole.ring for side in driven) else 0.83
+        score = clear if widths[order[-1]] < _WIDER * widths[order[0]] else 0.65
         turning = [side for n in order[1:] for side in groups[n]]
         return turning, groups[order[0]], score, "" if score > 0.8 else "either side of the motor may be the fixed one"
 
@@ -327,12 +330,11 @@ class _OneMotor:
                 r = survey.relation(x.part, y.part)
                 home = survey.scene.component(x.part).parent
                 together = survey.sources.tree and 0 < home == survey.scene.component(y.part).parent
+                together &= self._motor.case not in survey.assembly.subtree(home)  # which may list both sides
                 if together or self._idlers or (r is not None and (r.is_rigid or r.patches)):
                     tied.join(x.part, y.part)
-        by_root: dict[int, list[_Side]] = defaultdict(list)
-        for side in sides:
-            by_root[tied.find(side.part)].append(side)
-        return [by_root[root] for root in sorted(by_root)]
+        side_of = {side.part: side for side in sides}
+        return [[side_of[i] for i in members] for members in tied.groups().values()]
 
     def _idle(self, why: str) -> None:
         """A motor that is held and has a free output."""
@@ -362,10 +364,9 @@ class _OneMotor:
                 self._mount(side.part)
         for o in anchors:
             self._joint(o, score, why, review)
-        if not anchors and not self._outputs:
-            for side in driven[1:]:
-                if self._survey.relation(driven[0].part, side.part) is not None:
-                    self._found.weld(0.6, driven[0].part, side.part, f"both on the output of '{self._motor.path}'")
+        for side in driven[1:] if not anchors and not self._outputs else ():
+            if self._survey.relation(driven[0].part, side.part) is not None:
+                self._found.weld(0.6, driven[0].part, side.part, f"both on the output of '{self._motor.path}'")
         for o in self._outputs:
             if o not in anchors:
                 beside = any(r.other(o) in anchors for r in self._survey.near.get(o, ()))
@@ -387,11 +388,10 @@ class _OneMotor:
 
     def _joint(self, part: int, score: float, why: str, review: str) -> None:
         assert self._output is not None
-        case = self._motor.case
         motor = self._motor.path if self._motor.is_named else ""
         self._found.joint(
             JointEvidence(
-                *(score, case, part, JointKind.REVOLUTE, self._output.axis, why),
+                *(score, self._motor.case, part, JointKind.REVOLUTE, self._output.axis, why),
                 drives=True,
                 motor=motor,
                 review=review,

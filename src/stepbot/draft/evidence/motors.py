@@ -15,13 +15,17 @@ from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, roles
 from stepbot.draft.parts.parts import largest
-from stepbot.geometry.spatial import perpendicular_frame
+from stepbot.geometry.spatial import Array, perpendicular_frame
 from stepbot.step.assembly import Component
 
 _LARGEST = 0.6
 """Share of the assembly's size from which a subassembly is more than a motor."""
 _BLOCK = 0.35
 """Share of its bounding box that a motor fills; a bracket, a folded sheet, fills less."""
+_SHEET, _PLATE, _TOOTHED = 0.2, 0.1, 0.4
+"""Shares of its bounding box, and of its width, up to which what is named after a motor is a bent sheet, or a plate;
+radius of teeth, as a share of its middle dimension, from which it is a gear.
+"""
 _WIRE = 5e-7
 """Volume [m^3] below which what is named after a motor is a wire, a plug or a screw of it."""
 _PIECE = 0.15
@@ -47,6 +51,8 @@ _JOURNAL = 0.1
 """Radius of a journal, as a share of the size of a part, from which it is a bearing block and no motor with a screw."""
 _AS_WIDE = 0.95
 """Ratio of radii from which two axes of a part are used alike."""
+_INNER = 0.8
+"""Ratio of the radii of two circles of bolts, up to which the inner one is that of an output."""
 _PIN, _RIM = 4.0, 0.45
 """Width in radii of its fit, up to which what turns in a part is a pin; share of a part's width, from which the radius
 of what is around it is that of a tyre or a clamp.
@@ -99,7 +105,8 @@ def _named_motors(survey: Survey) -> list[Motor]:
             continue
         below = assembly.subtree(c.index)
         members = tuple(i for i in below if i in parts)
-        if members and (survey.size_of(members) <= _LARGEST * survey.extent or len(parts) == len(members)):
+        is_one = len(members) in (1, len(parts))
+        if members and (is_one or survey.size_of(members) <= _LARGEST * survey.extent):
             taken.update(below)
             found.append((c, members))
     motors = []
@@ -109,7 +116,7 @@ def _named_motors(survey: Survey) -> list[Motor]:
             continue
         still = [parts[i] for i in members if not {Role.WHEEL, Role.HORN} & {*parts[i].roles}]
         case = largest(still or [parts[i] for i in members]).index
-        if _is_bracket(survey, case, members):
+        if _is_bracket(survey, case, members) or (len(members) == 1 and not _is_block(survey, case)):
             continue
         pieces = [i for i in members if i in shafts or (c.index in in_pieces and _is_piece(survey, i, case))]
         outputs = tuple(
@@ -299,13 +306,24 @@ def _around_case(survey: Survey, case: int, cases: Sequence[int]) -> tuple[int, 
         found = inside[mine]
 
 
+def _extent(survey: Survey, part: int) -> Array:
+    """Size (3,) [m] of a part's bounding box along its own axes."""
+    boxes = [face.box for face in survey.scene.body(part).faces]
+    return np.asarray(np.ptp(np.array(boxes).reshape(-1, 3), axis=0)) if boxes else np.zeros(3)
+
+
 def _fill(survey: Survey, part: int) -> float:
     """Share of its bounding box that a part fills, along its own axes."""
-    faces = survey.scene.body(part).faces
-    if not faces:
-        return 0.0
-    extent = np.ptp(np.array([face.box for face in faces]).reshape(-1, 3), axis=0)
-    return survey.parts[part].volume / max(float(np.prod(extent)), 1e-18)
+    extent = float(np.prod(_extent(survey, part)))
+    return survey.parts[part].volume / extent if extent else 0.0
+
+
+def _is_block(survey: Survey, part: int) -> bool:
+    """Whether a part may be all of a motor: no plate or bent sheet, and no gear, whose teeth are around it."""
+    thin, middle, wide = sorted(_extent(survey, part).tolist())
+    if any(rim.tip > _TOOTHED * middle for rim in survey.rims.get(part, ())):
+        return False
+    return _fill(survey, part) > _SHEET and thin > _PLATE * wide
 
 
 def _is_worn(survey: Survey, case: int, other: int, r: Relation) -> bool:
@@ -338,7 +356,7 @@ def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
             return False  # what is in it is heavier: a clamp around a motor
         on = [r for other, r in about if not _is_worn(survey, i, other, r)]
         off = any((r.turns is None or _holds_corners(r)) and (r.is_rigid or r.patches) for _, r in others)
-        held += off and bool(on)
+        held += bool(on) and (off or _are_in_two_circles(on))
         for r in on:
             assert r.axis is not None
             local, radius = Axis(X.apply(r.axis.point), X.turn(r.axis.d)), max(r.radius, r.ring_radius)
@@ -353,6 +371,12 @@ def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
     # A motor has one output. Several axes of one radius are those of screws.
     widest = max(common, default=0.0)
     return held >= 2 and sum(radius > _AS_WIDE * widest for radius in common) == 1
+
+
+def _are_in_two_circles(on: Sequence[Relation]) -> bool:
+    """Whether two parts are bolted on, about one axis: one on the output, the other on the case around it."""
+    rings = [(r.axis, r.ring_radius) for r in on if r.via == Via.RING and r.axis is not None]
+    return any(x.same(y, _SAME_AXIS) and p < _INNER * q for x, p in rings for y, q in rings)
 
 
 def _holds_corners(r: Relation) -> bool:

@@ -4,6 +4,8 @@ from collections import defaultdict
 from collections.abc import Collection
 from itertools import combinations
 
+import numpy as np
+
 from stepbot.draft.contacts.concentric import patch_lies_about
 from stepbot.draft.contacts.contacts import FitKind
 from stepbot.draft.contacts.freedom import FreedomKind
@@ -14,7 +16,7 @@ from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.subassemblies import Structure, is_guide
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
-from stepbot.geometry.spatial import cross, unit
+from stepbot.geometry.spatial import cross, perpendicular_frame, unit
 from stepbot.robot.model import JointKind
 
 _REVIEW_BEARING = "a bearing is between two links: one of its sides may belong to it"
@@ -22,6 +24,8 @@ _REVIEW_BEARING = "a bearing is between two links: one of its sides may belong t
 _REVIEW_TUBES = "a round tube in another one: it may turn, too"
 _TUBE, _WALL = 4.0, 0.5
 """Engaged length of tubes, in radii, from which one slides in the other; radius of the bore of a tube, in its own."""
+_LONG_TUBE, _THIN = 2.0, 0.4
+"""Length in widths from which a tube is a structural one; radius of its bore, in widths."""
 _NEAR, _NEAR_ACROSS = 0.6, 0.72
 """Scores of a hinge about a shaft that is drawn off its bore, within a subassembly and between two."""
 _REVIEW_NEAR = "the two are drawn off each other, so that their common axis is a guess"
@@ -200,6 +204,8 @@ class PairEvidence:
         if is_exact and self._turns_with(r):
             score -= 0.3
             self._weld(r, _SERIES, "as thick as its bore, and on a line with what turns with play")
+        elif is_exact and _is_plugged(self._survey, r):
+            self._weld(r, _SERIES, "a long tube on a plug in its end, without play")
         elif not across and self._draws_play and is_exact and (r.a, r.b) not in self._pivots:
             self._weld(r, 0.74, "shaft as thick as its bore, where others have play")
         shoulder = " with a shoulder" if r.freedom.kind == FreedomKind.REVOLUTE else ""
@@ -341,7 +347,7 @@ def several_axes(structure: Structure, found: Evidence) -> None:
     for h in found.joints:
         one, two = structure.link_of.get(h.a), structure.link_of.get(h.b)
         plain = h.type == JointKind.REVOLUTE and h.relation is not None
-        if one is None or two is None or one == two or not plain or h.score < 0.5:
+        if one is None or two is None or one == two or not plain or h.by_role or h.score < 0.5:
             continue
         assert h.relation is not None
         if h.relation.via in (Via.FACE, Via.BOLT, Via.PIN):
@@ -362,6 +368,19 @@ def _is_telescope(r: Relation) -> bool:
         for fit in r.journals
         for hollow in tubes
     )
+
+
+def _is_plugged(survey: Survey, r: Relation) -> bool:
+    """Whether a long thin tube is around a shorter end of another part: a structural tube in its socket."""
+    fit = max(r.shafts, key=lambda f: f.length)
+    tube = r.other(fit.shaft)
+    assert r.axis is not None
+    (low, high), (start, end) = (survey.scene.span(i, r.axis.d) for i in (tube, fit.shaft))
+    across = perpendicular_frame(r.axis.d)[:, 0]
+    width = float(np.ptp(survey.scene.span(tube, across)))
+    is_thin = fit.radius > _THIN * width and survey.parts[tube].is_balanced(r.axis)
+    is_end = start < low or high < end
+    return is_thin and is_end and high - low > _LONG_TUBE * width and fit.length < 0.5 * (high - low)
 
 
 def _is_centred(axis: Axis, socket: Relation) -> bool:

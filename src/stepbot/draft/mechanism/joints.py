@@ -172,6 +172,8 @@ class Mechanism:
             return None
         members = self._clusters.members(root)
         first, *others = sorted(joints, key=lambda j: j.evidence.type == JointKind.BALL)
+        if len({h.through for h in self._made.evidence.joints if h.through in members}) > 1:
+            return None  # a roller on bearings in both of its ends
         is_rod = len(joints) == 1 and self._is_rod(members, first)
         if not self._spins(members, first.axis, _SPINNING_ROD if is_rod else _SPINNER):
             return None
@@ -240,6 +242,9 @@ class Mechanism:
                     first_goes = len(of[one]) == 1 and (len(of[two]) > 1 or j.evidence.score < k.evidence.score)
                     gone, kept, leaf = (j, k, one) if first_goes else (k, j, two)
                     members = self._clusters.members(leaf)
+                    carried = {i.other(two if leaf == one else one) for i in of[two if leaf == one else one]}
+                    if carried.intersection(map(self._clusters.find, self._meshes(members, j.axis))):
+                        continue  # the sun of a planetary gear, beside the carrier
                     self.joints.remove(gone)
                     self._unite(one, two, self.joints)
                     self._made.guess(members, "turns about the same axis as the parts it was merged with")
@@ -285,12 +290,17 @@ class Mechanism:
         volume = self._survey.total_volume(members)
         if axis.direction is None or not 0.0 < volume <= most * self._survey.volume:
             return False
-        moved = [pair.gear for pair in self._survey.rack_meshes]
-        moved += [gear for mesh in self._survey.meshes for gear in (mesh.one, mesh.two) if not mesh.belt]
-        if any(gear.part in members and gear.axis.same(axis, SAME_GEAR) for gear in moved):
-            return False  # it moves a rack or another gear
+        if self._meshes(members, axis):
+            return False
         parts = [self._survey.parts[i] for i in members if i not in self._survey.small]
         return all(part.is_balanced(axis) for part in parts if part.volume > _TRIFLE * volume)
+
+    def _meshes(self, members: Sequence[int], axis: Axis) -> list[int]:
+        """The racks and gears that a body moves, as a gear about an axis."""
+        pairs = [(pair.gear, pair.part) for pair in self._survey.rack_meshes]
+        for mesh in self._survey.meshes:
+            pairs += [] if mesh.belt else [(mesh.one, mesh.two.part), (mesh.two, mesh.one.part)]
+        return [other for gear, other in pairs if gear.part in members and gear.axis.same(axis, SAME_GEAR)]
 
     def _is_pin(self, members: Sequence[int], joint: Joint) -> bool:
         """Whether a body that only spins is a rod, or a ring beside other joints, and no wheel."""

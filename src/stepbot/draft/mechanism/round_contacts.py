@@ -102,7 +102,10 @@ def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
     found: dict[Pair, str] = {}
     held = {(w.a, w.b) for w in made.evidence.welds if w.verdict == Verdict.TAKEN and w.score >= SURE}
     for root, members in made.clusters.groups().items():
-        pivots = [_Sides(survey, pivot, members, ties[root]) for pivot in _pivots(survey, structure, held, members)]
+        # What is around the output of a motor in it, such as a plate with a hole for the shaft, is no side of a pivot.
+        driven = [h.axis for h in made.joints if h.drives and made.clusters.find(h.a) == root]
+        every = (p for p in _pivots(survey, structure, held, members) if not any(p.axis.same(axis) for axis in driven))
+        pivots = [_Sides(survey, pivot, members, ties[root]) for pivot in every]
         between = [pair for sides in pivots if not sides.share_line(made) and (pair := sides.between_lopsided())]
         found |= dict.fromkeys(between, _REVIEW)
         if between or root in jointed:

@@ -110,9 +110,11 @@ def roles(name: str) -> tuple[Role, ...]:
     found += [role for role, pattern in patterns.words if pattern.search(text)]
     if Role.MOTOR in found and patterns.mount.search(text) and not _SOLID_OF_MOTOR.search(text):
         found.remove(Role.MOTOR)
+    if Role.WHEEL in found and patterns.held.search(text):
+        found.remove(Role.WHEEL)
     if Role.BASE in found and patterns.carried.search(text):
         found.remove(Role.BASE)
-    if Role.FASTENER in found and patterns.drive.search(text):
+    if Role.FASTENER in found and is_drive(name):
         found = [Role.SLIDE if role == Role.FASTENER else role for role in found]
     return tuple(dict.fromkeys(found))
 
@@ -121,6 +123,11 @@ def is_belt(name: str) -> bool:
     """Whether a name is that of a belt, and not of a pulley for one."""
     text, patterns = plain(name), _patterns()
     return bool(patterns.belt.search(text)) and not patterns.pulley.search(text)
+
+
+def is_drive(name: str) -> bool:
+    """Whether a name is that of a drive screw or its nut."""
+    return bool(_patterns().drive.search(plain(name)))
 
 
 class _Patterns:
@@ -139,6 +146,7 @@ class _Patterns:
         self.words = [(role, _whole_words(table[role]["words"])) for role in Role]
         self.mount = _whole_words(table[Role.MOTOR]["mount"])
         self.belt, self.pulley = (_whole_words(table[Role.GEAR][key]) for key in ("belt", "pulley"))
+        self.held = _whole_words(table[Role.WHEEL]["held"])
         self.carried = _whole_words(table[Role.BASE]["carried"])
         self.drive = _whole_words(table[Role.SLIDE]["drive"])
 
