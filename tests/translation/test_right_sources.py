@@ -702,14 +702,14 @@ def test_a_flat_collision_mesh_is_left_out_where_mujoco_rejects_it(tmp_path: Pat
     assert len(conversion.robot.link_by_name["marker"].collisions) == 1
 
 
-def test_planes_of_bodies_and_names_with_slashes(tmp_path: Path) -> None:
-    """A plane of a body is named as not converted; a geom whose name has a slash, as dm_control's have, is renamed."""
+def test_planes_of_bodies(tmp_path: Path) -> None:
+    """A plane of a body is named as not converted, and what remains is proven."""
     source = """<mujoco model="robot"><worldbody><body name="floor"><geom type="plane" size="1 1 1"/>
       <body name="arm"><joint name="turn" axis="0 0 1"/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
-      <geom name="left/box" type="box" size=".1 .1 .1"/></body></body></worldbody></mujoco>"""
+      <geom name="box" type="box" size=".1 .1 .1"/></body></body></worldbody></mujoco>"""
     conversion = proven(tmp_path, ".xml", source, "urdf", "sdf", "mjcf")
     assert told(conversion, "SB860") == ["planes in <body>: not converted"]
-    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml")).geom("left_box").bodyid == [2]
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml")).geom("box").bodyid == [2]
 
 
 @pytest.mark.parametrize("joint", ["revolute", "fixed"])
@@ -769,3 +769,22 @@ def test_couplings_that_are_no_mimic(equalities: str, tmp_path: Path) -> None:
     assert told(conversion, "SB861") == [
         "equality constraint 'e' is not a linear relation of two joints, of which one follows no other"
     ]
+
+
+def test_names_with_slashes(tmp_path: Path) -> None:
+    """A file with names as dm_control gives them to the parts of a robot is proven under new names."""
+    inertial = '<inertial pos=".1 0 0" mass="1" diaginertia=".1 .1 .1"/>'
+    source = f"""<mujoco model="four/bar"><worldbody><body name="r/base">{inertial}
+      <body name="r/a"><joint name="r/ja" axis="0 0 1" range="-50 50"/>{inertial}
+      <geom name="r/g" type="box" size=".1 .1 .1"/>
+      <body name="r/b" pos=".2 0 0"><joint name="r/jb" axis="0 0 1"/>{inertial}<site name="r/site"/></body></body>
+      <body name="r/c" pos="0 .2 0"><joint name="r/jc" axis="0 0 1"/>{inertial}</body></body></worldbody>
+      <equality><connect name="r/loop" body1="r/b" body2="r/c" anchor="0 .2 0"/></equality>
+      <contact><exclude name="r/x" body1="r/a" body2="r/c"/></contact>
+      <actuator><motor name="r/pull" joint="r/ja"/><velocity name="r/turn" joint="r/jb" kv="1"/></actuator>
+      <sensor><accelerometer name="r/acc" site="r/site"/><gyro name="r/gyro" site="r/site"/>
+      <jointpos name="r/jc" joint="r/jc"/><jointvel name="r/v" joint="r/jc"/></sensor></mujoco>"""
+    proven(tmp_path, ".xml", source, "urdf", "sdf", "mjcf")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "four_bar.xml"))
+    assert [model.actuator(i).name for i in range(2)] == ["r_pull", "r_turn"]
+    assert model.geom("r_g").bodyid == model.body("r_a").id

@@ -21,7 +21,7 @@ RIG = """<sdf version="1.11"><model name="rig">
   <frame name="flange" attached_to="base"><pose>0 0 0.1 0 0 0.5</pose></frame>
   <model name="hand">
     <pose relative_to="flange">0 0 0.05 0 0 0</pose>
-    <link name="palm"><pose>0 0 0.02 0 0 0</pose>
+    <link name="palm"><pose frame="">0 0 0.02 0 0 0</pose>
       <inertial><mass>1</mass><inertia><ixx>0.002</ixx><iyy>0.002</iyy><izz>0.002</izz></inertia></inertial>
       <visual name="v"><pose relative_to="__model__">0 0 0 0.1 0 0</pose>
         <geometry><box><size>0.2 0.2 0.2</size></box></geometry></visual>

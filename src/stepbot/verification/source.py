@@ -8,11 +8,20 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import inf, isfinite, isnan
 from pathlib import Path, PurePath
+from typing import TypeVar
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import own_parsers
 from stepbot.engines.file_references import openable
-from stepbot.engines.observation import Observation, ObservedActuator, ObservedLink, ObservedShape, Quantity
+from stepbot.engines.observation import (
+    Observation,
+    ObservedActuator,
+    ObservedClosure,
+    ObservedLink,
+    ObservedSensor,
+    ObservedShape,
+    Quantity,
+)
 from stepbot.engines.resources import box_around
 from stepbot.report.robot import Check
 from stepbot.robot.mesh_names import valid_name
@@ -157,7 +166,7 @@ def _comparable(gathered: Gathered) -> Gathered:
     seen = gathered.observation
 
     def plain(shapes: tuple[ObservedShape, ...] | None, kind: str) -> tuple[ObservedShape, ...] | None:
-        shapes = shapes and tuple(replace(one, name=one.name and valid_name(one.name, kind)) for one in shapes)
+        shapes = _with_valid_names(shapes, kind)
         often = Counter(shape.name for shape in shapes or ())
         return shapes and tuple(
             replace(
@@ -183,8 +192,21 @@ def _comparable(gathered: Gathered) -> Gathered:
         else joint
         for joint in seen.joints
     )
-    bare = without_stand_ins(replace(seen, name=None, links=links, joints=joints))
+    bare = replace(
+        without_stand_ins(replace(seen, name=None, links=links, joints=joints)),
+        closures=_with_valid_names(seen.closures, "closure"),
+        actuators=_with_valid_names(seen.actuators, "actuator"),
+        sensors=_with_valid_names(seen.sensors, "sensor"),
+    )
     return replace(gathered, observation=with_effective_ranges(bare))
+
+
+_Named = TypeVar("_Named", ObservedShape, ObservedClosure, ObservedActuator, ObservedSensor)
+
+
+def _with_valid_names(seen: tuple[_Named, ...] | None, kind: str) -> tuple[_Named, ...] | None:
+    """What the source has, by the names that written files have in place of those that no format holds."""
+    return seen and tuple(replace(one, name=one.name and valid_name(one.name, kind)) for one in seen)
 
 
 def _with_ends(link: ObservedLink, kind: str) -> ObservedLink:

@@ -88,6 +88,7 @@ MODEL = Vocabulary(
         **paths("model", _PLUGINS),
     },
     neutral={
+        "pose@frame": ("",),  # as Gazebo saves every pose
         "model/self_collide": ("false", "0"),
         "model/allow_auto_disable": ("true", "1"),
         "model/enable_wind": ("false", "0"),

@@ -33,7 +33,7 @@ class Vocabulary:
     read: Mapping[str, str]
     """For each path the attributes that are read, separated by spaces; ``*`` for all. A path may end with ``/*``."""
     neutral: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """Values without effect, of attributes (``path@name``) and of elements that are not read (``path``)."""
+    """Values without effect, of attributes (``path@name``, ``tag@name``) and of unread elements (``path``)."""
     effects: Mapping[str, str] = field(default_factory=dict)
     """Consequence of the loss of a path, of an attribute (``path@name``), or of the last part of either."""
     nests: tuple[str, ...] = ()
@@ -78,8 +78,8 @@ class Vocabulary:
         line, tag = element.sourceline or 0, str(element.tag)
         known = f"{self.read[path]} {self.holders.get(tag, '')}".split()
         for name, value in element.attrib.items():
-            key = f"{path}@{name}"
-            if "*" not in known and name not in known and str(value).strip() not in self.neutral.get(key, ()):
+            neutral = self.neutral.get(f"{path}@{name}") or self.neutral.get(f"{tag}@{name}", ())
+            if "*" not in known and name not in known and str(value).strip() not in neutral:
                 yield path, tag, name, line
         for child in element:
             if not isinstance(child.tag, str):  # a comment
