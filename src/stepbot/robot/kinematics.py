@@ -144,6 +144,10 @@ class Tree:
         """Indices of the independent joints that move a link which the given one moves: above it, itself, below it."""
         return np.flatnonzero(self._moved[self._moved[:, coordinate]].any(axis=0))
 
+    def moved_by(self, coordinate: int) -> list[str]:
+        """Names of the links that an independent joint moves."""
+        return [self.links[i] for i in np.flatnonzero(self._moved[:, coordinate])]
+
     def depths(self) -> NDArray[np.intp]:
         """The largest number of independent joints above a link that each of them moves."""
         return np.array([int(self._moved[links].sum(axis=1).min()) - 1 for links in self._moved.T], dtype=np.intp)
@@ -269,8 +273,7 @@ def link_poses(robot: Robot, q: Configuration, tree: Tree | None = None) -> dict
     Raises:
         KeyError: ``q`` contains a name that is not a moving joint.
     """
-    tree = tree or Tree(robot)
-    full = complete(robot, q)
+    tree, full = tree or Tree(robot), complete(robot, q)
     X = tree.frames(np.array([full[name] for name in tree.joints]))
     return {link.name: Pose.from_matrix(X[tree.link_index[link.name]]) for link in robot.links}
 

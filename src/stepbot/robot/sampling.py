@@ -5,7 +5,7 @@ estimates a share of the range. Loops are closed by Newton's method on many rand
 one another on the walks, and cover the range without being independent.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from stepbot.geometry.spatial import Array, cross, dot, rotated
 
 from .closures import LARGEST_JUMP, LARGEST_STEP, Loops, driven_joints, following
 from .dynamics import GRAVITY
-from .kinematics import MOVING, Tree, initial_configuration, leader_ranges
+from .kinematics import MOVING, Tree, initial_configuration, leader_ranges, mimic_relation
 from .model import JointKind, Robot
 from .multi_dof import unfolded
 
@@ -65,7 +65,12 @@ def sampled(robot: Robot, n: int, seed: int = 1) -> Array:
 
 
 def where_largest(
-    robot: Robot, tree: Tree, coordinates: Sequence[Sequence[int]], values: Callable[[Array], Array], runs: int = 1
+    robot: Robot,
+    tree: Tree,
+    coordinates: Sequence[Sequence[int]],
+    values: Callable[[Array], Array],
+    runs: int = 1,
+    levels: int = 0,
 ) -> Array:
     """Configurations q (t, joints) [rad] or [m] over :attr:`Tree.joints` in which t values are largest, one for each.
 
@@ -78,6 +83,7 @@ def where_largest(
         coordinates: Indices of the independent joints that each value depends on, at least one.
         values: The t values at m configurations each (t, m), of configurations (t, m, joints).
         runs: Number of starts, the best of whose results are returned.
+        levels: Largest depth of a joint, plus 1, in the robot that this one is a part of; equal limbs get equal starts.
     """
     ranges = leader_ranges(robot, tree.independent)
     low, high = np.array([ranges[name] for name in tree.independent]).T
@@ -92,7 +98,7 @@ def where_largest(
         return np.asarray(np.take_along_axis(tried, order[..., None], axis=1))
 
     depth = tree.depths()
-    shares = np.random.Generator(np.random.PCG64(1)).random((_STARTS, max(depth) + 1))[:, depth]
+    shares = np.random.Generator(np.random.PCG64(1)).random((_STARTS, max(levels, *depth + 1)))[:, depth]
     starts = low + shares * (high - low)
     starts[0] = np.clip(tree.vector(initial_configuration(robot)), low, high)
     from_each = best(np.tile(starts, (len(coordinates), 1, 1)), runs)
@@ -125,16 +131,46 @@ def worst_postures(robot: Robot, tree: Tree, of: Sequence[int]) -> tuple[Array, 
     robot = unfolded(robot)
     if robot.closures or len(of) * len(tree.links) > _SEARCHED:
         return None
-    size = max(1, _BATCH // (2 * len(tree.links)))
-    parts = [_worst_postures(robot, tree, of[first : first + size]) for first in range(0, len(of), size)]
-    halves = [np.split(q, 2) for q, _, _ in parts]
-    postures = np.concatenate([q for half in zip(*halves, strict=True) for q in half])
-    return postures, np.concatenate([part[1] for part in parts]), np.concatenate([part[2] for part in parts])
+    postures = np.tile(tree.vector(initial_configuration(robot)), (2, len(of), 1))
+    inertias, weights = np.empty(len(of)), np.empty(len(of))
+    levels = int(max(tree.depths())) + 1
+    for limb, places in _limbs(robot, tree, of):
+        part = Tree(limb)
+        column = {name: i for i, name in enumerate(part.independent)}
+        columns = [i for i, name in enumerate(tree.independent) if name in column]
+        size = max(1, _BATCH // (2 * len(part.links)))
+        for some in (places[first : first + size] for first in range(0, len(places), size)):
+            alone = [column[tree.independent[of[i]]] for i in some]
+            u, inertias[some], weights[some] = _worst_postures(limb, part, alone, levels)
+            postures[np.ix_((0, 1), some, columns)] = u.reshape(2, len(some), -1)
+    return tree.follow(postures.reshape(2 * len(of), -1)), inertias, weights
 
 
-def _worst_postures(robot: Robot, tree: Tree, of: Sequence[int]) -> tuple[Array, Array, Array]:
-    """:func:`worst_postures` of some of the joints."""
-    links = [tree.link_index[link.name] for link in robot.links]
+def _limbs(robot: Robot, tree: Tree, of: Sequence[int]) -> Iterator[tuple[Robot, list[int]]]:
+    """Joints that move the same links or are moved by them, as their places in ``of``, with a robot of these alone."""
+    above = {joint.child: joint for joint in robot.joints}
+    coupled: dict[str, list[str]] = {}
+    for name in tree.joints:
+        coupled.setdefault(mimic_relation(robot, name)[0], []).append(name)
+    limbs: dict[frozenset[str], list[int]] = {}
+    for place, coordinate in enumerate(of):
+        links, waiting = set[str](), tree.moved_by(coordinate)
+        while waiting:
+            if (link := waiting.pop()) in links:
+                continue
+            links.add(link)
+            if joint := above.get(link):
+                others = coupled[mimic_relation(robot, joint.name)[0]] if joint.name in tree.joints else ()
+                waiting += [joint.parent, *(robot.joint_by_name[other].child for other in others)]
+        limbs.setdefault(frozenset(links), []).append(place)
+    for kept, places in limbs.items():
+        alone = tuple(link for link in robot.links if link.name in kept)
+        joints = tuple(joint for joint in robot.joints if joint.child in kept)
+        yield Robot(robot.name, alone, joints, base=robot.base), places
+
+
+def _worst_postures(robot: Robot, tree: Tree, of: Sequence[int], levels: int) -> tuple[Array, Array, Array]:
+    """:func:`worst_postures` of some joints of a limb, over :attr:`Tree.independent`."""
     bodies = [link.mass_properties for link in robot.links]
     coms, masses, inertias = (
         np.array([getattr(body, field) for body in bodies]) for field in ("com", "mass", "inertia")
@@ -143,9 +179,8 @@ def _worst_postures(robot: Robot, tree: Tree, of: Sequence[int]) -> tuple[Array,
 
     def values(q: Array) -> Array:
         """Inertias (n, m), then gravity forces (n, m), at q (2 n, m, joints)."""
-        X = tree.frames(q)
-        turned, moved = (one[..., links, :] for one in tree.twists(X, along))
-        X_WL = X[..., links, :, :]
+        X_WL = tree.frames(q)
+        turned, moved = tree.twists(X_WL, along)
         R_WL, p_WL = X_WL[..., :3, :3], X_WL[..., :3, 3]
         moved = moved + cross(turned, p_WL + rotated(R_WL, coms))
         lifted = np.abs((moved[len(of) :] @ np.array(GRAVITY)) @ masses)
@@ -154,9 +189,9 @@ def _worst_postures(robot: Robot, tree: Tree, of: Sequence[int]) -> tuple[Array,
         return np.concatenate([energy, lifted])
 
     near = [sorted(tree.related(one), key=lambda other: abs(int(other) - one))[:_VARIED] for one in of]
-    q = where_largest(robot, tree, [sorted(one) for one in (*near, *near)], values)
+    q = where_largest(robot, tree, [sorted(one) for one in (*near, *near)], values, levels=levels)
     inertia, weight = np.split(values(q[:, None])[:, 0], 2)
-    return q, inertia, weight
+    return q[:, [tree.joints.index(name) for name in tree.independent]], inertia, weight
 
 
 class _Walks:
