@@ -788,3 +788,17 @@ def test_names_with_slashes(tmp_path: Path) -> None:
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "four_bar.xml"))
     assert [model.actuator(i).name for i in range(2)] == ["r_pull", "r_turn"]
     assert model.geom("r_g").bodyid == model.body("r_a").id
+
+
+@pytest.mark.parametrize("comment", ["<!-- arm -- upper -->", "<!----- arm --->"])
+def test_comments_with_hyphens(comment: str, tmp_path: Path) -> None:
+    """XML forbids them, MuJoCo reads them, and so does the conversion; what is not XML beside them has its line."""
+    source = f"""<mujoco model="robot"><worldbody><body name="base">{_BODY}{comment}
+      <body name="arm"><joint name="turn" axis="0 0 1"/>{_BODY}</body></body></worldbody></mujoco>"""
+    proven(tmp_path, ".xml", source, "mjcf")
+    assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml")).nbody == 3
+    wrong = {"wrong.xml": (source.replace('"turn" ', '"turn"'), 2), "wrong.urdf": (f"<robot>\n\n{comment}</robot>", 3)}
+    for name, (text, line) in wrong.items():
+        (tmp_path / name).write_text(text)
+        conversion = convert(tmp_path / name, Options(tmp_path / "out"))
+        assert [(one.code, one.span and one.span.line) for one in conversion.diagnostics] == [("SB814", line)]

@@ -1,5 +1,6 @@
 """XML of descriptions, by lxml, which is imported where a file is read."""
 
+import re
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
 else:
     Element = object
 """An element, for annotations; its stubs lack ``sourceline``."""
+_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 
 
 def xml_root(file: Path) -> Any:
@@ -32,7 +34,8 @@ def xml_root(file: Path) -> Any:
 def parsed(content: bytes, *, remove_comments: bool = False) -> Any:
     """The root element of a document; entities are not expanded.
 
-    A prefix without a declared namespace is a part of the name, as for simulators: Drake's extensions of URDF have one.
+    As simulators read it, a prefix without a declared namespace is a part of the name, such as that of Drake's
+    extensions of URDF, and comments may have hyphens; in a URDF not, from which yourdfpy would leave out elements.
 
     Raises:
         XMLSyntaxError: It is not XML.
@@ -46,6 +49,12 @@ def parsed(content: bytes, *, remove_comments: bool = False) -> Any:
     try:
         return etree.fromstring(content, parser)
     except etree.XMLSyntaxError:
-        if {one.type for one in parser.error_log} != {etree.ErrorTypes.NS_ERR_UNDEFINED_NAMESPACE}:
+        kinds, known = {one.type for one in parser.error_log}, etree.ErrorTypes
+        bare = _COMMENT.sub(lambda found: b"\n" * found[0].count(b"\n"), content)
+        if known.ERR_HYPHEN_IN_COMMENT in kinds and bare != content:
+            root = parsed(bare)
+            if root.tag != "robot":
+                return root
+        if kinds != {known.NS_ERR_UNDEFINED_NAMESPACE}:
             raise
         return etree.fromstring(content, made(recover=True))
