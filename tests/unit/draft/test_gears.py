@@ -12,7 +12,7 @@ from stepbot.draft.contacts import teeth
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft_robot import infer
 from stepbot.geometry.spatial import Array, Pose
-from tests.assembled import BARE, Node, assembled, inferred, joints, links, part
+from tests.assembled import BARE, Node, assembled, inferred, joints, links, part, turned
 from tests.made.scored import drawn
 from tests.solids import Solid, box, cylinder, joined
 
@@ -329,3 +329,21 @@ def test_the_sun_of_a_planetary_gear_is_not_its_carrier() -> None:
         [("revolute", "carrier", "housing"), ("revolute", "housing", "sun gear")]
         + [("revolute", "carrier", "planet gear")] * 3
     )
+
+
+def test_a_rack_on_what_slides_along_it_is_fixed() -> None:
+    """A jaw slides on two rods of a frame, and the rack that lies on it goes with it, along its teeth."""
+    along = (0.0, pi / 2, 0.0)
+    frame = joined(box(220, 140, 10).at(0, 0, -5), *(box(10, 140, 60).at(x, 0, 25) for x in (-105, 105)))
+    frame -= cylinder(4.1, 10).at(0, 0, -10)
+    jaw, bushes = box(50, 90, 20).at(30, 0, 40), []
+    for y in (-30, 30):
+        frame += turned(cylinder(4, 210), x=-105, y=y, z=40, rpy=along)
+        jaw -= turned(cylinder(7.5, 60), x=0, y=y, z=40, rpy=along)
+        bushes.append(part(f"LM8UU {y}", cylinder(7.5, 24) - cylinder(4, 24), 18, y, 40, along))
+    pinion = fused(toothed(16, 1.5, 6), less=cylinder(2.5, 20).shape)
+    shaft = cylinder(4, 30).at(0, 0, -9.9) + cylinder(2.5, 9.7).at(0, 0, 20.1)
+    nodes = part("frame", frame), part("jaw", jaw), part("a2", pinion, z=24), part("a3", shaft)
+    found = inferred(*nodes, part("a4", rack(9, 1.5, 6), 4, 12, 24), *bushes)
+    assert [kind for kind, *_ in joints(found)].count("prismatic") == 1
+    assert any({"jaw", "a4"} <= link for link in links(found))

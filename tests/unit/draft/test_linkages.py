@@ -217,3 +217,25 @@ def test_a_rod_is_guided_by_its_piston_and_the_gland_that_is_fitted_to_its_barre
     assert ("prismatic", "barrel", "rod") in joints(found)
     assert sorted(kind for kind, *_ in joints(found)) == ["prismatic", "revolute", "revolute", "revolute"]
     assert {"barrel", "gland"} in links(found)
+
+
+def test_a_rod_through_two_supports_slides_where_a_crank_could_not_turn_otherwise() -> None:
+    """A servo's arm moves a block on a rod by a bar; the rod, a pin for its size, is in a hole of each of two walls."""
+    along = (0.0, pi / 2, 0.0)
+    bore = turned(cylinder(3.1, 400), x=-200, z=30, rpy=along)
+    base = cut(joined(box(260, 90, 8), box(8, 90, 60).at(-110, 0, 30), box(8, 90, 60).at(110, 0, 30)), bore)
+    rod = turned(cylinder(3, 300), x=-140, z=30, rpy=along)
+    block = cut(joined(box(16, 12, 16).at(40, 0, 30), turned(cylinder(2, 14), x=40, y=20, z=35, rpy=(pi / 2, 0, 0))),
+                turned(cylinder(3, 40), x=20, z=30, rpy=along))  # fmt: skip
+    servo = box(40, 20, 36).at(-20, 40, 22) + turned(cylinder(3, 14), x=-30, y=30, z=30, rpy=(pi / 2, 0, 0))
+    eye = turned(cylinder(2, 40), x=-30, y=40, z=60, rpy=(pi / 2, 0, 0))
+    hub = turned(cylinder(3, 40), x=-30, y=40, z=30, rpy=(pi / 2, 0, 0))
+    arm = cut(box(14, 5, 46).at(-30, 23.5, 45), eye, hub)
+    pin = turned(cylinder(2, 13), x=-30, y=26, z=60, rpy=(pi / 2, 0, 0))
+    ends = [turned(cylinder(2, 40), x=x, y=40, z=z, rpy=(pi / 2, 0, 0)) for x, z in ((-30, 60), (40, 35))]
+    corner = box(82, 5, 12).at(5, 16, 60), box(12, 5, 38).at(40, 16, 47)
+    bar = cut(joined(*corner), *ends)
+    names = {"base": base, "rod": rod, "block": block, "MG996R": servo, "arm": arm, "pin": pin, "bar": bar}
+    found = inferred(*(part(name, solid) for name, solid in names.items()))
+    assert ("prismatic", "base", "rod") in joints(found)
+    assert sorted(kind for kind, *_ in joints(found)) == ["prismatic", "revolute", "revolute", "revolute"]

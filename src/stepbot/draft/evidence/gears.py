@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.contacts.teeth import Gear, Mesh, RackMesh
+from stepbot.draft.draft import CHOSEN
 from stepbot.draft.evidence.evidence import Apart, Evidence, JointEvidence
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
@@ -36,6 +37,12 @@ def gear_evidence(survey: Survey, found: Evidence) -> None:
             a, b = sorted((guide, pair.part))
             axis = Axis(pair.rack.point, pair.rack.along)
             why = f"the rack '{survey.parts[pair.part].path}' meshes with '{survey.parts[pair.gear.part].path}'"
+            slides = (
+                h for h in found.joints if h.type == JointKind.PRISMATIC and h.score >= CHOSEN and guide in (h.a, h.b)
+            )
+            if any(h.axis.is_along(pair.rack.along) for h in slides) and guide not in _hosts(survey, pair.gear):
+                found.weld(_KEYED, a, b, "a rack on what slides along its teeth")
+                continue
             found.joint(JointEvidence(_APART, a, b, JointKind.PRISMATIC, axis, why, review=_OF_RACK))
     held = {i for h in found.joints for i in (h.a, h.b) if h.drives}
     for mesh in survey.meshes:
@@ -62,10 +69,15 @@ def _guide(survey: Survey, mesh: RackMesh) -> int | None:
             ranked.append((-round(r.area, 9), other))
     if not ranked and all(other == mesh.gear.part for other, _ in survey.around(mesh.part)):
         # Drawn with clearance on all sides: what its gear turns in guides it.
-        shafts = {mesh.gear.part} | set(_on_axis(survey, mesh.gear.part, mesh.gear.axis))
-        hosts = {k for i in shafts for k in _on_axis(survey, i, mesh.gear.axis)} - shafts
-        ranked = [(-survey.parts[k].volume, k) for k in hosts or shafts - {mesh.gear.part}]
+        ranked = [(-survey.parts[k].volume, k) for k in _hosts(survey, mesh.gear)]
     return min(ranked)[-1] if ranked else None
+
+
+def _hosts(survey: Survey, gear: Gear) -> set[int]:
+    """What the shaft of a gear turns in; its shaft, if that touches nothing else about its axis."""
+    shafts = {gear.part, *_on_axis(survey, gear.part, gear.axis)}
+    hosts = {k for i in shafts for k in _on_axis(survey, i, gear.axis)} - shafts
+    return hosts or shafts - {gear.part}
 
 
 def _on_axis(survey: Survey, part: int, axis: Axis) -> list[int]:

@@ -195,16 +195,11 @@ class _Linkages:
         return max(r.guided, self._guided_in_series(r)) > _GUIDED * r.radius
 
     def _guided_in_series(self, r: Relation) -> float:
-        """The length [m] from the first to the last fit of a shaft in a part and in what is fitted to it: a gland."""
+        """The length [m] from the first to the last fit of a shaft on its line, as in a barrel and its gland."""
         fit = max(r.shafts, key=lambda fit: fit.length)
-        barrel = r.other(fit.shaft)
-        ends = []
-        for other, s in self._survey.around(fit.shaft):
-            between = self._survey.relation(other, barrel)
-            is_gland = between is not None and any(f.axis.same(fit.axis) for f in between.shafts)
-            if other == barrel or is_gland:
-                ends += [float(f.axis.point @ fit.axis.d) for f in s.shafts if f.axis.same(fit.axis)]
-        return max(ends, default=0.0) - min(ends, default=0.0)
+        fits = [f for _, s in self._survey.around(fit.shaft) for f in s.shafts if f.shaft == fit.shaft]
+        places = [float(f.axis.point @ fit.axis.d) for f in fits if f.axis.same(fit.axis)]
+        return max(places, default=0.0) - min(places, default=0.0)
 
     def _keep_axles(self, axes: Sequence[Axis]) -> None:
         """Weld each pin of a joint to the part that it fits most tightly: it is no link that turns in both."""

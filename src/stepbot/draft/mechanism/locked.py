@@ -117,9 +117,8 @@ def choose_slides(survey: Survey, arcs: Sequence[TreeJoint]) -> None:
         if not arc.could_slide:
             continue
         h, r = arc.evidence, arc.evidence.relation
-        assert r is not None
         paths = " ".join(survey.parts[i].path.lower() for i in (h.a, h.b)) if survey.sources.names else ""
-        called_so = r.guided > _SLIM * r.radius and any(word in paths for word in _WORDS)
+        called_so = r is not None and r.guided > _SLIM * r.radius and any(word in paths for word in _WORDS)
         motion = motions.get(k)
         if motion is not None and motion.slides and not motion.turns:
             h.type, h.review = JointKind.PRISMATIC, "the loop can move only if it is prismatic"

@@ -31,9 +31,10 @@ class TreeJoint:
 
     @property
     def could_slide(self) -> bool:
-        """Whether its faces allow both rotation and translation."""
-        r = self.evidence.relation
-        return self.evidence.type == JointKind.REVOLUTE and r is not None and r.freedom.kind == FreedomKind.CYLINDRICAL
+        """Whether its faces allow both rotation and translation; sides on one pin need not touch."""
+        h = self.evidence
+        is_free = h.of_linkage if h.relation is None else h.relation.freedom.kind == FreedomKind.CYLINDRICAL
+        return h.type == JointKind.REVOLUTE and is_free
 
 
 def spanning_tree(joints: Sequence[Joint], number: dict[int, int], root: int) -> list[TreeJoint]:
