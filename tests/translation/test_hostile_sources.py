@@ -102,6 +102,17 @@ def test_equal_infinite_limits_are_no_position(bound: str, tmp_path: Path) -> No
     assert "joint 'j': a number is not finite" in error.message
 
 
+@pytest.mark.parametrize("moment", ["inf", "1e200"])
+def test_moments_that_are_no_numbers_are_rejected(moment: str, tmp_path: Path) -> None:
+    """Their eigenvalues need not converge."""
+    source = tmp_path / "robot.sdf"
+    inertia = f"<inertia><ixx>{moment}</ixx><iyy>1</iyy><izz>1</izz><ixy>{moment}</ixy></inertia>"
+    link = f"<link name='a'><inertial><mass>1</mass>{inertia}</inertial></link>"
+    source.write_text(f"<sdf version='1.9'><model name='r'>{link}</model></sdf>", encoding="utf-8")
+    conversion = convert(source, Options(tmp_path / "out", verify=False))
+    assert {one.code for one in conversion.diagnostics if one.severity == "error"} & {"SB414", "SB509", "SB823"}
+
+
 def test_a_lidar_with_millions_of_rays_is_not_written(tmp_path: Path) -> None:
     """MJCF has an element for each ray: one number in a file must not decide how long a conversion takes."""
     sensor = (

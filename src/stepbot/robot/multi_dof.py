@@ -145,7 +145,8 @@ def screw_to_mimic(robot: Robot) -> Robot:
 
 
 def _screw_steps(joint: Joint) -> Steps:
-    lower, upper = sorted((joint.pitch * joint.limit.lower, joint.pitch * joint.limit.upper))
+    # Without a pitch nothing advances, however far it turns.
+    lower, upper = sorted(joint.pitch * end if joint.pitch else 0.0 for end in (joint.limit.lower, joint.limit.upper))
     endless = isinf(joint.limit.lower) and isinf(joint.limit.upper)
     advance = replace(
         slide(joint, joint.axis),

@@ -11,7 +11,7 @@ import os
 import sys
 from io import BufferedReader
 from pathlib import Path
-from stat import S_IMODE, S_ISDIR, S_ISREG
+from stat import S_IMODE, S_ISREG
 
 from stepbot.diagnostics import Diagnostics, Span
 
@@ -57,17 +57,15 @@ def open_regular(path: Path, *, follow_links: bool = True) -> BufferedReader:
     Raises:
         OSError: The file cannot be opened, or is not a regular one.
     """
-    descriptor = os.open(path, _READ if follow_links else _READ | _NO_LINKS)
+    flags = _READ if follow_links else _READ | _NO_LINKS
+    file = open(path, "rb", opener=lambda name, _: os.open(name, flags))  # noqa: SIM115 - the caller closes it
     try:
-        mode = os.fstat(descriptor).st_mode
-        if S_ISDIR(mode):
-            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-        if not S_ISREG(mode):
+        if not S_ISREG(os.fstat(file.fileno()).st_mode):
             raise OSError(errno.EINVAL, "not a regular file", str(path))
-        return os.fdopen(descriptor, "rb")
     except BaseException:
-        os.close(descriptor)
+        file.close()
         raise
+    return file
 
 
 def read_regular(path: Path) -> bytes:

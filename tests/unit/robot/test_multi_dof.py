@@ -1,11 +1,12 @@
 """Multi-dof joints, unfolded into chains: names, order, unchanged properties."""
 
 from dataclasses import replace
+from math import inf
 
 import pytest
 
-from stepbot.robot.model import Joint, JointKind, Link, Robot
-from stepbot.robot.multi_dof import ball_coordinates, steps_by_child, unfolded
+from stepbot.robot.model import Joint, JointKind, Limit, Link, Robot
+from stepbot.robot.multi_dof import ball_coordinates, screw_to_mimic, steps_by_child, unfolded
 from tests.mechanisms import MECHANISMS
 from tests.robots import two_link_arm
 
@@ -52,3 +53,11 @@ def test_the_slide_of_a_screw_leaves_the_limits_to_the_screw() -> None:
     slide, turn = steps_by_child(robot)["body"]
     assert slide.limit == Joint("", JointKind.PRISMATIC, "", "").limit
     assert replace(turn.limit, velocity=0.0) == replace(robot.joints[0].limit, velocity=0.0)
+
+
+def test_a_screw_without_pitch_does_not_advance() -> None:
+    """However far it turns: 0 times infinity is no position."""
+    robot = MECHANISMS["screw"]()
+    joint = replace(robot.joints[0], pitch=0.0, limit=Limit(-inf, inf))
+    slide = screw_to_mimic(replace(robot, joints=(joint, *robot.joints[1:]))).joint_by_name[f"{joint.name}_slide"]
+    assert (slide.limit.lower, slide.limit.upper) == (0.0, 0.0)

@@ -151,7 +151,10 @@ class _Placements:
             return None
         known = id(placement), key
         if known not in self._frames:
-            self._frames[known] = gp_Ax3(StepToGeom.MakeAxis2Placement_s(placement, factors).Ax2())
+            made = StepToGeom.MakeAxis2Placement_s(placement, factors)
+            if made is None:  # the placement lacks its point
+                return None
+            self._frames[known] = gp_Ax3(made.Ax2())
         return self._frames[known]
 
 
