@@ -294,7 +294,9 @@ def _with_turned_balls(robot: Robot) -> Robot:
 def _link(link: ObservedLink, shapes: Shapes, found: list[Finding]) -> Link:
     mass, text, inertia = MassProperties(), "", np.array(link.inertia or ZERO33)
     if link.mass:
-        least, _, largest = np.linalg.eigvalsh(np.nan_to_num(inertia)).tolist()  # validation rejects the infinite
+        # Of larger inertias, such a moment is rounding; validation rejects those that are not finite.
+        is_small = np.abs(inertia).max() < LEAST_MOMENT / _ROUNDED
+        least, _, largest = np.linalg.eigvalsh(inertia).tolist() if is_small else (0.0, 0.0, 0.0)
         if _ROUNDED * largest < least < LEAST_MOMENT:
             text = f"link '{link.name}': principal moment of {least:g} kg m^2: {LEAST_MOMENT:g} added about each axis"
             inertia = inertia + LEAST_MOMENT * np.eye(3)

@@ -47,13 +47,14 @@ def portable_name(name: str, kind: str) -> str:
 
 
 _INVALID = re.compile(r"""[/<>&"'\x00-\x1f\x7f]+|::""")
-_LONGEST_OF_FILES = 200
+_LONGEST_VALID = 200
+"""The same [characters] of names that descriptions give, which are changed only where a format cannot hold them."""
 
 
 def valid_name(name: str, fallback: str) -> str:
     """A name that every format can hold, resembling ``name``."""
     visible = "".join(letter for letter in name if unicodedata.category(letter) not in ("Cf", "Cs"))
-    valid = _INVALID.sub("_", visible).strip()[:_LONGEST_OF_FILES].strip() or fallback
+    valid = _INVALID.sub("_", visible).strip()[:_LONGEST_VALID].strip() or fallback
     if valid.startswith("__") and valid.endswith("__"):
         valid = valid.strip("_") or fallback
     return "world_link" if valid == "world" else valid

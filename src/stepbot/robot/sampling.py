@@ -147,7 +147,10 @@ def worst_postures(robot: Robot, tree: Tree, of: Sequence[int]) -> tuple[Array, 
 
 
 def _limbs(robot: Robot, tree: Tree, of: Sequence[int]) -> Iterator[tuple[Robot, list[int]]]:
-    """Joints that move the same links or are moved by them, as their places in ``of``, with a robot of these alone."""
+    """For joints whose values depend on the same links, a robot of these links alone, and their places in ``of``.
+
+    The links are those that a joint moves, all above them, and what follows the joints between these.
+    """
     above = {joint.child: joint for joint in robot.joints}
     coupled: dict[str, list[str]] = {}
     for name in tree.joints:

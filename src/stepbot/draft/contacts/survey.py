@@ -122,7 +122,7 @@ class Survey:
         if any(r.via == Via.BALL and r.radius < _BALL * one.size for r in self.near.get(part, ())):
             return False
         is_turned = self._is_turned(part)
-        if is_turned and self._is_spindle(part):
+        if is_turned and part in self._spindles:
             return False
         if not is_turned and sum(r.holes >= _BLOCK for r in self.near.get(part, ())) > 1:
             return False  # a block that is screwed to two parts
@@ -136,16 +136,19 @@ class Survey:
         """Whether a part is symmetric about one of its lines: a pulley, though it is named after its belt."""
         return any(self.parts[part].is_balanced(axis) for axis in self.turned.get(part, ())[:3])
 
-    def _is_spindle(self, part: int) -> bool:
-        """Whether a long rod, though named after its thread, is in a drive nut or in line with the shaft of a motor."""
+    @cached_property
+    def _spindles(self) -> set[int]:
+        """Long rods, though named after their thread, in a drive nut or in line with the shaft of a motor."""
+        found = set[int]()
         for line in self.contacts.lines:
-            shanks = [f.radius for f in line.faces.get(part, ()) if not f.bore and not f.cone]
-            if not shanks or self.parts[part].size < _SPINDLE * max(shanks):
-                continue
-            others = [(self.parts[i], f) for i, faces in line.faces.items() if i != part for f in faces]
-            if any(is_drive(one.name) if f.bore else Role.MOTOR in one.roles for one, f in others):
-                return True
-        return False
+            for part, faces in line.faces.items():
+                shanks = [f.radius for f in faces if not f.bore and not f.cone]
+                if not shanks or self.parts[part].size < _SPINDLE * max(shanks):
+                    continue
+                others = ((self.parts[i], f) for i, own in line.faces.items() if i != part for f in own)
+                if any(is_drive(one.name) if f.bore else Role.MOTOR in one.roles for one, f in others):
+                    found.add(part)
+        return found
 
     def _has_bores_apart(self, part: int) -> bool:
         """Whether shafts of other parts are in its bores on two lines: a nut has one."""

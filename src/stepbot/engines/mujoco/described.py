@@ -21,7 +21,6 @@ from ..description.vocabulary import Unread
 from ..observation import EngineRefused, Observation, Request
 from ..xml import xml_root
 from .compiled import Compiled
-from .joints import couplings
 from .model import collected_warnings
 from .observer import observe_model
 from .shapes import collides, color_of, geoms, is_visual, primitive_of, surface_of
@@ -174,7 +173,7 @@ def _unsupported(compiled: Compiled) -> Iterator[str]:
     """Equality constraints that are neither closures nor mimics."""
     engine, model = compiled.engine, compiled.model
     known = (engine.mjtEq.mjEQ_CONNECT, engine.mjtEq.mjEQ_WELD)
-    read = {e for _, e in couplings(compiled).values()}
+    read = {e for _, e in compiled.couplings.values()}
     for e in range(model.neq):
         kind, name = engine.mjtEq(model.eq_type[e]), compiled.name("EQUALITY", e)
         if not model.eq_active0[e] or kind in known or e in read:

@@ -1,7 +1,7 @@
 """The joints of a MuJoCo model: single joints, and several in one body that form one multi-dof joint."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import inf, nan
 from typing import TYPE_CHECKING
@@ -180,60 +180,5 @@ def _velocity_limits(compiled: "NamedModel") -> dict[str, float]:
 
 
 def _mimic(compiled: "NamedModel", joint: int) -> Mimic | None:
-    """The relation of an equality of two joints, converted from MuJoCo's reference positions to q = 0."""
-    return couplings(compiled).get(joint, (None, 0))[0]
-
-
-def couplings(compiled: "NamedModel") -> dict[int, tuple[Mimic, int]]:
-    """For each joint that follows another one by an equality of both, or of their tendons: how, and the equality."""
-    kinds, model = compiled.engine.mjtEq, compiled.model
-    found = dict[int, tuple[Mimic, int]]()
-    for kind in (kinds.mjEQ_JOINT, kinds.mjEQ_TENDON):
-        for e in np.flatnonzero((model.eq_type == int(kind)) & (model.eq_active0 != 0)).tolist():
-            read = _of_joints if kind == kinds.mjEQ_JOINT else _of_tendons
-            factors, constant = read(compiled, e)
-            if len(factors) != 2 or np.any(model.eq_data[e][2:5]):
-                continue
-            follower = next((one for one in _followers(compiled, factors, e) if one not in found), None)
-            if follower is not None:
-                leader = next(one for one in factors if one != follower)
-                factor = factors[follower]
-                mimic = Mimic(compiled.name("JOINT", leader), -factors[leader] / factor, constant / factor)
-                found[follower] = mimic, e
-    return found
-
-
-def _followers(compiled: "NamedModel", factors: Mapping[int, float], equality: int) -> list[int]:
-    """The joints that may follow, the likelier first: the one that no actuator drives, or else the later one."""
-    model = compiled.model
-    if model.eq_type[equality] == int(compiled.engine.mjtEq.mjEQ_JOINT):
-        return [int(model.eq_obj1id[equality])]
-    driven = {int(one) for one in model.actuator_trnid[model.actuator_trntype == 0, 0]}
-    return sorted((one for one in factors if factors[one]), key=lambda one: (one in driven, -one))
-
-
-def _of_joints(compiled: "NamedModel", equality: int) -> tuple[dict[int, float], float]:
-    """Factors of the joints of an equality, and the constant that the sum of their multiples is."""
-    model = compiled.model
-    follower, leader = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
-    offset, multiplier = model.eq_data[equality][:2].tolist()
-    if leader < 0:
-        return {follower: 1.0}, offset
-    q = [float(model.qpos0[model.jnt_qposadr[joint]]) for joint in (follower, leader)]
-    return {follower: 1.0, leader: -multiplier}, offset + q[0] - multiplier * q[1]
-
-
-def _of_tendons(compiled: "NamedModel", equality: int) -> tuple[dict[int, float], float]:
-    """The same of the joints that fixed tendons add up; none for other tendons."""
-    model, wraps = compiled.model, int(compiled.engine.mjtWrap.mjWRAP_JOINT)
-    offset, multiplier = model.eq_data[equality][:2].tolist()
-    factors, constant = dict[int, float](), offset
-    for tendon, of_tendon in ((model.eq_obj1id[equality], 1.0), (model.eq_obj2id[equality], -multiplier)):
-        first = model.tendon_adr[tendon]
-        for wrap in range(first, first + model.tendon_num[tendon]) if tendon >= 0 else ():
-            if model.wrap_type[wrap] != wraps:
-                return {}, 0.0
-            joint, factor = int(model.wrap_objid[wrap]), of_tendon * float(model.wrap_prm[wrap])
-            factors[joint] = factors.get(joint, 0.0) + factor
-            constant += factor * float(model.qpos0[model.jnt_qposadr[joint]])
-    return (factors, constant) if all(factors.values()) else ({}, 0.0)
+    """The relation by which a joint follows another one."""
+    return compiled.couplings.get(joint, (None, 0))[0]

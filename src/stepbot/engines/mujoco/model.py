@@ -1,11 +1,15 @@
-"""A compiled MuJoCo model, with access to names."""
+"""A compiled MuJoCo model, with access to names and to couplings of joints."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from stepbot.engines.observation import EngineRefused
+from stepbot.robot.model import Mimic
 
 _NUMBERED = ("BODY", "JOINT", "EQUALITY")
 """Kinds of elements that others refer to."""
@@ -44,6 +48,64 @@ class NamedModel:
     def joint_type(self, joint: int) -> Any:
         """MuJoCo's name of a joint's type."""
         return self.engine.mjtJoint(self.model.jnt_type[joint])
+
+    @cached_property
+    def couplings(self) -> dict[int, tuple[Mimic, int]]:
+        """For each joint that follows another one by an equality of both, or of their tendons: how, and the equality.
+
+        The relations are converted from MuJoCo's reference positions to q = 0.
+        """
+        kinds, model = self.engine.mjtEq, self.model
+        found = dict[int, tuple[Mimic, int]]()
+        for kind in (kinds.mjEQ_JOINT, kinds.mjEQ_TENDON):
+            for e in np.flatnonzero((model.eq_type == int(kind)) & (model.eq_active0 != 0)).tolist():
+                read = _of_joints if kind == kinds.mjEQ_JOINT else _of_tendons
+                factors, constant = read(self, e)
+                if len(factors) != 2 or np.any(model.eq_data[e][2:5]):
+                    continue
+                follower = next((one for one in _followers(self, factors, e) if one not in found), None)
+                if follower is not None:
+                    leader = next(one for one in factors if one != follower)
+                    factor = factors[follower]
+                    mimic = Mimic(self.name("JOINT", leader), -factors[leader] / factor, constant / factor)
+                    found[follower] = mimic, e
+        return found
+
+
+def _followers(compiled: NamedModel, factors: Mapping[int, float], equality: int) -> list[int]:
+    """The joints that may follow, the likelier first: the one that no actuator drives, or else the later one."""
+    model = compiled.model
+    if model.eq_type[equality] == int(compiled.engine.mjtEq.mjEQ_JOINT):
+        return [int(model.eq_obj1id[equality])]
+    driven = {int(one) for one in model.actuator_trnid[model.actuator_trntype == 0, 0]}
+    return sorted((one for one in factors if factors[one]), key=lambda one: (one in driven, -one))
+
+
+def _of_joints(compiled: NamedModel, equality: int) -> tuple[dict[int, float], float]:
+    """Factors of the joints of an equality, and the constant that the sum of their multiples is."""
+    model = compiled.model
+    follower, leader = int(model.eq_obj1id[equality]), int(model.eq_obj2id[equality])
+    offset, multiplier = model.eq_data[equality][:2].tolist()
+    if leader < 0:
+        return {follower: 1.0}, offset
+    q = [float(model.qpos0[model.jnt_qposadr[joint]]) for joint in (follower, leader)]
+    return {follower: 1.0, leader: -multiplier}, offset + q[0] - multiplier * q[1]
+
+
+def _of_tendons(compiled: NamedModel, equality: int) -> tuple[dict[int, float], float]:
+    """The same of the joints that fixed tendons add up; none for other tendons."""
+    model, wraps = compiled.model, int(compiled.engine.mjtWrap.mjWRAP_JOINT)
+    offset, multiplier = model.eq_data[equality][:2].tolist()
+    factors, constant = dict[int, float](), offset
+    for tendon, of_tendon in ((model.eq_obj1id[equality], 1.0), (model.eq_obj2id[equality], -multiplier)):
+        first = model.tendon_adr[tendon]
+        for wrap in range(first, first + model.tendon_num[tendon]) if tendon >= 0 else ():
+            if model.wrap_type[wrap] != wraps:
+                return {}, 0.0
+            joint, factor = int(model.wrap_objid[wrap]), of_tendon * float(model.wrap_prm[wrap])
+            factors[joint] = factors.get(joint, 0.0) + factor
+            constant += factor * float(model.qpos0[model.jnt_qposadr[joint]])
+    return (factors, constant) if all(factors.values()) else ({}, 0.0)
 
 
 @contextmanager
