@@ -80,7 +80,7 @@ def judge(
                 continue
             message = f"{result.test} in {engine}: {_excess(one, bound)}"
             notes: tuple[str, ...] = (f"the limit: {bound.why}",)
-            help = remedy(one.quantity, one.where, facts or Facts(), engine)
+            help = remedy(one.quantity, one.where, facts or Facts())
             if result.spin is not None and one.quantity in _WAYS:
                 why, help = spin_words(result.spin, gains=engine == "mujoco")
                 notes = (why, *notes)

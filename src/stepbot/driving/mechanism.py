@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stepbot.engines.simulation import Mechanism, Motor
+from stepbot.formats.lowering.joints import shaken_by_damping
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.gains import actuator_limit
 from stepbot.robot.kinematics import link_poses, mimic_relation, rigid_bodies
@@ -95,7 +96,8 @@ def mechanism_of(robot: Robot, constraints: tuple[Mapping[str, Any], ...]) -> Me
         if actuator.joint in robot.joint_by_name
     )
     mimics = {joint.name: joint.mimic for joint in unfolded(robot).joints if joint.mimic is not None}
-    return Mechanism(robot, motors, posed(robot, {}), ball_coordinates(robot), mimics, constraints)
+    stiff = frozenset(shaken_by_damping(robot)[1])
+    return Mechanism(robot, motors, posed(robot, {}), ball_coordinates(robot), mimics, constraints, stiff)
 
 
 def wheels_of(mechanism: Mechanism) -> Wheels | None:

@@ -4,12 +4,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from stepbot.formats.lowering.joints import shaken_by_damping
 from stepbot.robot.model import Robot
 
 from .results import Grip, Loss, Spin
 
-STIFF_DAMPING = "SB760:stiff-damping"
 _COMPUTE = "`gains: auto`"
 _REMEDIES = {
     "overshoot": f"raise kv, lower kp, or let stepbot compute both: {_COMPUTE}",
@@ -20,8 +18,7 @@ _REMEDIES = {
     "angle drift": "raise kv, or lower kp: the joint does not come to rest",
     "travel drift": "raise kv, or lower kp: the joint does not come to rest",
     "loop opening": "lower the efforts, or shorten the time step in the sidecar: `simulation: {timestep: 0.5 ms}`",
-    "energy gain": "shorten the time step, or look for tiny masses and inertias behind large ones; in PyBullet, for "
-    f"damping that `convert` reports ({STIFF_DAMPING})",
+    "energy gain": "shorten the time step, or look for tiny masses and inertias behind large ones",
     "penetration": "give the colliding links collision shapes with faces, not edges",
     "tilt": "lower the centre of mass, or move the wheels or casters apart",
     "tilt at rest": "check the home pose: all feet are to be on the floor",
@@ -49,8 +46,6 @@ class Facts:
     """Links whose collision shapes may fill hollows."""
     light: frozenset[str] = frozenset()
     """Joints with motors and without armature."""
-    diverging: frozenset[str] = frozenset()
-    """Joints whose damping makes PyBullet diverge, as `convert` reports (SB760:stiff-damping)."""
 
 
 def facts_of(document: Mapping[str, Any], robot: Robot) -> Facts:
@@ -62,22 +57,15 @@ def facts_of(document: Mapping[str, Any], robot: Robot) -> Facts:
         frozenset(one["joint"] for one in actuators if one.get("computed") is not None),
         frozenset(one["link"] for one in shapes if one["rule"] not in _HOLLOW),
         frozenset(j.name for j in robot.joints if j.name in driven and not j.dynamics.armature),
-        frozenset(shaken_by_damping(robot)[1]),
     )
 
 
-def remedy(quantity: str, where: str, facts: Facts, engine: str = "") -> str:
+def remedy(quantity: str, where: str, facts: Facts) -> str:
     """What usually helps if a quantity is beyond its limit.
 
     Args:
         where: The joint or link that it was measured at.
     """
-    if engine == "pybullet" and (where in facts.diverging or (quantity == "energy gain" and facts.diverging)):
-        names = f"'{where}'" if where in facts.diverging else ", ".join(f"'{one}'" for one in sorted(facts.diverging))
-        return (
-            f"PyBullet diverges by the damping of {names}, since URDF has no armature ({STIFF_DAMPING}); drive in "
-            "MuJoCo, `--engine mujoco`, or see `stepbot explain SB760` for what keeps it stable in a program"
-        )
     usual = _REMEDIES.get(quantity.partition(" with ")[0], _REMEDY)
     if not (where in facts.computed and _COMPUTE in usual):
         return usual

@@ -57,6 +57,8 @@ class Mechanism:
     mimics: Mapping[str, Mimic]
     constraints: tuple[Mapping[str, Any], ...]
     """The list ``robot.pybullet`` of ``report.json``."""
+    stiff: frozenset[str] = frozenset()
+    """Joints whose damping diverges in an engine that integrates it explicitly and has no armature."""
 
 
 @dataclass(frozen=True)

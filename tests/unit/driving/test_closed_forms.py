@@ -1,7 +1,7 @@
 """Drive tests against closed forms: a pendulum, a damped second-order system, a block held by friction."""
 
 from dataclasses import replace
-from math import cos, exp, pi, radians, sin, sqrt
+from math import cos, exp, inf, pi, radians, sin, sqrt
 from pathlib import Path
 
 import pytest
@@ -92,6 +92,35 @@ def test_a_fast_motor_reaches_its_speed(engine: str, tmp_path: Path) -> None:
         for _ in range(round(0.5 / simulation.timestep)):
             simulation.step()
         assert simulation.speeds()["turn"] == pytest.approx(200.0, rel=0.01)
+
+
+def test_a_light_joint_with_much_damping_reaches_the_speed_of_its_effort(tmp_path: Path) -> None:
+    """In PyBullet, too: effort / damping, from which it stops at once: six times what PyBullet's integrator bears."""
+    robot = one_joint(HORIZONTAL)
+    (joint,), base = robot.joints, robot.links[0]
+    damping = 0.6
+    joint = replace(
+        joint, dynamics=JointDynamics(damping=damping), limit=Limit(-100.0, 100.0, velocity=inf, effort=1.0)
+    )
+    light = Link("arm", replace(base.mass_properties, mass=0.01, inertia=((1e-4, 0, 0), (0, 1e-4, 0), (0, 0, 1e-4))))
+    robot = replace(robot, links=(base, light), joints=(joint,))
+    stage = stage_of(robot, "pybullet", tmp_path)
+    with stage.scene() as simulation:
+        for effort in (0.6, -0.3):
+            simulation.reset({"turn": 0.0})
+            simulation.apply({"turn": effort})
+            for _ in range(50):
+                simulation.step()
+            assert simulation.speeds()["turn"] == pytest.approx(effort / damping, rel=1e-3)
+        simulation.release()
+        for _ in range(50):
+            simulation.step()
+        assert simulation.speeds()["turn"] == pytest.approx(0.0, abs=1e-3)
+    motor = Actuator("drive", "turn", ActuatorKind.POSITION, kp=30.0, kv=1.0)
+    (tmp_path / "driven").mkdir()
+    driven = stage_of(replace(robot, actuators=(motor,)), "pybullet", tmp_path / "driven")
+    assert value(run("step", driven), "overshoot with other gains") < 1.0
+    assert value(run("step", driven), "angle error") < 1e-3
 
 
 @pytest.mark.parametrize("engine", ENGINES)

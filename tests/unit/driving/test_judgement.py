@@ -37,25 +37,6 @@ def test_the_remedy_of_computed_gains_is_not_to_compute_them() -> None:
     assert ["armature" in one for one in helps] == [False, True, False]
 
 
-def test_where_pybullet_diverges_by_damping_the_remedy_is_neither_gains_nor_masses() -> None:
-    """Only in PyBullet, at the joints that `convert` names, or where nothing but they can add energy."""
-    robot, report = clamp(5.0), {"robot": {"actuators": []}}
-    mount, close = robot.joints
-    stiff = replace(robot, joints=(mount, replace(close, dynamics=JointDynamics(damping=2.0, armature=0.1))))
-    facts = facts_of(report, stiff)  # URDF has no armature
-    assert facts.diverging == {"close"}
-    measures = (Measure("overshoot", 300.0, "close"), Measure("angle error", 2.0, "mount"))
-    for engine, expected in (("pybullet", [True, False]), ("mujoco", [False, False])):
-        found = Diagnostics()
-        list(judge(engine, "arm.urdf", [Result("step", measures, Plot("t", "%", {}))], demands({}), found, facts))
-        assert ["PyBullet diverges by the damping of 'close'" in one.help[0] for one in found] == expected
-    found = Diagnostics()
-    drop = Result("drop", (Measure("energy gain", 101.0),), Plot("t", "mm", {}))
-    list(judge("pybullet", "arm.urdf", [drop], demands({}), found, facts))
-    assert "PyBullet diverges" in next(iter(found)).help[0]
-    assert facts_of(report, robot).diverging == frozenset()
-
-
 @pytest.mark.parametrize(
     ("spin", "engine", "why", "remedy"),
     [

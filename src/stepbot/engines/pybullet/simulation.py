@@ -2,8 +2,9 @@
 
 URDF has no gains, so a position motor is PyBullet's own: it reaches its target with the time constant kv / kp of the
 actuator, within the joint's effort and velocity. Mimics are gears and loops point-to-point constraints, as in
-``stepbot.close_loops``: PyBullet reads neither from a file. Armature is not in URDF either. Links do not collide with
-each other, PyBullet's default, since URDF cannot exclude pairs.
+``stepbot.close_loops``: PyBullet reads neither from a file. Armature is not in URDF either: damping that PyBullet would
+diverge by without it acts as a motor, whose effort at a speed is the damping times that speed. Links do not collide
+with each other, PyBullet's default, since URDF cannot exclude pairs.
 """
 
 from collections.abc import Mapping
@@ -86,6 +87,8 @@ class PybulletSimulation:
             engine.changeDynamics(number, index, linearDamping=0.0, angularDamping=0.0)
         self._masses = self._mass_properties()
         self._motors = {motor.name: motor for motor in mechanism.motors if motor.joint in self._joints}
+        self._damping = {name: self._taken_damping(name) for name in sorted(mechanism.stiff & self._joints.keys())}
+        self._fastest = {motor.joint: motor.limit.velocity for motor in self._motors.values()}
         self._allow_speeds()
         self._push: Array | None = None
         self._efforts: dict[str, float] = {}
@@ -97,10 +100,16 @@ class PybulletSimulation:
         self.reset(mechanism.home)
         self._join()
 
+    def _taken_damping(self, joint: str) -> float:
+        """The damping [N m s/rad], [N s/m] of a joint, which PyBullet no longer applies."""
+        index = self._joints[joint]
+        damping = float(self._body.joints[index][6])
+        self._engine.changeDynamics(self._body.id, index, jointDamping=0.0)
+        return damping
+
     def _allow_speeds(self) -> None:
         """Raise the speed at which PyBullet clamps all joints of a body, to twice the fastest limit of a motor."""
-        limits = [motor.limit.velocity for motor in self._motors.values() if isfinite(motor.limit.velocity)]
-        fastest = 2.0 * max(limits, default=0.0)
+        fastest = 2.0 * max(filter(isfinite, self._fastest.values()), default=0.0)
         if fastest > _CLAMPED:
             self._engine.changeDynamics(self._body.id, -1, maxJointVelocity=fastest)
 
@@ -155,33 +164,40 @@ class PybulletSimulation:
         for name, target in targets.items():
             if name not in self._motors:
                 continue
-            motor = self._motors[name]
-            if motor.kind is ActuatorKind.VELOCITY:
-                self._turn(motor, target, motor.limit.effort)
-            else:
-                self._targets[motor] = target
+            self._targets[self._motors[name]] = target
 
-    def _turn(self, motor: Motor, speed: float, effort: float) -> None:
+    def _turn(self, joint: str, speed: float, effort: float) -> None:
         """Drive a joint at a speed, with an effort of a limit."""
         self._engine.setJointMotorControl2(
             self._body.id,
-            self._joints[motor.joint],
+            self._joints[joint],
             self._engine.VELOCITY_CONTROL,
             targetVelocity=speed,
             force=effort if isfinite(effort) else _UNLIMITED,
         )
 
     def _approach(self, motor: Motor, target: float) -> None:
-        """Drive a joint towards a position for one step, with the effort that the torque-speed line has at its speed.
+        """Drive a joint towards a position or at a speed for one step, with the effort that is left at its speed.
 
-        That is less than the effort limit in the direction of motion and more against it, as in MJCF, where this part
-        of kv is outside of the range of force.
+        Along the torque-speed line of a position motor, that is less than the effort limit in the direction of motion
+        and more against it, as in MJCF, where this part of kv is outside of the range of force. So is damping.
         """
+        damping, limit = self._damping.get(motor.joint, 0.0), motor.limit
+        if motor.kind is ActuatorKind.VELOCITY and not damping:
+            self._turn(motor.joint, target, limit.effort)
+            return
         q, v = self._engine.getJointState(self._body.id, self._joints[motor.joint])[:2]
-        delay = max(self.timestep, motor.kv / motor.kp)
-        speed = min(max((target - q) / delay, -motor.limit.velocity), motor.limit.velocity)
-        slope = min(motor.kv, motor.limit.effort / motor.limit.velocity)
-        self._turn(motor, speed, max(0.0, motor.limit.effort - copysign(slope, speed - v) * v))
+        speed = target
+        if motor.kind is not ActuatorKind.VELOCITY:
+            delay = max(self.timestep, motor.kv / motor.kp)
+            speed = min(max((target - q) / delay, -limit.velocity), limit.velocity)
+            damping += min(motor.kv, limit.effort / limit.velocity)
+        self._turn(motor.joint, speed, max(0.0, limit.effort - copysign(damping, speed - v) * v))
+
+    def _brake(self, joint: str, effort: float, fastest: float) -> None:
+        """Apply an effort and the damping of a joint for one step: a motor towards the speed where they are equal."""
+        v, damping = self._engine.getJointState(self._body.id, self._joints[joint])[1], self._damping[joint]
+        self._turn(joint, min(max(effort / damping, -fastest), fastest), abs(effort - damping * v))
 
     def release(self) -> None:  # noqa: D102
         engine, body = self._engine, self._body
@@ -195,22 +211,15 @@ class PybulletSimulation:
     def apply(self, efforts: Mapping[str, float]) -> None:  # noqa: D102
         # URDF has no armature: one step of full effort would accelerate a light joint far beyond its limit of speed. A
         # velocity motor with that effort stops at the limit.
-        limits = {motor.joint: motor.limit.velocity for motor in self._motors.values()}
         self._efforts, self._targets = {}, {}
         for name, effort in efforts.items():
-            fastest = limits.get(name, inf)
+            fastest = self._fastest.get(name, inf)
             if name not in self._joints:
                 continue
-            if not isfinite(fastest):
+            if name in self._damping or not isfinite(fastest):
                 self._efforts[name] = effort
-                continue
-            self._engine.setJointMotorControl2(
-                self._body.id,
-                self._joints[name],
-                self._engine.VELOCITY_CONTROL,
-                targetVelocity=copysign(fastest, effort),
-                force=abs(effort),
-            )
+            else:
+                self._turn(name, copysign(fastest, effort), abs(effort))
 
     def push(self, force_W: Array) -> None:  # noqa: D102
         self._push = force_W if np.any(force_W) else None
@@ -220,8 +229,12 @@ class PybulletSimulation:
         start = perf_counter()
         for motor, target in self._targets.items():
             self._approach(motor, target)
+        driven = {motor.joint for motor in self._targets}
+        for name in self._damping.keys() - driven:
+            self._brake(name, self._efforts.get(name, 0.0), self._fastest.get(name, inf))
         for name, effort in self._efforts.items():
-            engine.setJointMotorControl2(body.id, self._joints[name], engine.TORQUE_CONTROL, force=effort)
+            if name not in self._damping:
+                engine.setJointMotorControl2(body.id, self._joints[name], engine.TORQUE_CONTROL, force=effort)
         if self._push is not None:
             place = body.X_WI(-1).position
             engine.applyExternalForce(body.id, -1, self._push.tolist(), place, engine.WORLD_FRAME)
