@@ -50,7 +50,7 @@ from .comparison import compare
 from .contenders import ROOT, Case, Contender
 from .drafts import page_with_scores, score_drafts
 from .environments import environment_speeds
-from .following import braking_table, following_table
+from .following import following_table, limits_tables
 from .inference import corpus_folder, measure, page_with_table, read_for_inference
 from .inference_time import drafting_time
 from .many_robots import batch_memory, distinct_copies, memory_table
@@ -224,9 +224,8 @@ def _collision(options: argparse.Namespace, _: Path) -> None:
 
 
 def _follow(options: argparse.Namespace, _: Path) -> None:
-    after = options.after
-    lines = following_table(options.before, after) if after else braking_table(options.before)
-    print("\n".join(lines), flush=True)
+    before, after = options.before, options.after
+    print("\n".join(following_table(before, after) if after else limits_tables(before)), flush=True)
 
 
 def _steps(options: argparse.Namespace, folder: Path) -> None:

@@ -3,8 +3,9 @@
 Each motor with computed gains is moved alone, from the initial pose, without contacts: a sine of 0.5 Hz and 0.3 rad (30
 mm), within the range of its joint, and a step of 0.5 rad (0.1 m), or of half the range. A floating base has no gravity.
 
-A second table has the motors whose effort limits could not brake that step otherwise, with the least damping for which
-it overshoots by 5 % either way, by halving.
+What effort limits cost is in two further tables: the motors that could not brake that step otherwise, with the least
+damping for which it overshoots by 5 % either way, by halving; and the overshoot of steps from random postures, in which
+a joint may be heavier.
 """
 
 import json
@@ -22,6 +23,8 @@ SINE, STEP, SLIDE = 0.3, 0.5, 0.1
 _FREQUENCY = 0.5
 _SETTLE, _STEPPED = 0.5, 1.5
 """Time [s] before each motion, and after a step."""
+POSTURES, SINGLE = 10, 2
+"""Postures per robot; the first of MuJoCo's types of joints with one degree of freedom."""
 _OVERSHOOT, _HALVINGS = 0.05, 9
 """Overshoot that drive tests allow; halvings of the interval in which the least damping is sought."""
 
@@ -53,6 +56,8 @@ class _Robot:
         if self.model.njnt and self.model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE:
             self.model.opt.gravity[:] = 0.0
         self.data = mujoco.MjData(self.model)
+        self._posture: dict[int, float] = {}
+        """Positions, by place in ``qpos``, in place of those at home."""
         limits = {joint["name"]: joint["limits"]["velocity"] for joint in document["joints"]}
         self.motors = [
             (self.model.actuator(one["name"]).id, limits[one["joint"]])
@@ -62,47 +67,54 @@ class _Robot:
 
     def response(self, actuator: int, limit: float | None) -> Response:
         """The response of one motor."""
-        model, data = self.model, self.data
-        joint = int(model.actuator_trnid[actuator][0])
-        self._q, self._v = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
-        self._actuator, self._gear = actuator, float(model.actuator_gear[actuator][0])
-        slides = model.jnt_type[joint] == self._engine.mjtJoint.mjJNT_SLIDE
-        scale = SLIDE if slides else 1.0
-        low, high = model.jnt_range[joint].tolist() if model.jnt_limited[joint] else (-np.inf, np.inf)
-        self._rest()
-        home = float(data.qpos[self._q])
-        amplitude = min(SINE * scale, 0.45 * (high - low))
+        slides, low, high, home = self._choose(actuator)
+        amplitude = min(SINE * (SLIDE if slides else 1.0), 0.45 * (high - low))
         middle = min(max(home, low + amplitude), high - amplitude)
         lag = self._lag(middle, amplitude)
-        step = min(SLIDE if slides else STEP, 0.5 * (high - low))
-        positions, fastest = self._stepped(home + step if home + step <= high else home - step)
-        end = home + step if home + step <= high else home - step
-        final = float(positions[-1])
-        beyond = max(0.0, float(((positions - final) / (end - home)).max()))
-        return Response(lag, beyond, abs(final - end), fastest / limit if limit else 0.0)
+        end = self._ends(slides, low, high, home)[0]
+        positions, fastest = self._stepped(end)
+        beyond = max(0.0, _overshoot(positions, home, end))
+        return Response(lag, beyond, abs(float(positions[-1]) - end), fastest / limit if limit else 0.0)
 
-    def least_damping(self, actuator: int) -> tuple[float, float]:
-        """The damping / kp [s] of a motor, and the least one for which a step either way overshoots by 5 % at most."""
+    def _choose(self, actuator: int) -> tuple[bool, float, float, float]:
+        """Move this motor from now on: whether its joint slides, the range of the joint, and where it rests."""
         model = self.model
         joint = int(model.actuator_trnid[actuator][0])
         self._q, self._v = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
         self._actuator, self._gear = actuator, float(model.actuator_gear[actuator][0])
+        slides = bool(model.jnt_type[joint] == self._engine.mjtJoint.mjJNT_SLIDE)
         low, high = model.jnt_range[joint].tolist() if model.jnt_limited[joint] else (-np.inf, np.inf)
-        size = min(SLIDE if model.jnt_type[joint] == self._engine.mjtJoint.mjJNT_SLIDE else STEP, 0.5 * (high - low))
         self._rest()
-        home = float(self.data.qpos[self._q])
-        ends = [home + way for way in (size, -size) if low <= home + way <= high]
+        return slides, low, high, float(self.data.qpos[self._q])
+
+    @staticmethod
+    def _ends(slides: bool, low: float, high: float, home: float) -> list[float]:
+        """Where steps from a position end within the range."""
+        size = min(SLIDE if slides else STEP, 0.5 * (high - low))
+        return [end for end in (home + size, home - size) if low <= end <= high]
+
+    def overshoots_elsewhere(self, random: np.random.Generator) -> Iterator[tuple[str, float]]:
+        """Each motor that a step from a posture drawn at random is within the range of, and its overshoot."""
+        model = self.model
+        single = [joint for joint in range(model.njnt) if model.jnt_limited[joint] and model.jnt_type[joint] >= SINGLE]
+        self._posture = {int(model.jnt_qposadr[one]): float(random.uniform(*model.jnt_range[one])) for one in single}
+        for actuator, _ in self.motors:
+            name = model.joint(int(model.actuator_trnid[actuator][0])).name
+            slides, low, high, home = self._choose(actuator)
+            for end in self._ends(slides, low, high, home):
+                yield name, max(0.0, _overshoot(self._stepped(end)[0], home, end))
+
+    def least_damping(self, actuator: int) -> tuple[float, float]:
+        """The damping / kp [s] of a motor, and the least one for which a step either way overshoots by 5 % at most."""
+        model = self.model
+        slides, low, high, home = self._choose(actuator)
+        ends = self._ends(slides, low, high, home)
         kp, kv = -float(model.actuator_biasprm[actuator][1]), -float(model.actuator_biasprm[actuator][2])
         others = float(model.actuator_damping[actuator]) + float(model.dof_damping[self._v]) / self._gear**2
 
         def overshoots(kv: float) -> bool:
             model.actuator_biasprm[actuator][2] = -kv
-            for end in ends:
-                positions, _ = self._stepped(end)
-                final = float(positions[-1])
-                if float(((positions - final) / (end - home)).max()) > _OVERSHOOT:
-                    return True
-            return False
+            return any(_overshoot(self._stepped(end)[0], home, end) > _OVERSHOOT for end in ends)
 
         least, most = 0.0, kv
         if not overshoots(0.0):
@@ -119,6 +131,8 @@ class _Robot:
         self._engine.mj_resetData(model, data)
         if model.nkey:
             self._engine.mj_resetDataKeyframe(model, data, 0)
+        for place, position in self._posture.items():
+            data.qpos[place] = position
         for one in range(model.nu):
             place = int(model.jnt_qposadr[int(model.actuator_trnid[one][0])])
             held = model.actuator_biasprm[one][1] != 0.0
@@ -157,6 +171,11 @@ class _Robot:
         return np.array(positions), fastest
 
 
+def _overshoot(positions: Array, home: float, end: float) -> float:
+    """The largest position beyond the last one, as a share of the step."""
+    return float(((positions - positions[-1]) / (end - home)).max())
+
+
 def worst(folder: Path) -> Response | None:
     """The worst of each over the motors of a robot with computed gains; None without any."""
     robot = _Robot(folder)
@@ -182,12 +201,16 @@ def following_table(before: Path, after: Path) -> list[str]:
     return lines
 
 
-def braking_table(folder: Path) -> list[str]:
-    """Lines of a Markdown table: each motor below a folder of output folders whose damping is above its ratio."""
+def limits_tables(folder: Path) -> list[str]:
+    """Lines of two Markdown tables about the output folders in a folder: damping and overshoot with limited effort."""
+    folders = [one for one in sorted(folder.iterdir()) if (one / "report.json").is_file()]
+    return [*_braking_table(folders), "", *_posture_table(folders)]
+
+
+def _braking_table(folders: list[Path]) -> list[str]:
+    """Each motor whose damping is above its ratio."""
     lines = ["| robot | joint | effort | inertia | lag | least |", "| --- | --- | --- | --- | --- | --- |"]
-    for one in sorted(folder.iterdir()):
-        if not (one / "report.json").is_file():
-            continue
+    for one in folders:
         document = json.loads((one / "report.json").read_text(encoding="utf-8"))["robot"]
         efforts = {joint["name"]: joint["limits"]["effort"] for joint in document["joints"]}
         braked = [motor for motor in document["actuators"] if motor["computed"] and motor["computed"]["braked"]]
@@ -203,4 +226,18 @@ def braking_table(folder: Path) -> list[str]:
                 *(f"{100 * lag:.1f} %" for lag in lags),
             )
             lines.append(f"| {' | '.join((one.name, motor['joint'], *cells))} |")
+    return lines
+
+
+def _posture_table(folders: list[Path]) -> list[str]:
+    """The motor of each robot without loops that overshoots most from random postures, and the median of all."""
+    lines = ["| robot | joint | largest overshoot | median |", "| --- | --- | --- | --- |"]
+    for one in folders:
+        robot, random = _Robot(one), np.random.Generator(np.random.PCG64(1))
+        if not robot.motors or json.loads((one / "report.json").read_text(encoding="utf-8"))["robot"]["closures"]:
+            continue
+        found = [pair for _ in range(POSTURES) for pair in robot.overshoots_elsewhere(random)]
+        joint, most = max(found, key=lambda pair: pair[1])
+        middle = float(np.median([beyond for _, beyond in found]))
+        lines.append(f"| {one.name} | {joint} | {100 * most:.1f} % | {100 * middle:.1f} % |")
     return lines
