@@ -1,9 +1,9 @@
 """Compares the working tree with an earlier revision by processor time, and fails if it needs more than 5 % more.
 
 Both run the same jobs in turn, in changing order, on the same packages: conversions of ten files, and of one of them
-what the cache shortens. Each round gives one ratio of processor
-times, so that a machine that becomes slower concerns both. The median of the ratios is bounded by order statistics,
-which assume no distribution: rounds are added until both bounds are on one side of the limit, or none are left.
+what the cache shortens, its verification and the comparison of its files. Each round gives one ratio of processor times,
+so that a machine that becomes slower concerns both. The median of the ratios is bounded by order statistics, which
+assume no distribution: rounds are added until both bounds are on one side of the limit, or none are left.
 """
 
 import compileall
@@ -73,6 +73,8 @@ def jobs(sidecar: str, *, only_cold: bool) -> tuple[Job, ...]:
         Job("--help", ("--help",)),
         Job("check, unchanged", ("check", sidecar), (("check", sidecar),)),
         Job("convert, sidecar edited", convert, (convert,), edited=True),
+        Job("convert, edited, verified", convert[:-1], (convert[:-1],), edited=True),
+        Job("diff", ("diff", "out", "out"), (convert,)),
         cold,
     )
 
