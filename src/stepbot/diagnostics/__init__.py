@@ -212,14 +212,18 @@ def cut(notes: Sequence[str], most: int) -> list[str]:
     return [*notes[:most], *([f"and {len(notes) - most} more"] if len(notes) > most else [])]
 
 
-def did_you_mean(word: str, candidates: Iterable[str]) -> tuple[str, ...]:
-    """``help`` for a misspelt name: the same in other case, else the nearest candidates, else nothing."""
+def did_you_mean(word: str, candidates: Iterable[str], least: float = 0.6) -> tuple[str, ...]:
+    """``help`` for a misspelt name: the same in other case, else the nearest candidates, else nothing.
+
+    Args:
+        least: Similarity of a candidate, of at most 1.
+    """
     from difflib import get_close_matches  # only some findings need it
 
     names = list(dict.fromkeys(candidates))
     same = [name for name in names if name.casefold() == word.casefold()]
     comparable = [name for name in names if len(name) <= _LONGEST_COMPARED]  # the comparison takes quadratic time
-    near = same or (get_close_matches(word, comparable, n=3, cutoff=0.6) if len(word) <= _LONGEST_COMPARED else [])
+    near = same or (get_close_matches(word, comparable, n=3, cutoff=least) if len(word) <= _LONGEST_COMPARED else [])
     if not near:
         return ()
     return ("did you mean " + " or ".join(f"'{name}'" for name in near) + "?",)

@@ -157,7 +157,8 @@ def _robot(
     for lost in description.lost:
         place = description.place((path.parent / lost.file).as_posix() if lost.file else span.file, lost.line)
         times = f" ({lost.count} times)" if lost.count > 1 else ""
-        found.add("SB860", f"{lost.what}: not converted{times}", place, notes=[lost.effect] if lost.effect else ())
+        notes = [lost.effect] if lost.effect else ()
+        found.add("SB860", f"{lost.what}: not converted{times}", place, notes=notes, help=lost.help)
     if description.plain_meshes:
         meshes = ", ".join(f"'{uri}'" for uri in description.plain_meshes)
         found.add("SB872", f"textures or further colours of meshes not converted: {meshes}", span)

@@ -52,6 +52,7 @@ LED = "equality constraint of a mocap body"
 _CONTACT = "contact friction and stiffness are those of the formats' defaults"
 
 MJCF = Vocabulary(
+    strict=True,
     read={
         "mujoco": "model",
         "mujoco/compiler": "*",
@@ -138,7 +139,7 @@ def unread_of_mjcf(root: Any, file: str, at: str) -> tuple[Unread, ...]:
     for number in root.iter("numeric"):
         if number.get("name", "").endswith(f"{SCOPE}velocity"):  # a limit, as stepbot writes it
             number.tag = "velocity"
-    for tendons in root.iter("tendon"):
+    for tendons in root.iterfind("tendon"):
         if all(one.get("name", "").endswith(MOTOR_LINE) for one in tendons):
             tendons.tag = "lines"
     return MJCF.unread(root, file, at)

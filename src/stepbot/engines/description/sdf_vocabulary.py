@@ -78,7 +78,7 @@ _PLUGINS = {
 
 MODEL = Vocabulary(
     read={
-        "model": "name canonical_link",
+        "model": "name canonical_link placement_frame",
         "model/pose": _POSE,
         "model/static": "",
         **paths("model/link", _LINK),

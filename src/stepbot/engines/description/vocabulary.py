@@ -7,6 +7,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from stepbot.diagnostics import did_you_mean
+
+_MISSPELT = 0.75
+"""Least similarity of a misspelt name to the one that was meant; `mu2` is not `mu1`, and `poze` is `pose`."""
+
 Element = Any
 """``lxml.etree._Element``; the stubs lack ``sourceline``."""
 
@@ -24,6 +29,8 @@ class Unread:
     """The file that it is in, relative to the description's folder; empty for the description itself."""
     effect: str = ""
     """Physical consequence; empty if there is none beyond its absence."""
+    help: tuple[str, ...] = ()
+    """The name that is read, if this one looks like a misspelling of it."""
 
 
 @dataclass(frozen=True)
@@ -44,6 +51,8 @@ class Vocabulary:
     """Attributes that tell elements of a path apart: the path continues with ``[value]``."""
     twins: Mapping[str, str] = field(default_factory=dict)
     """Elements that are not read, and have no effect beside an equal element of another tag."""
+    strict: bool = False
+    """Whether the format's engine rejects misspelt names, so that none is left to be found here."""
 
     def unread(self, root: Element, file: str = "", at: str = "") -> tuple[Unread, ...]:
         """What of a document is not read, in the order of its first occurrence.
@@ -61,7 +70,14 @@ class Vocabulary:
             else:
                 elements.setdefault((path, tag), []).append(line)
         found = [
-            Unread(f"<{tag}> in <{_last(path)}>", len(lines), lines[0], file, self._effect(f"{path}/{tag}"))
+            Unread(
+                f"<{tag}> in <{_last(path)}>",
+                len(lines),
+                lines[0],
+                file,
+                self._effect(f"{path}/{tag}"),
+                self._meant(tag, (_last(one) for one in self.read if one.rpartition("/")[0] == path)),
+            )
             for (path, tag), lines in elements.items()
         ]
         for key, by_name in attributes.items():
@@ -70,7 +86,9 @@ class Vocabulary:
             names = ", ".join(f"'{name}'" for name in by_name)
             what = f"attribute{'s' if len(by_name) > 1 else ''} {names} of <{tag}>"
             effects = dict.fromkeys(filter(None, (self._effect(f"{path}@{name}") for name in by_name)))
-            found.append(Unread(what, len(lines), lines[0], file, "; ".join(effects)))
+            known = f"{self.read[path]} {self.holders.get(tag, '')}".split()
+            help = dict.fromkeys(text for name in by_name for text in self._meant(name, known))
+            found.append(Unread(what, len(lines), lines[0], file, "; ".join(effects), tuple(help)))
         return tuple(sorted(found, key=lambda one: one.line))
 
     def _lost(self, element: Element, path: str) -> Iterator[tuple[str, str, str, int]]:
@@ -123,6 +141,10 @@ class Vocabulary:
         other = None if twin is None else element.getparent().find(twin)
         words = [[*one.attrib.items(), *(one.text or "").split()] for one in (element, other) if one is not None]
         return other is not None and words[0] == words[1]
+
+    def _meant(self, name: str, known: Iterable[str]) -> tuple[str, ...]:
+        """``help`` for an unread name that looks misspelt; names of which a loss is described are none."""
+        return () if self.strict or name in self.effects else did_you_mean(name, known, least=_MISSPELT)
 
     def _effect(self, path: str) -> str:
         return self.effects.get(path) or self.effects.get(path.replace("@", "/").rpartition("/")[2], "")

@@ -1,5 +1,6 @@
 """MJCF as MuJoCo compiles it, without the meshes and textures whose files are missing."""
 
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -7,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stepbot.diagnostics import did_you_mean
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_files import KINDS
 from stepbot.geometry.primitives import Primitive
@@ -51,7 +53,8 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         unread = _drop_missing(spec, path.parent, folders)
         model = spec.compile()
     except ValueError as error:
-        raise EngineRefused(str(error).replace(f"{path.parent.as_posix()}/", "").strip()) from error
+        text = str(error).replace(f"{path.parent.as_posix()}/", "").strip()
+        raise EngineRefused(text if roots[1:] or attached else _placed(text)) from error
     if model.nbody < 2:  # the first one is the world
         raise EngineRefused("the file has no bodies")
     compiled = Compiled(engine, model, {})
@@ -88,6 +91,20 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         unsupported=tuple(_unsupported(compiled)),
         simulation=_simulation(root for root, *_ in roots),
     )
+
+
+def _placed(text: str) -> str:
+    """MuJoCo's message about a single file with its line first, and the known name that an unknown one resembles."""
+    place = re.search(r"^Element (?:'(\w*)'|name '.*', id \d+), line (\d+)\s*$", text, re.MULTILINE)
+    if place is None:
+        return text
+    near: tuple[str, ...] = ()
+    if attribute := re.search(r"unrecognized attribute: '(\w+)'", text):
+        stated = (names for path, names in MJCF.read.items() if path.endswith(f"/{place[1]}"))
+        near = did_you_mean(attribute[1], (name for names in stated for name in names.split()))
+    elif "unrecognized element" in text:
+        near = did_you_mean(place[1], (path.rpartition("/")[2] for path in MJCF.read))
+    return "\n".join((f"line {place[2]}: {text}", *near))
 
 
 _Root = tuple[Any, str, str]
