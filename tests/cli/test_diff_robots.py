@@ -388,3 +388,31 @@ def test_a_mesh_within_the_same_box_is_a_difference(suffix: str, tmp_path: Path,
     assert code == 1
     assert {str(one["name"]).partition(",")[0].rpartition("@")[2] for one in found} == {*OF_MESHES}
     assert stepbot("verify", old, new).code == 1
+
+
+_ON_WORLD = """<link name="world"/>
+ <joint name="mount" type="{}"><parent link="world"/><child link="base"/>{}</joint></robot>"""
+
+
+@pytest.mark.slow
+@pytest.mark.mujoco
+@pytest.mark.parametrize(
+    ("kind", "origin", "place"),
+    [
+        ("fixed", '<origin xyz="0 0 0"/>', ""),
+        ("fixed", '<origin xyz="0 0 0.1"/>', "robot/joint 'mount'/origin@xyz, number 3"),
+        ("fixed", '<origin rpy="0 0.2 0"/>', "robot/joint 'mount'/origin@rpy, number 2"),
+        ("floating", "", "robot/joint 'mount'@type: 'floating'"),
+    ],
+)
+def test_the_joint_on_the_world_is_compared(
+    kind: str, origin: str, place: str, tmp_path: Path, stepbot: Stepbot
+) -> None:
+    """A base stands elsewhere, or moves freely: engines report neither of a URDF; all see one robot in each file."""
+    skip_without("mujoco")
+    old = _arm(tmp_path / "a.urdf", ("</robot>", _ON_WORLD.format("fixed", "")))
+    new = _arm(tmp_path / "b.urdf", ("</robot>", _ON_WORLD.format(kind, origin)))
+    assert stepbot("verify", new).code == 0
+    code, rows = _diff(stepbot, old, new)
+    assert code == bool(place)
+    assert any(place in str(row["name"]) for row in rows) == bool(place)

@@ -35,6 +35,7 @@ _RPY = f"rpy in place of {QUATERNION}, which this engine ignores"
 _CYLINDERS = "cylinders in place of capsules, which this engine rejects"
 _MASSES = "mass 0 of links without <inertial>, to which this engine gives a mass"
 _NAMES = "names for materials without one, whose colours this engine would exchange"
+_ENDLESS = "no bounds of continuous joints, by which PyBullet would limit them"
 _BOUNDS = "0 in place of the one bound that a limit lacks, as URDF defines"
 
 
@@ -93,6 +94,15 @@ def with_rpy(robot: Element) -> bool:
         origin.set("rpy", " ".join(map(repr, rpy_of(origin) or ())))
         del origin.attrib[QUATERNION]
     return bool(origins)
+
+
+def _without_bounds_of_turns(robot: Element) -> bool:
+    """Remove the bounds of continuous joints, which have no meaning; returns whether there was one."""
+    limits = robot.xpath("joint[@type = 'continuous']/limit[@lower or @upper]")
+    for limit in limits:
+        for bound in {"lower", "upper"} & set(limit.keys()):
+            del limit.attrib[bound]
+    return bool(limits)
 
 
 def _with_both_bounds(robot: Element) -> bool:
@@ -189,6 +199,8 @@ def _changed(top: Element, rejected: str, *, is_urdf: bool, capsules: bool, iner
         one.getparent().remove(one)
     if left_out:
         yield f"no <{rejected}>, which this engine rejects"
+    if is_urdf and _without_bounds_of_turns(top):
+        yield _ENDLESS
     if is_urdf and _with_both_bounds(top):
         yield _BOUNDS
     if is_urdf and _with_named_materials(top):

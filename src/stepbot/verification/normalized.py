@@ -66,10 +66,10 @@ def _within_a_turn(observation: Observation) -> Observation:
 
 
 def _without_world(observation: Observation) -> Observation:
-    """A massless root link called ``world`` on a fixed joint means that the base is fixed."""
+    """A massless link called ``world`` above one fixed or floating joint is no link, and tells how the base is held."""
     joints = [joint for joint in observation.joints if joint.parent == WORLD]
     world = [link for link in observation.links if link.name == WORLD and is_bare(link)]
-    if not world or len(joints) != 1 or joints[0].kind != "fixed":
+    if not world or len(joints) != 1 or joints[0].kind not in ("fixed", "floating"):
         return observation
     root = joints[0].child
     poses = []
@@ -78,7 +78,7 @@ def _without_world(observation: Observation) -> Observation:
         poses.append({link: X_RW @ X for link, X in X_W.items() if link != WORLD})
     return replace(
         observation,
-        base="fixed",
+        base=joints[0].kind,
         links=tuple(link for link in observation.links if link.name != WORLD),
         joints=tuple(joint for joint in observation.joints if joint.parent != WORLD),
         poses=tuple(poses),

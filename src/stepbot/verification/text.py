@@ -67,18 +67,19 @@ def compare_text(
         defaults: Places that state what an engine takes where a file has nothing.
     """
     deviations = Deviations(_EQUAL)
-    a, b = (_by_place(side, (*ours, *theirs)) for side in (ours, theirs))
+    placing = _placing((*ours, *theirs))
+    a, b = (_by_place(side, (*ours, *theirs), placing) for side in (ours, theirs))
     settings = [place for place in {*a, *b} if place.endswith(_SETTINGS)]
     equal = equal and all(place in a and place in b and a[place].value == b[place].value for place in settings)
     differ = [one for place, one in a.items() if place in b and b[place].value != one.value]
     differ = [one for one in differ if not means_the_same(one.place, one.value, b[one.place].value, a)]
-    others = [one for one in differ if _may_make_up_for_another(one)]
+    others = [one for one in differ if _may_make_up_for_another(one) and one.place not in placing]
     alone = set(a) == set(b) and (len(others) == 1 or all(last_of(one.place) in OF_MESHES for one in others))
     for one in differ:
         other, in_other_words = b[one.place], _is_in_other_words(one) and not alone
-        if one.read and (not equal or in_other_words):
+        if one.read and (not equal or in_other_words) and one.place not in placing:
             continue
-        words = last_of(one.place) not in _NAMES.split() if one.read else whole
+        words = one.place in placing or (last_of(one.place) not in _NAMES.split() if one.read else whole)
         _compare(deviations, one, other, words=words)
     for place in (*a, *b) if whole and not compiled else ():
         one = a.get(place) or b[place]
@@ -119,11 +120,23 @@ def _is_default(one: Statement) -> bool:
     return default is not None and values is not None and set(values) == {default}
 
 
-def _by_place(given: Iterable[Statement], both: Iterable[Statement]) -> Mapping[str, Statement]:
+def _placing(both: Iterable[Statement]) -> dict[str, str]:
+    """Places that state how a robot is held in its world, and what they mean if left out: no engine reports them."""
+    joints = [one.place.removesuffix("/parent@link") for one in both if one.value == "world"]
+    poses = {f"{joint}/origin@{name}": "0 0 0" for joint in joints for name in ("xyz", "rpy")}
+    return poses | {f"{joint}@type": "" for joint in joints}
+
+
+def _by_place(
+    given: Iterable[Statement], both: Iterable[Statement], defaults: Mapping[str, str]
+) -> Mapping[str, Statement]:
     """The statements of a file by place, with defaults of those that one of ``both`` files makes."""
     places = {one.place for one in both}
-    meant = ((place, text) for place in places for end, text in _DEFAULTS.items() if place.endswith(end))
-    return {place: Statement(place, text, read=True) for place, text in meant} | {one.place: one for one in given}
+    meant = {place: text for place in places for end, text in _DEFAULTS.items() if place.endswith(end)}
+    meant |= {place: text for place, text in defaults.items() if text and place in places}
+    return {place: Statement(place, text, read=True) for place, text in meant.items()} | {
+        one.place: one for one in given
+    }
 
 
 def _compare(deviations: Deviations, a: Statement, b: Statement, *, words: bool = True) -> None:
