@@ -213,17 +213,35 @@ def test_faults_are_refused_with_the_reason(tmp_path: Path, model: str, message:
         read(tmp_path, model, configurations=({},))
 
 
-@pytest.mark.parametrize(
-    ("model", "message"),
-    [
-        ('<link name="a"/><model name="inner" placement_frame="f"/>', "placement_frame is not supported"),
-        ('<link name="a"/><link name="b"/>', "2 root links"),
-    ],
-)
-def test_what_it_does_not_know_is_not_called_wrong(tmp_path: Path, model: str, message: str) -> None:
+def test_what_it_does_not_know_is_not_called_wrong(tmp_path: Path) -> None:
     """A file that the parser does not support is reported as unsupported, not as invalid."""
-    with pytest.raises(EngineCannotRead, match=message):
-        read(tmp_path, model, configurations=({},))
+    with pytest.raises(EngineCannotRead, match="2 root links"):
+        read(tmp_path, '<link name="a"/><link name="b"/>', configurations=({},))
+
+
+def test_closing_joints_that_come_first(tmp_path: Path) -> None:
+    """A joint from a link to one above it closes the loop, wherever it is in the file."""
+    links = "".join(f'<link name="{name}">{LINK}</link>' for name in "abcd")
+    joints = joint("loop", "d", "b"), joint("i", "a", "b"), joint("k", "c", "d"), joint("j", "b", "c")
+    seen = read(tmp_path, links + "".join(joints), configurations=({},))
+    assert {one.name for one in seen.joints} == {"i", "j", "k"}
+    assert [one.name for one in seen.closures or ()] == ["loop"]
+
+
+def test_models_placed_by_a_frame(tmp_path: Path) -> None:
+    """The pose of a nested model with ``placement_frame`` is that of this frame, of a link or of a frame of its own."""
+    grip = (
+        f"<link name='palm'><pose>1 0 0 0 0 0</pose>{LINK}</link><frame name='f' attached_to='palm'><pose>0 1 0 0 0 0"
+    )
+    for frame, y in (("palm", 0.0), ("f", -1.0)):
+        pose = "<pose relative_to='a'>0 0 2 0 0 0</pose>"
+        inner = f"<model name='grip' placement_frame='{frame}'>{pose}{grip}</pose></frame>"
+        seen = read(
+            tmp_path,
+            f'<link name="a">{LINK}</link>{inner}</model>' + joint("j", "a", "grip::palm"),
+            configurations=({},),
+        )
+        assert close(seen.poses[0]["grip::palm"], Pose.of(position=(0, y, 2)))
 
 
 def test_text_that_is_not_xml_is_refused(tmp_path: Path) -> None:

@@ -43,6 +43,10 @@ def _mjcf(root: Element, random: Random) -> dict[str, bytes]:
     for body in [*root.iter("body")] if framed else []:
         if random.random() < 0.5 and body.find("freejoint") is None and body.getparent().tag in ("body", "worldbody"):
             _put_into_a_frame(body, random)
+    # Relations of equalities start at the references, and so does a robot without a keyframe.
+    if root.find("equality") is None and root.find("keyframe") is not None and random.random() < 0.5:
+        for body in root.iter("body"):
+            _refer_to_other_positions(body, random)
     _write_turns(root, compiler, random)
     if random.random() < 0.5:
         compiler.set("autolimits", "false")
@@ -65,6 +69,28 @@ def _mjcf(root: Element, random: Random) -> dict[str, bytes]:
         included.append(actuators)
         files["parts/actuators.xml"] = etree.tostring(included)
     return {"drawn.xml": etree.tostring(root), **files}
+
+
+def _refer_to_other_positions(body: Element, random: Random) -> None:
+    """State the body, and the axes in it, where its joints are at other positions than 0."""
+    joints = body.findall("joint")
+    if any(joint.get("type", "hinge") not in ("hinge", "slide") or joint.get("ref") for joint in joints):
+        return
+    turn, place = Rotation.identity(), np.zeros(3)  # of the moved body in the one at 0
+    for joint in reversed(joints):
+        axis, anchor = _numbers(joint.get("axis"), "0 0 1"), _numbers(joint.get("pos"), "0 0 0")
+        ref = random.uniform(-0.3, 0.3)
+        joint.set("ref", repr(ref))
+        joint.set("axis", _text(turn.inv().apply(axis)))
+        joint.set("pos", _text(turn.inv().apply(anchor - place)))
+        if joint.get("type", "hinge") == "slide":
+            place = place + ref * axis / np.linalg.norm(axis)
+        else:
+            step = Rotation.from_rotvec(ref * axis / np.linalg.norm(axis))
+            turn, place = step * turn, anchor + step.apply(place - anchor)
+    before, at = _turn(_numbers(body.get("quat"), "1 0 0 0")), _numbers(body.get("pos"), "0 0 0")
+    body.set("pos", _text(at + before.apply(place)))
+    body.set("quat", _text(_quaternion(before * turn)))
 
 
 def _put_into_a_frame(body: Element, random: Random) -> None:
@@ -139,6 +165,12 @@ def _sdf(root: Element, random: Random) -> dict[str, bytes]:
     model = root.find("model")
     if random.random() < 0.5:
         _put_links_into_frames(model, random)
+    joints = model.findall("joint")
+    if random.random() < 0.5 and len({joint.findtext("child") for joint in joints}) == len(joints):
+        for joint, other in zip(joints, [etree.Element("joint") for _ in joints], strict=True):
+            model.replace(joint, other)
+        for place, joint in zip(model.findall("joint"), random.sample(joints, len(joints)), strict=True):
+            model.replace(place, joint)
     for pose in root.iter("pose") if random.random() < 0.5 else ():
         if not pose.get("rotation_format") and pose.text and pose.text.strip():
             values = _numbers(pose.text)

@@ -20,8 +20,6 @@ from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.primitives import half_size
 from stepbot.geometry.spatial import ZERO3, ZERO33, Pose, perpendicular_frame, tidy
 from stepbot.robot.kinematics import (
-    MOVING,
-    complete,
     initial_configuration,
     link_poses,
     neighbours,
@@ -46,8 +44,8 @@ from stepbot.robot.model import (
 from stepbot.robot.renaming import NewNames, renamed
 
 from .devices import actuators_of, sensors_of
-from .finding import CHANGED_INERTIA, LOST, MOVED, REARRANGED, RENAMED, UNSUPPORTED, Finding
-from .tree import surroundings_of, tree_of, with_locked_fixed, without_broken_mimics, without_links
+from .finding import CHANGED_INERTIA, LOST, REARRANGED, RENAMED, UNSUPPORTED, Finding
+from .tree import at_initial, surroundings_of, tree_of, with_locked_fixed, without_broken_mimics, without_links
 
 
 class Shapes:
@@ -167,7 +165,12 @@ def closures_of(seen: Iterable[ObservedClosure], links: set[str], found: list[Fi
             or X_BF is None
             or not {one.link_a, one.link_b} <= links
         ):
-            found.append(Finding(UNSUPPORTED, f"closure '{name}' of type '{one.kind}' is not supported"))
+            found.append(
+                Finding(
+                    UNSUPPORTED,
+                    f"closure '{name}' of type '{one.kind}' between '{one.link_a}' and '{one.link_b}' is not supported",
+                )
+            )
             continue
         yield LoopClosure(name, kind, one.link_a, X_AF, one.link_b, X_BF, axis)
 
@@ -177,8 +180,6 @@ _BASES = {JointKind.FIXED: Base.FIXED, JointKind.FLOATING: Base.FLOATING}
 """The base that a joint on the world makes."""
 _ROUNDED = 1e-9
 """Share of the largest principal moment up to which the least one may be the rounding of 0."""
-_RESIDUE = 1e-9
-"""Difference [rad], [m] of positions that is numeric residue."""
 
 
 @dataclass(frozen=True)
@@ -255,7 +256,7 @@ def robot_of_description(
     rooted = _without_world(robot, found)
     _report_place(rooted, description.X_WR, found)
     known = seen.base is not None or robot.root.name == _WORLD  # which may have several joints, or one that moves
-    placed = _at_initial(share_meshes(rooted), seen.initial or {}, None if drawn else found)
+    placed = at_initial(share_meshes(rooted), seen.initial or {}, None if drawn else found)
     robot, names = with_valid_names(_with_turned_balls(placed), found)
     return Described(robot, tuple(found), known, names, shapes.pieces, around)
 
@@ -364,34 +365,3 @@ def _report_place(robot: Robot, X_WR: Pose, found: list[Finding]) -> None:
         found.append(Finding(LOST, f"{text}; {effect}", (Quantity.GRAVITY, Quantity.INVERSE_DYNAMICS)))
         return
     found.append(Finding(REARRANGED, text))
-
-
-def _at_initial(robot: Robot, initial: Mapping[str, float], found: list[Finding] | None) -> Robot:
-    """The robot in the initial pose of its file; with ``found``, joints outside their limits are moved to them."""
-    joints = []
-    for joint in robot.joints:
-        q = initial.get(joint.name, 0.0)
-        if found is not None and joint.kind in MOVING and joint.mimic is None:
-            inside = min(max(q, joint.limit.lower), joint.limit.upper)
-            if inside != q and joint.limit.lower <= joint.limit.upper:  # swapped limits are an error of their own
-                limits = f"{joint.limit.lower:g} to {joint.limit.upper:g}"
-                text = f"joint '{joint.name}': initial position {q:g} is outside the limits {limits}: {inside:g} taken"
-                found.append(Finding(MOVED, text, (Quantity.INITIAL,)))
-            q = inside
-        joints.append(replace(joint, drawn_position=q))
-    return _with_led_followers(replace(robot, joints=tuple(joints)), initial, found)
-
-
-def _with_led_followers(robot: Robot, initial: Mapping[str, float], found: list[Finding] | None) -> Robot:
-    """The robot with followers where their leaders put them; with ``found``, those that the file has elsewhere."""
-    leaders = {one.name: one.drawn_position for one in robot.joints if one.kind in MOVING and one.mimic is None}
-    full, joints = complete(robot, leaders), []
-    for joint in robot.joints:
-        if joint.mimic is not None:
-            q, stated = full[joint.name], initial.get(joint.name)
-            if found is not None and stated is not None and abs(q - stated) > _RESIDUE:
-                text = f"joint '{joint.name}': initial position {stated:g} is not where its mimic puts it: {q:g} taken"
-                found.append(Finding(MOVED, text, (Quantity.INITIAL,)))
-            joint = replace(joint, drawn_position=q)
-        joints.append(joint)
-    return replace(robot, joints=tuple(joints))

@@ -4,7 +4,7 @@ A joint beside the origin of its link gets a link without shape in between, and 
 body, unless together they are one multi-dof joint of the model.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import fields, replace
 from math import inf, isfinite, isnan
 
@@ -13,11 +13,12 @@ import numpy as np
 from stepbot.engines.description import Description
 from stepbot.engines.observation import NEVER_ZERO, ObservedJoint, Quantity
 from stepbot.geometry.spatial import IDENTITY, ZERO3, Pose, tidy
-from stepbot.robot.kinematics import MOVING, NO_BOUND, displacement
+from stepbot.robot.closures import DoesNotClose, Loops
+from stepbot.robot.kinematics import MOVING, NO_BOUND, complete, displacement, mimic_relation
 from stepbot.robot.mesh_names import free_name
-from stepbot.robot.model import Base, Joint, JointDynamics, JointKind, Limit, Link
+from stepbot.robot.model import Base, Joint, JointDynamics, JointKind, Limit, Link, Robot
 
-from .finding import LOST, OPEN_LIMIT, REARRANGED, TAKEN_AS_FIXED, UNSUPPORTED, Finding
+from .finding import LOST, MOVED, OPEN_LIMIT, REARRANGED, TAKEN_AS_FIXED, UNSUPPORTED, Finding
 
 _OF_LOCKED = (
     *(Quantity.JOINTS, Quantity.AXES, Quantity.LIMITS, Quantity.DYNAMICS, Quantity.MIMIC, Quantity.POSES),
@@ -25,6 +26,9 @@ _OF_LOCKED = (
 )
 """Quantities in which a joint that its limits lock differs from a fixed one."""
 _TWO_ROBOTS = "a conversion is of one robot: remove the other one from the file"
+_RESIDUE = 1e-9
+"""Difference [rad], [m] of positions that is numeric residue."""
+_WIDEN = "no pose within all limits that closes the loops was found near it: widen the limits to include this position"
 _UNLIMITED = (
     *(("lower", -inf), ("upper", inf), ("velocity", inf), ("effort", inf)),
     *(("acceleration", inf), ("deceleration", inf), ("jerk", inf)),
@@ -129,8 +133,9 @@ class _Tree:
         X_RL = self._poses[root].inverse() @ self._poses[loose] if known else IDENTITY
         name = free_name(f"{loose}_fixed", "_joint", self._taken)
         self._joints.append(Joint(name, JointKind.FIXED, root, loose, X_RL))
-        if loose in self._free or root in self._free:
-            text = f"link '{loose}' is not connected to '{root}', and moves freely"
+        free = [link for link in (loose, root) if link in self._free]
+        if free:
+            text = f"link '{loose}' is not connected to '{root}': '{free[0]}' moves freely"
             self._found.append(Finding(UNSUPPORTED, text, help=(_TWO_ROBOTS,)))
         else:
             text = f"link '{loose}' is not connected to '{root}'; a fixed joint holds it in its place"
@@ -291,3 +296,89 @@ def without_broken_mimics(joints: Sequence[Joint], found: list[Finding]) -> tupl
             joint = replace(joint, mimic=None)
         kept.append(joint)
     return tuple(kept)
+
+
+def at_initial(robot: Robot, initial: Mapping[str, float], found: list[Finding] | None) -> Robot:
+    """The robot in the initial pose of its file; with ``found``, joints outside their limits are moved to them.
+
+    Leaders are moved to where their followers are within limits, too, and the other joints of a loop follow.
+    """
+    leaders = [joint for joint in robot.joints if joint.kind in MOVING and joint.mimic is None]
+    stated = {joint.name: initial.get(joint.name, 0.0) for joint in robot.joints}
+    robot = _with_followers(robot, stated)
+    if found is None:
+        return robot
+    bounds = _bounds(robot)
+    inside = {
+        joint.name: min(max(stated[joint.name], bounds[joint.name][0]), bounds[joint.name][1]) for joint in leaders
+    }
+    clamped = {name for name, q in inside.items() if q != stated[name]}
+    loops = Loops(robot) if clamped and robot.closures else None
+    opened = loops is not None and not clamped.isdisjoint(loops.involved)
+    closed = _closed(loops, stated | inside, clamped, bounds) if loops is not None and opened else stated | inside
+    placed = _with_followers(robot, closed or stated | inside)
+    for joint in placed.joints:
+        q, before = joint.drawn_position, stated[joint.name]
+        if joint.name in clamped:
+            why = f"is outside the limits {bounds[joint.name][0]:g} to {bounds[joint.name][1]:g}"
+        elif joint.kind in MOVING and joint.mimic is None and abs(q - before) > _RESIDUE:
+            why = "does not close the loops where others are within their limits"
+        elif joint.mimic is not None and joint.name in initial and abs(q - before) > _RESIDUE:
+            why = "is not where its mimic puts it"
+        else:
+            continue
+        text = f"joint '{joint.name}': initial position {before:g} {why}: {q:g} taken"
+        found.append(Finding(MOVED, text, (Quantity.INITIAL,), () if closed else (_WIDEN,)))
+    return placed
+
+
+def _bounds(robot: Robot) -> dict[str, tuple[float, float]]:
+    """Limits of the independent joints, within those of their followers where some position is within both.
+
+    Swapped limits are an error of their own, and bound nothing.
+    """
+    limits = {joint.name: (joint.limit.lower, joint.limit.upper) for joint in robot.joints}
+    bounds = {name: ends if ends[0] <= ends[1] else (-inf, inf) for name, ends in limits.items()}
+    for joint in robot.joints:
+        if joint.mimic is None:
+            continue
+        leader, multiplier, offset = mimic_relation(robot, joint.name)
+        if multiplier:
+            low, high = sorted((end - offset) / multiplier for end in bounds[joint.name])
+            low, high = max(low, bounds[leader][0]), min(high, bounds[leader][1])
+            bounds[leader] = (low, high) if low <= high else bounds[leader]
+    return bounds
+
+
+def _closed(
+    loops: Loops, guess: Mapping[str, float], held: Set[str], bounds: Mapping[str, tuple[float, float]]
+) -> dict[str, float] | None:
+    """The pose near a guess that closes the loops within all bounds; None if none is found.
+
+    Joints that are held stay where they are, as do those of several degrees of freedom.
+    """
+    names, held = loops.tree.independent, {*held, *(name for name in loops.tree.independent if name not in guess)}
+    u = loops.tree.vector({name: guess.get(name, 0.0) for name in names})
+    low, high = np.array([bounds.get(name, (-inf, inf)) for name in names]).T
+    for _ in names:
+        try:
+            u, _ = loops.closed(u, [i for i, name in enumerate(names) if name not in held])
+        except DoesNotClose:
+            return None
+        outside = np.abs(np.clip(u, low, high) - u) > _RESIDUE
+        if not outside.any():
+            break
+        held |= {name for name, is_outside in zip(names, outside.tolist(), strict=True) if is_outside}
+        u = np.clip(u, low, high)
+    return {**guess, **dict(zip(names, u.tolist(), strict=True))}
+
+
+def _with_followers(robot: Robot, q: Mapping[str, float]) -> Robot:
+    """The robot in a pose, with followers where their leaders put them."""
+    placed = replace(robot, joints=tuple(replace(joint, drawn_position=q[joint.name]) for joint in robot.joints))
+    leaders = {one.name: q[one.name] for one in robot.joints if one.kind in MOVING and one.mimic is None}
+    full = complete(robot, leaders)
+    joints = (
+        joint if joint.mimic is None else replace(joint, drawn_position=full[joint.name]) for joint in placed.joints
+    )
+    return replace(placed, joints=tuple(joints))

@@ -334,7 +334,9 @@ def _check_closures(robot: Robot, report: Report) -> None:
             report(
                 "SB411",
                 f"closure '{closure.name}': open by {distance:.3g} m and {angle:.3g} rad in the drawn pose",
-                help=("check `zero` of the joints in the loop, and the closure's origin",),
+                help=(
+                    "check `zero` of the joints in the loop, and the closure's origin; in an MJCF, the keyframe `home`",
+                ),
             )
 
 

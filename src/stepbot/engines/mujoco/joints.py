@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from stepbot.geometry.spatial import vector3
+from stepbot.geometry.spatial import Pose, vector3
 from stepbot.robot.mesh_names import SCOPE
 from stepbot.robot.model import JointDynamics, JointKind, Limit, Mimic
 
@@ -42,8 +42,26 @@ def observed_joints(compiled: "NamedModel", body: int, mjcf: bool) -> Iterator[O
     if any(compiled.joint_type(joint) == free and model.body_parentid[body] == 0 for joint in above):
         return
     seen = [_single_joint(compiled, joint, parent, child, mjcf) for joint in above]
+    if any(one.axis and model.qpos0[model.jnt_qposadr[at]] for at, one in zip(above[1:], seen[1:], strict=True)):
+        # Axes are stated where all joints are at their `ref`.
+        seen = _where_all_are_zero(compiled, body, above, seen)
     whole = _as_one(compiled, above, seen) if len(seen) > 1 else None
     yield from seen if whole is None else (_with_steps(compiled, whole, seen),)
+
+
+def _where_all_are_zero(
+    compiled: "NamedModel", body: int, above: range, seen: Sequence[ObservedJoint]
+) -> list[ObservedJoint]:
+    """The joints with axes and anchors in the frame that the body has where all joints are at 0."""
+    model, data = compiled.model, compiled.engine.MjData(compiled.model)
+    data.qpos[model.jnt_qposadr[[joint for joint, one in zip(above, seen, strict=True) if one.axis]]] = 0.0
+    compiled.engine.mj_kinematics(model, data)
+    X_BW = Pose.of(data.xmat[body].reshape(3, 3), data.xpos[body]).inverse()
+    anchors = X_BW.apply(data.xanchor[list(above)])
+    return [
+        replace(one, axis=one.axis and vector3(X_BW.R @ data.xaxis[joint]), anchor=vector3(anchor))
+        for one, joint, anchor in zip(seen, above, anchors, strict=True)
+    ]
 
 
 def _with_steps(compiled: "NamedModel", whole: ObservedJoint, seen: Sequence[ObservedJoint]) -> ObservedJoint:

@@ -5,7 +5,6 @@ http://sdformat.org/tutorials?tut=composition: the elements of a nested model ar
 
 from collections.abc import Callable, Iterator
 
-from ..observation import EngineCannotRead
 from ..xml import Element
 from .frames import MODEL, WORLD, Frames, ends, read_pose
 
@@ -18,11 +17,11 @@ def plain(model: Element) -> Element:
     """The same model in plain form; it is changed.
 
     Raises:
-        EngineCannotRead: A nested model is placed by one of its frames.
         EngineRefused: A frame does not exist.
     """
     for nested in model.findall("model"):
         _dissolve(nested, model)
+    _place_by_origin(model)
     _move_to_links(model)
     _add_world(model)
     return model
@@ -55,11 +54,10 @@ def _dissolve(nested: Element, into: Element) -> None:
     for inner in nested.findall("model"):
         _dissolve(inner, nested)
     name = nested.get("name", "")
-    if nested.get("placement_frame"):
-        raise EngineCannotRead(f"model '{name}': placement_frame is not supported")
     own = f"{name}::{MODEL}"
     for element in _references(into, nested):
         _replace(element, lambda one: own if one == name else one)
+    _place_by_origin(nested)
     given = nested.find("pose")
     if given is not None:  # it is not in the scope of the nested model
         nested.remove(given)
@@ -77,6 +75,21 @@ def _dissolve(nested: Element, into: Element) -> None:
         _place(element, own)
         into.append(element)
     into.remove(nested)
+
+
+def _place_by_origin(model: Element) -> None:
+    """State the pose of a model itself in place of that of its ``placement_frame``."""
+    from lxml import etree
+
+    frame = model.attrib.pop("placement_frame", "")
+    if not frame:
+        return
+    X = read_pose(model) @ Frames(model).X_M(str(frame)).inverse()
+    pose = model.find("pose")
+    pose = etree.SubElement(model, "pose") if pose is None else pose
+    for attribute in set(pose.attrib) - {"relative_to"}:
+        del pose.attrib[attribute]
+    pose.text = " ".join(map(repr, (*X.position, *X.rpy)))
 
 
 def _place(element: Element, own: str) -> None:

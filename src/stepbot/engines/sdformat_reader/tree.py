@@ -86,7 +86,8 @@ def the_model(top: Element) -> Element:
     unknown = [uri for uri in included if uri.rstrip("/").rpartition("/")[2] not in _SURROUNDINGS]
     if unknown:
         raise EngineCannotRead(
-            f"<include> of '{unknown[0]}' is not supported: `gz sdf -p FILE` prints the file with what it includes"
+            f"<include> of '{unknown[0]}' is not supported: `gz sdf -p FILE` prints the file with what it includes, "
+            "`--package-path` names the folders that the meshes in that are relative to"
         )
     if len(models) != 1:
         names = ", ".join(f"'{model.get('name', '')}'" for model in models)
@@ -115,7 +116,11 @@ def joints_to_world(model: Element) -> list[Element]:
 
 
 def closing_joints(joints: Iterable[Element]) -> list[Element]:
-    """The joints that close a loop: their child already has a parent joint, or they form a cycle."""
+    """The joints that close a loop: their child already has a parent joint, or they form a cycle.
+
+    The first joint to a link is the one above it, unless links would remain without a way from the root.
+    """
+    joints = list(joints)
     above: dict[str, str] = {}
     closing = []
     for joint in joints:
@@ -124,7 +129,15 @@ def closing_joints(joints: Iterable[Element]) -> list[Element]:
             closing.append(joint)
         else:
             above[child] = parent
-    return closing
+    if all(ends(joint)[1] in above for joint in closing):
+        return closing
+    children = {ends(joint)[1] for joint in joints}
+    reached = {ends(joint)[0] for joint in joints} - children
+    tree = list[Element]()
+    while grown := [one for one in joints if ends(one)[0] in reached and ends(one)[1] not in reached][:1]:
+        tree += grown
+        reached.add(ends(grown[0])[1])
+    return [joint for joint in joints if joint not in tree] if children <= reached else closing
 
 
 def _is_above(link: str, other: str, above: dict[str, str]) -> bool:
@@ -200,6 +213,8 @@ _IGNORED = {
     "rotation_format": ".//pose[@rotation_format='quat_xyzw']",
 }
 """Attributes, and where they have an effect."""
+_SHAPES = {"box", "capsule", "cylinder", "mesh", "plane", "sphere"}
+"""Shapes of SDFormat that PyBullet reads."""
 
 
 def _is_placed(joint: Element) -> bool:
@@ -224,6 +239,9 @@ def check_readable(model: Element) -> None:
     )
     if kinds:
         raise EngineCannotRead(f"PyBullet ignores joints of type {', '.join(kinds)} in SDFormat")
+    unknown = sorted({str(shape.tag) for shape in model.iterfind(".//geometry/*")} - _SHAPES)
+    if unknown:
+        raise EngineCannotRead(f"PyBullet has no shape {', '.join(unknown)} in SDFormat")
     children = {ends(joint)[1] for joint in model.findall("joint")}
     roots = [link.get("name", "") for link in model.findall("link") if link.get("name") not in children]
     if len(roots) != 1:
