@@ -36,6 +36,8 @@ class LinkClaims:
                 self._below[node][link] += 1
                 node = assembly.components[node].parent
         self._claims: dict[int, list[int]] = defaultdict(list)
+        self._matched: dict[str, set[int]] = {}
+        """The links that have what a path matches; no link's number where it matches nothing."""
         self._visit(0, root)
         claimed = [(nodes, link) for link, nodes in self._claims.items()]
         self._owner = nearest_claim(assembly.components, claimed, root)
@@ -69,8 +71,11 @@ class LinkClaims:
 
     def _is_all_of(self, path: str, link: int) -> bool:
         """Whether a path matches nothing that another link has."""
-        indices = self._lookup.find(path).indices
-        return bool(indices) and all(self._owner[i] == link or i not in self._below for i in indices)
+        if path not in self._matched:
+            indices = self._lookup.find(path).indices
+            owners = {self._owner[i] for i in indices if i in self._below}
+            self._matched[path] = owners if indices else {-1}
+        return self._matched[path] <= {link}
 
     @cached_property
     def _lookup(self) -> ComponentPaths:

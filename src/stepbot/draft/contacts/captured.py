@@ -66,7 +66,8 @@ def find_captured(
     found: dict[Pair, Captured] = {}
     planes: Planes | None = None
     known: dict[bytes, bool] = {}  # of equal parts elsewhere that are no slide: whether faces are beside
-    bolted, pads = _bolted(relations, larger), _pads(scene, relations, larger)
+    inside = frozenset(larger)
+    bolted, pads = _bolted(relations, inside), _pads(scene, relations, inside)
     for pair, arrangement in _overlapping(scene, larger, cut):
         planes = planes or Planes(scene)
         for one, host in _within(scene, pair, bolted):

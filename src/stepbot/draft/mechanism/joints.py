@@ -24,7 +24,7 @@ from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role
 from stepbot.draft.parts.parts import box_gap
-from stepbot.geometry.spatial import perpendicular_frame
+from stepbot.geometry.spatial import cross, perpendicular_frame
 from stepbot.robot.model import JointKind
 
 _SAME_AXIS, _SAME_CENTRE = 5e-5, 1e-4
@@ -109,25 +109,32 @@ class Mechanism:
     def _unite_locked(self) -> bool:
         """Unite two bodies that shafts in bores on two lines lock, as pins that were united with either side show."""
         plain = [j for j in self.joints if _is_plain(j.evidence)]
-        for n, j in enumerate(plain):
-            for k in plain[n + 1 :]:
-                if {j.a, j.b} == {k.a, k.b} and not j.axis.same(k.axis, _SAME_AXIS):
+        beside = defaultdict[frozenset[int], list[Joint]](list)
+        for j in plain:
+            beside[frozenset((j.a, j.b))].append(j)
+        for j in plain:
+            some = beside[frozenset((j.a, j.b))]
+            for k in some[some.index(j) + 1 :]:
+                if not j.axis.same(k.axis, _SAME_AXIS):
                     self._unite(k.a, k.b, self.joints)
                     return True
         return False
 
     def _drop_repeated(self) -> None:
         """Leave out joints between bodies that others on the same line connect: three plates on a pin have two."""
-        lines: list[tuple[Axis, Clusters]] = []
-        kept = []
+        axes = [j.axis for j in self.joints if j.evidence.type == JointKind.REVOLUTE]
+        points, directions = np.array([(axis.point, axis.d) for axis in axes]).reshape(-1, 2, 3).swapaxes(0, 1)
+        tied_on: dict[int, Clusters] = {}
+        kept, row = [], -1
         for j in self.joints:
             if j.evidence.type != JointKind.REVOLUTE:
                 kept.append(j)
                 continue
-            tied = next((tied for axis, tied in lines if axis.same(j.axis, _SAME_AXIS)), None)
-            if tied is None:
-                tied = Clusters(())
-                lines.append((j.axis, tied))
+            row += 1
+            apart = cross(j.axis.point - points[:row], directions[:row])
+            near = np.flatnonzero(np.linalg.norm(apart, axis=1) < 2.0 * _SAME_AXIS).tolist()
+            first = next((n for n in near if n in tied_on and axes[n].same(j.axis, _SAME_AXIS)), row)
+            tied = tied_on.setdefault(first, Clusters(()))
             for one in {j.a, j.b}:
                 if one not in tied:
                     tied.add(one)

@@ -9,7 +9,7 @@ body alone, and what it carries has another joint, one of the round contacts bet
 """
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -19,7 +19,7 @@ from stepbot.draft.contacts.contacts import Pair
 from stepbot.draft.contacts.relations import Relation, Via, reach
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.draft import SURE
-from stepbot.draft.evidence.evidence import Verdict
+from stepbot.draft.evidence.evidence import JointEvidence, Verdict
 from stepbot.draft.evidence.subassemblies import Structure
 from stepbot.draft.mechanism.decide import Decision
 from stepbot.draft.mechanism.locked import JointKey
@@ -98,15 +98,25 @@ class _Pivot:
 def lone_pivots(made: Decision, structure: Structure) -> dict[JointKey, str]:
     """The joints at lone round contacts within clusters, and what to review of each."""
     survey, ties, feet = made.survey, _ties(made), Feet(made.survey)
-    jointed = {made.clusters.find(i) for h in made.joints for i in (h.a, h.b)}
+    driven, turning = defaultdict[int, list[Axis]](list), defaultdict[int, list[JointEvidence]](list)
+    jointed = set[int]()
+    for h in made.joints:
+        jointed |= {made.clusters.find(h.a), made.clusters.find(h.b)}
+        if h.drives:
+            driven[made.clusters.find(h.a)].append(h.axis)
+        if h.type == JointKind.REVOLUTE:
+            turning[h.a].append(h)
+            turning[h.b].append(h)
     found: dict[Pair, str] = {}
     held = {(w.a, w.b) for w in made.evidence.welds if w.verdict == Verdict.TAKEN and w.score >= SURE}
     for root, members in made.clusters.groups().items():
         # What is around the output of a motor in it, such as a plate with a hole for the shaft, is no side of a pivot.
-        driven = [h.axis for h in made.joints if h.drives and made.clusters.find(h.a) == root]
-        every = (p for p in _pivots(survey, structure, held, members) if not any(p.axis.same(axis) for axis in driven))
+        outputs = driven[root]
+        every = (p for p in _pivots(survey, structure, held, members) if not any(p.axis.same(axis) for axis in outputs))
         pivots = [_Sides(survey, pivot, members, ties[root]) for pivot in every]
-        between = [pair for sides in pivots if not sides.share_line(made) and (pair := sides.between_lopsided())]
+        between = [
+            pair for sides in pivots if (pair := sides.between_lopsided()) and not sides.share_line(made, turning)
+        ]
         found |= dict.fromkeys(between, _REVIEW)
         if between or root in jointed:
             below = [pair for sides in pivots if (pair := sides.above_stand(feet)) is not None]
@@ -164,13 +174,17 @@ class _Sides:
         """The joint between two lopsided sides, if there are two."""
         return self._weakest(*self._lopsided)[0] if len(self._lopsided) == 2 else None
 
-    def share_line(self, made: Decision) -> bool:
-        """Whether two lopsided sides turn about one other line, on the same body: a bar between them moves neither."""
+    def share_line(self, made: Decision, turning: Mapping[int, Sequence[JointEvidence]]) -> bool:
+        """Whether two lopsided sides turn about one other line, on the same body: a bar between them moves neither.
+
+        Args:
+            turning: The accepted hinges of each part.
+        """
         lines: list[list[tuple[Axis, int]]] = []
         for root in self._lopsided:
             inside = set(self._groups.members(root))
-            turning = [h for h in made.joints if h.type == JointKind.REVOLUTE and len(inside & {h.a, h.b}) == 1]
-            lines.append([(h.axis, made.clusters.find(h.b if h.a in inside else h.a)) for h in turning])
+            out = (h for i in inside for h in turning.get(i, ()) if len(inside & {h.a, h.b}) == 1)
+            lines.append([(h.axis, made.clusters.find(h.b if h.a in inside else h.a)) for h in out])
         one, *others = lines or [[]]
         return any(
             body == other and axis.same(line) and line.is_along(self._pivot.axis.d)

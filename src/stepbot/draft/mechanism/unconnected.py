@@ -117,11 +117,11 @@ class LooseEnds:
     def _connect(self, groups: dict[int, list[int]], root: int) -> None:
         """Placeholders between unconnected pieces of the mechanism; omnidirectional wheels turn."""
         tied = self._tied(groups)
-        jointed = self._jointed()
+        jointed = {q: n for n, q in enumerate(self._jointed())}
         for r in sorted(jointed, key=lambda r: groups[r][0]):
             if tied.find(r) == tied.find(root):
                 continue
-            piece = [q for q in jointed if tied.find(q) == tied.find(r)]
+            piece = sorted((q for q in tied.members(r) if q in jointed), key=jointed.__getitem__)
             other = self._nearest_cluster([i for q in piece for i in groups[q]], root)
             if other not in jointed or tied.find(other) == tied.find(r):
                 other = root

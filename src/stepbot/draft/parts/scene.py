@@ -78,6 +78,8 @@ class Scene:
         self._known: dict[tuple[int, Callable[[Body], Any]], Any] = {}
         self._corners_of: dict[int, tuple[Array, Array]] = {}
         self._gaps: dict[bytes, float] = {}
+        self._last: tuple[int, ...] = ()
+        self._along: dict[bytes, Array] = {}
         self._faces: dict[FaceKind, list[PlacedFace]] = {}
         placed = [assembly.components[part] for part in self.parts]
         self._row = {part: row for row, part in enumerate(self.parts)}
@@ -149,10 +151,16 @@ class Scene:
 
     def _least_gap(self, members: Sequence[int], other: int) -> float:
         turns = {R.tobytes(): R for R in (np.eye(3), *(self.component(i).X_WC.R for i in (members[0], other)))}
-        return max(
-            least_gap(np.concatenate([self._boxes_along(i, R) for i in members]), self._boxes_along(other, R))
-            for R in turns.values()
-        )
+        return max(least_gap(self._all_boxes_along(members, R), self._boxes_along(other, R)) for R in turns.values())
+
+    def _all_boxes_along(self, members: Sequence[int], R: Array) -> Array:
+        """Likewise of several parts; those of the last ones are kept for the next part compared with them."""
+        if self._last != (some := tuple(members)):
+            self._last, self._along = some, {}
+        key = R.tobytes()
+        if key not in self._along:
+            self._along[key] = np.concatenate([self._boxes_along(i, R) for i in members])
+        return self._along[key]
 
     def _boxes_along(self, part: int, R: Array) -> Array:
         """Boxes (n, 2, 3) [m] of the faces of a part along turned axes."""

@@ -213,10 +213,10 @@ def with_stops(draft: Draft, assembly: Assembly) -> Draft:
     """The draft with the stops of its joints that have no limits, where parts of their two links meet."""
     members = {link.name: link.components for link in draft.links}
     asked = [joint for joint in draft.joints if _is_open(joint)]
-    shapes = Shapes(assembly)
+    shapes, paths = Shapes(assembly), [component.path for component in assembly.components]
     found = find_stops([_question(joint, members[joint.parent], members[joint.child], shapes) for joint in asked])
     stopped = {
-        joint.name: _stopped(replace(joint, stops=_named(stops.found, joint, assembly), stops_skipped=stops.skipped))
+        joint.name: _stopped(replace(joint, stops=_named(stops.found, joint, paths), stops_skipped=stops.skipped))
         for joint, stops in zip(asked, found, strict=True)
     }
     return replace(draft, joints=tuple(stopped.get(joint.name, joint) for joint in draft.joints))
@@ -269,8 +269,7 @@ class Shapes:
         return self._known[part]
 
 
-def _named(stops: Sequence[Stop], joint: DraftJoint, assembly: Assembly) -> tuple[FoundStop, ...]:
-    paths = [component.path for component in assembly.components]
+def _named(stops: Sequence[Stop], joint: DraftJoint, paths: Sequence[str]) -> tuple[FoundStop, ...]:
     return tuple(
         FoundStop(round(joint.zero + stop.position, 4), (paths[stop.still], paths[stop.moving])) for stop in stops
     )
