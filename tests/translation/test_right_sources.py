@@ -888,3 +888,32 @@ def test_ellipsoids_of_sdformat_are_compared(tmp_path: Path) -> None:
     assert stepbot("verify", "old.sdf", cwd=tmp_path).code == 0
     run = stepbot("diff", "old.sdf", "new.sdf", cwd=tmp_path)
     assert run.code == 1, run.err
+
+
+def test_sensors_of_two_links_with_one_name(tmp_path: Path) -> None:
+    """SDFormat allows it; other formats do not, so that the second one is renamed."""
+    sensor = '<sensor name="imu" type="imu"><update_rate>{}</update_rate></sensor></link>'
+    links = _BARS.replace("</link>", sensor.format(100), 1).replace("</inertial></link>", f"</inertial>{sensor}", 1)
+    joints = (_PIN.format(name, "", "base", name, "") for name in ("crank", "coupler", "rocker"))
+    source = f'<sdf version="1.9"><model name="robot">{links.format(50)}{"".join(joints)}</model></sdf>'
+    source = source.replace('joint name="', 'joint name="j_')
+    conversion = proven(tmp_path, ".sdf", source, "urdf", "sdf", "mjcf")
+    assert "sensor 'imu' of link 'crank' is renamed to 'imu_2'" in told(conversion, "SB864")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    assert model.site("imu::site").bodyid == model.body("base").id
+    assert model.site("imu_2::site").bodyid == model.body("crank").id
+
+
+def test_transmissions_with_one_name(tmp_path: Path) -> None:
+    """As of two joints that one macro drives: both are converted, the second one under another name."""
+    hand = f"""<link name="base">{_INERTIAL}</link><link name="hand">{_INERTIAL}</link>
+      <joint name="wrist" type="revolute"><parent link="arm"/><child link="hand"/>
+      <limit lower="-1" upper="1" effort="2" velocity="1"/></joint>"""
+    drive = """<transmission name="drive"><type>transmission_interface/SimpleTransmission</type><joint name="{}">
+      <hardwareInterface>hardware_interface/EffortJointInterface</hardwareInterface></joint>
+      <actuator name="motor"><mechanicalReduction>{}</mechanicalReduction></actuator></transmission>"""
+    source = urdf(hand, drive.format("turn", 10), drive.format("wrist", 20))
+    proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf")
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
+    gears = {model.joint(int(one.trnid[0])).name: one.gear[0] for one in map(model.actuator, range(model.nu))}
+    assert gears == {"turn": 10.0, "wrist": 20.0}

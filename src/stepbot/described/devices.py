@@ -11,7 +11,7 @@ from stepbot.robot.model import Actuator, ActuatorKind, Joint, JointKind, Limit
 from stepbot.robot.sensors import MOST_RAYS, PLACED, SEEING, Sensor, SensorKind, View
 from stepbot.robot.tuning import Tuning
 
-from .finding import DEVICE, Finding
+from .finding import DEVICE, RENAMED, Finding
 
 _ON_JOINTS = (SensorKind.JOINT, SensorKind.FORCE_TORQUE)
 
@@ -123,6 +123,7 @@ def sensors_of(
     taken: set[str] = set()
     for number, one in enumerate(seen, start=1):
         kind = SensorKind(one.kind) if one.kind in set(SensorKind) else None
+        name = one.name and free_name(one.name, "_2", taken)  # a name is used twice, such as by sensors of two links
         link = children.get(one.joint or "", "") if kind in _ON_JOINTS else one.link
         if kind is None or not link or link not in links:
             found.append(
@@ -133,7 +134,9 @@ def sensors_of(
             text = f"sensor '{one.name}': {one.columns} rays, more than {MOST_RAYS}: not converted"
             found.append(Finding(DEVICE, text, (Quantity.SENSORS,)))
             continue
-        name = free_name(one.name or f"{one.joint or link}_{kind.value}_{number}", "_2", taken)
+        if name != one.name:
+            found.append(Finding(RENAMED, f"sensor '{one.name}' of link '{link}' is renamed to '{name}'"))
+        name = name or free_name(f"{one.joint or link}_{kind.value}_{number}", "_2", taken)
         X_LS = (one.X_LS or IDENTITY) if kind in PLACED else IDENTITY
         joint = (one.joint or "") if kind in _ON_JOINTS else ""
         view = _view(one) if kind in SEEING else View()

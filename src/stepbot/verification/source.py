@@ -24,7 +24,7 @@ from stepbot.engines.observation import (
 )
 from stepbot.engines.resources import box_around
 from stepbot.report.robot import Check
-from stepbot.robot.mesh_names import valid_name
+from stepbot.robot.mesh_names import free_name, valid_name
 from stepbot.robot.model import ActuatorKind, Limit
 from stepbot.robot.renaming import NewNames
 from stepbot.robot.surfaces import PLAIN, SURFACE_FIELDS, Surface
@@ -195,8 +195,8 @@ def _comparable(gathered: Gathered) -> Gathered:
     bare = replace(
         without_stand_ins(replace(seen, name=None, links=links, joints=joints)),
         closures=_with_valid_names(seen.closures, "closure"),
-        actuators=_with_valid_names(seen.actuators, "actuator"),
-        sensors=_with_valid_names(seen.sensors, "sensor"),
+        actuators=_with_own_names(_with_valid_names(seen.actuators, "actuator")),
+        sensors=_with_own_names(_with_valid_names(seen.sensors, "sensor")),
     )
     return replace(gathered, observation=with_effective_ranges(bare))
 
@@ -207,6 +207,12 @@ _Named = TypeVar("_Named", ObservedShape, ObservedClosure, ObservedActuator, Obs
 def _with_valid_names(seen: tuple[_Named, ...] | None, kind: str) -> tuple[_Named, ...] | None:
     """What the source has, by the names that written files have in place of those that no format holds."""
     return seen and tuple(replace(one, name=one.name and valid_name(one.name, kind)) for one in seen)
+
+
+def _with_own_names(seen: tuple[_Named, ...] | None) -> tuple[_Named, ...] | None:
+    """The same, with a name for each: a source may name devices of two links alike, and written files do not."""
+    taken = set[str]()
+    return seen and tuple(replace(one, name=one.name and free_name(one.name, "_2", taken)) for one in seen)
 
 
 def _with_ends(link: ObservedLink, kind: str) -> ObservedLink:

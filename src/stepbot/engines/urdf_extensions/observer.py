@@ -193,16 +193,18 @@ def observed_actuators(top: Element) -> Iterator[ObservedActuator]:
 
     Actuators without a transmission have no names; those with only a ROS 1 transmission have neither gains nor bounds.
     """
-    old = {one.get("name", ""): one for one in top.findall("transmission")}
+    old = top.findall("transmission")  # names of which may be repeated
     taken: set[tuple[str, str]] = set()
     before: Counter[str] = Counter()
     for element in top.findall(_TRANSMISSION):
         joint = _name_of(element.find("joint"))
-        actuator = _behind_gear(element, old.pop(element.get("name", ""), None), _inputs(top, joint), before[joint])
+        same = next((one for one in old if one.get("name", "") == element.get("name", "")), None)
+        old = [one for one in old if one is not same]
+        actuator = _behind_gear(element, same, _inputs(top, joint), before[joint])
         before[joint] += 1
         taken.add((actuator.joint, actuator.kind))
         yield actuator
-    for element in old.values():
+    for element in old:
         joint, word, gear = _of_ros_1(element)
         if not word and (inputs := _inputs(top, joint)):
             word = inputs[0].get("name", "")
