@@ -17,6 +17,7 @@ from stepbot.geometry.mesh_files import read_content
 from stepbot.geometry.spatial import Pose
 from stepbot.jobs.incremental import convert
 from stepbot.pipeline.conversion import Conversion, Options
+from stepbot.robot.closures import driven_joints
 from tests.command_line import stepbot
 
 _INERTIAL = '<inertial><mass value="1"/><inertia ixx="1e-2" iyy="1e-2" izz="1e-2" ixy="0" ixz="0" iyz="0"/></inertial>'
@@ -917,3 +918,17 @@ def test_transmissions_with_one_name(tmp_path: Path) -> None:
     model = mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml"))
     gears = {model.joint(int(one.trnid[0])).name: one.gear[0] for one in map(model.actuator, range(model.nu))}
     assert gears == {"turn": 10.0, "wrist": 20.0}
+
+
+def test_loops_without_moving_joints(tmp_path: Path) -> None:
+    """A closure between links that are fixed to each other moves with them: its Jacobian is rounding alone."""
+    pins = [
+        _PIN.format("drive", "", "base", "crank", "").replace("0 1 0", "0.1 0.7 0.3"),
+        _PIN.format("mount", "", "crank", "coupler", "").replace("revolute", "fixed"),
+        _PIN.format("other", "<pose>.1 .2 .3 .4 .5 .6</pose>", "crank", "rocker", "").replace("revolute", "fixed"),
+        _PIN.format("loop", "<pose>.3 .2 .1 .7 .2 .1</pose>", "coupler", "rocker", "").replace("revolute", "fixed"),
+    ]
+    source = f'<sdf version="1.9"><model name="robot">{_BARS}{"".join(pins)}</model></sdf>'
+    conversion = proven(tmp_path, ".sdf", source, "sdf", "mjcf")
+    assert conversion.robot is not None
+    assert driven_joints(conversion.robot) == ("drive",)

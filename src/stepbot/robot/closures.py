@@ -24,8 +24,8 @@ CLOSED_DISTANCE = 1e-5
 In a large one, the tolerance of the rank times the reach applies."""
 CLOSED_ANGLE = 2e-3
 """Maximum angle [rad] between them: pins that should be parallel are parallel to 1 mrad."""
-RANK_TOLERANCE = 1e-4
-"""Share of the largest singular value below which one counts as zero: CAD models never have exactly parallel pins."""
+RANK_TOLERANCE, _RIGID = 1e-4, 1e-8
+"""Share of the largest singular value, or of the second number, up to which one is 0: CAD is never quite parallel."""
 LARGEST_STEP = 0.1
 """Maximum motion [rad], or share of a prismatic joint's range, of a driven joint between two closed configurations."""
 SHORTEST_STEP = 1 / 64
@@ -237,13 +237,13 @@ class Loops:
 def rank(J: Array, least: float | None = None) -> int:
     """Numerical rank of a Jacobian; with ``least``, the number of singular values above it."""
     sizes = np.linalg.svd(J, compute_uv=False) if J.size else np.zeros(0)
-    return int(np.count_nonzero(sizes > (RANK_TOLERANCE * sizes.max(initial=0.0) if least is None else least)))
+    return int(np.count_nonzero(sizes > (RANK_TOLERANCE * sizes.max(initial=_RIGID) if least is None else least)))
 
 
 def independent_columns(J: Array, order: Iterable[int]) -> list[int]:
     """Columns of a Jacobian, each if it adds to the rank: joints that can follow, unless they hardly move the loop."""
     chosen: list[int] = []
-    least = RANK_TOLERANCE * float(np.linalg.norm(J, 2)) if J.size else 0.0
+    least = RANK_TOLERANCE * max(float(np.linalg.norm(J, 2)), _RIGID) if J.size else 0.0
     for column in order:
         if rank(J[:, [*chosen, column]], least) > len(chosen):
             chosen.append(column)

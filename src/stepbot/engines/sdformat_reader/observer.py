@@ -249,7 +249,8 @@ def _mimic(axis: Element) -> Mimic | None:
 def _closure(joint: Element, frames: Frames) -> ObservedClosure:
     """A closing joint; its frame is given in the child, and its frame in the parent is the same at q = 0."""
     parent, child = (frames.link_of(name) for name in ends(joint))
-    X_MF, axis = frames.X_M(joint.get("name", "")), joint.find("axis")
+    has_axis = joint.get("type") not in ("fixed", "ball")
+    X_MF, axis = frames.X_M(joint.get("name", "")), joint.find("axis") if has_axis else None
     return ObservedClosure.of_frames(
         joint.get("name", ""),
         _kind(joint),
