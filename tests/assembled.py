@@ -25,6 +25,7 @@ BARE = Sources(names=False, tree=False)
 """Neither names nor subassemblies are used."""
 _COARSE = MeshTolerance(relative=0.05, angle=0.8)
 """As drafting reads files."""
+_NOWHERE = np.eye(4)
 _NO_MESH = TriMesh.of(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int32))
 
 
@@ -74,6 +75,21 @@ def _add(
     components.append(Component(index, parent, node.name, path, product, "", 1, X_WC, number - 1, definition))
     for child in node.children:
         _add(child, index, X_WC, components, shapes, is_body=node.has_bodies)
+
+
+def reexported(*nodes: Node, to: Any = _NOWHERE) -> list[Node]:
+    """Nodes as exports have them that make each occurrence a product of its own, drawn where it is in the assembly.
+
+    ``to`` (4, 4) is what is done to all of them [mm], a reflection for one.
+    """
+    found = []
+    for node in nodes:
+        X = node.X.matrix
+        X[:3, 3] *= 1e3
+        X = to @ X
+        shape = None if node.shape is None else moved(node.shape, X)
+        found.append(Node(node.name, shape, reexported(*node.children, to=X), has_bodies=node.has_bodies))
+    return found
 
 
 def inferred(*nodes: Node, sources: Sources = ALL_SOURCES) -> Inferred:

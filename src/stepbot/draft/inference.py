@@ -12,11 +12,11 @@ from stepbot.draft.evidence.evidence import ONLY_CONNECTION, Evidence, JointEvid
 from stepbot.draft.evidence.fingers import finger_evidence
 from stepbot.draft.evidence.gears import gear_evidence, mark_geared
 from stepbot.draft.evidence.guides import captured_evidence, cross_evidence, guide_evidence, screw_evidence
-from stepbot.draft.evidence.knuckles import knuckle_evidence
 from stepbot.draft.evidence.linkages import linkage_evidence
 from stepbot.draft.evidence.motor_outputs import motor_evidence
 from stepbot.draft.evidence.motors import Motor, find_motors
 from stepbot.draft.evidence.pairs import PairEvidence, screwed_evidence, several_axes
+from stepbot.draft.evidence.pivots import knuckle_evidence
 from stepbot.draft.evidence.repetition import repeated_joints
 from stepbot.draft.evidence.rollers import rail_evidence, roller_evidence
 from stepbot.draft.evidence.subassemblies import Structure, body_welds

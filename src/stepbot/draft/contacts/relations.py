@@ -14,7 +14,7 @@ from stepbot.draft.contacts.contacts import Contacts, Fit, FitKind, Pair, Patch,
 from stepbot.draft.contacts.freedom import Freedom, FreedomKind, freedom
 from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, perpendicular_frame
 
 SPIGOT = 0.5
 """Length of a shaft in its bore, in radii, below which it is centred but not guided."""
@@ -24,6 +24,8 @@ _LEAST_SIZE = 5e-3
 """Minimum extent [m] of contacts, used to compare lengths with angles."""
 _TURNED_RADIUS, _BORED_RADIUS, _MOST_LINES = 1e-3, 2.5e-3, 24
 """Minimum radius [m] of shafts and bores on a possible axis of a part, and the maximum number of such axes."""
+_EVEN = 0.02
+"""Angle [rad] up to which holes are evenly spaced."""
 
 
 class Via(StrEnum):
@@ -219,3 +221,13 @@ def neighbours(relations: Mapping[Pair, Relation]) -> dict[int, list[Relation]]:
         near.setdefault(a, []).append(relation)
         near.setdefault(b, []).append(relation)
     return near
+
+
+def is_even(r: Relation, axis: Axis) -> bool:
+    """Whether the gaps between holes around an axis are multiples of the smallest one."""
+    x, y, _ = perpendicular_frame(axis.d).T
+    away = [fit.axis.point - axis.point for fit in r.fits if axis.distance(fit.axis.point) >= SAME_LINE]
+    angles = np.sort([np.arctan2(float(at @ y), float(at @ x)) for at in away])
+    gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
+    gaps = gaps[gaps > _EVEN]  # one hole may be on both sides of a flange
+    return not len(gaps) or bool(np.abs(gaps - gaps.min() * np.round(gaps / gaps.min())).max() < _EVEN)

@@ -28,6 +28,7 @@ from stepbot.draft.contacts.teeth import (
 )
 from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
+from stepbot.draft.parts.equal import EqualParts
 from stepbot.draft.parts.names import Role, is_belt, is_drive, roles
 from stepbot.draft.parts.parts import Boxes, joint_box
 from stepbot.draft.parts.scene import Scene
@@ -79,6 +80,7 @@ class Survey:
         self.volume = exact_sum(part.volume for part in self.parts.values()) or 1.0
         self.cut: dict[str, None] = {}
         """Searches that a bound cut short, in words, in the order in which they were."""
+        self.equal = EqualParts(self.scene, self.cut)
         self._belts = {i for i, p in self.parts.items() if sources.names and is_belt(p.name) and not self._is_turned(i)}
         self._belts |= {i for i in find_bands(self.parts, self.contacts.lines) if self.parts[i].role is None}
         self.small = self._belts | {i for i, p in self.parts.items() if p.is_small and self._is_trifle(i)}

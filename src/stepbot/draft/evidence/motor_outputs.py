@@ -1,6 +1,6 @@
 """What a motor turns: the parts at its output, and what carries it.
 
-The output axis is that of the motor's horn, else it is chosen by a vote of all motors of one definition.
+The output axis is that of the motor's horn, else it is chosen by a vote of all equal motors.
 """
 
 from collections import defaultdict
@@ -10,10 +10,10 @@ from itertools import combinations
 
 import numpy as np
 
-from stepbot.draft.contacts.relations import Relation, Via, merged, reach
+from stepbot.draft.contacts.relations import Relation, Via, is_even, merged, reach
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import Evidence, JointEvidence
-from stepbot.draft.evidence.motors import Motor, is_even
+from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.evidence.near_outputs import NearOutput, alone, clips, idlers, through
 from stepbot.draft.parts.axis import Axis, are_parallel
 from stepbot.draft.parts.clusters import Clusters
@@ -39,7 +39,7 @@ class Output:
     """The output of a motor."""
 
     axis: Axis
-    """In the assembly; in a vote, in the frame of the case."""
+    """In the assembly; in a vote, in the frame of the kind of case."""
     reach: float
     """Radius [m] of the contacts about the axis; 0 if unknown."""
 
@@ -62,53 +62,50 @@ class OutputAxes:
         for output in outputs:
             if survey.turned.get(output):
                 return Output(survey.turned[output][0], 0.0)
-        voted = self._votes.get(survey.parts[motor.case].definition)
+        voted = self._votes.get(survey.equal.kind(motor.case))
         if voted is None:
             return None
-        X = survey.scene.component(motor.case).X_WC
-        return Output(Axis(X.apply(voted.axis.point), X.turn(voted.axis.d)), voted.reach)
+        axes = survey.equal.placed(motor.case, voted.axis)
+        used = [r.axis for _, r in survey.around(motor.case) if r.axis is not None] if len(axes) > 1 else []
+        return Output(next((a for a in axes if any(a.same(b, SAME_AXIS) for b in used)), axes[0]), voted.reach)
 
     def _vote(self, motors: Sequence[Motor]) -> Mapping[int, Output]:
-        """For each definition of a case, the axis with most rotating parts, in its own frame."""
+        """For each kind of case, the axis with most rotating parts, in its own frame."""
         survey = self._survey
         votes: dict[int, list[tuple[Axis, list[tuple[int, float]]]]] = defaultdict(list)
         for motor in motors:
-            X = survey.scene.component(motor.case).X_WC.inverse()
-            of_case = votes[survey.parts[motor.case].definition]
+            of_case = votes[survey.equal.kind(motor.case)]
             for other, r in survey.around(motor.case):
                 if other in motor.parts or r.via not in _WEIGHTS or r.axis is None:
                     continue
                 if r.via == Via.RING and not is_even(r, r.axis):
                     continue  # the ears of a servo, at the corners of a rectangle
-                local = Axis(X.apply(r.axis.point), X.turn(r.axis.d))
+                local = survey.equal.axes(motor.case, r.axis)
                 ballot = _WEIGHTS[r.via], max(r.radius, r.ring_radius, reach(r.axis, [r]))
                 for axis, ballots in of_case:
-                    if axis.same(local, SAME_AXIS):
+                    if any(axis.same(one, SAME_AXIS) for one in local):
                         ballots.append(ballot)
                         break
                 else:
-                    of_case.append((local, [ballot]))
+                    of_case.append((local[0], [ballot]))
             if motor.is_named and not of_case:
                 self._vote_by_shafts(motor, of_case)
-        named = {survey.parts[motor.case].definition for motor in motors if motor.is_named}
+        named = {survey.equal.kind(motor.case) for motor in motors if motor.is_named}
         best = {
             # A motor by its use has the output that it was found by, the widest.
-            definition: max(of_case, key=_weight if definition in named else _width)
-            for definition, of_case in votes.items()
+            kind: max(of_case, key=_weight if kind in named else _width)
+            for kind, of_case in votes.items()
             if of_case
         }
-        return {
-            definition: Output(axis, max(far for _, far in ballots)) for definition, (axis, ballots) in best.items()
-        }
+        return {kind: Output(axis, max(far for _, far in ballots)) for kind, (axis, ballots) in best.items()}
 
     def _vote_by_shafts(self, motor: Motor, of_case: list[tuple[Axis, list[tuple[int, float]]]]) -> None:
         """Votes for the shaft of a motor that another part's bore is nearly on: nothing touches its output."""
-        X = self._survey.scene.component(motor.case).X_WC.inverse()
         for _, fits in self._survey.near_fits_of([motor.case]):
             for fit in fits:
                 if fit.shaft == motor.case:
-                    axis = fit.of(motor.case)
-                    of_case.append((Axis(X.apply(axis.point), X.turn(axis.d)), [(1, fit.radius)]))
+                    axis = self._survey.equal.axes(motor.case, fit.of(motor.case))[0]
+                    of_case.append((axis, [(1, fit.radius)]))
 
 
 def _weight(vote: tuple[Axis, list[tuple[int, float]]]) -> float:

@@ -7,15 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from stepbot.draft.contacts.relations import Relation, Via
+from stepbot.draft.contacts.relations import Relation, Via, is_even
 from stepbot.draft.contacts.roles import spoken_names
 from stepbot.draft.contacts.shafts import HALF_ROUND
 from stepbot.draft.contacts.survey import Survey
-from stepbot.draft.parts.axis import SAME_LINE, Axis
+from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.names import Role, roles
 from stepbot.draft.parts.parts import largest
-from stepbot.geometry.spatial import Array, perpendicular_frame
+from stepbot.geometry.spatial import perpendicular_frame
 from stepbot.step.assembly import Component
 
 _LARGEST = 0.6
@@ -57,14 +57,12 @@ _PIN, _RIM = 4.0, 0.45
 """Width in radii of its fit, up to which what turns in a part is a pin; share of a part's width, from which the radius
 of what is around it is that of a tyre or a clamp.
 """
-_EVEN = 0.02
-"""Angle [rad] up to which holes are evenly spaced."""
 _ABOUT = (Via.RING, Via.FACE, Via.PIN)
 
 
 @dataclass(eq=False)
 class _Vote:
-    """An axis in the frame of a definition, and which of its occurrences touch something about it."""
+    """An axis in the frame of a kind of parts, and which of these touch something about it."""
 
     axis: Axis
     radius: float
@@ -169,7 +167,7 @@ def _reunited(
 
     Such products are shafts, and pieces with numbered names.
 
-    The pieces of one motor touch each other, and no two of them are of one product.
+    The pieces of one motor touch each other, and no two of them are equal.
     """
     numbered: dict[tuple[int, str], list[int]] = defaultdict(list)
     for n, (c, _) in enumerate(found):
@@ -182,14 +180,18 @@ def _reunited(
         for n in alike:
             touching = {owner.get(r.other(i), n) for i in found[n][1] for r in survey.near.get(i, ())}
             for m in sorted(touching.intersection(alike)):
-                products = [found[k][0].product for k in {*tied.members(n), *tied.members(m)}]
-                if len(set(products)) == len(products):
+                kinds = [_kinds(survey, found[k][1]) for k in {*tied.members(n), *tied.members(m)}]
+                if len(set(kinds)) == len(kinds):
                     tied.join(n, m)
     motors = []
     for group in tied.groups().values():
         first = max(group, key=lambda n: (survey.total_volume(found[n][1]), -n))
         motors.append((found[first][0], tuple(sorted(i for n in group for i in found[n][1]))))
     return motors
+
+
+def _kinds(survey: Survey, members: Sequence[int]) -> tuple[int, ...]:
+    return tuple(sorted(survey.equal.kind(i) for i in members))
 
 
 def _is_named_motor(names: list[str]) -> bool:
@@ -246,10 +248,10 @@ def _motors_by_size(survey: Survey) -> list[Motor]:
                 full = [face for face in faces if face.span > HALF_ROUND and not face.cone]
                 bosses[i] += [(line.axis, face.radius) for face in full if not face.bore]
                 holes[i] += [line.axis] if any(face.bore for face in full) else []
-    cases = [i for i in sorted(bosses) if _has_flange(bosses[i], holes[i]) and _fill(survey, i) > _BLOCK]
+    cases = [i for i in sorted(bosses) if _has_flange(bosses[i], holes[i]) and survey.scene.fill(i) > _BLOCK]
     motors = []
     for i in cases:
-        equal = [k for k in cases if survey.parts[k].definition == survey.parts[i].definition]
+        equal = [k for k in cases if survey.equal.kind(k) == survey.equal.kind(i)]
         motors.append(Motor(survey.parts[i].path, _around_case(survey, i, equal), i, is_named=False))
     return motors
 
@@ -266,23 +268,26 @@ def _has_flange(bosses: Sequence[tuple[Axis, float]], holes: Sequence[Axis]) -> 
 
 
 def _motors_by_use(survey: Survey) -> list[Motor]:
-    """Equal blocks that are mounted off an axis and drive about it, each about the same axis of their definition."""
-    equal: dict[int, list[int]] = defaultdict(list)
+    """Equal blocks that are mounted off an axis and drive about it, each about the same axis of their shape.
+
+    Mirror images are links of a left and a right limb: motors are bought.
+    """
+    equal: dict[tuple[int, bool], list[int]] = defaultdict(list)
     sliding = {i for pair, captured in survey.captured.items() if captured.is_profile for i in pair}
     for i, part in survey.parts.items():
         if (
             i not in sliding
             and not part.is_small
             and part.volume > _LEAST * survey.volume
-            and _fill(survey, i) > _BLOCK
+            and survey.scene.fill(i) > _BLOCK
         ):
-            equal[part.definition].append(i)
+            equal[survey.equal.turned_kind(i)].append(i)
     cases = [i for members in equal.values() if _is_used_like_motors(survey, members) for i in members]
     motors: dict[tuple[int, ...], Motor] = {}
     for i in sorted(cases, key=lambda i: (-survey.parts[i].volume, i)):
         members = _around_case(survey, i, cases)
-        count = len(equal[survey.parts[i].definition])
-        carries = any(len(equal[survey.parts[k].definition]) > count for k in members if k in cases)
+        count = len(equal[survey.equal.turned_kind(i)])
+        carries = any(len(equal[survey.equal.turned_kind(k)]) > count for k in members if k in cases)
         if not carries and not any(i in known for known in motors):
             motors[members] = Motor(survey.parts[i].path, members, i, is_named=False)
     return list(motors.values())
@@ -294,7 +299,7 @@ def _around_case(survey: Survey, case: int, cases: Sequence[int]) -> tuple[int, 
     if not survey.sources.tree:
         return found
     assembly = survey.assembly
-    nodes = [i for i in cases if survey.parts[i].definition == survey.parts[case].definition]
+    nodes = [i for i in cases if survey.equal.kind(i) == survey.equal.kind(case)]
     mine = nodes.index(case)
     while True:
         nodes = [assembly.components[node].parent for node in nodes]
@@ -306,24 +311,12 @@ def _around_case(survey: Survey, case: int, cases: Sequence[int]) -> tuple[int, 
         found = inside[mine]
 
 
-def _extent(survey: Survey, part: int) -> Array:
-    """Size (3,) [m] of a part's bounding box along its own axes."""
-    boxes = [face.box for face in survey.scene.body(part).faces]
-    return np.asarray(np.ptp(np.array(boxes).reshape(-1, 3), axis=0)) if boxes else np.zeros(3)
-
-
-def _fill(survey: Survey, part: int) -> float:
-    """Share of its bounding box that a part fills, along its own axes."""
-    extent = float(np.prod(_extent(survey, part)))
-    return survey.parts[part].volume / extent if extent else 0.0
-
-
 def _is_block(survey: Survey, part: int) -> bool:
     """Whether a part may be all of a motor: no plate or bent sheet, and no gear, whose teeth are around it."""
-    thin, middle, wide = sorted(_extent(survey, part).tolist())
+    thin, middle, wide = sorted(survey.scene.extent(part).tolist())
     if any(rim.tip > _TOOTHED * middle for rim in survey.rims.get(part, ())):
         return False
-    return _fill(survey, part) > _SHEET and thin > _PLATE * wide
+    return survey.scene.fill(part) > _SHEET and thin > _PLATE * wide
 
 
 def _is_worn(survey: Survey, case: int, other: int, r: Relation) -> bool:
@@ -341,13 +334,13 @@ def _is_worn(survey: Survey, case: int, other: int, r: Relation) -> bool:
 
 def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
     """Whether most members turn something about one axis of their definition, and are held off it."""
+    if _are_of_limbs(survey, members):
+        return False
     votes: list[_Vote] = []
     held = 0
     for i in members:
-        X, volume = survey.scene.component(i).X_WC.inverse(), survey.parts[i].volume
-        others = [
-            (other, r) for other, r in survey.around(i) if survey.parts[other].definition != survey.parts[i].definition
-        ]
+        kind, volume = survey.equal.kind(i), survey.parts[i].volume
+        others = [(other, r) for other, r in survey.around(i) if survey.equal.kind(other) != kind]
         about = [(other, r) for other, r in others if r.via in _ABOUT and r.axis is not None and not _holds_corners(r)]
         least = _JOURNAL * survey.parts[i].size
         if any(fit.shaft != i and fit.radius > least for _, r in about for fit in r.journals):
@@ -359,18 +352,37 @@ def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:
         held += bool(on) and (off or _are_in_two_circles(on))
         for r in on:
             assert r.axis is not None
-            local, radius = Axis(X.apply(r.axis.point), X.turn(r.axis.d)), max(r.radius, r.ring_radius)
+            local, radius = survey.equal.axes(i, r.axis), max(r.radius, r.ring_radius)
             for vote in votes:
-                if vote.axis.same(local, _SAME_AXIS):
+                if any(vote.axis.same(axis, _SAME_AXIS) for axis in local):
                     vote.voters.add(i)
                     vote.radius = max(vote.radius, radius)
                     break
             else:
-                votes.append(_Vote(local, radius, {i}))
+                votes.append(_Vote(local[0], radius, {i}))
     common = [vote.radius for vote in votes if len(vote.voters) >= max(2, 0.5 * len(members))]
     # A motor has one output. Several axes of one radius are those of screws.
     widest = max(common, default=0.0)
     return held >= 2 and sum(radius > _AS_WIDE * widest for radius in common) == 1
+
+
+def _are_of_limbs(survey: Survey, members: Sequence[int]) -> bool:
+    """Whether two products of one shape are in equal places: links of a left and a right limb.
+
+    All that is connected to one is equal to what is connected to the other, but for what both are connected to.
+    """
+    if len(members) != 2 or len({survey.parts[i].definition for i in members}) == 1:
+        return False
+    sides = [{i} for i in members]
+    front = [{i} for i in members]
+    while front[0] or front[1]:
+        front = [{k for i in some for k, _ in survey.around(i)} - side for some, side in zip(front, sides, strict=True)]
+        sides = [side | some for some, side in zip(front, sides, strict=True)]
+        front = [some - sides[1 - n] for n, some in enumerate(front)]
+        one, two = (sorted(survey.equal.kind(i) for i in some) for some in front)
+        if one != two:
+            return False
+    return True
 
 
 def _are_in_two_circles(on: Sequence[Relation]) -> bool:
@@ -382,13 +394,3 @@ def _are_in_two_circles(on: Sequence[Relation]) -> bool:
 def _holds_corners(r: Relation) -> bool:
     """Whether holes in a circle are at the corners of a rectangle, as the ears of a servo are."""
     return r.via == Via.RING and r.axis is not None and not is_even(r, r.axis)
-
-
-def is_even(r: Relation, axis: Axis) -> bool:
-    """Whether the gaps between holes around an axis are multiples of the smallest one."""
-    x, y, _ = perpendicular_frame(axis.d).T
-    away = [fit.axis.point - axis.point for fit in r.fits if axis.distance(fit.axis.point) >= SAME_LINE]
-    angles = np.sort([np.arctan2(float(at @ y), float(at @ x)) for at in away])
-    gaps = np.diff(np.append(angles, angles[0] + 2.0 * np.pi))
-    gaps = gaps[gaps > _EVEN]  # one hole may be on both sides of a flange
-    return not len(gaps) or bool(np.abs(gaps - gaps.min() * np.round(gaps / gaps.min())).max() < _EVEN)

@@ -27,8 +27,6 @@ _ALONE, _ON_SHAFT, _THIN = 0.85, 0.7, 0.09
 """Scores of what is alone on a motor's drawn output or its shaft; radius of a shaft as a share of the size, at most."""
 _WIDE = 0.15
 """Radius of a motor's case as a share of its size, at least."""
-_TWIN = 1e-4
-"""Share of a volume up to which two parts are equal."""
 _REVIEW_THROUGH = "a rod through the motor from end to end: the screw of a linear motor slides in it"
 _REVIEW_ALONE = "nothing else touches the motor: what is on its shaft may hold it"
 
@@ -67,15 +65,11 @@ def idlers(survey: Survey, axis: Axis, driven: Collection[int], others: Iterable
         return {i for i, r in around if r.via == Via.RING and r.axis is not None and r.axis.same(axis, SAME_LINE)}
 
     held = {i for part in driven for i in ringed(part)}
-    volumes = [survey.parts[i].volume for i in held]
+    kinds = {survey.equal.kind(i) for i in held}
     return {
         part
         for part in others
-        if survey.parts[part].is_balanced(axis)
-        and any(
-            i in held or any(abs(survey.parts[i].volume - volume) < _TWIN * volume for volume in volumes)
-            for i in ringed(part)
-        )
+        if survey.parts[part].is_balanced(axis) and any(survey.equal.kind(i) in kinds for i in ringed(part))
     }
 
 

@@ -175,6 +175,16 @@ class Scene:
         middles, halves = drawn.middles @ along + float(X.p @ direction), drawn.halves @ np.abs(along)
         return float((middles - halves).min()), float((middles + halves).max())
 
+    def extent(self, part: int) -> Array:
+        """Size (3,) [m] of a part's bounding box along its own axes."""
+        boxes = [face.box for face in self.body(part).faces]
+        return np.asarray(np.ptp(np.array(boxes).reshape(-1, 3), axis=0)) if boxes else np.zeros(3)
+
+    def fill(self, part: int) -> float:
+        """Share of its bounding box that a part fills, along its own axes."""
+        exact, size = self.body(part).exact, float(np.prod(self.extent(part)))
+        return exact.volume / size if exact is not None and size else 0.0
+
     def arranged(self, pairs: Sequence[tuple[int, int]]) -> Iterator[tuple[tuple[int, int], bytes]]:
         """Pairs of parts, each with a key that is equal for equal definitions at equal relative poses."""
         for start in range(0, len(pairs), _PAIRS_AT_ONCE):
