@@ -1,12 +1,14 @@
 """Equal parts: of one definition, or of one shape, drawn turned, moved or mirrored."""
 
 from dataclasses import replace
+from itertools import product
 from math import pi
 from time import process_time
 
 import numpy as np
 import pytest
 
+from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.equal import EqualParts
 from stepbot.draft.parts.scene import Scene
@@ -17,6 +19,7 @@ from tests.unit.draft.test_motors import ARM, PLATE, motors, servo, two_servos
 
 MIRROR = np.diag([1.0, -1.0, 1.0, 1.0])
 ODD = (0.3, -0.8, 1.1)
+UP = np.array([0.0, 0.0, 1.0])
 
 
 def bracket() -> Solid:
@@ -117,3 +120,21 @@ def test_kinds_of_thousands_of_parts_take_little_time(shapes: int, kinds: int) -
     assert len({found.kind(c.index) for c in parts}) == kinds
     assert bool(cut) == (shapes == 1)
     assert process_time() - start < 10.0
+
+
+@pytest.mark.parametrize("solid", [bracket(), cylinder(4, 60), box(60, 20, 4)], ids=["bracket", "rod", "sheet"])
+def test_a_part_is_as_large_as_it_is_however_it_is_turned(solid: Solid) -> None:
+    """Size, box and span of a part are the same if it is turned in the assembly and if it is drawn turned."""
+    upright, placed = Scene(assembled(part("one", solid))), part("one", solid, 70, -20, 300, ODD)
+    X = placed.X.matrix
+    size = np.linalg.norm(upright.extent(1))
+    low, high = upright.span(1, X[:3, :3].T @ UP)
+    for nodes in ([placed], reexported(placed)):
+        scene = Scene(assembled(*nodes))
+        assert sorted(scene.extent(1)) == pytest.approx(sorted(upright.extent(1)), abs=1e-6)
+        assert Survey(scene.assembly, ALL_SOURCES).parts[1].size == pytest.approx(size, abs=1e-6)
+        assert scene.span(1, UP) == pytest.approx((low + X[2, 3], high + X[2, 3]), abs=1e-6)
+        assert scene.boxes[1][:, 2] == pytest.approx(scene.span(1, UP), abs=1e-6)
+    corners = np.array(list(product((-30, 30), (-10, 10), (-2, 2)))) * 1e-3 @ X[:3, :3].T + X[:3, 3]
+    if solid.moments.mass == 4800:
+        assert scene.boxes[1] == pytest.approx(np.array([corners.min(axis=0), corners.max(axis=0)]), abs=1e-6)

@@ -57,7 +57,7 @@ def _part(scene: Scene, index: int, *, use_names: bool) -> Part:
         X, unit = component.X_WC, body.exact.unit_density
         volume, com = body.exact.volume, X.apply(unit.com)
         inertia = np.asarray(turn_inertia(X.R, np.array(unit.inertia)))
-    size = float(np.linalg.norm(box[1] - box[0]))
+    size = float(np.linalg.norm(scene.extent(index)))
     name = names[0] if names else ""
     return Part(
         *(index, component.path, name, found, next(iter(found), None), component.definition),

@@ -30,7 +30,7 @@ from stepbot.draft.parts.axis import SAME_LINE, Axis
 from stepbot.draft.parts.clusters import Clusters
 from stepbot.draft.parts.equal import EqualParts
 from stepbot.draft.parts.names import Role, is_belt, is_drive, roles
-from stepbot.draft.parts.parts import Boxes, joint_box
+from stepbot.draft.parts.parts import Boxes, joint_box, largest
 from stepbot.draft.parts.scene import Scene
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import IDENTITY, Array, Pose
@@ -76,7 +76,7 @@ class Survey:
         self.turned = turned_lines(self.contacts)
         self.parts = read_parts(self.scene, self.contacts, use_names=sources.names)
         self.box = joint_box(self.parts.values())
-        self.extent = float(np.linalg.norm(self.box[1] - self.box[0]))
+        self.extent = self.size_of(self.parts)
         self.volume = exact_sum(part.volume for part in self.parts.values()) or 1.0
         self.cut: dict[str, None] = {}
         """Searches that a bound cut short, in words, in the order in which they were."""
@@ -308,9 +308,9 @@ class Survey:
         return joint_box(self.parts[i] for i in members)
 
     def size_of(self, members: Iterable[int]) -> float:
-        """Diagonal of the bounding box of parts [m]."""
-        low, high = self.box_of(members)
-        return float(np.linalg.norm(high - low)) or 1.0
+        """Diagonal [m] of the bounding box of parts along the own axes of the largest, however all of it is turned."""
+        drawn = [part for i in members if (part := self.parts[i]).size]
+        return self.scene.size_of([part.index for part in drawn], largest(drawn).index) if drawn else 1.0
 
     @cached_property
     def _boxes(self) -> tuple[list[int], Boxes]:

@@ -11,17 +11,22 @@ from numpy.typing import NDArray
 
 from stepbot.draft.parts.parts import least_gap
 from stepbot.geometry.fixed_point import exact_sum
-from stepbot.geometry.spatial import Array
+from stepbot.geometry.spatial import Array, cross, unit
 from stepbot.step.assembly import Assembly, Body, Component
 from stepbot.step.faces import Face, FaceKind
 
 Indices = NDArray[np.intp]
 T = TypeVar("T")
+_ROUND = (FaceKind.CYLINDER, FaceKind.CONE)
 
 
 _EQUAL_POSE = 1e-9
 """Steps [1, m] of relative poses that are taken for equal."""
 _PAIRS_AT_ONCE = 10_000
+_ALONG_AXIS = 1e-9
+"""One less the cosine of an angle up to which a direction is along an axis."""
+_HEAVIEST, _EVEN = 64, 1e-3
+"""Faces whose directions may be those of a part's own axes, at most; sine up to which directions are equal."""
 _FILLED = 0.5
 """Share of its box from which a plane fills it."""
 
@@ -66,6 +71,35 @@ class _Drawn:
     """Shape (n, 3) [m]: the middle of each bounding box."""
     halves: Array
     """Shape (n, 3) [m]: half of its size."""
+    round: Indices
+    """The numbers of cylinders and cones."""
+    reach: Array
+    """Shape (n, 2) [m]: half of their length, and their radius."""
+    flat: Indices
+    """The numbers of planes with an outline."""
+    outlines: Array
+    """Shape (m, 3) [m]: the points of these, one outline after the other."""
+    starts: Indices
+    """Where each begins."""
+
+    def bounds(self, D: Array) -> tuple[Array, Array]:
+        """Where each face begins and ends (n, k) [m] along directions (3, k) of its own frame.
+
+        Boxes are wider than what is in them along any but their own axes: there cylinders and outlines count, too.
+        """
+        middles, halves = self.middles @ D, self.halves @ np.abs(D)
+        low, high = middles - halves, middles + halves
+        across = np.flatnonzero(np.abs(D).max(axis=0) < 1.0 - _ALONG_AXIS)
+        if len(across) and len(self.round):
+            at, along = self.points[self.round] @ D[:, across], self.directions[self.round] @ D[:, across]
+            out = self.reach[:, :1] * np.abs(along) + self.reach[:, 1:] * np.sqrt(np.maximum(0.0, 1.0 - along**2))
+            some = np.ix_(self.round, across)
+            low[some], high[some] = np.maximum(low[some], at - out), np.minimum(high[some], at + out)
+        if len(across) and len(self.flat):
+            at, some = self.outlines @ D[:, across], np.ix_(self.flat, across)
+            low[some] = np.maximum(low[some], np.minimum.reduceat(at, self.starts))
+            high[some] = np.minimum(high[some], np.maximum.reduceat(at, self.starts))
+        return low, high
 
 
 class Scene:
@@ -150,7 +184,8 @@ class Scene:
         return self._gaps[key]
 
     def _least_gap(self, members: Sequence[int], other: int) -> float:
-        turns = {R.tobytes(): R for R in (np.eye(3), *(self.component(i).X_WC.R for i in (members[0], other)))}
+        axes = (self.component(i).X_WC.R @ self.of_definition(i, own_axes) for i in (members[0], other))
+        turns = {R.tobytes(): R for R in (np.eye(3), *axes)}
         return max(least_gap(self._all_boxes_along(members, R), self._boxes_along(other, R)) for R in turns.values())
 
     def _all_boxes_along(self, members: Sequence[int], R: Array) -> Array:
@@ -163,22 +198,32 @@ class Scene:
         return self._along[key]
 
     def _boxes_along(self, part: int, R: Array) -> Array:
-        """Boxes (n, 2, 3) [m] of the faces of a part along turned axes."""
-        boxes, X = self.of_definition(part, _thin_boxes), self.component(part).X_WC
-        middles, halves = X.apply(boxes.mean(axis=1)) @ R, 0.5 * np.ptp(boxes, axis=1) @ np.abs(R.T @ X.R).T
-        return np.stack([middles - halves, middles + halves], axis=1)
+        """Boxes (n, 2, 3) [m] of the faces of a part along turned axes; of the edges of a plane with little in it."""
+        X, (is_hollow, starts, ends) = self.component(part).X_WC, self.of_definition(part, _hollow_faces)
+        D = X.R.T @ R
+        low, high = self._drawn_faces(part).bounds(D)
+        one, two = starts @ D, ends @ D
+        lows = np.concatenate([low[~is_hollow], np.minimum(one, two)])
+        highs = np.concatenate([high[~is_hollow], np.maximum(one, two)])
+        return np.stack([lows, highs], axis=1) + X.p @ R
 
     def span(self, part: int, direction: Array) -> tuple[float, float]:
         """Where a part begins and ends along a direction [m], by the boxes of its faces in its own frame."""
-        drawn, X = self._drawn_faces(part), self.component(part).X_WC
-        along = X.R.T @ direction
-        middles, halves = drawn.middles @ along + float(X.p @ direction), drawn.halves @ np.abs(along)
-        return float((middles - halves).min()), float((middles + halves).max())
+        X = self.component(part).X_WC
+        low, high = self._drawn_faces(part).bounds((X.R.T @ direction)[:, None])
+        at = float(X.p @ direction)
+        return float(low.min()) + at, float(high.max()) + at
 
     def extent(self, part: int) -> Array:
         """Size (3,) [m] of a part's bounding box along its own axes."""
-        boxes = [face.box for face in self.body(part).faces]
-        return np.asarray(np.ptp(np.array(boxes).reshape(-1, 3), axis=0)) if boxes else np.zeros(3)
+        low, high = self._drawn_faces(part).bounds(self.of_definition(part, own_axes))
+        return np.asarray(high.max(axis=0) - low.min(axis=0)) if len(low) else np.zeros(3)
+
+    def size_of(self, parts: Sequence[int], along: int) -> float:
+        """Diagonal [m] of the bounding box of parts along the own axes of one of them."""
+        R = self.component(along).X_WC.R @ self.of_definition(along, own_axes)
+        ends = np.array([[self.span(part, direction) for direction in R.T] for part in parts])
+        return float(np.linalg.norm(ends[..., 1].max(axis=0) - ends[..., 0].min(axis=0)))
 
     def fill(self, part: int) -> float:
         """Share of its bounding box that a part fills, along its own axes."""
@@ -209,8 +254,8 @@ class Scene:
         """Lowest and highest corners (n, 3) [m] of the faces of a part in the assembly."""
         if part not in self._corners_of:
             drawn, X = self._drawn_faces(part), self.component(part).X_WC
-            middles, halves = X.apply(drawn.middles), drawn.halves @ np.abs(X.R).T
-            self._corners_of[part] = middles - halves, middles + halves
+            low, high = drawn.bounds(X.R.T)
+            self._corners_of[part] = low + X.p, high + X.p
         return self._corners_of[part]
 
     def _drawn_faces(self, part: int) -> _Drawn:
@@ -225,23 +270,63 @@ class Scene:
             for row, face in enumerate(faces):
                 rows[face.kind].append(row)
             by_kind = {kind: np.array(of, dtype=np.intp) for kind, of in rows.items()}
-            self._drawn[body] = _Drawn(by_kind, points, directions, boxes.mean(axis=1), 0.5 * np.ptp(boxes, axis=1))
+            middles, halves = boxes.mean(axis=1), 0.5 * np.ptp(boxes, axis=1)
+            turned = np.sort(np.concatenate([by_kind.get(kind, np.zeros(0, dtype=np.intp)) for kind in _ROUND]))
+            reach = np.array([(0.5 * faces[row].length, faces[row].radius) for row in turned.tolist()]).reshape(-1, 2)
+            flat = np.array([row for row, face in enumerate(faces) if face.rings], dtype=np.intp)
+            rings = [faces[row].rings[0] for row in flat.tolist()]
+            outlines = np.concatenate([np.zeros((0, 3)), *rings])
+            self._drawn[body] = _Drawn(
+                *(by_kind, points, directions, middles, halves, turned, reach),
+                *(flat, outlines, starts_of([len(ring) for ring in rings])),
+            )
         return self._drawn[body]
 
 
-def _thin_boxes(body: Body) -> Array:
-    """Boxes (n, 2, 3) [m] of the faces of a body; of the edges of a plane with little in its box."""
-    rows = [np.zeros((0, 2, 3))]
-    for face in body.faces:
-        box, edges = np.array(face.box).reshape(1, 2, 3), [(ring, np.roll(ring, -1, axis=0)) for ring in face.rings]
-        outer, *holes = [0.5 * np.abs(np.cross(a - a[0], b - a[0]).sum(axis=0)) for a, b in edges] or [np.zeros(3)]
-        across = int(outer.argmax())
-        sides = np.delete(np.ptp(box[0], axis=0), across)
-        if edges and outer[across] - exact_sum(hole[across] for hole in holes) < _FILLED * sides[0] * sides[1]:
-            rows += [np.stack([np.minimum(a, b), np.maximum(a, b)], axis=1) for a, b in edges]
-        else:
-            rows.append(box)
-    return np.concatenate(rows)
+def _hollow_faces(body: Body) -> tuple[NDArray[np.bool_], Array, Array]:
+    """Which faces of a body are planes with little in their box, and the ends (n, 3) [m] of the edges of these."""
+    is_hollow, rings = np.zeros(len(body.faces), dtype=bool), [np.zeros((0, 3))]
+    for row, face in enumerate(body.faces):
+        if face.rings:
+            areas = _areas(face.rings)
+            across = int(areas[0].argmax())
+            sides = np.delete(np.ptp(np.array(face.box), axis=0), across)
+            inside = areas[0][across] - exact_sum(hole[across] for hole in areas[1:])
+            is_hollow[row] = inside < _FILLED * sides[0] * sides[1]
+            rings += face.rings if is_hollow[row] else ()
+    return is_hollow, np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings])
+
+
+def _areas(rings: Sequence[Array]) -> list[Array]:
+    """The areas (3,) [m^2] of outlines, across each axis."""
+    return [0.5 * np.abs(cross(r - r[0], np.roll(r, -1, axis=0) - r[0]).sum(axis=0)) for r in rings]
+
+
+def own_axes(body: Body) -> Array:
+    """Axes (3, 3) that most of a body's faces are along, whatever its frame: its frame's, if these are along them."""
+    areas = [_area(face) for face in body.faces]
+    heaviest = [row for row in np.argsort(-np.round(areas, 12), kind="stable").tolist() if areas[row]][:_HEAVIEST]
+    d = np.array([body.faces[row].direction for row in heaviest]).reshape(-1, 3)
+    if not len(d):
+        return np.eye(3)
+    same = np.abs(d @ d.T) > 1.0 - 0.5 * _EVEN**2
+    totals = same @ np.array([areas[row] for row in heaviest])
+    z = d[int(np.argmax(np.round(totals, 9)))]
+    level = np.flatnonzero(np.abs(d @ z) < _EVEN)
+    if len(level):
+        x = d[level[int(np.argmax(np.round(totals[level], 9)))]]
+    else:
+        x = np.eye(3)[int(np.abs(z).argmin())]
+    x = unit(x - (x @ z) * z)
+    axes = np.column_stack([x, cross(z, x), z])
+    return np.eye(3) if np.abs(axes).max(axis=0).min() > 1.0 - 0.5 * _EVEN**2 else axes
+
+
+def _area(face: Face) -> float:
+    """About the area [m^2] of a plane, a cylinder or a cone."""
+    if face.rings:
+        return float(np.linalg.norm(_areas(face.rings[:1])[0]))
+    return face.radius * face.length * face.span if face.kind in _ROUND else 0.0
 
 
 Indices_of_runs = NDArray[np.int64]
