@@ -1,7 +1,7 @@
 """Compares the working tree with an earlier revision by processor time, and fails if it needs more than 5 % more.
 
 Both run the same jobs in turn, in changing order, on the same packages: conversions of ten files, and of one of them
-what the cache shortens, its verification and the comparison of its files. Each round gives one ratio of processor times,
+what the cache shortens, what verifies and what compares its files. Each round gives one ratio of processor times,
 so that a machine that becomes slower concerns both. The median of the ratios is bounded by order statistics, which
 assume no distribution: rounds are added until both bounds are on one side of the limit, or none are left.
 """

@@ -93,3 +93,13 @@ def test_mass_properties_are_those_of_solids(tmp_path: Path) -> None:
         assert sorted(body.inertia) == pytest.approx(sorted(moments), rel=error), name
     assert model.body("block").ipos == pytest.approx([0.01, 0.0, 0.0])
     assert model.body("frame").mass[0] == 0.0
+
+
+def test_a_mesh_too_large_for_moments_is_reported(tmp_path: Path) -> None:
+    """Its fifth powers are no numbers."""
+    trimesh.creation.box((1.0, 1.0, 1.0)).export(tmp_path / "block.stl")
+    shape = '<mesh filename="block.stl" scale="1e120 1e120 1e120"/>'
+    path = tmp_path / "robot.urdf"
+    path.write_text(f'<robot name="large">{_BODY.format("base", "", shape)}</robot>', encoding="utf-8")
+    conversion = convert(path, Options(tmp_path / "out", formats=("mjcf",), base="fixed", assume_inertia=1000.0))
+    assert {one.code for one in conversion.diagnostics if one.severity == "error"} == {"SB414"}

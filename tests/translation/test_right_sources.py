@@ -932,3 +932,22 @@ def test_loops_without_moving_joints(tmp_path: Path) -> None:
     conversion = proven(tmp_path, ".sdf", source, "sdf", "mjcf")
     assert conversion.robot is not None
     assert driven_joints(conversion.robot) == ("drive",)
+
+
+def test_a_loop_to_the_world(tmp_path: Path) -> None:
+    """A second joint on the world closes a loop, also where the first one fixes the base."""
+    mass = "<inertial><mass>1</mass><inertia><ixx>.01</ixx><iyy>.01</iyy><izz>.01</izz></inertia></inertial>"
+    links = f'<link name="base">{mass}</link><link name="arm"><pose>0 0 1 0 0 0</pose>{mass}</link>'
+    limit = "<limit><lower>-1</lower><upper>1</upper><effort>5</effort><velocity>2</velocity></limit>"
+    joints = "".join(
+        f'<joint name="{name}" type="{kind}"><parent>{parent}</parent><child>{child}</child>{rest}</joint>'
+        for name, kind, parent, child, rest in (
+            ("on_world", "fixed", "world", "base", ""),
+            ("turn", "revolute", "base", "arm", f"<axis><xyz>0 0 1</xyz>{limit}</axis>"),
+            ("held", "ball", "world", "arm", ""),
+        )
+    )
+    text = f'<sdf version="1.9"><model name="held">{links}{joints}</model></sdf>'
+    robot = proven(tmp_path, ".sdf", text, "sdf", "mjcf").robot
+    assert robot is not None
+    assert [one.link_b for one in robot.closures] == ["arm"]

@@ -32,6 +32,8 @@ _DIFFERS = (
 )
 _LEAST = 1e-6
 """Volume [m^3] of a link without geometry: a cubic centimetre."""
+_MOST = 1e60
+"""Volume [m^3] from which moments of inertia may be no numbers: a size that is reported (SB414)."""
 _MOST_UNEVEN = 1e-6
 """Least ratio of principal moments: that of a flatter shape is of rounding errors."""
 Shapes = Sequence[tuple[TriMesh | Primitive, Pose]]
@@ -79,7 +81,7 @@ def _solid(geometry: TriMesh | Primitive) -> MassProperties:
     from stepbot.geometry.solids.manifolds import mesh_arrays, of_same_volume
 
     solid = of_same_volume(geometry)
-    if not solid.volume() > 0.0:
+    if not 0.0 < solid.volume() < _MOST:
         return MassProperties()
     vertices, faces = mesh_arrays(solid)
     return _integrated(vertices, faces)

@@ -317,7 +317,8 @@ def _without_world(robot: Robot, found: list[Finding]) -> Robot:
     bare = not (root.mass_properties.mass or root.visuals or root.collisions)
     if root.name != _WORLD or not bare or first is None or len(below) != 1 or first.kind not in _BASES:
         return robot
-    if any(frame.link == root.name for frame in robot.frames):
+    held = {link for one in robot.closures for link in (one.link_a, one.link_b)}
+    if root.name in held.union(frame.link for frame in robot.frames):
         return robot
     below_world = replace(robot, links=robot.links[1:], joints=robot.joints[1:], base=_BASES[first.kind])
     _report_place(below_world, first.X_PC, found)

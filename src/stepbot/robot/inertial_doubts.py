@@ -14,7 +14,7 @@ ball has the smallest, 6/5 m r^2.
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
-from math import pi
+from math import inf, pi
 
 import numpy as np
 
@@ -58,7 +58,11 @@ def spread_excess(points: Array, properties: MassProperties) -> SpreadExcess | N
     """
     # Second moment (3, 3) [m^2] about the centre of mass, divided by the mass.
     I = np.array(properties.inertia)  # noqa: E741 - the field's letter
-    S = np.asarray((0.5 * np.trace(I) * np.eye(3) - I) / properties.mass)
+    second = 0.5 * np.trace(I) * np.eye(3) - I
+    with np.errstate(over="ignore"):
+        S = np.asarray(second / properties.mass)
+    if not np.isfinite(S).all():  # next to no mass
+        return SpreadExcess(vector3(np.eye(3)[int(np.argmax(np.diag(second)))]), inf, 0.0)
     directions = np.vstack([np.eye(3), np.linalg.eigh(S)[1].T])
     given = np.einsum("ni,ij,nj->n", directions, S, directions)
     bounds = _variance_bounds(points, properties.com, directions)

@@ -298,9 +298,11 @@ def _report_massless(members: list[Link], report: Report, *, described: bool) ->
 
 def inertia_fault(properties: MassProperties) -> str:
     """Why mass [kg] and inertia [kg m^2] are physically impossible; empty if they are possible."""
-    moments = np.linalg.eigvalsh(np.array(properties.inertia))
     if properties.mass < 0.0:
         return f"its mass is {properties.mass:g} kg"
+    if not np.abs(properties.inertia).max() <= GREATEST:
+        return f"its inertia is not finite, or larger than {GREATEST:g} kg m^2"
+    moments = np.linalg.eigvalsh(np.array(properties.inertia))
     if properties.mass == 0.0:
         return "it has inertia but no mass" if np.abs(moments).max() > 0.0 else ""
     words = ", ".join(f"{moment:.4g}" for moment in moments.tolist())

@@ -1,6 +1,7 @@
 """Bounds on inertia and centre of mass, against bodies that reach them and bodies within them, in closed form."""
 
 from collections.abc import Sequence
+from math import inf
 
 import numpy as np
 import pytest
@@ -113,3 +114,12 @@ def test_ball_of_osmium_reaches_the_lower_bound() -> None:
     radius = 0.05
     mass = 22_590 * 4 / 3 * np.pi * radius**3
     assert smallest_trace(mass) == pytest.approx(3 * 2 / 5 * mass * radius**2)
+
+
+def test_next_to_no_mass_is_spread_without_end() -> None:
+    """The quotient of inertia and mass overflows."""
+    points = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
+    light = MassProperties(1e-310, (0.5, 0.5, 0.5), ((0.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)))
+    excess = spread_excess(points, light)
+    assert excess is not None
+    assert (excess.direction, excess.given) == ((1.0, 0.0, 0.0), inf)

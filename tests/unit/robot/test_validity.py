@@ -301,3 +301,10 @@ def test_triangle_inequality(moments: tuple[float, float, float], sound: bool) -
     """No principal moment of a body exceeds the sum of the others, for any axes of the tensor."""
     R = Pose.from_xyz_rpy(rpy=(0.3, 0.2, 1)).R
     assert (inertia_fault(MassProperties.of(1.0, (0, 0, 0), R @ np.diag(moments) @ R.T)) == "") is sound
+
+
+@pytest.mark.parametrize("number", [nan, inf, 1e200, 1e308])
+def test_inertias_that_eigenvalues_do_not_exist_of(number: float) -> None:
+    """LAPACK ends without a result for some of them."""
+    faulty = MassProperties(1.0, (0.0, 0.0, 0.0), ((number, 0.0, 0.0), (0.0, number, 0.0), (0.0, 0.0, 1.0)))
+    assert inertia_fault(faulty) == "its inertia is not finite, or larger than 1e+30 kg m^2"

@@ -99,7 +99,7 @@ class _Drawn:
             at, some = self.outlines @ D[:, across], np.ix_(self.flat, across)
             low[some] = np.maximum(low[some], np.minimum.reduceat(at, self.starts))
             high[some] = np.minimum(high[some], np.maximum.reduceat(at, self.starts))
-        return low, high
+        return np.round(low, 9), np.round(high, 9)
 
 
 class Scene:
