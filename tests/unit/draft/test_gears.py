@@ -160,7 +160,7 @@ def test_fingers_with_sectors_of_teeth_close_together() -> None:
     bore, finger = cylinder(3.05, 20).shape, box(10, 70, 6).at(0, 38, 3).shape
     one = fused(toothed(20, 2.0, 6, drawn=range(-5 % 20, 20), turned=0.0), finger, less=bore)
     other = fused(toothed(20, 2.0, 6, drawn=range(-5 % 20, 20), turned=0.0), finger, less=bore)
-    two = part("a3", other, 40.0, 0, 0.3, (0, pi, 0))
+    two = part("a3", other, 40.0, 0, 6.3, (0, pi, 0))
     nodes = [*on_pins(one, one, away=40.0)[:2], replace(two, name="a3")]
     draft = infer(assembled(*nodes), "gripper")
     assert sorted(joint.mimic is not None for joint in draft.joints) == [False, True]
