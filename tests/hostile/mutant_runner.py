@@ -216,7 +216,7 @@ class Ended:
 
 def _unsound_json(out: str) -> list[str]:
     """Defects of a JSON document and its diagnostics."""
-    if not out.startswith(("{\n", '{"')):  # text may begin with the name of a robot, such as {arm}
+    if not re.match(r'\{\s*(["}]|$)', out):  # text may begin with the name of a robot, such as {arm}
         return []
     try:
         document: dict[str, Any] = json.loads(out, parse_constant=_refuse)
