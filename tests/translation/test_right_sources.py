@@ -20,6 +20,8 @@ from stepbot.pipeline.conversion import Conversion, Options
 from stepbot.robot.closures import driven_joints
 from tests.command_line import stepbot
 
+pytestmark = pytest.mark.slow  # each is proven by engines
+
 _INERTIAL = '<inertial><mass value="1"/><inertia ixx="1e-2" iyy="1e-2" izz="1e-2" ixy="0" ixz="0" iyz="0"/></inertial>'
 _TURN = """<joint name="turn" type="revolute"><parent link="base"/><child link="arm"/><axis xyz="0 1 0"/>
   <limit lower="-1" upper="1" effort="10" velocity="2"/></joint>"""
@@ -56,7 +58,6 @@ _FRAME = (
 """As onshape-to-robot writes a frame: a link with hardly any mass, and no inertia."""
 
 
-@pytest.mark.slow
 def test_frames_with_a_mass_are_point_masses(tmp_path: Path) -> None:
     """A link with a mass and no inertia on a link with both is physical, in every format."""
     source = urdf(f'<link name="base">{_INERTIAL}</link>', _FRAME.format("fixed"))
@@ -81,7 +82,6 @@ def test_other_links_need_an_inertia(tmp_path: Path, kind: str, mass: str, arm: 
     ]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("mass", "arm"), [("0.001", "1"), ("0.009", "1"), ("2e-6", "100")])
 def test_small_point_masses_are_named(mass: str, arm: str, tmp_path: Path) -> None:
     """Links of sensors and contacts, as of the biped Upkie: possible, but an inertia may have been forgotten."""
@@ -92,7 +92,6 @@ def test_small_point_masses_are_named(mass: str, arm: str, tmp_path: Path) -> No
     assert doubt in told(conversion, "SB518:small-inertia")
 
 
-@pytest.mark.slow
 def test_link_with_collision_and_without_inertial(tmp_path: Path) -> None:
     """It has no mass, as URDF defines, although MuJoCo computes one when it loads the source; and this is reported."""
     base, tool = (
@@ -109,7 +108,6 @@ def test_link_with_collision_and_without_inertial(tmp_path: Path) -> None:
         assert model.body_mass.sum() == pytest.approx(2.0 if file.endswith(".xml") else 1.0)
 
 
-@pytest.mark.slow
 def test_floating_root_without_mass(tmp_path: Path) -> None:
     """PyBullet fixes it in SDFormat: whether the base floats is then not compared, and the report says so."""
     body = f'<link name="base"/><link name="body">{_INERTIAL}</link>'
@@ -121,7 +119,6 @@ def test_floating_root_without_mass(tmp_path: Path) -> None:
     assert any("PyBullet fixes" in note for notes in conversion.report.notes.values() for note in notes)
 
 
-@pytest.mark.slow
 def test_servo_without_gains_holds_its_joint(tmp_path: Path) -> None:
     """Gains are computed, and reported; the arm then sags by less than 0.04 rad."""
     servo = """<transmission name="servo"><type>transmission_interface/SimpleTransmission</type>
@@ -138,7 +135,6 @@ def test_servo_without_gains_holds_its_joint(tmp_path: Path) -> None:
     assert 0.0 < abs(data.joint("turn").qpos[0]) < 0.04
 
 
-@pytest.mark.slow
 def test_actuator_with_a_gain_of_0_is_lost(tmp_path: Path) -> None:
     """It exerts no force, and MuJoCo has no such position actuator."""
     control = """<ros2_control name="c" type="system"><hardware><plugin>p</plugin></hardware><joint name="turn">
@@ -147,7 +143,6 @@ def test_actuator_with_a_gain_of_0_is_lost(tmp_path: Path) -> None:
     assert told(conversion, "SB863") == ["actuator '' of type 'position' on 'turn' with a gain of 0: not converted"]
 
 
-@pytest.mark.slow
 def test_slides_with_armature_in_one_body(tmp_path: Path) -> None:
     """The mass matrix of the source is read without its armatures, which MuJoCo adds when it compiles."""
     inertial = '<inertial pos="0 0 0" mass="1" diaginertia="0.1 0.1 0.1"/>'
@@ -163,7 +158,6 @@ def test_slides_with_armature_in_one_body(tmp_path: Path) -> None:
     assert model.dof_armature == pytest.approx([0.1, 0.2])
 
 
-@pytest.mark.slow
 def test_ambient_colour_of_its_own(tmp_path: Path) -> None:
     """It is reported as lost, and not found as a difference again."""
     source = """<sdf version="1.9"><model name="robot"><link name="base">
@@ -185,7 +179,6 @@ WORDLESS = """<mujoco><worldbody><body name="led" mocap="true"/><body name="base
 a body: it moves on its joint, whose limits exclude the pose that the file has."""
 
 
-@pytest.mark.slow
 def test_what_formats_have_no_word_for(tmp_path: Path) -> None:
     """Cones of ball joints, ellipsoids and leaders are reported, and the rest is proven; stiff gains are in full."""
     assert sorted(told(proven(tmp_path, ".xml", WORDLESS, "urdf", "sdf", "mjcf"), "SB860")) == [
@@ -199,7 +192,6 @@ def test_what_formats_have_no_word_for(tmp_path: Path) -> None:
 SDF = '<sdf version="1.9"><model name="m"><link name="a">{}</link>{}</model></sdf>'
 
 
-@pytest.mark.slow
 def test_geometry_that_is_not_read(tmp_path: Path) -> None:
     """It is reported, and what remains is proven."""
     geometry = "<collision name='c'><geometry><polyline><height>1</height></polyline></geometry></collision>"
@@ -208,7 +200,6 @@ def test_geometry_that_is_not_read(tmp_path: Path) -> None:
     ]
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("shape", "size", "volume"),
     [
@@ -234,7 +225,6 @@ TWO_AXES = """<link name="b"><pose relative_to="j"/><inertial><mass>.2</mass><in
   </limit></axis><axis2><xyz>0 1 0</xyz>{}</axis2></joint>"""
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["universal", "revolute2"])
 @pytest.mark.parametrize(
     ("second", "bounds"),
@@ -278,7 +268,6 @@ def test_gearbox_between_two_turning_links(tmp_path: Path) -> None:
     assert text.startswith("closure 'gear' of type 'gearbox' between '")
 
 
-@pytest.mark.slow
 def test_geom_that_is_visual_and_collision(tmp_path: Path) -> None:
     """SDFormat allows no two elements of a link with one name: libsdformat rejects the file."""
     body = '<body name="base"><freejoint/><geom name="g" type="sphere" size="0.1"/></body>'
@@ -325,7 +314,6 @@ def gltf(uri: str) -> str:
     return json.dumps(content)
 
 
-@pytest.mark.slow
 def test_gltf_with_its_triangles_in_another_file(tmp_path: Path) -> None:
     """The buffer is read, and is an input of the conversion."""
     (tmp_path / "a part.bin").write_bytes(TRIANGLES)
@@ -362,7 +350,6 @@ _NO_LIMITS = {
 """Limits by joint: zeros as the SolidWorks exporter states them, none, and the stops of a rotor as Gazebo writes it."""
 
 
-@pytest.mark.slow
 def test_limits_that_are_none(tmp_path: Path) -> None:
     """Nothing would move at limits of 0, which MuJoCo, PyBullet and MoveIt ignore; URDF requires the others.
 
@@ -390,7 +377,6 @@ def test_limits_that_are_none(tmp_path: Path) -> None:
     assert all(float(limit.get("velocity", "")) >= 1e9 for limit in limits)
 
 
-@pytest.mark.slow
 def test_names_that_are_one_or_missing(tmp_path: Path) -> None:
     """URDF identifies collisions by their order; the written ones have names of their own, and the same places.
 
@@ -422,7 +408,6 @@ def test_names_that_are_one_or_missing(tmp_path: Path) -> None:
     assert [colors[name] for name in ("v0", "v1")] == [pytest.approx([0, 0.1, 0, 1]), pytest.approx([0, 0, 0, 0.9])]
 
 
-@pytest.mark.slow
 def test_light_link_far_from_a_heavy_root(tmp_path: Path) -> None:
     """MuJoCo computes with distances from the common centre of mass: m r^2 of the link is rounded, not its inertia."""
     base = _INERTIAL.replace('"1"', '"1e6"').replace("1e-2", "1e4")
@@ -434,7 +419,6 @@ def test_light_link_far_from_a_heavy_root(tmp_path: Path) -> None:
     )
 
 
-@pytest.mark.slow
 def test_payload_that_lies_on_a_moving_link(tmp_path: Path) -> None:
     """A floating joint connects nothing: what lies on a tray collides with it, in MJCF, too."""
     box = "<geometry><box size='0.1 0.1 0.1'/></geometry>"
@@ -451,7 +435,6 @@ def test_payload_that_lies_on_a_moving_link(tmp_path: Path) -> None:
     assert {"tray_collision", "load_collision"} in names
 
 
-@pytest.mark.slow
 def test_one_name_for_the_collisions_of_all_links(tmp_path: Path) -> None:
     """As in most models of Gazebo; a continuous joint ignores the limits that its axis states.
 
@@ -481,7 +464,6 @@ def test_one_name_for_the_collisions_of_all_links(tmp_path: Path) -> None:
     assert [joint.get("type") for joint in robot.iter("joint")] == ["continuous", "continuous"]
 
 
-@pytest.mark.slow
 def test_joint_between_frames(tmp_path: Path) -> None:
     """SDFormat joins frames as well as links: the pose of the joint is relative to the child that the file names."""
     inertial = "<inertial><mass>1</mass><inertia><ixx>.01</ixx><iyy>.01</iyy><izz>.01</izz></inertia></inertial>"
@@ -526,7 +508,6 @@ def _colored_mesh(path: Path) -> None:
     path.write_bytes(scene.export(file_type="glb"))
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".urdf", ".sdf"])
 def test_mesh_of_several_colours(suffix: str, tmp_path: Path) -> None:
     """A visual for each colour of a mesh is, to the proof, the one visual of the source, whatever else a link has."""
@@ -551,7 +532,6 @@ def test_mesh_of_several_colours(suffix: str, tmp_path: Path) -> None:
     assert model.ngeom == 2 * 3 + 2  # three meshes of two colours, two spheres
 
 
-@pytest.mark.slow
 def test_several_frictions_on_one_link(tmp_path: Path) -> None:
     """URDF has one for a link, which is a declared loss and no difference from the source."""
     geoms = '<geom size="0.1" friction="1 0.01 0.01"/><geom pos="0.2 0 0" size="0.05" friction="0.5 0.005 0.0001"/>'
@@ -575,7 +555,6 @@ def test_a_single_contact_property(stated: str, tmp_path: Path) -> None:
     assert stepbot("diff", "robot.urdf", "same.urdf", cwd=tmp_path).code == 0
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("contact", ["", '<contact><rolling_friction value="0.01"/></contact>'])
 def test_friction_for_gazebo_alone(contact: str, tmp_path: Path) -> None:
     """Robots for Gazebo state `mu1`: what PyBullet takes without `<lateral_friction>` is not the robot's."""
@@ -586,7 +565,6 @@ def test_friction_for_gazebo_alone(contact: str, tmp_path: Path) -> None:
     assert '<lateral_friction value="0.62"/>' in written
 
 
-@pytest.mark.slow
 def test_a_command_interface_of_a_follower(tmp_path: Path) -> None:
     """Grippers claim mimic joints, too: what follows has no gains, and MuJoCo took 0 for a motor."""
     finger = f'<link name="{{0}}">{_INERTIAL}</link><joint name="to_{{0}}" type="prismatic"><parent link="base"/>'
@@ -606,7 +584,6 @@ def test_a_command_interface_of_a_follower(tmp_path: Path) -> None:
     assert [model.actuator(n).name for n in range(model.nu)] == ["to_left_position"]
 
 
-@pytest.mark.slow
 def test_two_contacts_of_one_link(tmp_path: Path) -> None:
     """PyBullet reads the first one, and of each property the first in it."""
     twice = '<contact><restitution value="0.2"/><restitution value="0.3"/></contact>'
@@ -617,7 +594,6 @@ def test_two_contacts_of_one_link(tmp_path: Path) -> None:
     assert "lateral_friction" not in written
 
 
-@pytest.mark.slow
 def test_a_rest_without_a_spring(tmp_path: Path) -> None:
     """A spring reference without stiffness moves nothing, and is not written."""
     turn = '<body name="arm" pos="0 0 0.5"><joint name="turn" axis="0 1 0" springref="0.4"/><geom size="0.1"/></body>'
@@ -689,7 +665,6 @@ def test_links_that_start_in_one_another(tmp_path: Path) -> None:
     assert not told(again, "SB874:contacts")
 
 
-@pytest.mark.slow
 def test_a_flat_collision_mesh_is_left_out_where_mujoco_rejects_it(tmp_path: Path) -> None:
     """A printed marker of two triangles, as on Stretch: MuJoCo loads no file with it, and the loss is reported."""
     text = "v 0 0 0\nv 0.06 0 0\nv 0.06 0.06 0\nv 0 0.06 0\nf 1 2 3\nf 1 3 4\n"
