@@ -33,7 +33,7 @@ _DIFFERS = (
 _LEAST = 1e-6
 """Volume [m^3] of a link without geometry: a cubic centimetre."""
 _MOST = 1e60
-"""Volume [m^3] from which moments of inertia may be no numbers: a size that is reported (SB414)."""
+"""Volume [m^3] from which moments of inertia may overflow: sizes that are reported (SB414, SB420)."""
 _MOST_UNEVEN = 1e-6
 """Least ratio of principal moments: that of a flatter shape is of rounding errors."""
 Shapes = Sequence[tuple[TriMesh | Primitive, Pose]]

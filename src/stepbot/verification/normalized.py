@@ -66,7 +66,7 @@ def _within_a_turn(observation: Observation) -> Observation:
 
 
 def _without_world(observation: Observation) -> Observation:
-    """A massless link called ``world`` above one fixed or floating joint is no link, and tells how the base is held."""
+    """A massless link called ``world`` is no link: its one fixed or floating joint states how the base is held."""
     joints = [joint for joint in observation.joints if joint.parent == WORLD]
     world = [link for link in observation.links if link.name == WORLD and is_bare(link)]
     if not world or len(joints) != 1 or joints[0].kind not in ("fixed", "floating"):

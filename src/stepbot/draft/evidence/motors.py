@@ -180,7 +180,7 @@ def _reunited(
         for n in alike:
             touching = {owner.get(r.other(i), n) for i in found[n][1] for r in survey.near.get(i, ())}
             for m in sorted(touching.intersection(alike)):
-                kinds = [_kinds(survey, found[k][1]) for k in {*tied.members(n), *tied.members(m)}]
+                kinds = [survey.equal.kinds(found[k][1]) for k in {*tied.members(n), *tied.members(m)}]
                 if len(set(kinds)) == len(kinds):
                     tied.join(n, m)
     motors = []
@@ -188,10 +188,6 @@ def _reunited(
         first = max(group, key=lambda n: (survey.total_volume(found[n][1]), -n))
         motors.append((found[first][0], tuple(sorted(i for n in group for i in found[n][1]))))
     return motors
-
-
-def _kinds(survey: Survey, members: Sequence[int]) -> tuple[int, ...]:
-    return tuple(sorted(survey.equal.kind(i) for i in members))
 
 
 def _is_named_motor(names: list[str]) -> bool:
@@ -379,7 +375,7 @@ def _are_of_limbs(survey: Survey, members: Sequence[int]) -> bool:
         front = [{k for i in some for k, _ in survey.around(i)} - side for some, side in zip(front, sides, strict=True)]
         sides = [side | some for some, side in zip(front, sides, strict=True)]
         front = [some - sides[1 - n] for n, some in enumerate(front)]
-        one, two = (sorted(survey.equal.kind(i) for i in some) for some in front)
+        one, two = map(survey.equal.kinds, front)
         if one != two:
             return False
     return True

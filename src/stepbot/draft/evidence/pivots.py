@@ -28,7 +28,7 @@ _CLIP, _RING = 2e-3, 2.5
 """The same for an open ring, and its outer radius in radii of its bore."""
 _HOLE, _WIDEST_HOLE = 0.17, 7e-3
 """Clearance of the medium hole for a screw (ISO 273), as a share of its radius; the radius [m] of the widest."""
-REVIEW = "bores that alternate along one line: a hinge, unless something else holds it"
+_REVIEW = "bores that alternate along one line: a hinge, unless something else holds it"
 _SCORE = 0.91
 """Above that of faces that lock two parts: a closed lid lies on its box."""
 _KNUCKLES = 4
@@ -189,16 +189,16 @@ def knuckle_evidence(survey: Survey, found: Evidence) -> None:
         parts = {i for i in parts if Role.BEARING not in survey.parts[i].roles}
         # Bores that alternate are beside each other.
         runs = {(a, b): _alternations(line, a, b) for a, b in neighbours_on(line) if parts.issuperset((a, b))}
-        kinds = Counter(_kind(survey, a, b) for (a, b), count in runs.items() if count >= _FORK)
+        kinds = Counter(survey.equal.kinds(pair) for pair, count in runs.items() if count >= _FORK)
         for (a, b), count in runs.items():
-            least = _FORK if kinds[_kind(survey, a, b)] > 1 else _KNUCKLES
+            least = _FORK if kinds[survey.equal.kinds((a, b))] > 1 else _KNUCKLES
             if count < least or _other_lines(survey, line, a, b):
                 continue
             middle = min(f.low for f in line.faces[a])
             axis = Axis(line.axis.point + line.axis.d * middle, line.axis.d)
             relation = survey.relation(a, b)
             why = "knuckles that alternate on one line"
-            found.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, axis, why, relation, review=REVIEW))
+            found.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, axis, why, relation, review=_REVIEW))
 
 
 def _alternations(line: CoaxialLine, a: int, b: int) -> int:
@@ -209,10 +209,6 @@ def _alternations(line: CoaxialLine, a: int, b: int) -> int:
         return 0
     owners = [row[3] for row in bores]
     return 1 + sum(one != two for one, two in pairwise(owners)) if owners else 0
-
-
-def _kind(survey: Survey, a: int, b: int) -> tuple[int, ...]:
-    return tuple(sorted(survey.equal.kind(i) for i in (a, b)))
 
 
 def _other_lines(survey: Survey, line: CoaxialLine, a: int, b: int) -> bool:

@@ -6,7 +6,7 @@ the same if volumes, moments of inertia and faces are. A kind is all parts that 
 
 from bisect import bisect_left
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice, product
@@ -50,6 +50,10 @@ class EqualParts:
         """A number that equal parts have in common."""
         return self._kind(part)[0]
 
+    def kinds(self, parts: Iterable[int]) -> tuple[int, ...]:
+        """The kinds of several parts, ascending: equal for equal groups of parts."""
+        return tuple(sorted(map(self.kind, parts)))
+
     def turned_kind(self, part: int) -> tuple[int, bool]:
         """The same, but for mirror images: whether a part is one of the first of its kind, and is not equal to it."""
         kind, maps = self._kind(part)
@@ -82,10 +86,10 @@ class EqualParts:
         body = self._scene.component(part).body
         group = self._groups[body]
         if group[0] not in self._resolved:
-            self._resolved[group[0]] = self._kinds(group)
+            self._resolved[group[0]] = self._resolve(group)
         return self._resolved[group[0]][body]
 
-    def _kinds(self, group: Sequence[int]) -> dict[int, tuple[int, list[Pose]]]:
+    def _resolve(self, group: Sequence[int]) -> dict[int, tuple[int, list[Pose]]]:
         found: dict[int, tuple[int, list[Pose]]] = {}
         first: list[int] = []
         if len(group) > _MOST:

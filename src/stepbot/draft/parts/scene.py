@@ -25,6 +25,8 @@ _EQUAL_POSE = 1e-9
 _PAIRS_AT_ONCE = 10_000
 _ALONG_AXIS = 1e-9
 """One less the cosine of an angle up to which a direction is along an axis."""
+_DECIMALS = 9
+"""Decimals [m] of where faces begin and end along turned axes: those below are rounding, and differ by processor."""
 _HEAVIEST, _EVEN = 64, 1e-3
 """Faces whose directions may be those of a part's own axes, at most; sine up to which directions are equal."""
 _FILLED = 0.5
@@ -99,7 +101,7 @@ class _Drawn:
             at, some = self.outlines @ D[:, across], np.ix_(self.flat, across)
             low[some] = np.maximum(low[some], np.minimum.reduceat(at, self.starts))
             high[some] = np.minimum(high[some], np.maximum.reduceat(at, self.starts))
-        return np.round(low, 9), np.round(high, 9)
+        return np.round(low, _DECIMALS), np.round(high, _DECIMALS)
 
 
 class Scene:
@@ -112,6 +114,7 @@ class Scene:
         self._known: dict[tuple[int, Callable[[Body], Any]], Any] = {}
         self._corners_of: dict[int, tuple[Array, Array]] = {}
         self._gaps: dict[bytes, float] = {}
+        self._extents: dict[int, Array] = {}
         self._last: tuple[int, ...] = ()
         self._along: dict[bytes, Array] = {}
         self._faces: dict[FaceKind, list[PlacedFace]] = {}
@@ -209,21 +212,28 @@ class Scene:
 
     def span(self, part: int, direction: Array) -> tuple[float, float]:
         """Where a part begins and ends along a direction [m], by the boxes of its faces in its own frame."""
+        (low,), (high,) = self._ends(part, direction[:, None])
+        return float(low), float(high)
+
+    def _ends(self, part: int, directions: Array) -> tuple[Array, Array]:
+        """Where a part begins and ends (n,) [m] along directions (3, n)."""
         X = self.component(part).X_WC
-        low, high = self._drawn_faces(part).bounds((X.R.T @ direction)[:, None])
-        at = float(X.p @ direction)
-        return float(low.min()) + at, float(high.max()) + at
+        low, high = self._drawn_faces(part).bounds(X.R.T @ directions)
+        return low.min(axis=0) + X.p @ directions, high.max(axis=0) + X.p @ directions
 
     def extent(self, part: int) -> Array:
         """Size (3,) [m] of a part's bounding box along its own axes."""
-        low, high = self._drawn_faces(part).bounds(self.of_definition(part, own_axes))
-        return np.asarray(high.max(axis=0) - low.min(axis=0)) if len(low) else np.zeros(3)
+        body = self.component(part).body
+        if body not in self._extents:
+            low, high = self._drawn_faces(part).bounds(self.of_definition(part, own_axes))
+            self._extents[body] = np.asarray(high.max(axis=0) - low.min(axis=0)) if len(low) else np.zeros(3)
+        return self._extents[body]
 
     def size_of(self, parts: Sequence[int], along: int) -> float:
         """Diagonal [m] of the bounding box of parts along the own axes of one of them."""
         R = self.component(along).X_WC.R @ self.of_definition(along, own_axes)
-        ends = np.array([[self.span(part, direction) for direction in R.T] for part in parts])
-        return float(np.linalg.norm(ends[..., 1].max(axis=0) - ends[..., 0].min(axis=0)))
+        ends = np.array([self._ends(part, R) for part in parts])
+        return float(np.linalg.norm(ends[:, 1].max(axis=0) - ends[:, 0].min(axis=0)))
 
     def fill(self, part: int) -> float:
         """Share of its bounding box that a part fills, along its own axes."""

@@ -229,9 +229,9 @@ class PybulletSimulation:
         start = perf_counter()
         for motor, target in self._targets.items():
             self._approach(motor, target)
-        driven = {motor.joint for motor in self._targets}
-        for name in self._damping.keys() - driven:
-            self._brake(name, self._efforts.get(name, 0.0), self._fastest.get(name, inf))
+        for name in self._damping:
+            if all(motor.joint != name for motor in self._targets):
+                self._brake(name, self._efforts.get(name, 0.0), self._fastest.get(name, inf))
         for name, effort in self._efforts.items():
             if name not in self._damping:
                 engine.setJointMotorControl2(body.id, self._joints[name], engine.TORQUE_CONTROL, force=effort)
