@@ -136,6 +136,9 @@ def test_files_that_are_none(tmp_path: Path, found: ReadDiagnostics) -> None:
     (tmp_path / "step.xml").write_text("ISO-10303-21;", encoding="utf-8")
     names = ("missing.urdf", "broken.urdf", "page.xml", "empty.sdf", "step.xml")
     report = verify_files([tmp_path / name for name in names], found)
+    (line,) = (one for one in found if one.span.file.endswith("step.xml"))
+    assert line.span.line == 1
+    assert "correct this line" in line.help[0]
     codes = {diagnostic.span.file.rsplit("/", 1)[1]: diagnostic.code for diagnostic in found}
     assert codes.pop("missing.urdf") == "SB001"
     assert codes.pop("page.xml") == "SB814"

@@ -55,6 +55,7 @@ _SIGNATURE = 16
 """Number of bytes that signatures of formats are within."""
 _UNREAD = ("SB801", "SB802", "SB901")
 """Codes of engines that rejected a file, crashed, or failed."""
+_LENIENT = "correct this line; engines are more lenient than XML, and read files that are none"
 
 
 def verify_files(
@@ -249,7 +250,7 @@ def format_of(path: Path, found: Diagnostics) -> str | None:
     try:
         element = first_element(path)
     except etree.XMLSyntaxError as error:
-        found.add("SB814", f"not XML: {error.msg}", Span(_key(path), error.lineno or 0))
+        found.add("SB814", f"not XML: {error.msg}", Span(_key(path), error.lineno or 0), help=[_LENIENT])
         return None
     by_root = {written.root: written.name for written in FORMATS.values() if written.root}
     name = by_root.get(str(element.tag))
