@@ -15,6 +15,8 @@ else:
     Element = object
 """An element, for annotations; its stubs lack ``sourceline``."""
 _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+_OTHER_VERSION = re.compile(rb"""^((?:\xef\xbb\xbf)?<\?xml\s+version\s*=\s*["'])0[.]\d+(?=["'])""")
+"""A version that XML does not have, as in PyBullet's own files; engines do not read it."""
 
 
 def xml_root(file: Path) -> Any:
@@ -31,17 +33,24 @@ def xml_root(file: Path) -> Any:
         raise EngineRefused(f"not XML: {error.msg}") from error
 
 
+def of_version_1(content: bytes) -> bytes:
+    """The beginning of a document, or all of it, with the version that XML has."""
+    return _OTHER_VERSION.sub(rb"\g<1>1.0", content)
+
+
 def parsed(content: bytes, *, remove_comments: bool = False) -> Any:
     """The root element of a document; entities are not expanded.
 
     As simulators read it, a prefix without a declared namespace is a part of the name, such as that of Drake's
-    extensions of URDF, and comments may have hyphens; in a URDF not, from which yourdfpy would leave out elements.
+    extensions of URDF, the version may be 0.0, and comments may have hyphens; in a URDF not, from which yourdfpy would
+    leave out elements.
 
     Raises:
         XMLSyntaxError: It is not XML.
     """
     from lxml import etree
 
+    content = of_version_1(content)
     made = partial(
         etree.XMLParser, resolve_entities=False, no_network=True, remove_comments=remove_comments, huge_tree=True
     )

@@ -6,7 +6,7 @@ valid numbers, names and tree run only if these are valid, so that one fault is 
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from math import isinf
+from math import inf, isinf
 
 import numpy as np
 
@@ -48,7 +48,7 @@ _TRIANGLE_SLACK = 1e-6
 _NEGLIGIBLE = 1e-6
 """Share of the mass of what a link is fixed to, at most of 1 kg, below which its missing inertia changes nothing."""
 _SLIGHT = 0.01
-"""The same, up to which it is a point mass and not a forgotten inertia; a description states it, and may have more."""
+"""The same, up to which it is a point mass and not a forgotten inertia; a description may have any."""
 
 _Named = Actuator | Collision | Frame | Joint | Link | LoopClosure | MeshAsset | Sensor | Visual
 Report = Callable[..., None]
@@ -235,7 +235,7 @@ def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> No
         between = members[0].name in heavy_below and not any(link.shapes for link in members)
         if moves and not between and not any(link.mass_properties.mass > 0.0 for link in members):
             _report_massless(members, report, described=massless_between)
-    points = _point_masses(robot, 1.0 if massless_between else _SLIGHT)
+    points = _point_masses(robot, inf if massless_between else _SLIGHT)
     for link in robot.links:
         mass, fault = link.mass_properties.mass, inertia_fault(link.mass_properties)
         if link.name in points:
@@ -271,7 +271,8 @@ def _point_masses(robot: Robot, most: float) -> dict[str, float]:
             if link.mass_properties.mass > 0.0 and not np.any(link.mass_properties.inertia)
         }
         rest = exact_sum(link.mass_properties.mass for link in members if link.name not in bare)
-        points |= {name: rest for name in bare if robot.link_by_name[name].mass_properties.mass < most * rest}
+        if rest > 0.0:
+            points |= {name: rest for name in bare if robot.link_by_name[name].mass_properties.mass < most * rest}
     return points
 
 
