@@ -47,7 +47,8 @@ test-long: install  ## run the tests that `make test SLOW=1` skips; some require
 	$(BIN)/python -m pip install --quiet -e '.[dask,draw,hooks,newton,verify]'
 	$(BIN)/pytest -n $(JOBS) -m long
 	$(BIN)/pytest -n $(JOBS) -m hypothesis --hypothesis-profile long
-	$(BIN)/pytest -n $(JOBS) tests/simulators tests/translation tests/conformance  # once more, with the engines of stepbot[newton,verify]
+	$(BIN)/pytest -n $(JOBS) tests/simulators tests/translation tests/conformance \
+		tests/cli/test_cache.py tests/cli/test_diff_robots.py tests/cli/test_verify.py  # once more, with the engines of stepbot[newton,verify]
 
 format: install  ## format the code
 	$(BIN)/ruff format

@@ -59,7 +59,8 @@ def command(options: "Options", old: Path, new: Path, markdown: bool, display: D
     """Compare two STEP files, two sidecars, or two robots (output folders, or URDF, SDFormat or MJCF files).
 
     Components of STEP files are matched by shape and pose, not by name or order. Sidecars are compared by the robots
-    that they describe: links, joints, limits, masses, frames. Robot files are compared as engines load them.
+    that they describe, variants included: links, joints, limits, masses, frames. Robot files are compared as engines
+    load them.
     """
     found = Diagnostics()
     kind = _kind(old, new)

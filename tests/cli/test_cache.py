@@ -126,7 +126,7 @@ def test_engines_are_asked_once(four_bar: Path, cache: Path, stepbot: Stepbot, a
     assert snapshot(Path("one")) == snapshot(Path("two"))
     edit(four_bar, "version: 1", "version: 1 # a word")
     assert stepbot("convert", four_bar.name, "-o", "three").code == 0
-    assert asked == first
+    assert set(asked[len(first) :]) <= {"stepbot.engines.drake.observer:observe"}  # it reads no loops of SDFormat
     assert snapshot(Path("one")) == snapshot(Path("three"))
 
 

@@ -247,6 +247,25 @@ def test_each_variant_is_a_robot_of_a_batch(tmp_path: Path, write: Callable[[Map
     assert "variant 'bare_named'" in error["notes"]
 
 
+@pytest.mark.slow
+def test_sidecars_that_differ_in_a_variant_alone_differ(
+    tmp_path: Path, write: Callable[[Mapping[str, str]], None]
+) -> None:
+    """`diff` compares the robot of each variant, too, and lists variants that are new or gone."""
+    other = WHOLE.replace("bare: {without: [hand]}", "bare: {without: [hand, eye]}")
+    write({**FILES, "same.robot.yaml": WHOLE + "# a word", "new.robot.yaml": other.replace("bare_named", "light")})
+    same, new = (
+        stepbot("diff", "whole.robot.yaml", f"{name}.robot.yaml", "--json", cwd=tmp_path) for name in ("same", "new")
+    )
+    assert (same.code, json.loads(same.out)["differences"]) == (0, [])
+    assert new.code == 1
+    assert [(one["name"], one.get("detail")) for one in json.loads(new.out)["differences"]] == [
+        ("variant 'bare_named'", "removed"),
+        ("variant 'light'", "added"),
+        ("variant 'bare': frame 'eye' is missing", None),
+    ]
+
+
 def test_a_finding_of_several_variants_is_reported_once(
     tmp_path: Path, write: Callable[[Mapping[str, str]], None]
 ) -> None:

@@ -15,7 +15,8 @@ from stepbot.revisions.differences import Difference, not_compared, robot_differ
 from stepbot.revisions.shapes import Motion, moved_words
 from stepbot.revisions.snapshot import Snapshot, snapshot
 from stepbot.robot.model import Joint, Robot
-from stepbot.runtime.file import exists, is_file, is_folder
+from stepbot.runtime.file import exists, is_file, is_folder, read_regular
+from stepbot.sidecar.variants import variant_names
 from stepbot.step.assembly import ReadOptions
 from stepbot.verification.admission import SCENES
 from stepbot.verification.compare import compare
@@ -50,13 +51,37 @@ def differing_steps(old: Path, new: Path, options: Options, found: Diagnostics) 
 
 
 def differing_sidecars(old: Path, new: Path, options: Options, found: Diagnostics) -> Differences | None:
-    """Compare the robots that two sidecars describe: links, joints, limits, masses, frames; None after errors."""
+    """Compare the robots that two sidecars describe, and their variants: links, joints, limits, masses, frames.
+
+    Returns:
+        None after errors.
+    """
+    rows = _differing(old, new, options, found)
+    named = [_variants(path) for path in (old, new)]
+    if rows is not None and not options.variant:
+        of_all = [*rows]
+        rows += [Difference("variants", f"variant '{name}'", "removed") for name in named[0] if name not in named[1]]
+        rows += [Difference("variants", f"variant '{name}'", "added") for name in named[1] if name not in named[0]]
+        for name in (one for one in named[0] if one in named[1]):
+            of_one = _differing(old, new, options._replace(variant=name), found)
+            if of_one is None:
+                return None
+            rows += [replace(row, name=f"variant '{name}': {row.name}") for row in of_one if row not in of_all]
+    return None if rows is None else Differences(old.as_posix(), new.as_posix(), tuple(rows))
+
+
+def _variants(sidecar: Path) -> tuple[str, ...]:
+    return variant_names(read_regular(sidecar).decode("utf-8")) if is_file(sidecar) else ()
+
+
+def _differing(old: Path, new: Path, options: Options, found: Diagnostics) -> list[Difference] | None:
+    """The differences of the robots of two sidecars, of one variant each; None after errors."""
     robots = [_described(path, options, found) for path in (old, new)]
     if robots[0] is None or robots[1] is None:
         return None
     rows, placed = _modules(robots[0], robots[1])
     results = compare(_at_zero(old, robots[0]), _at_zero(new, placed))
-    return Differences(old.as_posix(), new.as_posix(), (*rows, *robot_differences(results)))
+    return [*rows, *robot_differences(results)]
 
 
 def _modules(old: Robot, new: Robot) -> tuple[list[Difference], Robot]:

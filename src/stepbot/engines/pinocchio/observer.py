@@ -126,12 +126,12 @@ class _Built:
 
     @cached_property
     def bodies(self) -> dict[str, int]:
-        """Frame of each link by name, the root first."""
-        body = self.engine.FrameType.BODY
+        """Frame of each link by name, the root first; a `world` in which the robot floats is none."""
+        body, worlds = self.engine.FrameType.BODY, {"universe", *(("world",) if self.floats else ())}
         return {
             frame.name: index
             for index, frame in enumerate(self.model.frames)
-            if frame.type == body and frame.name != "universe"
+            if frame.type == body and (frame.name not in worlds or frame.parentJoint)
         }
 
     @cached_property
