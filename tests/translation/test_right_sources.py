@@ -741,16 +741,60 @@ def test_joints_coupled_by_tendons(tmp_path: Path) -> None:
     assert data.efc_pos[: data.ne] == pytest.approx([0.0, 0.0], abs=1e-12)
 
 
-@pytest.mark.parametrize(
-    "equalities",
-    [
-        '<tendon name="e" tendon1="all"/>',
-        '<joint joint1="tip" joint2="far"/><joint name="e" joint1="tip" joint2="near"/>',
-    ],
-)
-def test_couplings_that_are_no_mimic(equalities: str, tmp_path: Path) -> None:
-    """A tendon of three joints, or a second leader of one joint, is refused, and not left out in silence."""
+def test_tendons_that_hold_three_joints_are_a_loss(tmp_path: Path) -> None:
+    """As of dm_control's quadruped: no other format states such a relation, and the report says what moves freely."""
+    source = _FINGER.format(inertial=_BODY, equalities='<tendon name="e" tendon1="all"/>')
+    conversion = proven(tmp_path, ".xml", source, "urdf", "sdf", "mjcf")
+    assert "<tendon> in <equality>: not converted" in told(conversion, "SB860")
+    assert any("e: the joints move independently" in note for one in conversion.diagnostics for note in one.notes)
+
+
+def test_the_armature_of_a_tendon_is_a_loss(tmp_path: Path) -> None:
+    """As that of joints, it is not in the mass matrix that is compared."""
+    tendon = '<tendon><fixed name="heavy" armature="123"><joint joint="near" coef="1"/></fixed></tendon></mujoco>'
+    source = _FINGER.format(inertial=_BODY, equalities="").replace("</mujoco>", tendon)
+    conversion = proven(tmp_path, ".xml", source, "urdf", "sdf", "mjcf")
+    assert any(text.startswith("<tendon> in <mujoco>: not converted") for text in told(conversion, "SB860"))
+
+
+_LIDAR = """<gazebo reference="arm"><sensor name="eye" type="ray"><ray><scan>
+  <horizontal><samples>{}</samples><min_angle>-0.5</min_angle><max_angle>0.5</max_angle></horizontal>
+  <vertical><samples>{}</samples><min_angle>-0.2</min_angle><max_angle>0.2</max_angle></vertical>
+  </scan><range><min>0.05</min><max>50</max></range></ray></sensor></gazebo>"""
+
+
+@pytest.mark.parametrize(("rays", "rows"), [(1, 1), (12, 16)])
+def test_lidars_of_one_ray_and_of_several_rows(rays: int, rows: int, tmp_path: Path) -> None:
+    """As Baxter's: a single ray points along x, whatever its field of view; of several rows one is converted."""
+    source = urdf(f'<link name="base">{_INERTIAL}</link>', _LIDAR.format(rays, rows))
+    conversion = proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf")
+    lost = f"sensor 'eye': {rows} rows of rays: one converted, level with its frame"
+    assert (lost in told(conversion, "SB863")) == (rows > 1)
+
+
+def test_meshes_as_large_as_buildings(tmp_path: Path) -> None:
+    """Engines hold vertices in single precision, which at a hundred metres is several micrometres."""
+    trimesh.creation.icosphere(subdivisions=2, radius=97.31).export(tmp_path / "dome.stl")
+    place = '<origin xyz="0.123 45.678 3.21" rpy="0.1 0.2 0.3"/>'
+    dome = f'<visual>{place}<geometry><mesh filename="dome.stl" scale="1.1 0.9 1"/></geometry></visual>'
+    source = urdf(f'<link name="base">{_INERTIAL}{dome}{dome.replace("visual", "collision")}</link>')
+    proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf")
+
+
+_HINGES = '<joint name="x" axis="1 0 0"/><joint name="y" axis="0 1 0"/><joint name="z" axis="0 0 1"/>'
+
+
+def test_several_joints_in_bodies_of_a_microgram(tmp_path: Path) -> None:
+    """As of NeuroMechFly: moments that stand for those between joints are within what engines compare."""
+    body = f'<body pos="0.002 0 0">{_HINGES}<inertial pos="1e-4 0 0" mass="1e-6" diaginertia="1e-7 1e-7 1e-7"/>'
+    bodies = "".join(body.replace('name="', f'name="{number}_') for number in range(6)) + "</body>" * 6
+    proven(tmp_path, ".xml", f"<mujoco><worldbody>{bodies}</worldbody></mujoco>", "mjcf")
+
+
+def test_couplings_that_are_no_mimic(tmp_path: Path) -> None:
+    """A second leader of one joint is refused, and not left out in silence."""
     path = tmp_path / "robot.xml"
+    equalities = '<joint joint1="tip" joint2="far"/><joint name="e" joint1="tip" joint2="near"/>'
     path.write_text(_FINGER.format(inertial=_BODY, equalities=equalities))
     conversion = convert(path, Options(tmp_path / "out"))
     assert told(conversion, "SB861") == [

@@ -1,6 +1,7 @@
 """The actuators and sensors of a description."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from math import inf, isfinite
 
 from stepbot.engines.description import Description
@@ -134,6 +135,10 @@ def sensors_of(
             text = f"sensor '{one.name}': {one.columns} rays, more than {MOST_RAYS}: not converted"
             found.append(Finding(DEVICE, text, (Quantity.SENSORS,)))
             continue
+        if kind is SensorKind.LIDAR and (one.rows or 1) > 1:
+            text = f"sensor '{one.name}': {one.rows} rows of rays: one converted, level with its frame"
+            found.append(Finding(DEVICE, text, (Quantity.SENSORS,)))
+            one = replace(one, rows=1)
         if name != one.name:
             found.append(Finding(RENAMED, f"sensor '{one.name}' of link '{link}' is renamed to '{name}'"))
         name = name or free_name(f"{one.joint or link}_{kind.value}_{number}", "_2", taken)

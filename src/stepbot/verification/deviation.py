@@ -27,7 +27,7 @@ TOLERANCES: Mapping[Quantity, Tolerance] = {
     Quantity.GRAVITY: Tolerance(relative=1e-9),
     Quantity.INVERSE_DYNAMICS: Tolerance(relative=1e-9),
     Quantity.CLOSURES: Tolerance(absolute=1e-9),
-    Quantity.MESHES: Tolerance(absolute=1e-6),
+    Quantity.MESHES: Tolerance(absolute=1e-6, relative=2**-23),  # of buildings, by single precision
     Quantity.SHAPES: EQUAL,
     Quantity.CONTACTS: EQUAL,
     Quantity.FRAMES: Tolerance(absolute=1e-9),

@@ -81,6 +81,7 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
         (
             *(lost for root, name, at in (*roots, *of_models) for lost in unread_of_mjcf(root, name, at)),
             *_direct(compiled),
+            *_coupled(compiled),
             *_endless(compiled),
             *((Unread(LED, len(closures) - len(kept), 0, effect=MJCF.effects["mocap"]),) if kept != closures else ()),
         ),
@@ -187,10 +188,10 @@ def _from_geoms(spec: Any, compiled: Compiled) -> tuple[str, ...]:
 
 
 def _unsupported(compiled: Compiled) -> Iterator[str]:
-    """Equality constraints that are neither closures nor mimics."""
+    """Equality constraints that are neither closures nor mimics, nor relate more joints than other formats can."""
     engine, model = compiled.engine, compiled.model
     known = (engine.mjtEq.mjEQ_CONNECT, engine.mjtEq.mjEQ_WELD)
-    read = {e for _, e in compiled.couplings.values()}
+    read = {e for _, e in compiled.couplings.values()} | set(_of_several(compiled))
     for e in range(model.neq):
         kind, name = engine.mjtEq(model.eq_type[e]), compiled.name("EQUALITY", e)
         if not model.eq_active0[e] or kind in known or e in read:
@@ -199,6 +200,18 @@ def _unsupported(compiled: Compiled) -> Iterator[str]:
             yield f"equality constraint '{name}' is not a linear relation of two joints, of which one follows no other"
         else:
             yield f"equality constraint '{name}' of type '{kind.name.removeprefix('mjEQ_').lower()}' is not supported"
+
+
+def _of_several(compiled: Compiled) -> list[int]:
+    """Equality constraints of more than two joints, by fixed tendons."""
+    return [e for e, (factors, _) in compiled.relations.items() if len(factors) > 2]
+
+
+def _coupled(compiled: Compiled) -> Iterator[Unread]:
+    names = [compiled.name("EQUALITY", e) for e in _of_several(compiled)]
+    if names:
+        effect = f"{', '.join(names)}: the joints move independently, for no other format relates more than two"
+        yield Unread("<tendon> in <equality>", len(names), 0, effect=effect)
 
 
 def _direct(compiled: Compiled) -> Iterator[Unread]:

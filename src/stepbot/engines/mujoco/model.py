@@ -55,20 +55,30 @@ class NamedModel:
 
         The relations are converted from MuJoCo's reference positions to q = 0.
         """
-        kinds, model = self.engine.mjtEq, self.model
         found = dict[int, tuple[Mimic, int]]()
-        for kind in (kinds.mjEQ_JOINT, kinds.mjEQ_TENDON):
+        for e, (factors, constant) in self.relations.items():
+            if len(factors) != 2:
+                continue
+            follower = next((one for one in _followers(self, factors, e) if one not in found), None)
+            if follower is not None:
+                leader = next(one for one in factors if one != follower)
+                factor = factors[follower]
+                mimic = Mimic(self.name("JOINT", leader), -factors[leader] / factor, constant / factor)
+                found[follower] = mimic, e
+        return found
+
+    @cached_property
+    def relations(self) -> dict[int, tuple[dict[int, float], float]]:
+        """For each equality of joints or tendons that is linear: the factors of joints, and the constant they sum to.
+
+        There are no factors for tendons that are not fixed.
+        """
+        kinds, model = self.engine.mjtEq, self.model
+        found = {}
+        for kind, read in ((kinds.mjEQ_JOINT, _of_joints), (kinds.mjEQ_TENDON, _of_tendons)):
             for e in np.flatnonzero((model.eq_type == int(kind)) & (model.eq_active0 != 0)).tolist():
-                read = _of_joints if kind == kinds.mjEQ_JOINT else _of_tendons
-                factors, constant = read(self, e)
-                if len(factors) != 2 or np.any(model.eq_data[e][2:5]):
-                    continue
-                follower = next((one for one in _followers(self, factors, e) if one not in found), None)
-                if follower is not None:
-                    leader = next(one for one in factors if one != follower)
-                    factor = factors[follower]
-                    mimic = Mimic(self.name("JOINT", leader), -factors[leader] / factor, constant / factor)
-                    found[follower] = mimic, e
+                if not np.any(model.eq_data[e][2:5]):
+                    found[e] = read(self, e)
         return found
 
 

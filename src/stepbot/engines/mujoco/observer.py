@@ -309,12 +309,14 @@ def _gravity(compiled: Compiled) -> tuple[float, ...]:
 
 
 def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynamics:
-    """Mass matrix without armature, gravity forces, and inverse dynamics, in the coordinates."""
+    """Mass matrix without armature, also of tendons, gravity forces, and inverse dynamics, in the coordinates."""
     engine, model = compiled.engine, compiled.model
     E = compiled.coordinates.rates(q)
-    kept = model.dof_armature.copy(), model.dof_M0.copy(), model.opt.gravity.copy(), int(model.opt.disableflags)
+    kept = model.dof_armature.copy(), model.tendon_armature.copy(), model.dof_M0.copy(), model.opt.gravity.copy()
+    flags = int(model.opt.disableflags)
     model.dof_M0[:] -= model.dof_armature  # the mass matrix of "simple" bodies is constant, and computed in advance
-    model.dof_armature[:], model.opt.gravity[:], model.opt.disableflags = 0.0, GRAVITY, 0
+    model.dof_armature[:], model.tendon_armature[:] = 0.0, 0.0
+    model.opt.gravity[:], model.opt.disableflags = GRAVITY, 0
     try:
         data = compiled.data(q)
         engine.mj_forward(model, data)
@@ -329,7 +331,8 @@ def _dynamics(compiled: Compiled, q: Mapping[str, float], rates: Rates) -> Dynam
         engine.mj_fwdVelocity(model, data)
         engine.mj_rne(model, data, 1, inverse)
     finally:
-        model.dof_armature[:], model.dof_M0[:], model.opt.gravity[:], model.opt.disableflags = kept
+        model.dof_armature[:], model.tendon_armature[:], model.dof_M0[:], model.opt.gravity[:] = kept
+        model.opt.disableflags = flags
     return Dynamics(E.T @ M @ E, E.T @ gravity, E.T @ inverse)
 
 

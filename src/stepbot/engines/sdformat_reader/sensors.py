@@ -95,15 +95,16 @@ def _camera(sensor: Element, seen: ObservedSensor, X_LS: Pose) -> ObservedSensor
 
 
 def _lidar(sensor: Element, seen: ObservedSensor, X_LS: Pose) -> ObservedSensor:
-    """The centre of a lidar's range is x of its frame."""
+    """The centre of a lidar's range is x of its frame, along which a single ray points."""
     lidar = sensor.find("lidar") if sensor.find("lidar") is not None else sensor.find("ray")
     low = number_at(lidar, "scan/horizontal/min_angle", 0.0)
     high = number_at(lidar, "scan/horizontal/max_angle", 0.0)
+    columns = count_at(lidar, "scan/horizontal/samples", 640)
     return replace(
         seen,
         X_LS=X_LS @ Pose.from_xyz_rpy((0.0, 0.0, 0.0), (0.0, 0.0, 0.5 * (low + high))),
-        fov=high - low,
-        columns=count_at(lidar, "scan/horizontal/samples", 640),
+        fov=high - low if columns > 1 else 0.0,
+        columns=columns,
         rows=count_at(lidar, "scan/vertical/samples", 1),
         nearest=number_at(lidar, "range/min", 0.0),
         farthest=number_at(lidar, "range/max", 0.0),
