@@ -8,13 +8,26 @@ from typing import Any
 import numpy as np
 import pytest
 
+from robot_library.moments import pose
+from robot_library.step_file import moved
 from stepbot.draft.contacts import teeth
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft_robot import infer
 from stepbot.geometry.spatial import Array, Pose
-from tests.assembled import BARE, Node, assembled, inferred, joints, links, part, turned
+from tests.assembled import BARE, Node, assembled, group, inferred, joints, links, part, turned
 from tests.made.scored import drawn
 from tests.solids import Solid, box, cylinder, joined
+
+
+def spots(turned: float = 0.0) -> list[tuple[float, float, float]]:
+    """Where three planets are around their sun, and their angles."""
+    return [(15 * cos(a), 15 * sin(a), a) for a in (turned + k * 2 * pi / 3 for k in range(3))]
+
+
+def planets(z: float, turned: float = 0.0) -> list[Node]:
+    """Three planets of 18 teeth around a sun of 12, with play on their pins."""
+    planet = fused(toothed(18, 1, 8), less=cylinder(2.05, 8).shape)
+    return [part("planet gear", planet, x, y, z, (0, 0, angle)) for x, y, angle in spots(turned)]
 
 
 def train(radii: tuple[float, float], *, belt: bool = False) -> list[Node]:
@@ -311,24 +324,49 @@ def test_a_round_gear_that_drives_another_is_a_link() -> None:
     assert [len(inferred(*on_pins(*rims, away=away), sources=BARE).arcs) for away in (30.0, 45.0)] == [2, 1]
 
 
-def test_the_sun_of_a_planetary_gear_is_not_its_carrier() -> None:
-    """Both turn about one axis of the housing; the planets, which the sun moves, turn on the carrier."""
+@pytest.mark.parametrize("is_grouped", [False, True])
+def test_the_sun_of_a_planetary_gear_is_not_its_carrier(*, is_grouped: bool) -> None:
+    """Both turn about one axis of the housing; the planets, which the sun moves, turn on the carrier.
+
+    So do those whose teeth mesh in one subassembly, which is no link.
+    """
     sides = [box(10, 80, 60).at(x, 0, 25) for x in (-55, 55)]
     housing = joined(box(120, 80, 10), *sides, box(120, 80, 10).at(0, 0, 50)) - cylinder(3.05, 10).at(0, 0, -5)
     housing -= cylinder(10, 10).at(0, 0, 45)
-    spots = [(15 * cos(k * 2 * pi / 3), 15 * sin(k * 2 * pi / 3)) for k in range(3)]
     carrier = joined(cylinder(22, 6).at(0, 0, 24), cylinder(9.95, 41).at(0, 0, 24))
-    planet = fused(toothed(18, 1, 8), less=cylinder(2.05, 8).shape)
     sun = fused(toothed(12, 1, 8, turned=0.5), cylinder(3, 23).at(0, 0, -17).shape)
-    for x, y in spots:
+    for x, y, _ in spots():
         carrier += cylinder(2, 18).at(x, y, 10)
-    planets = [part("planet gear", planet, x, y, 12, (0, 0, k * 2 * pi / 3)) for k, (x, y) in enumerate(spots)]
-    found = inferred(part("housing", housing), part("sun gear", sun, z=12), part("carrier", carrier), *planets)
-    assert {"sun gear"} in links(found)
-    assert sorted(joints(found)) == sorted(
+    gears = [part("sun gear", sun, z=12), part("carrier", carrier), *planets(12)]
+    found = inferred(part("housing", housing), *([group("stage", *gears)] if is_grouped else gears))
+    assert any(names <= {"sun gear", "stage/sun gear"} for names in links(found))
+    assert sorted((kind, *sorted(side.split("/")[-1] for side in sides)) for kind, *sides in joints(found)) == sorted(
         [("revolute", "carrier", "housing"), ("revolute", "housing", "sun gear")]
         + [("revolute", "carrier", "planet gear")] * 3
     )
+
+
+@pytest.mark.parametrize("is_grouped", [False, True])
+def test_carriers_of_two_planetary_gears_in_a_row_move_apart(*, is_grouped: bool) -> None:
+    """The first carrier, which nothing holds but its planets, has the sun of the second one, on which it turns."""
+    teeth, stub = toothed(12, 1, 8, turned=0.5), cylinder(4, 14).at(0, 0, 3)
+    first = fused(cylinder(19, 4).shape, stub.shape, cylinder(6, 3).at(0, 0, 4).shape, moved(teeth, pose((0, 0, 7))))
+    second = joined(cylinder(19, 4), cylinder(9.95, 37), *(cylinder(2, 14).at(x, y, -10) for x, y, _ in spots()))
+    for x, y, _ in spots():
+        first = fused(first, less=cylinder(2, 4).at(x, y, 0).shape)
+    pins = [part(f"pin {n}", cylinder(2, 13), x, y, 1) for n, (x, y, _) in enumerate(spots())]
+    sun = fused(teeth, less=cylinder(2, 8).shape)
+    housing = cylinder(40, 80).at(0, 0, -20) - cylinder(30, 48).at(0, 0, -3) - cylinder(10, 15).at(0, 0, 45)
+    housing -= cylinder(3, 17).at(0, 0, -20)
+    stages = [
+        [part("sun", sun, z=1), part("first", first, z=10), *planets(1), *pins],
+        [part("second", second, z=27, rpy=(0, 0, pi / 3)), *planets(17, pi / 3)],
+    ]
+    grouped = [group(f"stage {n}", *some) for n, some in enumerate(stages)]
+    found = inferred(part("housing", housing), *(grouped if is_grouped else stages[0] + stages[1]))
+    (first_link,) = (names for names in links(found) if any(name.endswith("first") for name in names))
+    assert {name.split("/")[-1] for name in first_link} == {"first", "pin 0", "pin 1", "pin 2"}
+    assert sum(names == {"planet gear"} for names in links(found)) == (0 if is_grouped else 6)
 
 
 def test_a_rack_on_what_slides_along_it_is_fixed() -> None:

@@ -9,6 +9,7 @@ import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
 from stepbot.draft.draft_robot import infer
+from stepbot.robot.model import JointKind
 from stepbot.step.assembly import Assembly
 from tests.assembled import BARE, Node, assembled, group, inferred, joints, part
 from tests.parts import write_tessellated
@@ -108,3 +109,16 @@ def test_equal_feet_turn_on_nothing() -> None:
     for x, y in corners:
         table += box(20, 20, 300).at(x, y, 150) - cylinder(2.1, 200).at(x, y, 0)
     assert joints(inferred(part("table", table), *(part("foot", foot, x, y) for x, y in corners))) == []
+
+
+@SOURCES
+def test_feet_in_the_ends_of_equal_bars_are_no_outputs(sources: Sources) -> None:
+    """Bars with a bore along them, screwed to a plate beside their ends and with a foot in each, are no motors."""
+    bar = box(20, 20, 200).at(0, 0, 100) - cylinder(2.1, 200)
+    foot = cylinder(8, 10).at(0, 0, -10) + cylinder(2.1, 14)
+    corners = [(x, y) for x in (-100, 100) for y in (-100, 100)]
+    bars = [part("bar", bar, x, y) for x, y in corners]
+    feet = [part("foot", foot, x, y) for x, y in corners]
+    rails = [part("rail", box(180, 20, 20), 0, y, 190) for y in (-100, 100)]
+    found = inferred(*bars, *feet, *rails, part("top", box(240, 240, 10), z=205), sources=sources)
+    assert [h.why for h in (arc.evidence for arc in found.arcs) if h.type != JointKind.FIXED] == []

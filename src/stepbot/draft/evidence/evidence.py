@@ -7,8 +7,8 @@ offered as a comment.
 from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
 
-from stepbot.draft.contacts.relations import Relation
-from stepbot.draft.draft import CHOSEN
+from stepbot.draft.contacts.relations import Relation, Via
+from stepbot.draft.draft import CHOSEN, SURE
 from stepbot.draft.parts.axis import Axis
 from stepbot.robot.model import JointKind
 
@@ -99,6 +99,13 @@ class JointEvidence:
     def is_bolted(self) -> bool:
         """Whether each side is a ring or a disc that carries another part, so that neither only spins."""
         return self.by_role and self.through < 0
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether it is a shaft in a bore, without a motor, linkage or bearing, which indicate that it turns."""
+        is_pin = self.relation is not None and self.relation.via == Via.PIN
+        is_stronger = self.drives or self.by_role or self.of_linkage or self.priority != Priority.FOUND
+        return is_pin and self.type == JointKind.REVOLUTE and self.score < SURE and not is_stronger
 
 
 @dataclass(eq=False)

@@ -12,6 +12,8 @@ from stepbot.robot.model import JointKind
 
 _REVIEW = "a gear that meshes with another one; no shaft is drawn"
 _OF_RACK = "a rack that meshes with a gear: it slides along its teeth"
+_TURNS_ON = "a gear that meshes with what turns in the other part"
+_REVIEW_ON = "what holds the one gear would lock the other one"
 _SCORE, _APART, _KEYED = 0.7, 0.8, 0.9
 """Scores of a joint of a gear, of two gears that mesh being no link, and of a gear on a shaft that turns."""
 _BEYOND = 6e-3
@@ -48,6 +50,7 @@ def gear_evidence(survey: Survey, found: Evidence) -> None:
     for mesh in survey.meshes:
         a, b = sorted((mesh.one.part, mesh.two.part))
         found.apart.append(Apart(_APART, a, b))
+        _free_from_hosts(survey, mesh, found)
     for gear in {gear.part: gear for mesh in survey.meshes for gear in (mesh.one, mesh.two)}.values():
         on_axis = any(r.turns is not None and r.turns.same(gear.axis) for r in survey.near.get(gear.part, ()))
         host = None if on_axis or gear.part in held else _host(survey, gear)
@@ -83,6 +86,17 @@ def _hosts(survey: Survey, gear: Gear) -> set[int]:
 def _on_axis(survey: Survey, part: int, axis: Axis) -> list[int]:
     """The larger parts that touch a part about a line."""
     return [other for other, r in survey.around(part) if r.turns is not None and r.turns.same(axis, SAME_GEAR)]
+
+
+def _free_from_hosts(survey: Survey, mesh: Mesh, found: Evidence) -> None:
+    """Add that each gear of a mesh moves relative to what the other one turns in, which would else be locked."""
+    for gear, mate in ((mesh.one, mesh.two), (mesh.two, mesh.one)):
+        for host in sorted(_hosts(survey, gear) - {mate.part}):
+            a, b = sorted((host, mate.part))
+            r = survey.relation(a, b)
+            found.apart.append(Apart(_APART, a, b))
+            if r is not None and r.turns is not None and r.turns.same(mate.axis, SAME_GEAR):
+                found.joint(JointEvidence(_SCORE, a, b, JointKind.REVOLUTE, mate.axis, _TURNS_ON, r, review=_REVIEW_ON))
 
 
 def _fix_to_shafts(survey: Survey, found: Evidence) -> None:

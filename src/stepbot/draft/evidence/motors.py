@@ -53,9 +53,9 @@ _AS_WIDE = 0.95
 """Ratio of radii from which two axes of a part are used alike."""
 _INNER = 0.8
 """Ratio of the radii of two circles of bolts, up to which the inner one is that of an output."""
-_PIN, _RIM = 4.0, 0.45
+_PIN, _RIM, _BAR = 4.0, 0.45, 4.0
 """Width in radii of its fit, up to which what turns in a part is a pin; share of a part's width, from which the radius
-of what is around it is that of a tyre or a clamp.
+of what is around it is that of a tyre or a clamp; length in widths from which a part with a bore in its end is a bar.
 """
 _ABOUT = (Via.RING, Via.FACE, Via.PIN)
 
@@ -316,16 +316,16 @@ def _is_block(survey: Survey, part: int) -> bool:
 
 
 def _is_worn(survey: Survey, case: int, other: int, r: Relation) -> bool:
-    """Whether a fit is that of a pin in a bar, or of a tyre on its rim: the output of neither."""
+    """Whether a fit is that of a pin in a bar, of a foot in its end, or of a tyre on its rim: the output of neither."""
     if r.via != Via.PIN or r.axis is None:
         return False
     across = perpendicular_frame(r.axis.d)[:, 0]
     widths = {k: float(np.ptp(survey.scene.span(k, across))) for k in (case, other)}
-    is_turned = survey.parts[other].is_balanced(r.axis)
-    return any(
-        is_turned and widths[other] < _PIN * fit.radius if fit.shaft == other else fit.radius > _RIM * widths[case]
-        for fit in r.shafts
+    is_bar = float(np.ptp(survey.scene.span(case, r.axis.d))) > _BAR * widths[case]
+    is_pin = survey.parts[other].is_balanced(r.axis) and (
+        is_bar or any(fit.shaft == other and widths[other] < _PIN * fit.radius for fit in r.shafts)
     )
+    return any(is_pin if fit.shaft == other else fit.radius > _RIM * widths[case] for fit in r.shafts)
 
 
 def _is_used_like_motors(survey: Survey, members: list[int]) -> bool:

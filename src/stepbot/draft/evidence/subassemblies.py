@@ -67,11 +67,16 @@ class Structure:
         return top
 
     def _moving_pairs(self) -> set[tuple[int, int]]:
-        """Parts that slide or swivel in each other."""
+        """Parts that slide or swivel in each other, and those whose teeth mesh."""
+        teeth = [(mesh.one.part, mesh.two.part) for mesh in self._survey.meshes if mesh.are_counted]
         return {
-            (i, j)
-            for (i, j), r in self._survey.pairs()
-            if r.via == Via.BALL or (r.via == Via.SLIDE and r.length > 0 and is_guide(self._survey, i, j))
+            *teeth,
+            *((mesh.gear.part, mesh.part) for mesh in self._survey.rack_meshes),
+            *(
+                (i, j)
+                for (i, j), r in self._survey.pairs()
+                if r.via == Via.BALL or (r.via == Via.SLIDE and r.length > 0 and is_guide(self._survey, i, j))
+            ),
         }
 
     def _visit(self, node: int, mechanisms: set[tuple[int, int]]) -> None:

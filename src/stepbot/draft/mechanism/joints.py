@@ -13,8 +13,6 @@ from math import hypot, nan
 import numpy as np
 
 from stepbot.draft.contacts.concentric import has_free_circle
-from stepbot.draft.contacts.relations import Via
-from stepbot.draft.draft import SURE
 from stepbot.draft.evidence.evidence import JointEvidence, Priority, Verdict
 from stepbot.draft.evidence.gears import SAME_GEAR
 from stepbot.draft.evidence.subassemblies import Structure
@@ -96,7 +94,7 @@ class Mechanism:
                 first = taken[a, b].evidence
                 first.drives = first.drives or h.drives
                 first.motor = first.motor or h.motor
-            elif _is_plain(h) and _is_plain(taken[a, b].evidence):
+            elif h.is_plain and taken[a, b].evidence.is_plain:
                 # Shafts in bores on two lines hold each other.
                 self._clusters.allow(a, b)
                 return self._clusters.join(a, b)
@@ -108,7 +106,7 @@ class Mechanism:
 
     def _unite_locked(self) -> bool:
         """Unite two bodies that shafts in bores on two lines lock, as pins that were united with either side show."""
-        plain = [j for j in self.joints if _is_plain(j.evidence)]
+        plain = [j for j in self.joints if j.evidence.is_plain]
         beside = defaultdict[frozenset[int], list[Joint]](list)
         for j in plain:
             beside[frozenset((j.a, j.b))].append(j)
@@ -213,7 +211,7 @@ class Mechanism:
                 continue
             plain, driven = sorted(joints, key=lambda j: j.evidence.drives)
             is_driven = driven.evidence.drives and not plain.evidence.drives
-            is_beside = _is_plain(plain.evidence) or plain.evidence.of_linkage
+            is_beside = plain.evidence.is_plain or plain.evidence.of_linkage
             if is_driven and is_beside and plain.evidence.type == driven.evidence.type == JointKind.REVOLUTE:
                 self._made.guess(self._clusters.members(middle), "turns about the same axis as the motor it is beside")
                 self.joints.remove(plain)
@@ -249,8 +247,7 @@ class Mechanism:
                     first_goes = len(of[one]) == 1 and (len(of[two]) > 1 or j.evidence.score < k.evidence.score)
                     gone, kept, leaf = (j, k, one) if first_goes else (k, j, two)
                     members = self._clusters.members(leaf)
-                    carried = {i.other(two if leaf == one else one) for i in of[two if leaf == one else one]}
-                    if carried.intersection(map(self._clusters.find, self._meshes(members, j.axis))):
+                    if self._move_apart(one, two) or self._is_sun(members, hub, two if leaf == one else one, j.axis):
                         continue  # the sun of a planetary gear, beside the carrier
                     self.joints.remove(gone)
                     self._unite(one, two, self.joints)
@@ -262,6 +259,17 @@ class Mechanism:
                     kept.evidence.review = kept.evidence.review or "two bodies that turn about it were merged"
                     return True
         return False
+
+    def _move_apart(self, one: int, two: int) -> bool:
+        """Whether something would be locked if two bodies were one."""
+        pairs = ({e.a, e.b} for e in self._made.evidence.apart if e.verdict == Verdict.TAKEN)
+        return any({one, two} == set(map(self._clusters.find, pair)) for pair in pairs)
+
+    def _is_sun(self, members: Sequence[int], hub: int, other: int, axis: Axis) -> bool:
+        """Whether a body meshes with others than a hub, and touches nothing of what turns beside it on the hub."""
+        meshed = {self._clusters.find(i) for i in self._meshes(members, axis)} - {hub, other}
+        near = (r.other(i) for i in members for r in self._survey.near.get(i, ()))
+        return bool(meshed) and other not in map(self._clusters.find, near)
 
     def _are_serial(self, hub: int, one: int, two: int) -> bool:
         """Whether two bodies on one axis are links before and after a third, as stand and neck of a torso.
@@ -358,13 +366,6 @@ class Mechanism:
 
     def _has_wheel(self, root: int) -> bool:
         return any(Role.WHEEL in self._survey.parts[i].roles for i in self._clusters.members(root))
-
-
-def _is_plain(h: JointEvidence) -> bool:
-    """Whether a joint is a shaft in a bore, without a motor, linkage or bearing, which indicate that it turns."""
-    is_pin = h.relation is not None and h.relation.via == Via.PIN
-    is_stronger = h.drives or h.by_role or h.of_linkage or h.priority != Priority.FOUND
-    return is_pin and h.type == JointKind.REVOLUTE and h.score < SURE and not is_stronger
 
 
 def same_joint(one: JointEvidence, two: JointEvidence) -> bool:
