@@ -4,7 +4,9 @@ import importlib.util
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
+import trimesh
 
 from stepbot.engines import engine_of
 from stepbot.verification.meaning import OF_MESHES
@@ -302,6 +304,31 @@ def test_a_warning_hides_no_difference(tmp_path: Path, stepbot: Stepbot) -> None
     old.write_text(text.format("0.01"), encoding="utf-8")
     new.write_text(text.format("0.0101"), encoding="utf-8")
     assert [_diff(stepbot, str(old), str(other))[0] for other in (old, new)] == [0, 1]
+
+
+@pytest.mark.slow
+@pytest.mark.mujoco
+def test_what_an_mjcf_includes_is_compared(tmp_path: Path, stepbot: Stepbot) -> None:
+    """As what it states itself: a number that no engine reports, the surface of a mesh. Includes are no difference."""
+    skip_without("mujoco")
+    part = """<mujoco><visual><headlight diffuse=".8 .8 {0}"/></visual>
+      <asset><mesh name="ball" file="{1}.obj"/></asset></mujoco>"""
+    arm = """<mujoco>{0}<worldbody><body><joint name="turn"/><geom size=".1"/>
+      <geom type="mesh" mesh="ball" mass="0" contype="0" conaffinity="0"/></body></worldbody></mujoco>"""
+    ball = trimesh.creation.icosphere(subdivisions=3)
+    ball.export(tmp_path / "ball.obj")
+    ball.vertices[np.argsort(np.abs(ball.vertices).max(axis=1))[:40]] *= 0.97  # within the same box
+    ball.export(tmp_path / "dent.obj")
+    for name, numbers in {"old": (".8", "ball"), "light": (".9", "ball"), "dent": (".8", "dent")}.items():
+        (tmp_path / f"part_{name}.xml").write_text(part.format(*numbers), encoding="utf-8")
+        (tmp_path / f"{name}.xml").write_text(arm.format(f'<include file="part_{name}.xml"/>'), encoding="utf-8")
+    whole = part.format(".8", "ball").replace("<mujoco>", "").replace("</mujoco>", "")
+    (tmp_path / "whole.xml").write_text(arm.format(whole), encoding="utf-8")
+    found = {
+        name: _diff(stepbot, str(tmp_path / "old.xml"), str(tmp_path / f"{name}.xml"))[0]
+        for name in ("old", "whole", "light", "dent")
+    }
+    assert found == {"old": 0, "whole": 0, "light": 1, "dent": 1}
 
 
 @pytest.mark.slow

@@ -757,6 +757,16 @@ def test_the_armature_of_a_tendon_is_a_loss(tmp_path: Path) -> None:
     assert any(text.startswith("<tendon> in <mujoco>: not converted") for text in told(conversion, "SB860"))
 
 
+def test_what_stands_beside_a_robot_that_moves_freely(tmp_path: Path) -> None:
+    """As the target of dm_control's fish: it is not part of the robot, as little as a ball that lies there."""
+    source = """<mujoco><worldbody><body name="target" pos="0 .4 .1"><geom size=".04"/></body>
+      <body name="torso"><freejoint/><geom size=".1"/><body><joint name="fin"/><geom size=".05" pos=".2 0 0"/></body>
+      </body></worldbody></mujoco>"""
+    conversion = proven(tmp_path, ".xml", source, "urdf", "sdf", "mjcf")
+    assert conversion.robot is not None
+    assert "target" not in conversion.robot.link_by_name
+
+
 _LIDAR = """<gazebo reference="arm"><sensor name="eye" type="ray"><ray><scan>
   <horizontal><samples>{}</samples><min_angle>-0.5</min_angle><max_angle>0.5</max_angle></horizontal>
   <vertical><samples>{}</samples><min_angle>-0.2</min_angle><max_angle>0.2</max_angle></vertical>

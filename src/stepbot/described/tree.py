@@ -70,9 +70,9 @@ def surroundings_of(description: Description) -> frozenset[str]:
     jointed = {roots[joint.child] for joint in seen.joints if joint.kind != JointKind.FIXED}
     held = {roots.get(link) for one in seen.closures or () for link in (one.link_a, one.link_b)}
     free, loose = set(description.free_roots), set(roots.values()) - jointed - held
-    if not jointed or not (free & loose):
-        return frozenset()
     objects = loose if jointed <= free else loose & free
+    if not jointed:
+        return frozenset()
     return frozenset(link for link, root in roots.items() if root in objects)
 
 

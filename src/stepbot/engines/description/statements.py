@@ -16,7 +16,7 @@ import numpy as np
 
 from stepbot.geometry.mesh import surface_moments
 from stepbot.geometry.mesh_files import read_content
-from stepbot.runtime.file import read_regular
+from stepbot.runtime.file import is_file, read_regular
 
 from ..resources import resolve
 from ..xml import xml_root
@@ -45,7 +45,7 @@ class Statement:
 def statements(
     file: Path, written_in: str, packages: Iterable[Path] = (), *, surfaces: bool = False
 ) -> tuple[Statement, ...]:
-    """The statements of a file; none of a format that is not XML.
+    """The statements of a file and, in their places, of those that an MJCF includes; none of a format that is not XML.
 
     Args:
         packages: Folders of packages, or those that contain them, in which meshes are searched, too.
@@ -57,8 +57,21 @@ def statements(
     vocabulary = _VOCABULARIES.get(written_in)
     if vocabulary is None:
         return ()
-    top = xml_root(file)
+    top = _whole(file)
     return tuple(_below(top, vocabulary, _MeshFiles(top, file, packages).surface if surfaces else _no_surface))
+
+
+def _whole(file: Path) -> Any:
+    """The root of a file, with what an MJCF includes in place of each include, as MuJoCo reads it: each file once."""
+    top, known = xml_root(file), {file}
+    if top.tag != "mujoco":
+        return top
+    while (include := next(top.iter("include"), None)) is not None:
+        path, holder = file.parent / include.get("file", ""), include.getparent()
+        place = holder.index(include)
+        holder[place : place + 1] = list(xml_root(path)) if path not in known and is_file(path) else []
+        known.add(path)
+    return top
 
 
 def mesh_hash(file: Path, packages: Iterable[Path]) -> str:
@@ -67,7 +80,7 @@ def mesh_hash(file: Path, packages: Iterable[Path]) -> str:
     Raises:
         EngineRefused: The file is not XML.
     """
-    top, whole = xml_root(file), sha256()
+    top, whole = _whole(file), sha256()
     files = _MeshFiles(top, file, packages)
     for path in filter(None, map(files.path, top.iter("mesh"))):
         content = str(path).encode()
