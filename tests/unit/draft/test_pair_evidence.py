@@ -8,6 +8,7 @@ from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.evidence.evidence import Evidence
 from stepbot.draft.evidence.pairs import PairEvidence, screwed_evidence, several_axes
 from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.draft.evidence.wheels import wheel_evidence
 from tests.assembled import BARE, Node, assembled, cut, group, inferred, joints, part, turned
 from tests.solids import Solid, box, cylinder
 
@@ -87,6 +88,31 @@ def test_tyre_is_one_wheel_with_a_rim_with_two_spokes() -> None:
     found = evidence(part("wheel", rim), part("tyre", tyre))
     assert strongest(found) == "weld"
     assert not found.joints
+
+
+@pytest.mark.parametrize(("width", "count"), [(24.0, 2), (70.0, 0)])
+def test_a_tyre_with_play_does_not_turn_on_its_rim(width: float, count: int) -> None:
+    """What the assembly rolls on, as wide as what it is around, is fixed to it; not a roll that is far wider."""
+    chassis, nodes = box(240, 60, 30), []
+    tyre = cylinder(60, width).at(0, 0, -width / 2) - cylinder(40.2, width).at(0, 0, -width / 2)
+    rim = cylinder(40, 20).at(0, 0, -10) - cylinder(14, 20).at(0, 0, -10)
+    rings = [cylinder(r, 8).at(0, 0, -4) - cylinder(hole, 8).at(0, 0, -4) for r, hole in ((8.4, 6), (14, 11.6))]
+    for x in (-90, 90):
+        chassis += turned(cylinder(6, 60), x, -30, 0, (pi / 2, 0, 0))
+        nodes += [part(f"{n} {x}", one, x, -80, 0, (pi / 2, 0, 0)) for n, one in enumerate((rim, tyre, *rings))]
+    found = Evidence()
+    wheel_evidence(Survey(assembled(part("body", chassis), *nodes), ALL_SOURCES), [], found)
+    assert [weld.why for weld in found.welds] == ["a tyre on its rim"] * count
+
+
+@pytest.mark.parametrize("is_around", [True, False])
+def test_a_key_between_a_shaft_and_a_pulley_does_not_slide(is_around: bool) -> None:
+    """A bar in slots of a shaft and its pulley is fastened; in a slot of the shaft alone it may slide."""
+    shaft = cylinder(15, 120) - box(8.2, 4, 60).at(0, 13, 60)
+    pulley = cylinder(40, 30).at(0, 0, 45) - cylinder(15, 30).at(0, 0, 45) - box(8.2, 3.2, 30).at(0, 16.6, 60)
+    nodes = [part("shaft", shaft), part("bar", box(8, 7, 20).at(0, 14.5, 60))]
+    found = inferred(*nodes, *([part("pulley", pulley)] if is_around else ()))
+    assert ("prismatic" in [kind for kind, *_ in joints(found)]) != is_around
 
 
 def test_two_axes_between_subassemblies_are_no_joint() -> None:

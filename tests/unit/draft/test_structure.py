@@ -6,6 +6,7 @@ import pytest
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.evidence.subassemblies import Structure
+from stepbot.geometry.spatial import Pose
 from tests.assembled import Node, assembled, group, inferred, joints, links, part, turned
 from tests.solids import box, cylinder
 
@@ -52,10 +53,15 @@ def module(x: float) -> Node:
     return group(f"module {x:g}", part("housing", box(50, 20, 60).at(x, 55, 50) + boss), part("tyre", tyre))
 
 
-def test_a_wheel_that_touches_nothing_is_not_held_by_its_subassembly() -> None:
-    """What the assembly rolls on turns about the boss beside it; a block in its place is one with the housing."""
+@pytest.mark.parametrize("rpy", [(0, 0, 0), (0.5, -0.4, 0.9)])
+def test_a_wheel_that_touches_nothing_is_not_held_by_its_subassembly(rpy: tuple[float, float, float]) -> None:
+    """What the assembly rolls on turns about the boss beside it; a block in its place is one with the housing.
+
+    The ground is that below its largest part, however the whole is turned.
+    """
     top = part("top", box(300, 60, 10).at(0, 55, 85))
-    assert [kind for kind, *_ in joints(inferred(module(-100), module(100), top))] == ["revolute"] * 2
+    whole = Node("robot", children=(module(-100), module(100), top), X=Pose.from_xyz_rpy((0, 0, 0), rpy))
+    assert [kind for kind, *_ in joints(inferred(whole))] == ["revolute"] * 2
     blocks = [
         group(f"module {x}", module(x).children[0], part("foot", box(60, 20, 60).at(x, 22, 30))) for x in (-100, 100)
     ]

@@ -18,6 +18,7 @@ from stepbot.draft.evidence.evidence import Evidence, JointEvidence
 from stepbot.draft.evidence.motors import Motor
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import Role
+from stepbot.draft.parts.scene import own_axes
 from stepbot.geometry.spatial import Array, cross, perpendicular_frame
 from stepbot.robot.model import JointKind
 
@@ -39,6 +40,8 @@ _ROLLERS = 4
 """Number of wheels in several directions on one part, from which they are rollers around a hub."""
 _SHARE = 0.2
 """Share of a link's volume from which a wheel in it makes it one."""
+_TYRE, _THIN, _COVERED = 0.92, 0.5, 0.75
+"""Score of the weld of a tyre; least shares of its outer radius, and of both widths, that its bore and its fit have."""
 _LEAST = 1e-3
 """Share of the assembly's volume from which a round body may be a wheel."""
 
@@ -66,6 +69,8 @@ def wheel_evidence(survey: Survey, motors: Sequence[Motor], found: Evidence) -> 
     of, hinges = wheels(survey), defaultdict(list)
     found.rolling = of
     for i, axis in of.items():
+        if (rim := _rim_of(survey, i, axis)) is not None:
+            found.weld(_TYRE, i, rim, "a tyre on its rim")
         for other, r in _held_by(survey, i, axis) if i not in driven else ():
             part = survey.parts[other]
             if other not in of and not part.is_balanced(axis, TREAD) and _turns_about(r, axis):
@@ -97,6 +102,23 @@ def _swivel(survey: Survey, fork: int, wheel: Axis) -> JointEvidence | None:
     return JointEvidence(
         *(_SCORE, a, b, JointKind.REVOLUTE, axis, "a fork whose wheel is behind its pivot", r), review=_REVIEW_SWIVEL
     )
+
+
+def _rim_of(survey: Survey, wheel: int, axis: Axis) -> int | None:
+    """The rim that a tyre is around, about as wide as it, with play up to a hundredth; None for any other wheel."""
+    around = list(survey.around(wheel))
+    if len(around) != 1 or not _turns_about(around[0][1], axis):
+        return None
+    other, r = around[0]
+    widths = [float(np.ptp(survey.scene.span(i, axis.d))) for i in (wheel, other)]
+    is_tyre = any(
+        fit.shaft == other
+        and fit.radius > _THIN * _radius(survey, wheel, axis)
+        and fit.length > _COVERED * max(widths)
+        and fit.clearance < _FLAT * fit.radius
+        for fit in r.shafts
+    )
+    return other if is_tyre else None
 
 
 def _held_by(survey: Survey, wheel: int, axis: Axis) -> list[tuple[int, Relation]]:
@@ -132,9 +154,13 @@ def _turned_about(survey: Survey, i: int) -> Axis | None:
 
 
 def _radius(survey: Survey, i: int, axis: Axis) -> float:
-    """Half of the width [m] of a part across an axis, the least of two directions."""
-    frame = perpendicular_frame(axis.d)
-    return 0.5 * min(high - low for low, high in (survey.scene.span(i, frame[:, k]) for k in (0, 1)))
+    """Half of the width [m] of a part across an axis: the least of two directions, and of those that it is drawn along.
+
+    What is around a rounded tread is tight along these.
+    """
+    drawn = [d for d in survey.scene.component(i).X_WC.R.T if abs(float(d @ axis.d)) < _FLAT]
+    spans = (survey.scene.span(i, d) for d in (*perpendicular_frame(axis.d).T[:2], *drawn))
+    return 0.5 * min(high - low for low, high in spans)
 
 
 def rolling(survey: Survey) -> Iterator[tuple[int, Axis]]:
@@ -145,10 +171,9 @@ def rolling(survey: Survey) -> Iterator[tuple[int, Axis]]:
     round_ones = {
         i: axis for i in drawn if survey.parts[i].volume > _LEAST * survey.volume and (axis := _turned_about(survey, i))
     }
-    boxes = np.array([survey.parts[i].box for i in drawn])
-    for k, sign in product((2, 1, 0), (1, -1)):
-        heights = boxes[:, 0, k] if sign > 0 else -boxes[:, 1, k]
-        ground, up = float(heights.min()), sign * np.eye(3)[k]
+    for up in _ups(survey, drawn) if len(round_ones) > 1 else ():
+        heights = np.array([survey.scene.span(i, up)[0] for i in drawn])
+        ground = float(heights.min())
         rolling = [i for i in round_ones if _rolls(survey, i, round_ones[i], up, ground)]
         radii = {i: _radius(survey, i, round_ones[i]) for i in rolling}
         equal = [i for i in rolling if any(j != i and abs(radii[i] - radii[j]) < _EQUAL * radii[i] for j in rolling)]
@@ -161,6 +186,17 @@ def rolling(survey: Survey) -> Iterator[tuple[int, Axis]]:
         if survey.total_volume(others) <= _SLIGHT * survey.volume:
             yield from ((i, round_ones[i]) for i in rolling)
             return
+
+
+def _ups(survey: Survey, drawn: Sequence[int]) -> Iterator[Array]:
+    """The directions that may be up: along the axes of the assembly, then along those of its largest part."""
+    first = max(drawn, key=lambda i: (survey.parts[i].volume, -i))
+    own = survey.scene.component(first).X_WC.R @ survey.scene.of_definition(first, own_axes)
+    for k, sign in product((2, 1, 0), (1, -1)):
+        yield sign * np.eye(3)[k]
+    for k, sign in product((2, 1, 0), (1, -1)):
+        if np.abs(own[:, k]).max() < 1.0 - _FLAT**2:
+            yield sign * own[:, k]
 
 
 def _rolls(survey: Survey, i: int, axis: Axis, up: Array, ground: float) -> bool:
