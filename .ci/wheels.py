@@ -19,10 +19,10 @@ import time
 import tomllib
 from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
 
+from msgspec import Struct
 from pythons import SUPPORTED, found_pythons
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -44,8 +44,7 @@ class Failed(Exception):
     """A command failed; its output has been printed."""
 
 
-@dataclass(frozen=True)
-class Environment:
+class Environment(Struct, frozen=True):
     """One Python with one choice of dependencies."""
 
     name: str

@@ -1,8 +1,9 @@
 """Large assemblies, byte-identical each time: many definitions, many occurrences, many faces, many bytes."""
 
 import math
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from .exchange import Exchange, Point, Product
 from .solids import Plate, Relief
@@ -21,8 +22,7 @@ _SPACING = 120.0
 """Distance between occurrences [mm], so that no two touch."""
 
 
-@dataclass(frozen=True)
-class Assembly:
+class Assembly(Struct, frozen=True):
     """Plates, with ``definitions`` separate definitions, each placed ``occurrences`` times; or one relief."""
 
     definitions: int = 0

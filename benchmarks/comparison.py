@@ -1,8 +1,9 @@
 """Runs contenders alternately, round by round, on the same case: ratios of runs under the same conditions."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from statistics import median, quantiles
+
+from msgspec import Struct
 
 from .contenders import Case, Contender
 from .timing import Cost, peak_memory, timed
@@ -11,8 +12,7 @@ Quartiles = tuple[float, float]
 """The first and the third."""
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(Struct, frozen=True):
     """The result of one contender, relative to the first of its comparison."""
 
     contender: str

@@ -5,8 +5,9 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
+
+from msgspec import Struct, field
 
 ROOT = Path(__file__).resolve().parents[1]
 _CASCADIO = (
@@ -17,8 +18,7 @@ STEPBOT = (str(Path(sys.executable).with_name("stepbot")),)
 """The command of this environment."""
 
 
-@dataclass
-class Case:
+class Case(Struct):
     """One robot to convert, in its own folder."""
 
     name: str
@@ -61,8 +61,7 @@ def _nothing(case: Case) -> None:
     """Preparation of most contenders before a run."""
 
 
-@dataclass(frozen=True)
-class Contender:
+class Contender(Struct, frozen=True):
     """One contender."""
 
     name: str

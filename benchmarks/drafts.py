@@ -11,12 +11,12 @@ import subprocess
 import tomllib
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from msgspec import Struct, field
 from ruamel.yaml import YAML
 
 from stepbot.step.assembly import Component
@@ -31,8 +31,7 @@ _IGNORED = "_ignore"
 _HEADS = ("found", "merged", "wrong, unmarked", "wrong, REVIEW", "volume", "root")
 
 
-@dataclass
-class Outcome:
+class Outcome(Struct):
     """What became of the true joints of some assemblies."""
 
     assemblies: int = 0

@@ -1,8 +1,9 @@
 """Writes STEP files (ISO 10303-21, AP214) statement by statement, so that large files need little memory."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import TextIO
+
+from msgspec import Struct
 
 Point = tuple[float, float, float]
 
@@ -19,8 +20,7 @@ X: Point = (1.0, 0.0, 0.0)
 Z: Point = (0.0, 0.0, 1.0)
 
 
-@dataclass(frozen=True)
-class Product:
+class Product(Struct, frozen=True):
     """Statements of a product that occurrences refer to."""
 
     definition: int

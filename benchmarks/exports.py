@@ -4,9 +4,9 @@ Random numbers are those of PCG64.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.geometry.mesh import TriMesh

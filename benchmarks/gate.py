@@ -11,11 +11,12 @@ import os
 import random
 import subprocess
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from enum import Enum
 from math import comb
 from pathlib import Path
 from statistics import median
+
+from msgspec import Struct
 
 from .contenders import ROOT, STEPBOT, Case
 from .timing import timed
@@ -38,8 +39,7 @@ class Verdict(Enum):
     OPEN = "open"
 
 
-@dataclass(frozen=True)
-class Source:
+class Source(Struct, frozen=True):
     """A stepbot to run."""
 
     name: str
@@ -51,8 +51,7 @@ class Source:
         return {**case.environment, "PYTHONPATH": os.pathsep.join([str(self.root / "src"), str(self.root / "cli")])}
 
 
-@dataclass(frozen=True)
-class Job:
+class Job(Struct, frozen=True):
     """One command to compare."""
 
     name: str

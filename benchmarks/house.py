@@ -25,11 +25,11 @@ def figures() -> dict[str, int]:
 
 
 def _is_record(node: ast.AST) -> bool:
-    """Whether a node is a data class, a named tuple, or a model of pydantic."""
+    """Whether a node is a struct, a named tuple, or a model of pydantic."""
     if not isinstance(node, ast.ClassDef):
         return False
     names = [ast.unparse(one) for one in (*node.decorator_list, *node.bases)]
-    return any(name.startswith(("dataclass", "NamedTuple", "BaseModel", "Section", "TypedDict")) for name in names)
+    return any(name.startswith(("Struct", "NamedTuple", "BaseModel", "Section", "TypedDict")) for name in names)
 
 
 def floors(trees: dict[Path, ast.Module]) -> list[tuple[str, ...]]:

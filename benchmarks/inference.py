@@ -14,8 +14,9 @@ import os
 import re
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.draft.contacts.survey import Sources
@@ -54,8 +55,7 @@ _CELLS: dict[str, Callable[["Total"], str]] = {
 _HEADS = ("found", "to 1e-6", "not drawn", "seen", "precision", "wrong (unmarked)", "volume in the right link", "root")
 
 
-@dataclass(frozen=True)
-class Subject:
+class Subject(Struct, frozen=True):
     """An assembly and its sidecar with the true joints, if there is one."""
 
     name: str

@@ -2,7 +2,8 @@
 
 import os
 import time
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from stepbot.draft.draft_robot import infer
 from stepbot.draft.stops.stops import with_stops

@@ -1,9 +1,10 @@
 """Results of one comparison over several files: tables with a row per file, and a picture. Nothing is measured here."""
 
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from io import BytesIO
 from statistics import median
+
+from msgspec import Struct
 
 from .comparison import Quartiles, Row
 
@@ -24,8 +25,7 @@ Results = Mapping[str, list[Row]]
 """The rows of each file, the first contender first."""
 
 
-@dataclass(frozen=True)
-class _Quantity:
+class _Quantity(Struct, frozen=True):
     """One table: a number of the first contender in its unit, and ratios to it."""
 
     title: str

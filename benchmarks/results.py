@@ -4,8 +4,9 @@ import json
 import os
 import platform
 from collections.abc import Sequence
-from dataclasses import asdict, fields
 from pathlib import Path
+
+from msgspec.structs import asdict
 
 from .comparison import Row
 
@@ -29,7 +30,7 @@ def rows_of(entry: dict[str, object]) -> list[Row]:
     """The rows of a case in the result of :func:`load`."""
     rows = entry["rows"]
     assert isinstance(rows, list)
-    return [Row(**{field.name: _plain(row.get(field.name)) for field in fields(Row)}) for row in rows]
+    return [Row(**{name: _plain(row.get(name)) for name in Row.__struct_fields__}) for row in rows]
 
 
 def _plain(value: object) -> object:

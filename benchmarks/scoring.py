@@ -1,9 +1,9 @@
 """Recall and precision of inferred joints."""
 
 from collections import defaultdict
-from dataclasses import dataclass, field
 
 import numpy as np
+from msgspec import Struct, field
 
 from stepbot.draft.draft import SURE
 from stepbot.draft.inference import Inferred
@@ -19,8 +19,7 @@ DISTANCE, ANGLE = 2e-5, 1e-3
 _SAME = {JointKind.CONTINUOUS: JointKind.REVOLUTE}
 
 
-@dataclass
-class Score:
+class Score(Struct):
     """Counts of joints; volumes are shares."""
 
     true: int = 0

@@ -1,13 +1,13 @@
 """Solids of known volume: plates with bores, and reliefs of thousands of triangles."""
 
 import math
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from .exchange import Exchange, Point
 
 
-@dataclass(frozen=True)
-class Plate:
+class Plate(Struct, frozen=True):
     """A plate with a row by row grid of bores [mm]."""
 
     length: float
@@ -38,8 +38,7 @@ class Plate:
         return to.solid(faces + _box(to, corners, self.height, above, below))
 
 
-@dataclass(frozen=True)
-class Relief:
+class Relief(Struct, frozen=True):
     """A square block of 1 mm cells with two plane triangles each on its upper side, like converted meshes."""
 
     cells: int

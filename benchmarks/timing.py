@@ -9,8 +9,9 @@ import tempfile
 import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 _PR_SET_CHILD_SUBREAPER = 36
 """Linux, ``prctl(2)``."""
@@ -20,8 +21,7 @@ _BETWEEN_SAMPLES = 0.02
 """Sampling interval [s] of the memory of a process tree."""
 
 
-@dataclass(frozen=True)
-class Cost:
+class Cost(Struct, frozen=True):
     """The cost of a run."""
 
     wall: float

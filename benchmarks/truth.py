@@ -1,10 +1,10 @@
 """The true mechanism of a robot by a hand-written sidecar: links as sets of parts, joints as lines in the assembly."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.assemble.binder import Binder
 from stepbot.assemble.claims import claim
@@ -19,8 +19,7 @@ from stepbot.sidecar.load import load_sidecar
 from stepbot.step.assembly import Assembly
 
 
-@dataclass(frozen=True, eq=False)
-class TrueJoint:
+class TrueJoint(Struct, frozen=True, eq=False):
     """A joint or a closure."""
 
     name: str
@@ -33,8 +32,7 @@ class TrueJoint:
     is_closure: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class Truth:
+class Truth(Struct, frozen=True, eq=False):
     """Links, each the union of those connected by fixed joints, and the joints between them."""
 
     link_of: dict[int, str]

@@ -8,9 +8,11 @@ import argparse
 import re
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from . import contenders as who
 from .assemblies import SIDECAR
@@ -34,8 +36,7 @@ CaseOf = Callable[[Path, Path], Case]
 """The case of a sidecar, in a folder."""
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(Struct, frozen=True):
     """A line of the table: ratios of the working tree and of the revision."""
 
     what: str

@@ -5,10 +5,10 @@ since only their ratios count.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+from msgspec import Struct, field
 
 from robot_library.step_file import moved
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
@@ -29,8 +29,7 @@ _NOWHERE = np.eye(4)
 _NO_MESH = TriMesh.of(np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int32))
 
 
-@dataclass(frozen=True, eq=False)
-class Node:
+class Node(Struct, frozen=True, eq=False):
     """A part, or a subassembly of others, at its place in what is above."""
 
     name: str

@@ -8,12 +8,13 @@ import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import pytest
+from msgspec import Struct
+from msgspec.structs import asdict
 
 from stepbot.runtime.cache import Cache
 from stepbot_cli import main
@@ -30,8 +31,7 @@ def cache_of_this_run() -> Cache:
     return Cache(Path(os.environ["STEPBOT_CACHE"]))
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(Struct, frozen=True):
     """Exit code and output of a command."""
 
     code: int
@@ -90,8 +90,7 @@ def stepbot_process(*arguments: str | Path, cwd: Path, changes: Mapping[str, str
     return Run(run.returncode, run.stdout.decode("utf-8"), run.stderr.decode("utf-8"))
 
 
-@dataclass(frozen=True)
-class Conversion:
+class Conversion(Struct, frozen=True, dict=True):
     """A converted robot."""
 
     folder: Path

@@ -6,10 +6,12 @@ never from the kernel. Arguments are in millimetres, results in SI. W is the ass
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import product
 from math import pi
 from pathlib import Path
+
+from msgspec import Struct, field
 
 from robot_library.moments import NOTHING, Array, Moments, mirror, pose, total, turn
 from robot_library.step_file import Assembly, LengthUnit, Occurrence, Part, write_step
@@ -32,8 +34,7 @@ def drawn(name: str, solid: Solid, color: str = "", density: float = 0.0) -> Dra
     return Drawn(name, solid.shape, color, (), f"stuff of {density:g}" if density else "", density, (solid.moments,))
 
 
-@dataclass(frozen=True, eq=False)
-class Piece:
+class Piece(Struct, frozen=True, eq=False):
     """One body with its pose."""
 
     path: str
@@ -50,8 +51,7 @@ class Piece:
     """``#rrggbb`` in the STEP; empty for none."""
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(Struct, frozen=True):
     """An axis that two components share."""
 
     point: tuple[float, float, float]
@@ -60,8 +60,7 @@ class Line:
     """With the sign of the sidecar's rule."""
 
 
-@dataclass(frozen=True, eq=False)
-class Drawing:
+class Drawing(Struct, frozen=True, eq=False):
     """A STEP file and its content."""
 
     path: Path

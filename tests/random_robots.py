@@ -6,12 +6,12 @@ through seeds.
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from itertools import combinations
 from math import inf
 from random import Random
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh

@@ -1,10 +1,10 @@
 """Robots converted from a sidecar, drafted again from the written description, and compared."""
 
 import shutil
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.draft import Draft
 from stepbot.draft.text.sidecar_text import sidecar_text
@@ -17,8 +17,7 @@ MADE_OF_SEVERAL = ("universal", "ball", "cylindrical", "planar", "screw", "float
 """Joints that URDF writes as several links and joints."""
 
 
-@dataclass(frozen=True)
-class Redrafted:
+class Redrafted(Struct, frozen=True):
     """The original robot and the drafted one."""
 
     drawn: Robot

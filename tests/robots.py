@@ -6,10 +6,10 @@ that build them; each call returns a new robot with the same content.
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh

@@ -5,8 +5,9 @@ with the other file's name, and an APPLIED_DOCUMENT_REFERENCE between them.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from robot_library.moments import Array, pose
 from robot_library.step_file import Assembly, LengthUnit, Occurrence, Part, write_step
@@ -19,8 +20,7 @@ _UNITS: dict[LengthUnit, tuple[float, str]] = {
 """Millimetres per unit, and the unit's entity, for the files with the structure."""
 
 
-@dataclass(frozen=True)
-class Component:
+class Component(Struct, frozen=True):
     """A product with its pose, in a file with the structure alone."""
 
     product: str

@@ -5,17 +5,17 @@ A :class:`Solid` is a shape of the kernel with its integrals, and a cut applies 
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import product
 from typing import Any
+
+from msgspec import Struct
 
 from robot_library import moments
 from robot_library.moments import Array, Moments, pose
 from robot_library.step_file import moved
 
 
-@dataclass(frozen=True, eq=False)
-class Solid:
+class Solid(Struct, frozen=True, eq=False):
     """A shape of the kernel and its integrals at density 1, both in millimetres and in one frame."""
 
     shape: Any

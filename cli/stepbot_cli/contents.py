@@ -1,10 +1,10 @@
 """Totals of each component of an assembly, including its subtree; and all that `inspect` reports as JSON, in SI."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.geometry.mesh import TriMesh
@@ -25,8 +25,7 @@ _IN_PLANE = 2e-9
 """Distance [m] from a plane up to which a vertex lies in it: vertices are on a grid of a nanometre."""
 
 
-@dataclass
-class Contents:
+class Contents(Struct):
     """Totals of a component and its subtree."""
 
     solids: int = 0

@@ -2,11 +2,11 @@
 
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from msgspec.structs import asdict
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.runtime.file import exists, is_folder

@@ -1,10 +1,10 @@
 """``stepbot doctor``: what of stepbot works on this machine."""
 
 import sys
-from dataclasses import asdict
 from pathlib import Path
 
 import click
+from msgspec.structs import asdict
 
 from .command import Command, json_option
 from .diagnostic_text import paint, printable

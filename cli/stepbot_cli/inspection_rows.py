@@ -1,9 +1,9 @@
 """Selects the components that ``inspect`` lists, and the axes that two of them share."""
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
 
 import click
+from msgspec import Struct
 
 from stepbot.diagnostics import did_you_mean
 from stepbot.step.assembly import Assembly, Component
@@ -14,8 +14,7 @@ _SHOWN = 12
 """Maximum number of components in a remedy."""
 
 
-@dataclass(frozen=True)
-class SharedAxes:
+class SharedAxes(Struct, frozen=True):
     """The result of ``inspect --between A B``."""
 
     words: tuple[str, str]
@@ -96,8 +95,7 @@ def _place(assembly: Assembly, line: AxisLine) -> str:
     return assembly.components[line.components[0]].path
 
 
-@dataclass(frozen=True)
-class Choice:
+class Choice(Struct, frozen=True):
     """What to list."""
 
     depth: int | None = None
@@ -108,8 +106,7 @@ class Choice:
     """Whether occurrences of one part in one subassembly share a row."""
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(Struct, frozen=True):
     """One row of the list."""
 
     component: Component
@@ -119,8 +116,7 @@ class Row:
     """Path of the last component of the row; empty if there is only one."""
 
 
-@dataclass(frozen=True)
-class Rows:
+class Rows(Struct, frozen=True):
     """The rows, and the number of components left out."""
 
     rows: tuple[Row, ...]

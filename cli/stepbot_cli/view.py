@@ -3,11 +3,11 @@
 import threading
 import webbrowser
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.runtime.file import exists

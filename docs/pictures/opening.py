@@ -3,11 +3,11 @@
 ``python docs/pictures/opening.py``; needs ``stepbot[render]``.
 """
 
-from dataclasses import replace
 from math import cos, pi, radians
 from pathlib import Path
 
 import numpy as np
+from msgspec.structs import replace
 from PIL import Image, ImageDraw, ImageFont
 
 from stepbot.diagnostics import Diagnostics

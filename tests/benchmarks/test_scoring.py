@@ -1,9 +1,9 @@
 """Scores of joint inference count correct and wrong joints."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from benchmarks.scoring import score
 from benchmarks.truth import Truth, read_truth

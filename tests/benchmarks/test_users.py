@@ -1,6 +1,6 @@
 """The table for users: what a line shows, and where it goes."""
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from benchmarks.users import PAGE, Line, page_with, row, table
 

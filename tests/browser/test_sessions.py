@@ -4,11 +4,11 @@ import re
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.pipeline.conversion import Options
@@ -49,8 +49,7 @@ LISTED = "return stepbot.state.writtenOf === stepbot.state.scene"
 """The list of decisions is that of the robot that is shown."""
 
 
-@dataclass(frozen=True)
-class Drafting:
+class Drafting(Struct, frozen=True):
     """A robot that is drafted and then made in the page."""
 
     page: Page

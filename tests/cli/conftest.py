@@ -2,16 +2,15 @@
 
 import shutil
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from msgspec import Struct
 
 from stepbot_cli import main
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(Struct, frozen=True):
     """Exit code, standard output and standard error of a command."""
 
     code: int

@@ -10,10 +10,10 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from msgspec import Struct
 
 from stepbot.engines import Engine
 from stepbot.runtime.temporary import run_folder
@@ -37,8 +37,7 @@ def good(tmp_path_factory: pytest.TempPathFactory, robot_library: Path) -> Path:
     return convert_once(tmp_path_factory, "former_arm2", sidecar, "--no-verify").folder
 
 
-@dataclass(frozen=True)
-class Desk:
+class Desk(Struct, frozen=True):
     """A folder with the output of a successful conversion, for a second one that fails."""
 
     folder: Path

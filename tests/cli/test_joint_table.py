@@ -1,10 +1,10 @@
 """The joint table fits any screen and shows type, links, axis, origin and evidence of each joint."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.robot.joint_table import Basis, Evidence, JointRow, Rival, Side
 from stepbot_cli.table import joint_lines

@@ -1,7 +1,6 @@
 """``stepbot convert --for menagerie``: the folder of a robot in MuJoCo Menagerie."""
 
 import re
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -9,6 +8,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats.mjcf.menagerie import menagerie_files, report_missing_license

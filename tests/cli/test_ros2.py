@@ -9,7 +9,6 @@ import subprocess
 import sys
 import types
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -17,6 +16,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 import pytest
 import yourdfpy
+from msgspec.structs import replace
 from ruamel.yaml import YAML
 
 from stepbot.described.robot import robot_of_description

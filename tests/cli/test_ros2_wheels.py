@@ -1,10 +1,10 @@
 """The controller of a base with two wheels, in the settings of ros2_control."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 from ruamel.yaml import YAML
 
 from stepbot.diagnostics import Diagnostics

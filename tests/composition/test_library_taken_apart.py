@@ -1,12 +1,12 @@
 """Robots of the library, taken apart into modules, compose back to themselves; mirrored limbs are the drawn ones."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.compose.mirroring import NORMALS, mirrored
 from stepbot.pipeline.conversion import Conversion, Options

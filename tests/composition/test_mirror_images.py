@@ -1,7 +1,6 @@
 """Mirror images: limits, mimics, loops, screws and mesh files."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from fnmatch import fnmatch
 from math import inf, pi
 from pathlib import Path
@@ -9,6 +8,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.compose.mirroring import flipped, mirrored
 from stepbot.compose.parts import image_name

@@ -4,7 +4,6 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
@@ -12,6 +11,7 @@ from xml.etree import ElementTree as ET
 import mujoco
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.compose import joining
 from stepbot.diagnostics import Diagnostics, StepbotError

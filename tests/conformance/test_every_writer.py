@@ -5,12 +5,12 @@ import hashlib
 import os
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from lxml import etree
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import FORMATS, format_named

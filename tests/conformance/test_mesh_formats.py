@@ -1,11 +1,11 @@
 """Mesh files in every format, in every description: what is written, and what engines and readers make of it."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from lxml import etree
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import FORMATS

@@ -1,13 +1,13 @@
 """MJCF compiled by MuJoCo, against the written robot."""
 
 import warnings
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from lxml import etree
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats.rendering import render

@@ -1,10 +1,10 @@
 """Contact properties in every format: read back by engines and readers of descriptions, and felt in simulation."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import mujoco
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines import engine_of

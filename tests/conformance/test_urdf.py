@@ -1,10 +1,9 @@
 """URDF files read by yourdfpy and PyBullet, against the written robot."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from lxml import etree
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats.rendering import render

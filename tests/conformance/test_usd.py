@@ -1,13 +1,13 @@
 """OpenUSD files, read by USD's library as any program would."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import pi, radians
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines import engine_of

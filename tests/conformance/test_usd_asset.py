@@ -1,7 +1,6 @@
 """The layers of `convert --for simready`, composed by USD's library as any program would."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from functools import cache
 from math import degrees, isfinite, radians
 from pathlib import Path
@@ -9,6 +8,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.observation import Request

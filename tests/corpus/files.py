@@ -1,11 +1,11 @@
 """The real assemblies, with known values beyond their index."""
 
-from dataclasses import dataclass
 from pathlib import Path
 
+from msgspec import Struct
 
-@dataclass(frozen=True)
-class CorpusFile:
+
+class CorpusFile(Struct, frozen=True):
     """One assembly."""
 
     name: str

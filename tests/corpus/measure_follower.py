@@ -10,11 +10,11 @@ expressions assign parts to links.
 import re
 import sys
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 
 from robot_library.command import kernel_properties
 from robot_library.expected import mass_properties, write_expected
@@ -54,8 +54,7 @@ HORNS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Occurrence:
+class Occurrence(Struct, frozen=True, eq=False):
     """One part with its pose."""
 
     path: str

@@ -1,11 +1,11 @@
 """An independent reading of the solids of a STEP file: the kernel's reader and healing, no tree, no process."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 
 from robot_library.command import kernel_properties
 from robot_library.moments import Array
@@ -13,8 +13,7 @@ from robot_library.moments import Array
 MILLIMETRES_PER_METRE = 1000.0
 
 
-@dataclass(frozen=True, eq=False)
-class PlainSolid:
+class PlainSolid(Struct, frozen=True, eq=False):
     """One solid in the frame of its definition, at 1 kg/m^3, integrated by GProp's default rule."""
 
     volume: float

@@ -1,7 +1,8 @@
 """A file of the corpus, read by the kernel's process with measuring meshes."""
 
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.geometry.mass_properties import measured
@@ -15,8 +16,7 @@ DEVIATIONS = "deviations of solids"
 """Property of a test's report: file, solid, deviation of the written and the measuring mesh, the chosen one."""
 
 
-@dataclass(frozen=True, eq=False)
-class ReadFile:
+class ReadFile(Struct, frozen=True, eq=False):
     """The result of reading a file."""
 
     assembly: Assembly | None

@@ -22,11 +22,11 @@ import shlex
 import shutil
 import sys
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
+from msgspec import Struct
 
 import stepbot
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
@@ -45,8 +45,7 @@ Plain = dict[str, Any]
 """A diagnostic as ``--json`` prints it."""
 
 
-@dataclass(frozen=True)
-class Transcript:
+class Transcript(Struct, frozen=True):
     """The output of a command."""
 
     diagnostics: list[Plain]

@@ -3,7 +3,8 @@
 import json
 import os
 import sys
-from dataclasses import asdict
+
+from msgspec.structs import asdict
 
 from .judge import Verdict
 from .mutant import Mutant

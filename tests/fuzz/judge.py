@@ -5,10 +5,10 @@ import re
 import traceback
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
+from msgspec import Struct, field
 
 from stepbot.assemble import build_robot
 from stepbot.diagnostics import Diagnostic, Diagnostics
@@ -44,8 +44,7 @@ _DIED = "SB902"
 _BODY_FAILED = "SB213"
 
 
-@dataclass(frozen=True)
-class Verdict:
+class Verdict(Struct, frozen=True):
     """The outcome for a damaged file."""
 
     outcome: str
@@ -60,8 +59,7 @@ class Verdict:
     """Forbidden results; empty if there are none."""
 
 
-@dataclass
-class _Trial:
+class _Trial(Struct):
     found: Diagnostics = field(default_factory=Diagnostics)
     faults: list[str] = field(default_factory=list)
     outcome: str = FAILED

@@ -1,11 +1,12 @@
 """A mutant: a valid STEP file with one or several kinds of damage, reproducible from its name."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cache
 from itertools import cycle, product
 from pathlib import Path
 from random import Random
+
+from msgspec import Struct
 
 from .damage import flipped_bytes, spoiled_header, spoiled_strings, truncation
 from .rewiring import (
@@ -37,8 +38,7 @@ MIXED = "mixed"
 ALL_KINDS = (*KINDS, MIXED)
 
 
-@dataclass(frozen=True)
-class Mutant:
+class Mutant(Struct, frozen=True):
     """The origin of a damaged file."""
 
     base: str

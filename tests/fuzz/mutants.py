@@ -11,9 +11,10 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
+
+from msgspec import Struct
 
 from tests.conftest import ROOT
 
@@ -38,8 +39,7 @@ class Named(Protocol):
 M = TypeVar("M", bound=Named)
 
 
-@dataclass(frozen=True)
-class Trial(Generic[M]):
+class Trial(Struct, Generic[M], frozen=True):
     """A mutant and its outcome."""
 
     mutant: M

@@ -5,8 +5,9 @@ python -m tests.fuzz.runner BASES FOLDER        reads names of mutants, one per 
 
 import json
 import sys
-from dataclasses import asdict, replace
 from pathlib import Path
+
+from msgspec.structs import asdict, replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.step.assembly import Assembly, ReadOptions

@@ -5,9 +5,10 @@ It only splits tokens and statements, so that it reads any complete file; it is 
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
+
+from msgspec import Struct
 
 _TOKEN = re.compile(
     rb"(?P<comment>/\*.*?\*/)|(?P<string>'(?:[^']|'')*')|(?P<reference>#\d+)|(?P<enumeration>\.[A-Z][A-Z0-9_]*\.)"
@@ -46,8 +47,7 @@ class Edit(NamedTuple):
     text: bytes
 
 
-@dataclass(frozen=True, eq=False)
-class StepText:
+class StepText(Struct, frozen=True, eq=False, dict=True):
     """A file and the positions of its parts."""
 
     data: bytes

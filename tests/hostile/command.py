@@ -9,8 +9,9 @@ import time
 import uuid
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from pathlib import Path
+
+from msgspec import Struct, field
 
 LONGEST = 120.0
 """Seconds after which a command counts as hung."""
@@ -21,8 +22,7 @@ _GONE_AFTER = 10.0
 _TRACEBACK = re.compile(r"^Traceback \(most recent call last\)", re.MULTILINE)
 
 
-@dataclass(frozen=True)
-class Ended:
+class Ended(Struct, frozen=True):
     """The end of a command."""
 
     code: int
@@ -51,8 +51,7 @@ class Ended:
         return tuple(found)
 
 
-@dataclass
-class Running:
+class Running(Struct):
     """A running command."""
 
     process: "subprocess.Popen[bytes]"

@@ -4,8 +4,9 @@ import os
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from .command import stepbot
 from .experiment import Experiment, Setting, Trial
@@ -44,8 +45,7 @@ def _deep(tag: str, levels: int) -> str:
     return f"<{tag}>" * levels + f"</{tag}>" * levels
 
 
-@dataclass(frozen=True)
-class Case:
+class Case(Struct, frozen=True):
     """A file with placeholders for the path that it must not read."""
 
     name: str

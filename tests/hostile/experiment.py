@@ -1,12 +1,12 @@
 """An experiment: one kind of hostile input or event, tried many times, each with a verdict."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
+from msgspec import Struct
 
-@dataclass(frozen=True)
-class Trial:
+
+class Trial(Struct, frozen=True):
     """One trial."""
 
     name: str
@@ -17,8 +17,7 @@ class Trial:
     """The defect found; empty if there is none."""
 
 
-@dataclass(frozen=True)
-class Setting:
+class Setting(Struct, frozen=True):
     """Settings of a run of an experiment."""
 
     folder: Path
@@ -33,8 +32,7 @@ class Setting:
     """Trials to repeat, instead of those of the seed; for experiments whose trials have no list."""
 
 
-@dataclass(frozen=True)
-class Experiment:
+class Experiment(Struct, frozen=True):
     """One kind of hostile input or event."""
 
     name: str

@@ -5,9 +5,11 @@ import shutil
 import signal
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from pathlib import Path
 from random import Random
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from .command import Ended, start, stepbot
 from .experiment import Experiment, Setting, Trial
@@ -56,8 +58,7 @@ def _convert(place: Path, version: Versions, sent: str, rng: Random) -> tuple[st
     return _outcome(ended, kept == version.new), faults
 
 
-@dataclass(frozen=True)
-class _Batch:
+class _Batch(Struct, frozen=True):
     """Robots that are converted together, each with its own version."""
 
     robots: dict[str, Versions]

@@ -7,11 +7,12 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cache
 from itertools import cycle
 from pathlib import Path
 from random import Random
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats.rendering import render
@@ -42,8 +43,7 @@ FILES = ("sidecar", "step", "urdf", "sdf", "mjcf", "mesh")
 """Groups of mutants; each gets the same share, sidecars the double of meshes."""
 
 
-@dataclass(frozen=True)
-class FileMutant:
+class FileMutant(Struct, frozen=True):
     """The origin of a damaged file."""
 
     base: str

@@ -22,10 +22,12 @@ import tempfile
 import time
 import traceback
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from random import Random
 from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import asdict
 
 from stepbot.diagnostics.codes import CODES
 from stepbot.runtime import temporary
@@ -51,8 +53,7 @@ _TRACEBACK = re.compile(r"^Traceback \(most recent call last\)|^\w+(Error|Except
 _CODE = re.compile(r"\bSB\d\d\d\b")
 
 
-@dataclass(frozen=True)
-class Run:
+class Run(Struct, frozen=True):
     """How a command is run on a mutant."""
 
     arguments: tuple[str, ...]
@@ -172,8 +173,7 @@ def _earlier(base: Path, folder: Path) -> Path:
     return output
 
 
-@dataclass(frozen=True)
-class Ended:
+class Ended(Struct, frozen=True):
     """The end of a command."""
 
     code: int

@@ -7,8 +7,10 @@ robot, its links and a material.
 import re
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
 from pathlib import Path
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from robot_library.step_file import Assembly, Occurrence, write_step
 from stepbot.robot.mesh_names import is_device
@@ -24,8 +26,7 @@ _HEAD = "version: 1\nmaterials: {steel: {density: 7850 kg/m^3}}\ndefaults: {mate
 _RLO, _PDF = "\u202e", "\u202c"
 
 
-@dataclass(frozen=True)
-class Case:
+class Case(Struct, frozen=True):
     """A name."""
 
     name: str
@@ -99,8 +100,7 @@ def run(setting: Setting) -> Iterator[Trial]:
         yield Trial(name, outcome, tuple(trial.faults))
 
 
-@dataclass
-class _Trial:
+class _Trial(Struct):
     """Commands run in a folder, and the defects found."""
 
     place: Path

@@ -1,10 +1,11 @@
 """Two versions of a robot to convert, their expected files, and a cache with both."""
 
 import shutil
-from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+from msgspec import Struct
 
 from stepbot.runtime.cache.sources import own_code
 from tests.command_line import snapshot
@@ -18,8 +19,7 @@ _FOLDERS: list[TemporaryDirectory[str]] = []
 """Removed when the process ends."""
 
 
-@dataclass(frozen=True)
-class Versions:
+class Versions(Struct, frozen=True):
     """A robot before and after an edit of its sidecar."""
 
     folder: Path

@@ -8,8 +8,9 @@ import hashlib
 import os
 import shutil
 import stat
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 WORK, OUTPUT, OUTSIDE, TEMPORARY, HOME = "work", "work/out", "outside", "tmp", "home"
 _NOISE = bytes(range(256)) * 4
@@ -17,8 +18,7 @@ FOREIGN = ("notes.txt", "meshes/mine.obj")
 """Files of the user in the output folder."""
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(Struct, frozen=True):
     """What is known of a file, a link, a folder or a pipe without following it."""
 
     mode: int

@@ -3,11 +3,12 @@
 import pickle
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache
 from itertools import cycle, product
 from pathlib import Path
 from random import Random
+
+from msgspec import Struct
 
 from stepbot.assemble.masses import read_options
 from stepbot.diagnostics import Diagnostics
@@ -29,8 +30,7 @@ _SIDECAR = "base.robot.yaml"
 _ASSEMBLY = "assembly.pickle"
 
 
-@dataclass(frozen=True)
-class SidecarMutant:
+class SidecarMutant(Struct, frozen=True):
     """The origin of a damaged sidecar."""
 
     base: str

@@ -8,8 +8,9 @@ import sys
 import time
 import traceback
 import warnings
-from dataclasses import asdict
 from pathlib import Path
+
+from msgspec.structs import asdict
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.sidecar.check import check_sidecar

@@ -6,22 +6,20 @@ string. Mappings are lists of pairs, so that a key may be duplicated.
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from msgspec import Struct, field
 from ruamel.yaml import YAML
 
 
-@dataclass
-class Scalar:
+class Scalar(Struct):
     """A piece of YAML source."""
 
     source: str
 
 
-@dataclass
-class Listing:
+class Listing(Struct):
     """A list."""
 
     values: list["Node"] = field(default_factory=list)
@@ -29,8 +27,7 @@ class Listing:
     """An anchor or a tag before it."""
 
 
-@dataclass
-class Table:
+class Table(Struct):
     """A mapping."""
 
     pairs: list[tuple[str, "Node"]] = field(default_factory=list)

@@ -4,11 +4,11 @@ import json
 import multiprocessing
 import shutil
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 from random import Random
 
 import pytest
+from msgspec.structs import replace
 
 from tests.command_line import snapshot, stepbot
 

@@ -1,12 +1,12 @@
 """Draws the parts of one assembly and notes their links: bodies, screws and pins in a random style."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from math import cos, pi, sin
 from random import Random
 from typing import Any
 
 import numpy as np
+from msgspec import Struct, field
 
 from robot_library.moments import Array, pose, turn
 from robot_library.step_file import moved
@@ -59,8 +59,7 @@ SCREWS = "_screws"
 """The link of what may be anywhere."""
 
 
-@dataclass(frozen=True)
-class Truth:
+class Truth(Struct, frozen=True):
     """A joint that was drawn: its type, both links, and its line [m]."""
 
     kind: str
@@ -70,8 +69,7 @@ class Truth:
     direction: Array
 
 
-@dataclass
-class Kit:
+class Kit(Struct, dict=True):
     """One assembly while it is drawn [mm]."""
 
     rng: Random

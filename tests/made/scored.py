@@ -2,10 +2,10 @@
 
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from random import Random
 
 import numpy as np
+from msgspec import Struct, field
 
 from stepbot.draft.draft import SURE
 from stepbot.draft.inference import Inferred, infer_mechanism
@@ -19,8 +19,7 @@ _DISTANCE, _ANGLE = 4e-4, 0.02
 """Accuracy [m], [rad] of axes: parts may be placed 0.36 mm off."""
 
 
-@dataclass
-class Result:
+class Result(Struct):
     """Counts of joints of some drawn mechanisms."""
 
     drawn: int = 0

@@ -2,12 +2,12 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from random import Random
 from typing import Any
 
 import numpy as np
 from lxml import etree
+from msgspec import Struct
 
 from stepbot.engines.observation import Quantity
 from stepbot.formats.lowering.joints import UNLIMITED
@@ -27,8 +27,7 @@ _POSES, _SHAPES = TOLERANCES[Quantity.POSES].absolute, TOLERANCES[Quantity.MESHE
 _ANGLE = TOLERANCES[Quantity.AXES].absolute
 
 
-@dataclass(frozen=True)
-class Slot:
+class Slot(Struct, frozen=True):
     """Numbers of one attribute or element."""
 
     path: str
@@ -50,8 +49,7 @@ def slots_of(content: bytes) -> list[Slot]:
     return list(_slots(etree.fromstring(content)))
 
 
-@dataclass(frozen=True)
-class Change:
+class Change(Struct, frozen=True):
     """One number of a file, changed."""
 
     path: str

@@ -7,10 +7,11 @@ import signal
 import time
 from collections.abc import Callable
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import replace
 from io import StringIO
 from types import TracebackType
 from typing import Any
+
+from msgspec.structs import replace
 
 from stepbot.engines import engine_of
 from stepbot.engines.observation import EngineCannotRead, EngineRefused, Observation, Request

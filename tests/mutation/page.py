@@ -5,9 +5,10 @@ import sys
 import tempfile
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
+
+from msgspec import Struct
 
 from tests.robots import ROBOTS
 
@@ -29,8 +30,7 @@ ALL = {**CORE, "sdf": ("pybullet", "drake"), "drake.sdf": ("drake",)}
 """Drake in addition, if PyBullet detected nothing."""
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(Struct, frozen=True):
     """A format and its judges."""
 
     title: str

@@ -2,12 +2,12 @@
 
 from collections.abc import Iterator
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import replace
 from io import StringIO
 from pathlib import Path
 from random import Random
 
 from lxml import etree
+from msgspec.structs import replace
 
 from stepbot.engines import Engine, engines_for
 from stepbot.engines.description.statements import statements

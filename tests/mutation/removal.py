@@ -1,10 +1,10 @@
 """Every way to remove one element or one attribute of an XML file."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 from lxml import etree
+from msgspec import Struct
 
 UNREAD = {
     "urdf": ("ros2_control", "gazebo", "transmission"),
@@ -15,8 +15,7 @@ UNREAD = {
 """Blocks that no engine reads, by format; counted separately."""
 
 
-@dataclass(frozen=True)
-class Removal:
+class Removal(Struct, frozen=True):
     """A removal from a file."""
 
     path: str

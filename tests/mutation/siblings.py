@@ -7,11 +7,13 @@ import json
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import dataclass, replace
 from io import StringIO
 from itertools import islice
 from pathlib import Path
 from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines import Engine, engines_for
@@ -32,8 +34,7 @@ FORMATS = ("urdf", "sdf", "mjcf")
 """In the order in which the files are verified."""
 
 
-@dataclass(frozen=True)
-class Noticed:
+class Noticed(Struct, frozen=True):
     """The outcome of a change."""
 
     robot: str

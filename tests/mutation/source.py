@@ -17,11 +17,12 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import cache
 from itertools import accumulate
 from pathlib import Path
 from random import Random
+
+from msgspec import Struct
 
 from tests.conftest import ROOT
 
@@ -59,8 +60,7 @@ Changes that no test notices:
 """
 
 
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(Struct, frozen=True):
     """A change, and what the tests say."""
 
     change: Change

@@ -7,8 +7,9 @@ whole suite takes minutes.
 
 import ast
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import pairwise
+
+from msgspec import Struct
 
 _COMPARISONS: dict[type[ast.cmpop], tuple[str, str]] = {
     ast.Lt: ("<", "<="),
@@ -34,8 +35,7 @@ _OPERATORS: dict[type[ast.operator], tuple[str, str]] = {
 }
 
 
-@dataclass(frozen=True)
-class Change:
+class Change(Struct, frozen=True):
     """One change of a file."""
 
     path: str

@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 from random import Random
+
+from msgspec import Struct
 
 from stepbot.robot.model import Robot
 from tests.simulators.conftest import Folder, write
@@ -13,8 +14,7 @@ from .judge import Judge, question
 from .removal import Removal, removals
 
 
-@dataclass(frozen=True)
-class Verdict:
+class Verdict(Struct, frozen=True):
     """The outcome of a removal."""
 
     robot: str

@@ -8,12 +8,12 @@ change that was not meant is seen.
 import hashlib
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import fields, is_dataclass
 from enum import Enum
 from functools import cache
 from pathlib import Path
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot import __version__
 
@@ -29,8 +29,9 @@ def text(value: object) -> str:
     """A result as text: the fields of data classes by name, numbers to six digits, sets in order, bytes by digest."""
     if isinstance(value, Enum):
         return str(value)
-    if is_dataclass(value) and not isinstance(value, type):
-        return f"{type(value).__name__}({', '.join(f'{f.name}={text(getattr(value, f.name))}' for f in fields(value))})"
+    if isinstance(value, Struct):
+        fields = (f"{name}={text(getattr(value, name))}" for name in value.__struct_fields__)
+        return f"{type(value).__name__}({', '.join(fields)})"
     if isinstance(value, bytes):
         return _readable(value)
     if isinstance(value, float | np.floating):

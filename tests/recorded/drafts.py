@@ -1,10 +1,11 @@
 """Drafts of drawn mechanisms with their evidence: as drawn, by geometry alone, with parts nudged, by a description."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from random import Random
+
+from msgspec.structs import replace
 
 from stepbot.assemble import build_robot
 from stepbot.diagnostics import Diagnostics

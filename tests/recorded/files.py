@@ -1,12 +1,12 @@
 """Everything that a conversion writes for robots in memory, plainly and with every option, and what it reports."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from random import Random
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.formats import FORMATS

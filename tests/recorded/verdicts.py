@@ -1,7 +1,6 @@
 """What `verify` and `diff` say of robots one of whose values was changed, in memory and in files."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import fields, is_dataclass, replace
 from functools import partial
 from pathlib import Path
 from random import Random
@@ -9,6 +8,8 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import fields, replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.description.statements import statements
@@ -54,13 +55,13 @@ def _changed(value: Any) -> Iterator[tuple[str, Any]]:
         for n, one in enumerate(value):
             for at, other in _changed(one):
                 yield f"[{n}]{at}", type(value)((*value[:n], other, *value[n + 1 :]))
-        if value and is_dataclass(value[-1]) and len(set(map(type, value))) == 1:
+        if value and isinstance(value[-1], Struct) and len(set(map(type, value))) == 1:
             yield "[last]", value[:-1]
     elif isinstance(value, dict):
         for key, one in value.items():
             for at, other in _changed(one):
                 yield f"[{key}]{at}", {**value, key: other}
-    elif is_dataclass(value) and not isinstance(value, type):
+    elif isinstance(value, Struct):
         for field in fields(value):
             for at, other in _changed(getattr(value, field.name)) if field.name not in _REFERENCES else ():
                 yield f".{field.name}{at}", replace(value, **{field.name: other})

@@ -1,10 +1,11 @@
 """Files of the named robots on disk, and observations by engines."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines import engine_of
@@ -19,8 +20,7 @@ from stepbot.verification.conversion import Written
 from stepbot.verification.expectation import mechanism, requests
 
 
-@dataclass(frozen=True)
-class Folder:
+class Folder(Struct, frozen=True):
     """A robot written in every format."""
 
     robot: Robot

@@ -1,12 +1,12 @@
 """Blocks for actuators and sensors, which no engine reads: stepbot's parser detects each removal."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 from lxml import etree
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.observation import EngineRefused

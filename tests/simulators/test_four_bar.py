@@ -1,11 +1,11 @@
 """The four-bar closes: by MuJoCo's rows, by PyBullet's constraints, and in the text of the SDFormat."""
 
-from dataclasses import replace
 from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.engines.observation import Quantity, Request
 from stepbot.robot.kinematics import link_poses

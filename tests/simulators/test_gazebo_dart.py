@@ -7,12 +7,12 @@ import json
 import shutil
 import subprocess
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+from msgspec import Struct
 
 from stepbot_cli import main
 from tests.library.conftest import sidecar_of
@@ -29,8 +29,7 @@ EXACT, SOFT = 1e-12, 1e-5
 MuJoCo's, a soft constraint, does not quite do."""
 
 
-@dataclass(frozen=True)
-class Moved:
+class Moved(Struct, frozen=True):
     """What DART printed."""
 
     places: dict[str, list[float]]

@@ -2,12 +2,12 @@
 
 import re
 import subprocess
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from lxml import etree
+from msgspec.structs import replace
 
 import stepbot
 from stepbot.diagnostics import Diagnostics

@@ -1,10 +1,10 @@
 """Loops that do not close, or cannot move, because of inaccurate drawing."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose
 from stepbot.report.robot import Status

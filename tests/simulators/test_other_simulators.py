@@ -10,13 +10,13 @@ import re
 import subprocess
 import sys
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import format_named
@@ -145,8 +145,7 @@ print("\\n" + json.dumps({name: seen(robots[name], q) for name, (_, q) in jobs.i
 """
 
 
-@dataclass(frozen=True, eq=False)
-class Written:
+class Written(Struct, frozen=True, eq=False):
     """A robot and its folder."""
 
     robot: Robot

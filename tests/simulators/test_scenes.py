@@ -1,12 +1,12 @@
 """Scenes and worlds beside the written files: they load, with the same robot, which stands on the floor."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from lxml import etree
+from msgspec.structs import replace
 
 from stepbot.robot.model import Base, Robot
 from stepbot.robot.simulation_settings import settings_of

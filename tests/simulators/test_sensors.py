@@ -1,13 +1,13 @@
 """Readings of sensors of the written MJCF in MuJoCo, against closed forms."""
 
 import math
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from lxml import etree
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.kinematics import complete, link_poses

@@ -1,10 +1,10 @@
 """Closures and mimics of the written MJCF in motion: their gaps in closed form, and under random drives."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import format_named

@@ -2,13 +2,13 @@
 
 import re
 import sys
-from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.engines import engine_of
 from stepbot.engines.observation import EngineCannotRead, Observation, Quantity, Request

@@ -1,10 +1,10 @@
 """Two robots in one world have distinct names, by the means of each format."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from lxml import etree
+from msgspec.structs import replace
 
 from stepbot.robot.model import Base, Robot
 from stepbot.runtime.worker import call_isolated

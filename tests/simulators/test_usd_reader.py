@@ -2,13 +2,13 @@
 
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from functools import cache
 from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.observation import EngineCannotRead, EngineRefused, Observation, Quantity, Request

@@ -7,12 +7,12 @@ that Cyberbotics' own `urdf2webots` makes of the URDF.
 import importlib.util
 import subprocess
 import sys
-from dataclasses import replace
 from math import inf
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.observation import EngineCannotRead, EngineRefused, Request

@@ -2,13 +2,13 @@
 
 import importlib.util
 import json
-from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import mujoco
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.engines.description.urdf import describe_urdf
 from stepbot.jobs.incremental import check, convert

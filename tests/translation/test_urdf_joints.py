@@ -1,12 +1,12 @@
 """URDFs with joints and links that engines represent differently: floating and planar joints, links without mass."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.jobs.incremental import convert

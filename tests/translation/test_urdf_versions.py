@@ -2,7 +2,6 @@
 
 import importlib.util
 import re
-from dataclasses import replace
 from math import isfinite
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -11,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines.describe import describe

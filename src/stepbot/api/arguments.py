@@ -1,11 +1,12 @@
 """What the functions take and return: errors that name the right argument, one or several names, options; results."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import wraps
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, ParamSpec, TypeVar, cast
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.formats import FORMATS, default_formats, format_named
@@ -107,8 +108,7 @@ def cache_at(where: AnyPath | bool) -> Cache | None:
     return Cache(default_folder() if where is True else Path(where))
 
 
-@dataclass(frozen=True)
-class CheckResult:
+class CheckResult(Struct, frozen=True):
     """The result of :func:`check`."""
 
     diagnostics: Diagnostics
@@ -116,16 +116,14 @@ class CheckResult:
     """Number of links and joints; the joint table if the STEP was read."""
 
 
-@dataclass(frozen=True)
-class Verification:
+class Verification(Struct, frozen=True):
     """The result of :func:`verify`."""
 
     diagnostics: Diagnostics
     report: "Report"
 
 
-@dataclass(frozen=True)
-class Drafted:
+class Drafted(Struct, frozen=True):
     """The result of :func:`draft`."""
 
     diagnostics: Diagnostics
@@ -135,8 +133,7 @@ class Drafted:
     """The sidecar."""
 
 
-@dataclass(frozen=True)
-class DriveResult:
+class DriveResult(Struct, frozen=True):
     """The result of :func:`drive`."""
 
     diagnostics: Diagnostics
@@ -144,8 +141,7 @@ class DriveResult:
     """The verdict of each test in each engine; None if nothing could be driven."""
 
 
-@dataclass(frozen=True)
-class Rendered:
+class Rendered(Struct, frozen=True):
     """The result of :func:`render`."""
 
     diagnostics: Diagnostics

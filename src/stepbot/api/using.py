@@ -2,9 +2,10 @@
 
 import json
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Ignore, Span
 from stepbot.runtime.file import read_regular, replace_file

@@ -20,7 +20,8 @@ scored_collisions    scores of these shapes for the report
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.volume import VolumeProperties
@@ -60,8 +61,7 @@ from .motor_parts import report_unlike_motors
 from .simplified_visuals import SimplifiedVisualMeshes
 
 
-@dataclass(frozen=True)
-class Built:
+class Built(Struct, frozen=True):
     """A robot, and the checks that are still running for it."""
 
     robot: Robot

@@ -4,10 +4,10 @@ A mesh is named after the product of its body. Names are assigned to all bodies 
 editing the sidecar renames no mesh.
 """
 
-from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.fixed_point import distinct
 from stepbot.geometry.mesh import TriMesh, joined
@@ -20,8 +20,7 @@ from stepbot.step.assembly import Assembly, Component
 from stepbot.step.structure.naming import BODY, base_name
 
 
-@dataclass(frozen=True)
-class ColorGroup:
+class ColorGroup(Struct, frozen=True):
     """The faces of a body that share one colour, in the displayed occurrence."""
 
     geometry: MeshRef

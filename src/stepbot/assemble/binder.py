@@ -1,7 +1,8 @@
 """Resolves the sidecar's component paths in the assembly and reports unresolved ones at their place in the sidecar."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+
+from msgspec import Struct, field
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.sidecar.document import Document
@@ -14,8 +15,7 @@ LISTED = 20
 """Maximum number of names in one message."""
 
 
-@dataclass(frozen=True)
-class Revised:
+class Revised(Struct, frozen=True):
     """Components that a revision of the CAD has changed, which is reported elsewhere."""
 
     bound: Mapping[str, tuple[int, ...]] = field(default_factory=dict)

@@ -1,7 +1,8 @@
 """Links, masses and joints of an assembly by its sidecar, as far as the sidecar can be resolved."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import Vector3, tidy
@@ -19,8 +20,7 @@ from .material_assignment import assign_materials
 from .measured_bodies import measured_bodies
 
 
-@dataclass(frozen=True)
-class PlacedJoint:
+class PlacedJoint(Struct, frozen=True):
     """A joint or closure, as drawn."""
 
     name: str
@@ -33,8 +33,7 @@ class PlacedJoint:
     """Unit direction in the same frame; None for a joint without one."""
 
 
-@dataclass(frozen=True)
-class Bound:
+class Bound(Struct, frozen=True):
     """Links, masses and joints of an assembly."""
 
     claims: Claims

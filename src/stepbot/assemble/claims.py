@@ -6,8 +6,9 @@ body count: the others contribute nothing.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
+
+from msgspec import Struct
 
 from stepbot.step.assembly import BodyKind
 from stepbot.step.structure.paths import nearest_claim, quoted
@@ -16,8 +17,7 @@ from .binder import Binder, listed
 from .material_assignment import MaterialAssignment
 
 
-@dataclass(frozen=True)
-class Claims:
+class Claims(Struct, frozen=True, dict=True):
     """The link of each component."""
 
     link_of: tuple[str, ...]
@@ -66,8 +66,7 @@ def claim(binder: Binder, of: Sequence[MaterialAssignment]) -> Claims:
     return Claims(link_of, frozenset(incomplete) | with_rest, places, tuple(left))
 
 
-@dataclass(frozen=True)
-class _Claim:
+class _Claim(Struct, frozen=True):
     """The components that one path of a link matches."""
 
     link: str

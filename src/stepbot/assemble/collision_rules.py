@@ -1,6 +1,6 @@
 """The collision rule of each component and link: its own, or that of the defaults, with all budgets filled in."""
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from stepbot.geometry.solids.collision_sets import CLOSE, FEW, MAX_HULLS, MAX_VERTICES
 from stepbot.sidecar.contact import Contact
@@ -14,8 +14,7 @@ DECOMPOSED = (CollisionShape.AUTO, CollisionShape.DECOMPOSE)
 """Types that treat a link as one solid."""
 
 
-@dataclass(frozen=True)
-class CollisionRule:
+class CollisionRule(Struct, frozen=True):
     """A type of collision geometry and its budgets."""
 
     shape: CollisionShape

@@ -8,9 +8,10 @@ with the widest axis line of the body, whichever gives the smallest volume; a sp
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.enclosing_shapes import box_around, capsule_around, cylinder_around, sphere_around
@@ -37,8 +38,7 @@ from .material_assignment import MaterialAssignment
 _Placed = tuple[Geometry, Pose]
 
 
-@dataclass(frozen=True)
-class Placed:
+class Placed(Struct, frozen=True):
     """A component of a link."""
 
     index: int

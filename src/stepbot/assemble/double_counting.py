@@ -6,9 +6,9 @@ geometry a worker process can search while this process continues.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.mesh_worker import report_death

@@ -8,9 +8,10 @@ change a shape or its cache key.
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.mesh_worker import report_death
@@ -37,8 +38,7 @@ _SHAFTS = 24
 """Number of cylindrical faces of a solid that primitives are fitted to, the largest ones."""
 
 
-@dataclass(frozen=True)
-class Joined:
+class Joined(Struct, frozen=True):
     """Components whose solids get one set of shapes."""
 
     components: tuple[int, ...]
@@ -122,8 +122,7 @@ def _is_closed(assembly: Assembly, index: int) -> bool:
     return body.watertight and len(body.mesh.faces) > 0
 
 
-@dataclass(frozen=True)
-class _Others:
+class _Others(Struct, frozen=True):
     """What else a link has."""
 
     beside: tuple[int, ...] = ()

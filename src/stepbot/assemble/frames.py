@@ -6,7 +6,9 @@ frame is the assembly's, unless the sidecar gives another, or the directions tha
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.inertia import rotation_of
 from stepbot.geometry.spatial import IDENTITY, Pose
@@ -51,8 +53,7 @@ _SHOWN_MISSES = 5
 _SHOWN_PARENTS = 2
 
 
-@dataclass(frozen=True)
-class Wanted:
+class Wanted(Struct, frozen=True):
     """The element whose origin is resolved."""
 
     keys: Keys

@@ -6,13 +6,13 @@ drawn, the only pose in which the loop is known to close.
 """
 
 from collections.abc import Iterable
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose, Vector3, tidy, vector3
 from stepbot.robot.joint_table import Evidence, JointRow
-from stepbot.robot.model import Joint, JointKind, LoopClosure, Mimic
+from stepbot.robot.model import SECOND_AXIS, Joint, JointKind, LoopClosure, Mimic
 from stepbot.sidecar.document import Document
 from stepbot.sidecar.joint_settings import joint_dynamics, joint_limits
 
@@ -106,7 +106,7 @@ def joint_of(document: Document, name: str, ends: tuple[str, str], X_PC: Pose, l
         *ends,
         X_PC,
         axis=section.axis,
-        axis2=section.axis2 or Joint.axis2,
+        axis2=section.axis2 or SECOND_AXIS,
         limit=joint_limits(document, name),
         dynamics=joint_dynamics(document, name),
         mimic=None if mimic is None or leader is None else Mimic(leader, mimic.multiplier.value, mimic.offset.value),

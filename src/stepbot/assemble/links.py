@@ -1,9 +1,9 @@
 """Builds the links: shapes, and mass properties summed over components with the source of each component's mass."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.inertia import Bodies, MassProperties, without_residue

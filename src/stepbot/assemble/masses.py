@@ -7,9 +7,9 @@ remainder is divided; if the remainder is not positive, only the outer mass coun
 
 from bisect import bisect_left
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Finding
 from stepbot.geometry.fixed_point import exact_sum

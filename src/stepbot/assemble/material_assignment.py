@@ -6,9 +6,10 @@ density comes from the sidecar's ``materials``.
 """
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.robot.model import Rgba
 from stepbot.sidecar.contact import Contact
@@ -72,8 +73,7 @@ PLACEHOLDER = "defaults: todo"
 """Source of a density that is not known yet."""
 
 
-@dataclass(frozen=True)
-class GivenMass:
+class GivenMass(Struct, frozen=True):
     """A mass that the sidecar gives to a component and everything below it."""
 
     mass: float
@@ -94,8 +94,7 @@ class GivenMass:
         return f"motor of {subject(self.keys[:2])}" if self.actuator else subject(self.keys[:2])
 
 
-@dataclass(frozen=True)
-class MaterialAssignment:
+class MaterialAssignment(Struct, frozen=True):
     """The material, colour and geometry settings of one component."""
 
     ignored: bool = False

@@ -6,8 +6,10 @@ masses do not change.
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from itertools import groupby
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.mesh_worker import report_death
@@ -33,8 +35,7 @@ _Names = tuple[str, ...]
 """Mesh names of the visuals of one component, which have common borders."""
 
 
-@dataclass(frozen=True)
-class _Scope:
+class _Scope(Struct, frozen=True):
     """Links that share a budget."""
 
     name: str

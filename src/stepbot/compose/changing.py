@@ -7,11 +7,11 @@ this sidecar, which is checked like any other. Only what they set is taken from 
 import json
 from collections.abc import Collection, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
+from msgspec.structs import fields, replace
 
 from stepbot.assemble.assets import MeshAssets
 from stepbot.assemble.binder import Binder

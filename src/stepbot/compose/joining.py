@@ -1,8 +1,9 @@
 """The parts of a composed robot as one robot, with the joints, closures and devices between them."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from typing import TypeVar
+
+from msgspec.structs import replace
 
 from stepbot.assemble.devices import (
     build_actuators,

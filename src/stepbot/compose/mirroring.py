@@ -8,11 +8,11 @@ mirroring twice gives the same links and joints, bit for bit.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
 from fnmatch import fnmatchcase
 from typing import TypeVar
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from stepbot.geometry.inertia import MassProperties

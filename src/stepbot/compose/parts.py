@@ -2,11 +2,12 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from math import atan2, radians
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, did_you_mean, listed
 from stepbot.geometry.spatial import Pose, dot, perpendicular_frame, rotated, rotation_about
@@ -28,8 +29,7 @@ _FEWEST_DEGREES = 6.0
 """Angle without a unit above which degrees are offered."""
 
 
-@dataclass(frozen=True)
-class Part:
+class Part(Struct, frozen=True):
     """A robot that becomes a part of another one."""
 
     robot: Robot

@@ -1,12 +1,13 @@
 """Where each part of a composed robot is attached: one root, and everything else on a port or below a joint."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from math import degrees, radians
 from types import MappingProxyType
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.assemble.joints import joint_of
 from stepbot.diagnostics import Diagnostics
@@ -33,8 +34,7 @@ WORLD = "world"
 """What `at` names for a part that stands by itself."""
 
 
-@dataclass(frozen=True)
-class Mount:
+class Mount(Struct, frozen=True):
     """A joint that attaches a part: a weld at a port, or a joint of the composing file."""
 
     joint: Joint

@@ -6,7 +6,8 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.geometry.spatial import IDENTITY, Pose
@@ -22,8 +23,7 @@ _SEPARATORS = re.compile(r"[/.:_\-\s]+")
 """Characters that other formats have between the names of a path."""
 
 
-@dataclass(frozen=True)
-class Port:
+class Port(Struct, frozen=True):
     """A frame on a link of the composed robot."""
 
     link: str

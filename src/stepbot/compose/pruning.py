@@ -1,7 +1,8 @@
 """A robot without some of its links, joints and devices."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from stepbot.robot.model import Actuator, Frame, Joint, Link, LoopClosure, MeshRef, Robot
 from stepbot.robot.sensors import Sensor

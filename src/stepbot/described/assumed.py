@@ -5,10 +5,10 @@ mass get the mass of their collisions, or else of their visuals; a mesh that is 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from math import pi
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from stepbot.diagnostics import Diagnostics, Span

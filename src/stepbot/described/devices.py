@@ -1,8 +1,9 @@
 """The actuators and sensors of a description."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from math import inf, isfinite
+
+from msgspec.structs import replace
 
 from stepbot.engines.description import Description
 from stepbot.engines.observation import Observation, ObservedActuator, ObservedSensor, Quantity

@@ -1,6 +1,6 @@
 """What is found while a description becomes a robot; the caller decides where it is reported."""
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from stepbot.engines.observation import Quantity
 
@@ -18,8 +18,7 @@ CHANGED_INERTIA = "SB866"
 MOVED = "SB870"
 
 
-@dataclass(frozen=True)
-class Finding:
+class Finding(Struct, frozen=True):
     """A difference between a description and its robot."""
 
     code: str

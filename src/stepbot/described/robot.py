@@ -6,11 +6,12 @@ model cannot hold is listed, never left out in silence.
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
 from pathlib import PurePosixPath
 from urllib.parse import unquote
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.engines.description import DescribedShape, Description
 from stepbot.engines.observation import Observation, ObservedClosure, ObservedLink, Quantity
@@ -182,8 +183,7 @@ _ROUNDED = 1e-9
 """Share of the largest principal moment up to which the least one may be the rounding of 0."""
 
 
-@dataclass(frozen=True)
-class Described:
+class Described(Struct, frozen=True):
     """A robot, and where it differs from its file."""
 
     robot: Robot

@@ -5,10 +5,10 @@ body, unless together they are one multi-dof joint of the model.
 """
 
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import fields, replace
 from math import inf, isfinite, isnan
 
 import numpy as np
+from msgspec.structs import asdict, astuple, replace
 
 from stepbot.engines.description import Description
 from stepbot.engines.observation import NEVER_ZERO, ObservedJoint, Quantity
@@ -185,7 +185,7 @@ def _is_one(joint: ObservedJoint) -> bool:
     """Whether a joint of several steps is one joint of the model, with the same limits and forces in all of them."""
     if joint.steps and not joint.name:  # joints of another writer, with names of their own
         return False
-    numbers = [getattr(part, one.name) for part in (joint.limit, joint.dynamics) if part for one in fields(part)]
+    numbers = [value for part in (joint.limit, joint.dynamics) if part for value in astuple(part)]
     anchors = {step.anchor for step in joint.steps}
     return not any(map(isnan, numbers)) and anchors <= {ZERO3} and not _differing(joint)
 
@@ -244,7 +244,7 @@ def _joint(seen: ObservedJoint, name: str, parent: str, child: str, X_PC: Pose, 
 
 def _dynamics(seen: JointDynamics) -> JointDynamics:
     """Passive forces; the rest position of a spring without stiffness has no meaning."""
-    values = {one.name: getattr(seen, one.name) for one in fields(seen)}
+    values = asdict(seen)
     known = {name: 0.0 if isnan(value) else value for name, value in values.items()}
     return JointDynamics(**(known if known["stiffness"] else {**known, "spring_reference": 0.0}))
 

@@ -4,9 +4,10 @@ Facts are evidence that overrides all other; corrections change a draft: its roo
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.draft import Alternative, Draft, DraftConnection, DraftJoint
@@ -18,8 +19,7 @@ from stepbot.robot.model import JointKind
 STATED = "stated by the user"
 
 
-@dataclass(frozen=True)
-class KnownJoint:
+class KnownJoint(Struct, frozen=True):
     """A joint between two parts."""
 
     a: str
@@ -36,8 +36,7 @@ class KnownJoint:
     why: str = STATED
 
 
-@dataclass(frozen=True)
-class Facts:
+class Facts(Struct, frozen=True):
     """Everything known."""
 
     joints: tuple[KnownJoint, ...] = ()

@@ -5,8 +5,9 @@ component paths, as `inspect` prints them.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from enum import StrEnum
+
+from msgspec import Struct, field
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import ZERO3, Vector3
@@ -20,8 +21,7 @@ CHOSEN = 0.5
 """Score from which a joint is drafted; below it, it is written as a comment."""
 
 
-@dataclass(frozen=True)
-class Confidence:
+class Confidence(Struct, frozen=True):
     """The strength of the evidence."""
 
     score: float
@@ -48,8 +48,7 @@ class OriginForm(StrEnum):
     XYZ = "xyz"
 
 
-@dataclass(frozen=True)
-class OriginSnippet:
+class OriginSnippet(Struct, frozen=True):
     """The value of ``origin``."""
 
     form: OriginForm
@@ -65,8 +64,7 @@ class OriginSnippet:
     """Roll, pitch and yaw [rad], if ``form`` is ``xyz``."""
 
 
-@dataclass(frozen=True)
-class FoundStop:
+class FoundStop(Struct, frozen=True):
     """A position of a joint at which parts of its two links meet; it need not be the limit."""
 
     position: float
@@ -75,8 +73,7 @@ class FoundStop:
     """Paths of a component of the parent link and of one of the child link."""
 
 
-@dataclass(frozen=True)
-class Models:
+class Models(Struct, frozen=True):
     """Motors of the catalogue that a part may be."""
 
     names: tuple[str, ...]
@@ -87,8 +84,7 @@ class Models:
     """The evidence: its name, its box."""
 
 
-@dataclass(frozen=True)
-class Alternative:
+class Alternative(Struct, frozen=True):
     """An alternative at the same place: a line that `init` writes as a comment."""
 
     type: JointKind
@@ -111,8 +107,7 @@ class Alternative:
     """Name of the link of the part that would move."""
 
 
-@dataclass(frozen=True)
-class DraftLink:
+class DraftLink(Struct, frozen=True):
     """A link and the components that move as one with it."""
 
     name: str
@@ -129,8 +124,7 @@ class DraftLink:
     """The CAD's name, if it differs from ``name``."""
 
 
-@dataclass(frozen=True)
-class DraftConnection:
+class DraftConnection(Struct, frozen=True):
     """The fields that a joint and a closure share."""
 
     name: str
@@ -167,8 +161,7 @@ class DraftConnection:
         return bool(self.review) or not self.confidence.is_sure
 
 
-@dataclass(frozen=True)
-class DraftJoint(DraftConnection):
+class DraftJoint(DraftConnection, frozen=True):
     """A joint of the tree."""
 
     parent: str = ""
@@ -199,16 +192,14 @@ class DraftJoint(DraftConnection):
     """The motors of the catalogue that it may be; None if it is like none."""
 
 
-@dataclass(frozen=True)
-class DraftClosure(DraftConnection):
+class DraftClosure(DraftConnection, frozen=True):
     """A joint that closes a loop."""
 
     link_a: str = ""
     link_b: str = ""
 
 
-@dataclass(frozen=True)
-class DraftContact:
+class DraftContact(Struct, frozen=True):
     """The material of a link, or of one part of it, that touches what is around the robot."""
 
     link: str
@@ -220,8 +211,7 @@ class DraftContact:
     """Whether the link is a wheel without rollers."""
 
 
-@dataclass(frozen=True)
-class Option:
+class Option(Struct, frozen=True):
     """An answer to a question."""
 
     value: str
@@ -231,8 +221,7 @@ class Option:
     is_drafted: bool
 
 
-@dataclass(frozen=True)
-class Question:
+class Question(Struct, frozen=True):
     """A decision that several joints depend on."""
 
     name: str
@@ -248,8 +237,7 @@ class Question:
         return next((option for option in self.options if option.is_drafted), self.options[0])
 
 
-@dataclass(frozen=True)
-class Draft:
+class Draft(Struct, frozen=True):
     """A drafted robot."""
 
     robot: str

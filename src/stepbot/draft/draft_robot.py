@@ -5,10 +5,11 @@ The origin of a joint is a mate or an axis of components where possible, since t
 
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.assemble.axis_evidence import doubt, face_words, faces_of_radius
 from stepbot.diagnostics import listed
@@ -44,8 +45,7 @@ _NANOMETRE = 9
 _MICRORADIAN = 12
 
 
-@dataclass(frozen=True)
-class Found:
+class Found(Struct, frozen=True):
     """The origin of a joint."""
 
     snippet: OriginSnippet

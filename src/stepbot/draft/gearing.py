@@ -1,9 +1,9 @@
 """Joints that follow others, by gears, belts and racks: what a motor turns leads."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.teeth import Mesh, RackMesh
 from stepbot.draft.draft import DraftJoint

@@ -1,7 +1,9 @@
 """Infers links, joints and closures from an assembly, to draft a sidecar."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from stepbot.draft.answers import NO_FACTS, Facts, fact_evidence
 from stepbot.draft.contacts.relations import Via
@@ -45,8 +47,7 @@ _FEWEST_TRIES, _TRIED_PARTS = 3, 4000
 """Joints that are tried in loops that cannot move: at least, and the parts of all tries together."""
 
 
-@dataclass(frozen=True, eq=False)
-class Inferred:
+class Inferred(Struct, frozen=True, eq=False):
     """Links by number, and the joints between them."""
 
     survey: Survey

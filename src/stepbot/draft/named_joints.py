@@ -7,8 +7,9 @@ part is at the frame of its joint, whose axis is x, and holds a part named after
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import NamedTuple
+
+from msgspec.structs import replace
 
 from stepbot.draft.draft import Draft
 from stepbot.draft.stated_joints import draft_of_mechanism

@@ -6,7 +6,9 @@ parts, so that it holds in the next revision of the CAD as well, and for further
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from stepbot.draft.answers import STATED, Facts, KnownJoint, known_fixed, known_joint
 from stepbot.draft.draft import Draft, DraftConnection, DraftLink, Option, Question
@@ -40,8 +42,7 @@ _CARRIED = frozenset({Role.MOTOR, Role.FASTENER, Role.SEAL, Role.ELECTRIC})
 """Roles of parts that are held by others: a hole that one of them shares with its host is for a screw."""
 
 
-@dataclass
-class _Pair:
+class _Pair(Struct):
     """Two parts that may move, and the fact that each motion would be."""
 
     paths: tuple[str, str]
@@ -53,8 +54,7 @@ class _Pair:
     """Why the draft doubts it."""
 
 
-@dataclass
-class _Group:
+class _Group(Struct):
     """Pairs that one answer decides: all of the same two parts, or all that are doubted for one reason."""
 
     parts: tuple[str, str] | None

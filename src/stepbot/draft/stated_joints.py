@@ -6,10 +6,10 @@ have the same axis there.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from math import atan2
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.draft.draft import (
     Confidence,

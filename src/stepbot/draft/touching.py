@@ -4,10 +4,10 @@ Each is a proposal by the place of a link: on the ground, or at the end of a gri
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.draft.draft import Draft, DraftContact
 from stepbot.draft.parts.names import Role, roles

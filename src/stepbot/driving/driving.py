@@ -2,9 +2,11 @@
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import engine_of
@@ -28,8 +30,7 @@ from .stage import Diverged, Stage
 from .survey import Survey, SweptRange
 
 
-@dataclass(frozen=True, eq=False)
-class Assignment:
+class Assignment(Struct, frozen=True, eq=False):
     """The tests of one robot in one engine."""
 
     engine: str
@@ -81,8 +82,7 @@ _DRIVE = "stepbot.driving.driving:drive"
 _SURVEY = "stepbot.driving.survey:survey"
 
 
-@dataclass(frozen=True)
-class Driven:
+class Driven(Struct, frozen=True):
     """The drive tests of one robot."""
 
     robot: str

@@ -6,10 +6,10 @@ the direction in which the fingers close, its centre in the middle of the faces 
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.engines.mujoco.simulation import MujocoSimulation
 from stepbot.engines.simulation import Cube, Mechanism, Motor, Setup
@@ -33,8 +33,7 @@ _POSITIONS = 21
 _FAR = 1.0
 
 
-@dataclass(frozen=True)
-class Grasp:
+class Grasp(Struct, frozen=True):
     """A cube between two fingers."""
 
     fingers: Fingers

@@ -7,11 +7,11 @@ ball, flat on the hand.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from itertools import product
 from math import acos, ceil, degrees, radians, sqrt, tan
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.engines.mujoco.simulation import MujocoSimulation
 from stepbot.engines.simulation import Cube, Mechanism, Setup
@@ -49,8 +49,7 @@ _SAMPLES = (-0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75)
 """Positions on a face of the cube and around it, relative to its edge: in the middle of a face is the best place."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Ball:
+class _Ball(Struct, frozen=True, eq=False):
     """A ball between hand and jaw."""
 
     centre: Array
@@ -79,8 +78,7 @@ class _Ball:
         return float((1.0 - self.wedge / _FRICTION_ANGLE) ** 3 * sqrt(self.edge))
 
 
-@dataclass(frozen=True, eq=False)
-class _Place:
+class _Place(Struct, frozen=True, eq=False):
     """A cube in a ball's place."""
 
     ball: _Ball

@@ -1,8 +1,9 @@
 """Compares the numbers of drive tests with their limits."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from enum import StrEnum
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics, Span
 
@@ -21,8 +22,7 @@ class Status(StrEnum):
     FAILED = "failed"
 
 
-@dataclass(frozen=True)
-class Verdict:
+class Verdict(Struct, frozen=True):
     """One test in one engine, judged."""
 
     engine: str

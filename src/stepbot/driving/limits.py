@@ -5,8 +5,9 @@ A limit may be tightened or, with a reason, loosened for one robot: ``drive.limi
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from stepbot.engines.simulation import SHAPES, Cube
 
@@ -51,8 +52,7 @@ UNITS: Mapping[str, str] = {
 """Unit of every quantity."""
 
 
-@dataclass(frozen=True)
-class Bound:
+class Bound(Struct, frozen=True):
     """The largest value of a quantity that passes."""
 
     value: float
@@ -133,20 +133,21 @@ LIMITS: Mapping[str, Mapping[str, Bound]] = {
     },
 }
 """For each test the limit of each quantity that has one."""
+CUBE_MASS = 0.2
+"""[kg]: of the cube to grip, where the robot does not state another."""
 
 
 class InvalidLimits(ValueError):
     """A file of limits does not have the form of one."""
 
 
-@dataclass(frozen=True)
-class Demands:
+class Demands(Struct, frozen=True):
     """What one robot is to pass."""
 
     limits: Mapping[str, Mapping[str, Bound]]
     tests: tuple[str, ...] = ()
     """The tests that must apply; empty for those that the model decides."""
-    mass: float = 0.2
+    mass: float = CUBE_MASS
     """Mass [kg] of the cube to grip."""
     objects: tuple[Cube, ...] = ()
     """What fingers grip in place of the cube, with its mass."""
@@ -169,7 +170,7 @@ def demands(content: Mapping[str, Any] | None) -> Demands:
     unknown = sorted(set(content) - {"tests", "limits", "cube", "objects"})
     if unknown:
         raise InvalidLimits(f"unknown key '{unknown[0]}'; expected tests, limits, cube or objects")
-    tests, mass = content.get("tests", []), content.get("cube", Demands.mass)
+    tests, mass = content.get("tests", []), content.get("cube", CUBE_MASS)
     if not isinstance(tests, list) or not set(map(str, tests)) <= set(LIMITS):
         raise InvalidLimits(f"'tests' is not a list of {', '.join(LIMITS)}")
     if not _is_number(mass) or mass <= 0.0:

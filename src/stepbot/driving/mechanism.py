@@ -1,12 +1,12 @@
 """What a robot can do, found in its model: motors, wheels, limbs, and links that may be fingers or jaws."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from itertools import combinations
 from math import inf, pi
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.engines.simulation import Mechanism, Motor
 from stepbot.formats.lowering.joints import shaken_by_damping
@@ -30,8 +30,7 @@ _FEWEST_LIMBS = 2
 _FEWEST_ROLLERS = 3
 
 
-@dataclass(frozen=True)
-class Wheel:
+class Wheel(Struct, frozen=True):
     """A driven wheel."""
 
     motor: str
@@ -40,8 +39,7 @@ class Wheel:
     """1 if a positive speed drives forwards, else -1."""
 
 
-@dataclass(frozen=True)
-class Wheels:
+class Wheels(Struct, frozen=True):
     """The driven wheels of a base."""
 
     wheels: tuple[Wheel, ...]
@@ -58,8 +56,7 @@ class Wheels:
     sideways when the base turns on the spot."""
 
 
-@dataclass(frozen=True)
-class Fingers:
+class Fingers(Struct, frozen=True):
     """Two groups of links that motors move relative to each other."""
 
     motors: tuple[str, ...]

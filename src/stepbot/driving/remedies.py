@@ -1,8 +1,9 @@
 """What can be done about a failed drive test, as far as the robot's report and the numbers of the test say."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from stepbot.robot.model import Robot
 
@@ -36,8 +37,7 @@ _STRONG = 0.9
 """Effort, relative to its limit, from which a larger kp gains nothing."""
 
 
-@dataclass(frozen=True)
-class Facts:
+class Facts(Struct, frozen=True):
     """What the report of a robot states about remedies."""
 
     computed: frozenset[str] = frozenset()

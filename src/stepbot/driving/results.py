@@ -1,8 +1,9 @@
 """What a drive test measures."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
+
+from msgspec import Struct
 
 from stepbot.engines.simulation import Cube
 
@@ -10,8 +11,7 @@ Series = tuple[tuple[float, ...], tuple[float, ...]]
 """Horizontal and vertical values of a curve."""
 
 
-@dataclass(frozen=True)
-class Measure:
+class Measure(Struct, frozen=True):
     """One number of a test, in the unit of its name in :data:`stepbot.driving.limits.UNITS`."""
 
     quantity: str
@@ -30,8 +30,7 @@ class Loss(StrEnum):
     SLIPPED = "slipped out"
 
 
-@dataclass(frozen=True)
-class Grip:
+class Grip(Struct, frozen=True):
     """What became of the cube, or of the object in its place, in one gripper."""
 
     joint: str
@@ -49,8 +48,7 @@ class Grip:
     """Time [s] from its weight to its loss."""
 
 
-@dataclass(frozen=True)
-class Spin:
+class Spin(Struct, frozen=True):
     """What the wheel did that turned least, of the way that was asked for."""
 
     joint: str
@@ -66,8 +64,7 @@ class Spin:
     """Those of them that roll, but were moved along their axles."""
 
 
-@dataclass(frozen=True)
-class Plot:
+class Plot(Struct, frozen=True):
     """The curves of a test."""
 
     x: str
@@ -76,8 +73,7 @@ class Plot:
     curves: Mapping[str, Series]
 
 
-@dataclass(frozen=True)
-class Result:
+class Result(Struct, frozen=True):
     """The outcome of one test in one engine."""
 
     test: str

@@ -2,10 +2,10 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from math import atan2, copysign, degrees, hypot, isfinite
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.engines.simulation import Mechanism, Motor, Setup, Simulation
 from stepbot.geometry.spatial import Array, Pose
@@ -30,8 +30,7 @@ class Diverged(Exception):
     """The simulation is not finite any more."""
 
 
-@dataclass(eq=False)
-class Stage:
+class Stage(Struct, eq=False):
     """One robot in one engine."""
 
     open: Callable[[Setup], Simulation]
@@ -42,7 +41,6 @@ class Stage:
     limbs: tuple[str, ...]
     steps: int = 0
     seconds: float = 0.0
-    _gap: "Gaps | None" = field(default=None, repr=False)
 
     @contextmanager
     def scene(self, *, floor: bool = False, held: bool = False, setup: Setup | None = None) -> Iterator[Simulation]:

@@ -5,11 +5,11 @@ do the same motions.
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import partial
 from math import inf, isfinite, pi
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.engines.mujoco.simulation import MujocoSimulation
 from stepbot.engines.simulation import Cube, Mechanism, Motor, Setup
@@ -46,8 +46,7 @@ _STRIDES = 48
 Q = Mapping[str, float]
 
 
-@dataclass(frozen=True)
-class Move:
+class Move(Struct, frozen=True):
     """A motion of one motor, the others at home."""
 
     motor: str
@@ -55,8 +54,7 @@ class Move:
     """Positions [rad] or [m] to visit in turn, from home."""
 
 
-@dataclass(frozen=True)
-class SweptRange:
+class SweptRange(Struct, frozen=True):
     """What part of the range of a bounded joint its sweep covers."""
 
     joint: str
@@ -74,8 +72,7 @@ class SweptRange:
         return (self.swept[1] - self.swept[0]) / (self.limits[1] - self.limits[0])
 
 
-@dataclass(frozen=True)
-class Survey:
+class Survey(Struct, frozen=True):
     """Poses and motions of all tests."""
 
     poses: tuple[Q, ...]

@@ -2,16 +2,16 @@
 
 import importlib.util
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
 from importlib import import_module
 from typing import TYPE_CHECKING, Protocol, cast
+
+from msgspec import Struct, field
 
 if TYPE_CHECKING:
     from .observation import Observation, Request
 
 
-@dataclass(frozen=True)
-class Tolerance:
+class Tolerance(Struct, frozen=True):
     """The tolerance of a quantity."""
 
     absolute: float = 0.0
@@ -52,8 +52,7 @@ class Observer(Protocol):
         """
 
 
-@dataclass(eq=False)
-class Engine:
+class Engine(Struct, eq=False):
     """The declaration of an engine. It imports neither the engine nor the module that observes with it."""
 
     package: str

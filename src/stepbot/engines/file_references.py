@@ -8,11 +8,13 @@ may be anywhere, since descriptions share them.
 import re
 import tempfile
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
 from functools import cache
 from math import prod
 from pathlib import Path
 from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.runtime.file import exists, is_file, is_folder, is_unicode, open_regular, read_regular, resolved
 from stepbot.runtime.temporary import run_folder
@@ -93,8 +95,7 @@ Engines ignore what a file declares: in the others, tags that they read may be c
 """
 
 
-@dataclass(frozen=True)
-class Refusal:
+class Refusal(Struct, frozen=True):
     """Why engines must not read a file."""
 
     code: str

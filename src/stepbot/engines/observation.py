@@ -6,11 +6,12 @@ in ``not_run``.
 """
 
 from collections.abc import Mapping, Sequence, Set
-from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from itertools import chain, repeat
 
 import numpy as np
+from msgspec import Struct, field
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import ZERO3, Matrix3, Pose, Vector3, vector3
@@ -55,8 +56,7 @@ OBLIQUE = Pose.from_xyz_rpy(ZERO3, (0.7, -0.4, 1.1))
 """A frame that is turned about no axis of symmetry of anything."""
 
 
-@dataclass(frozen=True)
-class ObservedShape:
+class ObservedShape(Struct, frozen=True):
     """One visual or collision of a link; None if not reported."""
 
     name: str | None = None
@@ -80,8 +80,7 @@ class ObservedShape:
     """Whether the engine reports its `rgba` for a shape without one, too."""
 
 
-@dataclass(frozen=True)
-class ObservedLink:
+class ObservedLink(Struct, frozen=True):
     """A link as reported by an engine; None if not reported."""
 
     name: str
@@ -109,8 +108,7 @@ NEVER_ZERO = ("velocity", "effort", "acceleration", "deceleration", "jerk")
 """Limits at which, if they are 0, nothing moves: files state them for want of a number, and readers ignore them."""
 
 
-@dataclass(frozen=True)
-class ObservedJoint:
+class ObservedJoint(Struct, frozen=True):
     """A joint as reported by an engine; None if not reported."""
 
     name: str
@@ -145,8 +143,7 @@ class ObservedJoint:
     """The component joints, if the file represents this joint by several in one body."""
 
 
-@dataclass(frozen=True, eq=False)
-class Dynamics:
+class Dynamics(Struct, frozen=True, eq=False):
     """The equations of motion at one configuration, for the joints in :attr:`Observation.coordinates`."""
 
     mass_matrix: NDArray[np.float64] | None = None
@@ -157,8 +154,7 @@ class Dynamics:
     """Shape (n,) [N or N m]: the effort for the speeds and accelerations of :attr:`Request.rates`."""
 
 
-@dataclass(frozen=True, eq=False)
-class ObservedClosure:
+class ObservedClosure(Struct, frozen=True, eq=False):
     """A closure as reported by an engine or parser."""
 
     name: str
@@ -195,8 +191,7 @@ class ObservedClosure:
         return cls(name, kind, *ends, *frames, axis, points, axes)
 
 
-@dataclass(frozen=True)
-class ObservedActuator:
+class ObservedActuator(Struct, frozen=True):
     """An actuator as an engine or parser reports it; bounds are infinite where there are none, None if not reported."""
 
     name: str
@@ -215,8 +210,7 @@ class ObservedActuator:
     """Lowest and highest force [N m or N], at the actuator."""
 
 
-@dataclass(frozen=True)
-class ObservedSensor:
+class ObservedSensor(Struct, frozen=True):
     """A sensor as reported by an engine or parser; None if not reported, or not applicable to the kind."""
 
     name: str
@@ -238,8 +232,7 @@ class ObservedSensor:
     """[m]."""
 
 
-@dataclass(frozen=True, eq=False)
-class Observation:
+class Observation(Struct, frozen=True, eq=False):
     """Everything that one engine reports about one file."""
 
     engine: str
@@ -313,8 +306,7 @@ class Observation:
         )
 
 
-@dataclass(frozen=True)
-class Request:
+class Request(Struct, frozen=True):
     """What to observe."""
 
     file: str

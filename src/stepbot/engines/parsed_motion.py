@@ -4,9 +4,9 @@ They confirm the values in the file, not the behaviour of an engine.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose, Vector3, matrix3, vector3

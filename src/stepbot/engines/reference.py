@@ -1,8 +1,10 @@
 """The reference: stepbot's own model as an Observation, in the same form as an engine's."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, Pose, join_bounds
@@ -57,8 +59,7 @@ def observe_robot(robot: Robot, request: Request, *, dynamics: bool = True) -> O
     return Reference().observe(robot, request, dynamics=dynamics)
 
 
-@dataclass(frozen=True, eq=False)
-class _Motion:
+class _Motion(Struct, frozen=True, eq=False):
     """Poses and equations of motion of a mechanism."""
 
     inputs: tuple[Any, ...]

@@ -5,8 +5,9 @@ Positions are in [rad] or [m] by coordinate, as in :mod:`stepbot.robot.kinematic
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any, Protocol
+
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot import dynamics
@@ -24,8 +25,7 @@ HEIGHT = 1.0
 """Height [m] of the root link of a robot that is held in the air."""
 
 
-@dataclass(frozen=True)
-class Motor:
+class Motor(Struct, frozen=True):
     """An actuator, with the limits that apply at its joint."""
 
     name: str
@@ -43,8 +43,7 @@ class Motor:
     """Whether its effort limit needs more damping than its gains would have."""
 
 
-@dataclass(frozen=True, eq=False)
-class Mechanism:
+class Mechanism(Struct, frozen=True, eq=False):
     """A robot as its simulations need it."""
 
     robot: Robot
@@ -61,8 +60,7 @@ class Mechanism:
     """Joints whose damping diverges in an engine that integrates it explicitly and has no armature."""
 
 
-@dataclass(frozen=True)
-class Cube:
+class Cube(Struct, frozen=True):
     """A cube to grip, or the sphere or upright cylinder inside of it."""
 
     edge: float
@@ -76,8 +74,7 @@ class Cube:
         return f"{self.shape} of {1e3 * self.edge:.0f} mm"
 
 
-@dataclass(frozen=True)
-class Setup:
+class Setup(Struct, frozen=True):
     """What surrounds the robot."""
 
     floor: bool = False

@@ -8,13 +8,13 @@ capsules of 1.1 whatever version a file states, and ignore the limits of 1.2.
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Vector3, rotation_from_quaternion, rpy_from_rotation
 from stepbot.robot.model import Limit

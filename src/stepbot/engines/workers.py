@@ -4,9 +4,11 @@ An engine that is missing, rejects a file or crashes is a result like any other:
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
 from enum import StrEnum
 from types import TracebackType
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean
 from stepbot.runtime.cache import Cache, Digest, TypedCache, codec_of, environment
@@ -63,8 +65,7 @@ class Fate(StrEnum):
     """stepbot's own code around the engine failed."""
 
 
-@dataclass(frozen=True, eq=False)
-class Outcome:
+class Outcome(Struct, frozen=True, eq=False):
     """The result of one engine for one file."""
 
     key: str

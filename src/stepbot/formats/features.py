@@ -1,8 +1,9 @@
 """Features that a robot may have and a format may lack, and how a format declares its support."""
 
-from dataclasses import dataclass
 from enum import StrEnum
 from math import inf
+
+from msgspec import Struct
 
 
 class Feature(StrEnum):
@@ -108,8 +109,7 @@ class Level(StrEnum):
     """An error: nothing is written."""
 
 
-@dataclass(frozen=True)
-class Support:
+class Support(Struct, frozen=True):
     """A format's support of a feature."""
 
     level: Level

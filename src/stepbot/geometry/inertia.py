@@ -7,10 +7,10 @@ everywhere.
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
+from msgspec import Struct
 
 from .fixed_point import exact_sum
 from .poses import Poses
@@ -21,8 +21,7 @@ RESIDUE = 1e-8
 accurate to 1e-9, and sums over parts lose another digit."""
 
 
-@dataclass(frozen=True)
-class MassProperties:
+class MassProperties(Struct, frozen=True):
     """Mass, centre of mass and inertia of a rigid body."""
 
     mass: float = 0.0
@@ -64,8 +63,7 @@ def without_residue(computed: MassProperties) -> MassProperties:
     return MassProperties.of(computed.mass, com.tolist(), I)
 
 
-@dataclass(frozen=True, eq=False)
-class Bodies:
+class Bodies(Struct, frozen=True, eq=False):
     """Mass properties of several bodies as arrays: those of an assembly may be thousands."""
 
     mass: Array

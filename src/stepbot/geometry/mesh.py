@@ -5,10 +5,10 @@ all read (Drake rejects STL for collision, MuJoCo reads one object per OBJ). For
 http://paulbourke.net/dataformats/obj/.
 """
 
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
 from .fixed_point import distinct_rows, fixed_point_lines
@@ -19,8 +19,7 @@ GRID_PER_METRE = 10.0**GRID_DECIMALS
 """Vertices are on a grid of one nanometre: the measured mesh is the written mesh, free of the kernel's last bits."""
 
 
-@dataclass(frozen=True, eq=False)
-class TriMesh:
+class TriMesh(Struct, frozen=True, eq=False, weakref=True):
     """A triangle mesh; counter-clockwise faces point outwards."""
 
     vertices: NDArray[np.float64]

@@ -6,13 +6,13 @@ A glTF file keeps its triangles in buffers of other files: those in its folder a
 import json
 from base64 import b64encode
 from collections.abc import Sequence
-from dataclasses import dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.runtime.file import is_file, read_regular, resolved
 
@@ -32,8 +32,7 @@ Color = tuple[float, float, float, float]
 """Colour and opacity, each 0 to 1, sRGB."""
 
 
-@dataclass(frozen=True, eq=False)
-class MeshContent:
+class MeshContent(Struct, frozen=True, eq=False):
     """The content of a mesh file, in its coordinates [m]."""
 
     mesh: TriMesh

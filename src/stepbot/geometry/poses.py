@@ -4,17 +4,16 @@ Every result is bit for bit that of :class:`.Pose` for each pose alone.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from math import atan2, hypot
 
 import numpy as np
+from msgspec import Struct
 
 from .fixed_point import distinct_rows
 from .spatial import Array, Pose, matrix_product, rotated, tidy_arrays
 
 
-@dataclass(frozen=True, eq=False)
-class Poses:
+class Poses(Struct, frozen=True, eq=False):
     """X_AB of several frames B in A."""
 
     R: Array

@@ -1,20 +1,18 @@
 """Primitive shapes, each around the origin of its own frame."""
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from .spatial import ZERO3, Vector3
 
 
-@dataclass(frozen=True)
-class Box:
+class Box(Struct, frozen=True):
     """A box around its frame's origin."""
 
     size: Vector3
     """Full edge lengths [m]."""
 
 
-@dataclass(frozen=True)
-class Cylinder:
+class Cylinder(Struct, frozen=True):
     """A cylinder along z around its frame's origin."""
 
     radius: float
@@ -23,16 +21,14 @@ class Cylinder:
     """Full length [m]."""
 
 
-@dataclass(frozen=True)
-class Sphere:
+class Sphere(Struct, frozen=True):
     """A sphere around its frame's origin."""
 
     radius: float
     """Radius [m]."""
 
 
-@dataclass(frozen=True)
-class Capsule:
+class Capsule(Struct, frozen=True):
     """A cylinder along z with half spheres on both ends, around its frame's origin."""
 
     radius: float

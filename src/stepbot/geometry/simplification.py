@@ -12,10 +12,10 @@ Meshes that share a budget of triangles get about the same deviation.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from math import sqrt
 
 import numpy as np
+from msgspec import Struct, field
 from numpy.typing import NDArray
 
 from .fixed_point import distinct
@@ -33,8 +33,7 @@ _LEAST_SHARE = 1e-3
 """Number of vertices that a pass has to move, as a share of the faces, for another pass with the same limit."""
 
 
-@dataclass(eq=False)
-class Simplification:
+class Simplification(Struct, eq=False):
     """A mesh that becomes coarser step by step."""
 
     original: TriMesh
@@ -45,8 +44,8 @@ class Simplification:
     """Current faces (m, 3), as vertices of the original."""
     target: Integers
     """For each vertex of the original, the one that has taken its place."""
-    _quadrics: Array = field(repr=False)
-    _blocked: Integers = field(default_factory=lambda: np.zeros(0, np.int64), repr=False)
+    _quadrics: Array
+    _blocked: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
     """Moves that would fold the surface, as keys."""
 
     @staticmethod
@@ -233,8 +232,7 @@ _DECIMALS = 7
 """Of deviations [m]."""
 
 
-@dataclass(frozen=True, eq=False)
-class Unit:
+class Unit(Struct, frozen=True, eq=False):
     """Meshes with common borders, such as the colours of a part."""
 
     meshes: tuple[TriMesh, ...]
@@ -242,8 +240,7 @@ class Unit:
     """How often it is drawn."""
 
 
-@dataclass(frozen=True, eq=False)
-class TriangleBudget:
+class TriangleBudget(Struct, frozen=True, eq=False):
     """Units that share a budget."""
 
     units: tuple[Unit, ...]
@@ -251,8 +248,7 @@ class TriangleBudget:
     """Of all that is drawn."""
 
 
-@dataclass(frozen=True, eq=False)
-class Simplified:
+class Simplified(Struct, frozen=True, eq=False):
     """The simplified meshes of a budget."""
 
     units: tuple[tuple[TriMesh, ...], ...]

@@ -7,10 +7,10 @@ about the fixed axes X, Y, Z, in this order, as URDF and SDFormat define them. Q
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
@@ -41,8 +41,7 @@ def matrix3(values: ArrayLike) -> Matrix3:
     return (tuple(a), tuple(b), tuple(c))
 
 
-@dataclass(frozen=True)
-class Pose:
+class Pose(Struct, frozen=True, dict=True):
     """A rigid transform, X_AB: turns coordinates in B into coordinates in A.
 
     The rotation is kept as a matrix, so that composing and inverting never pass through angles.

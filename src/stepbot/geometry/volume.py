@@ -1,9 +1,9 @@
 """Volume, centroid and second moments of a solid, and the deviation between two measurements."""
 
-from dataclasses import dataclass
 from math import inf, sqrt
 
 import numpy as np
+from msgspec import Struct
 
 from .inertia import MassProperties
 from .spatial import Array
@@ -12,8 +12,7 @@ _DIGITS = 12
 """Digits of integrals that are free of rounding errors, on every processor."""
 
 
-@dataclass(frozen=True)
-class VolumeProperties:
+class VolumeProperties(Struct, frozen=True):
     """Volume, centroid and second moments of a solid of density 1 kg/m^3."""
 
     unit_density: MassProperties

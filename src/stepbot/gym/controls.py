@@ -1,12 +1,12 @@
 """Actions to controls: what -1, 0 and 1 mean for each actuator."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import pi
 from typing import Any
 
 import mujoco
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Array
 from stepbot.robot.mesh_names import SCOPE
@@ -18,8 +18,7 @@ _EFFORT = {"hinge": "N*m", "slide": "N"}
 _POSITION = {"hinge": "rad", "slide": "m"}
 
 
-@dataclass(frozen=True)
-class Actuator:
+class Actuator(Struct, frozen=True):
     """An actuator of the model."""
 
     index: int

@@ -4,13 +4,13 @@ import os
 import sys
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
 import gymnasium
 import mujoco
 import numpy as np
+from msgspec import Struct
 
 from stepbot.engines.mujoco.model import collected_warnings
 from stepbot.geometry.spatial import Array
@@ -24,8 +24,7 @@ MODES = ("rgb_array", "human")
 _OVERVIEW = "overview"
 
 
-@dataclass(frozen=True, eq=False)
-class Marker:
+class Marker(Struct, frozen=True, eq=False):
     """A ball that no physics sees."""
 
     position: Array

@@ -1,11 +1,11 @@
 """What is observed: joint coordinates and sensors, with names and units."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import mujoco
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Array
 from stepbot.robot.mesh_names import SCOPE
@@ -105,8 +105,7 @@ _XYZ, _QUATERNION = ("x", "y", "z"), ("qw", "qx", "qy", "qz")
 _JOINT_SENSORS = (mujoco.mjtSensor.mjSENS_JOINTPOS, mujoco.mjtSensor.mjSENS_JOINTVEL)
 
 
-@dataclass(frozen=True)
-class Value:
+class Value(Struct, frozen=True):
     """One number of an observation."""
 
     name: str

@@ -7,9 +7,10 @@ import shutil
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass
 from importlib import import_module, metadata
 from importlib.util import find_spec
+
+from msgspec import Struct
 
 from stepbot.engines import engines
 from stepbot.engines.engine import Engine
@@ -48,8 +49,7 @@ _EXTRAS: dict[str, tuple[tuple[str, ...], str]] = {
 """Modules of each extra that is no engine, and what it is for."""
 
 
-@dataclass(frozen=True)
-class Item:
+class Item(Struct, frozen=True):
     """One thing that is there, or is not."""
 
     area: str

@@ -5,10 +5,10 @@ picture, unless it looks straight up or down; then +x, the front of the robot, i
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import ArrayLike
 
 from stepbot.geometry.spatial import Array
@@ -19,8 +19,7 @@ MARGIN = 1.12
 """The picture's size relative to the size of the scene in it, of its narrower side."""
 
 
-@dataclass(frozen=True)
-class View:
+class View(Struct, frozen=True):
     """The direction that a picture is taken from."""
 
     azimuth: float = 35.0
@@ -46,8 +45,7 @@ VIEWS: Mapping[str, View] = {
 """Views by name; the left is the robot's own, +y."""
 
 
-@dataclass(frozen=True, eq=False)
-class Camera:
+class Camera(Struct, frozen=True, eq=False, dict=True):
     """A camera with a picture of a given size."""
 
     position: Array

@@ -6,12 +6,12 @@ which no two leader lines cross; their heights are the least-squares solution th
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from math import hypot
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 Place = tuple[float, float]
@@ -184,8 +184,7 @@ def extent(visible: NDArray[np.int32]) -> tuple[float, float, float, float]:
     return float(columns.min()), float(rows.min()), float(columns.max() + 1), float(rows.max() + 1)
 
 
-@dataclass(frozen=True)
-class Wanted:
+class Wanted(Struct, frozen=True):
     """A label to place."""
 
     text: str
@@ -197,8 +196,7 @@ class Wanted:
     """Whether what it names is behind something else."""
 
 
-@dataclass(frozen=True)
-class Placed:
+class Placed(Struct, frozen=True):
     """A label in a column."""
 
     label: Wanted
@@ -207,8 +205,7 @@ class Placed:
     """Middle of the text [px]."""
 
 
-@dataclass(frozen=True)
-class Columns:
+class Columns(Struct, frozen=True):
     """Where labels may be [px]."""
 
     left: float

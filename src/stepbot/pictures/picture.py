@@ -3,9 +3,9 @@
 import io
 from collections.abc import Iterator
 from colorsys import hls_to_rgb
-from dataclasses import dataclass, field
 
 import numpy as np
+from msgspec import Struct, field
 from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array, perpendicular_frame
@@ -101,8 +101,7 @@ class NothingToDraw(ValueError):
     """The subject has no surface."""
 
 
-@dataclass(frozen=True)
-class Sheet:
+class Sheet(Struct, frozen=True):
     """The form of a picture."""
 
     width: int = 1200
@@ -115,8 +114,7 @@ class Sheet:
     labels: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class Picture:
+class Picture(Struct, frozen=True, eq=False):
     """A drawn picture."""
 
     pixels: NDArray[np.uint8]

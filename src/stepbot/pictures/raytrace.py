@@ -8,10 +8,10 @@ numpy and Embree render the same picture each time; on others it may differ in l
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.geometry.shading import corner_normals
@@ -49,8 +49,7 @@ _SAME_DIRECTION, _SAME_PLANE = 0.9, 1e-3
 show one surface."""
 
 
-@dataclass(frozen=True, eq=False)
-class Scene:
+class Scene(Struct, frozen=True, eq=False):
     """Triangles in the world."""
 
     vertices: Array

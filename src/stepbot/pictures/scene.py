@@ -1,10 +1,10 @@
 """What is drawn: placed meshes with an owner each, and the axes of joints."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.geometry.mesh import AROUND, TriMesh, revolved
@@ -18,8 +18,7 @@ from .raytrace import Scene, linear
 NEVER = -np.inf
 
 
-@dataclass(frozen=True, eq=False)
-class Shape:
+class Shape(Struct, frozen=True, eq=False):
     """A mesh at its place."""
 
     mesh: TriMesh
@@ -30,8 +29,7 @@ class Shape:
     """Index of its name in :attr:`Subject.names`."""
 
 
-@dataclass(frozen=True)
-class Axis:
+class Axis(Struct, frozen=True):
     """The axis of a joint."""
 
     name: str
@@ -45,8 +43,7 @@ class Axis:
     """Whether the joint slides along it."""
 
 
-@dataclass(frozen=True, eq=False)
-class Subject:
+class Subject(Struct, frozen=True, eq=False):
     """What a picture shows."""
 
     shapes: tuple[Shape, ...]

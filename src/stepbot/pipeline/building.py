@@ -2,9 +2,10 @@
 
 import os.path
 from contextlib import closing
-from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
+
+from msgspec.structs import replace
 
 from stepbot.assemble import UNREVISED, Built, build_robot
 from stepbot.diagnostics import Diagnostics, Span

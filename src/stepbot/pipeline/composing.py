@@ -2,9 +2,11 @@
 
 import json
 from collections.abc import Mapping as MappingType
-from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from pathlib import Path
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.assemble.devices import place_of
 from stepbot.compose.changing import changed, with_names
@@ -52,8 +54,7 @@ _GAINS = "SB874:gains"
 """Computed gains of a description's actuators, which the whole robot computes again."""
 
 
-@dataclass(frozen=True, eq=False)
-class Composed:
+class Composed(Struct, frozen=True, eq=False):
     """A composed robot, and the files that it was made from."""
 
     robot: Robot

@@ -1,10 +1,11 @@
 """Reads an existing robot description, foreign data, in a worker process."""
 
 import re
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from xml.sax.saxutils import escape
+
+from msgspec.structs import replace
 
 from stepbot.described.finding import UNSUPPORTED
 from stepbot.described.robot import robot_of_description

@@ -2,9 +2,11 @@
 
 from collections.abc import Iterable
 from contextlib import closing
-from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.assemble import build_robot
 from stepbot.compose.joining import in_tree_order
@@ -31,8 +33,7 @@ _MODEL = "urdf"
 """The format whose conventions both models are described by."""
 
 
-@dataclass(frozen=True)
-class Differences:
+class Differences(Struct, frozen=True):
     """The differences of two files."""
 
     old: str

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable, Mapping
 from contextlib import closing
-from dataclasses import dataclass, replace
 from pathlib import Path
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span, StepbotError
 from stepbot.draft.draft import Draft
@@ -39,8 +41,7 @@ _COARSE = MeshTolerance(relative=0.05, angle=0.8)
 """Inference reads exact faces; of the meshes it needs corners and approximate volumes."""
 
 
-@dataclass(frozen=True, eq=False)
-class Drafting:
+class Drafting(Struct, frozen=True, eq=False):
     """The draft of a STEP file."""
 
     diagnostics: Diagnostics

@@ -3,10 +3,12 @@
 import json
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import ExitStack
-from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.driving.driving import Driven, drive_files, missing_engines, report_missing_engines
@@ -22,8 +24,7 @@ from .conversion import REPORT, Options
 from .sidecars import SIDECAR_SUFFIXES, report_missing
 
 
-@dataclass(frozen=True)
-class DriveOptions:
+class DriveOptions(Struct, frozen=True):
     """How to drive a robot."""
 
     tests: tuple[str, ...] = ()

@@ -6,8 +6,10 @@ sidecar as a whole: editing a joint does not read the STEP again. Only results w
 
 import hashlib
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.geometry.mesh_worker import MESH_WORKER, report_death
@@ -56,8 +58,7 @@ def input_names(first: Path, others: Iterable[Path]) -> dict[str, Path]:
     return named
 
 
-@dataclass(frozen=True, eq=False)
-class Geometry:
+class Geometry(Struct, frozen=True, eq=False):
     """An assembly with its mass properties."""
 
     assembly: Assembly

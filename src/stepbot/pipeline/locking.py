@@ -3,9 +3,11 @@
 import shlex
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.assemble import bind, build_robot
 from stepbot.diagnostics import Diagnostics, StepbotError
@@ -112,8 +114,7 @@ def _lock(sidecar: Sidecar, options: Options, found: Diagnostics) -> Snapshot:
     return with_sidecar(taken, assembly, sidecar.document, bind(assembly, sidecar, measures()))
 
 
-@dataclass(frozen=True)
-class FixedSidecar:
+class FixedSidecar(Struct, frozen=True):
     """A sidecar with the new paths of components that were certainly renamed."""
 
     path: Path

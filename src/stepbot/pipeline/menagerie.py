@@ -9,6 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping
 from math import isfinite
 from urllib.parse import quote
 
+from msgspec.structs import asdict
+
 from stepbot.formats.learning import MENAGERIE
 from stepbot.formats.mjcf.menagerie import menagerie_files
 from stepbot.pictures.picture import Sheet, draw, png_bytes
@@ -103,7 +105,7 @@ def _joints(robot: Robot, results: Results, stated: str) -> Iterator[tuple[str, 
     for joint in robot.joints:
         if joint.kind is not JointKind.FIXED:
             words = evidence_words(rows[joint.name].evidence) if joint.name in rows else ""
-            limits = (f"{name} {value:.6g}" for name, value in vars(joint.limit).items() if isfinite(value))
+            limits = (f"{name} {value:.6g}" for name, value in asdict(joint.limit).items() if isfinite(value))
             yield joint.name, joint.kind.value, words or stated, ", ".join(limits)
     for row in results.joint_table:
         if row.is_closure:

@@ -2,10 +2,10 @@
 
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.spatial import Array, Pose
@@ -70,8 +70,7 @@ def subject_of(target: Path, options: Options, positions: Configuration, found: 
         raise ValueError(f"the loops or limits stop the mechanism at {dict(error.reached)}") from None
 
 
-@dataclass(frozen=True)
-class Label:
+class Label(Struct, frozen=True):
     """A name for components of an assembly."""
 
     text: str

@@ -6,10 +6,12 @@ a sure one are marked for review.
 
 from collections.abc import Mapping
 from contextlib import closing
-from dataclasses import dataclass, replace
 from math import tau
 from pathlib import Path
 from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.assemble.assets import MeshAssets
 from stepbot.diagnostics import Diagnostics, StepbotError
@@ -142,8 +144,7 @@ def _robot(
     return share_meshes(Robot(name, tuple(links), joints, meshes=assets.all(), source=assembly.source))
 
 
-@dataclass(frozen=True, eq=False)
-class Shown:
+class Shown(Struct, frozen=True, eq=False):
     """A scene and what it was made from."""
 
     diagnostics: Diagnostics

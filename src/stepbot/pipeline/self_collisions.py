@@ -1,7 +1,8 @@
 """Which links of a robot can overlap: searched in a worker process, for a conversion or for its own sake."""
 
 from collections.abc import Set
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.robot.model import Robot

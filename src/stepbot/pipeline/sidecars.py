@@ -1,8 +1,9 @@
 """Loads and checks a sidecar on its own; its STEP file and read options."""
 
 import shlex
-from dataclasses import replace
 from pathlib import Path
+
+from msgspec.structs import replace
 
 from stepbot.assemble.masses import read_options
 from stepbot.diagnostics import Diagnostics, Ignore, Span, did_you_mean

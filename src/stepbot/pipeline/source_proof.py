@@ -4,9 +4,10 @@ The written files are compared with the model elsewhere; this finds what was mis
 """
 
 from collections.abc import Iterable, Set
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+
+from msgspec.structs import replace
 
 from stepbot.described.finding import LOST
 from stepbot.described.robot import Described

@@ -10,8 +10,10 @@ conversion of a sidecar needs; the rest is imported where it is used.
 
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack, closing
-from dataclasses import dataclass, field, replace
 from pathlib import Path
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from stepbot.assemble import Built, link_components
 from stepbot.diagnostics import Diagnostics, StepbotError
@@ -33,8 +35,7 @@ from .writing import all_files, judged_by_files, proven, rendered, report_unused
 __all__ = ["REPORT", "Conversion", "Inspection", "Options", "check", "convert", "inspect", "produce", "step_of"]
 
 
-@dataclass(frozen=True)
-class Inspection:
+class Inspection(Struct, frozen=True):
     """The content of a STEP file."""
 
     diagnostics: Diagnostics

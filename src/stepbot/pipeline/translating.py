@@ -6,8 +6,9 @@ the file that they came from.
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from contextlib import ExitStack, nullcontext
-from dataclasses import replace
 from pathlib import Path
+
+from msgspec.structs import replace
 
 from stepbot.compose.pruning import elements
 from stepbot.described.assumed import check_inertials, lacking, with_assumed

@@ -1,10 +1,12 @@
 """A robot as the bytes of its files in all formats, with the report: the end of every conversion."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, source_lines
 from stepbot.formats import default_formats, format_named
@@ -39,8 +41,7 @@ _NEVER_UNUSED = ("SB31", "SB465")
 """Codes of CAD changes, which come with a change and go with the next lock file, and one of `check --step` alone."""
 
 
-@dataclass(frozen=True, eq=False)
-class Rendered:
+class Rendered(Struct, frozen=True, eq=False):
     """A robot in several formats."""
 
     robot: Robot

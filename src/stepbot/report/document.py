@@ -9,11 +9,12 @@ import json
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from math import isfinite
 from pathlib import PurePath
 from typing import Any
 from xml.etree import ElementTree as ET
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.version import __version__
@@ -119,8 +120,7 @@ def _diagnostic(diagnostic: Diagnostic) -> Json:
 _NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
-@dataclass(frozen=True)
-class Suite:
+class Suite(Struct, frozen=True):
     """A robot."""
 
     name: str

@@ -1,12 +1,13 @@
 """Records as JSON data, and back: an object with a key for each field that a document has."""
 
 from collections.abc import Hashable, Mapping
-from dataclasses import fields, is_dataclass
 from enum import Enum, EnumType
 from functools import cache
 from math import isfinite
 from types import NoneType, UnionType
 from typing import Any, TypeVar, Union, cast, get_args, get_origin, get_type_hints
+
+from msgspec import Struct
 
 from stepbot.robot.joint_table import Vector3
 
@@ -36,8 +37,8 @@ def plain(value: Any) -> Any:
         return {key: plain(one) for key, one in value.items()}
     if hasattr(value, "rpy"):  # a pose, whose class would load numpy
         return {"xyz": list(value.position), "rpy": list(value.rpy)}
-    if is_dataclass(value):
-        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, Struct):
+        return {name: plain(getattr(value, name)) for name in value.__struct_fields__}
     raise TypeError(f"{type(value).__name__} has no JSON form")
 
 

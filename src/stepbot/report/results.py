@@ -4,8 +4,9 @@ The records hold plain values, so that cached results can be displayed without l
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from enum import StrEnum
+
+from msgspec import Struct, field
 
 from stepbot.robot.joint_table import JointRow
 from stepbot.robot.motors import Motor
@@ -19,8 +20,7 @@ class Status(StrEnum):
     NOT_RUN = "not run"
 
 
-@dataclass(frozen=True)
-class Check:
+class Check(Struct, frozen=True):
     """One quantity, compared in one file as reported by one engine."""
 
     file: str
@@ -49,8 +49,7 @@ class Check:
         return self.deviation / self.tolerance
 
 
-@dataclass(frozen=True)
-class Row:
+class Row(Struct, frozen=True):
     """All checks of one file and engine, for one row of a table."""
 
     file: str
@@ -78,8 +77,7 @@ class Content(StrEnum):
     """The robot with floor and light, to be opened in a simulator."""
 
 
-@dataclass(frozen=True)
-class WrittenFile:
+class WrittenFile(Struct, frozen=True):
     """A file of a robot, meshes and reports aside."""
 
     path: str
@@ -88,8 +86,7 @@ class WrittenFile:
     content: Content
 
 
-@dataclass(frozen=True)
-class SimplifiedVisuals:
+class SimplifiedVisuals(Struct, frozen=True):
     """Visual meshes that were simplified to meet a budget."""
 
     link: str
@@ -105,8 +102,7 @@ class SimplifiedVisuals:
     """The budget, if it is one of the files."""
 
 
-@dataclass(frozen=True)
-class LinkCollision:
+class LinkCollision(Struct, frozen=True):
     """The collision shapes of a link, and how well they match its solids."""
 
     link: str
@@ -124,8 +120,7 @@ class LinkCollision:
     """Largest distance [m] of a point of the shapes from the solids; None without closed solids."""
 
 
-@dataclass(frozen=True)
-class Results:
+class Results(Struct, frozen=True):
     """The verification results, and what else a command prints about a conversion."""
 
     checks: tuple[Check, ...] = ()

@@ -1,9 +1,11 @@
 """A robot as JSON data, for ``report.json``, and back: everything but shapes and sensors."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import isfinite
 from typing import Any, TypeVar
+
+from msgspec import Struct
+from msgspec.structs import asdict
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.inertia import MassProperties, combined
@@ -57,8 +59,7 @@ __all__ = [
 ]
 
 
-@dataclass(frozen=True)
-class MeasuredBody:
+class MeasuredBody(Struct, frozen=True):
     """One definition of the assembly, measured twice, at a density of 1 kg/m^3."""
 
     name: str
@@ -77,8 +78,7 @@ class MeasuredBody:
     """Which of the two is used in the files, and why; why the body has no mass if neither is."""
 
 
-@dataclass(frozen=True)
-class Report(Results):
+class Report(Results, frozen=True):
     """The results, with the robot and its bodies."""
 
     robot: Robot | None = None
@@ -169,7 +169,7 @@ def _joint(joint: Joint) -> Json:
         unused["axis2"] = None
     if joint.kind is not JointKind.SCREW:
         unused["pitch"] = None
-    dynamics = {name: float(value) for name, value in vars(joint.dynamics).items()}
+    dynamics = {name: float(value) for name, value in asdict(joint.dynamics).items()}
     return picked(joint, JOINT, limits=_limits(joint.limit), dynamics=dynamics, **unused)
 
 

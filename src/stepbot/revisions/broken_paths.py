@@ -1,7 +1,8 @@
 """Paths that a revision has broken, as diagnostics."""
 
 from collections.abc import Hashable, Iterable, Sequence
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from stepbot.assemble.binder import LISTED, listed
 from stepbot.diagnostics import Diagnostics, Span

@@ -2,9 +2,10 @@
 
 import shlex
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import PurePath
+
+from msgspec import Struct
 
 from stepbot.assemble.binder import Revised, listed
 from stepbot.assemble.bound import Bound, bind
@@ -37,8 +38,7 @@ def renamed_node(old: str, new: str) -> tuple[str, str]:
     return "/".join(ours), "/".join(theirs)
 
 
-@dataclass(frozen=True)
-class BrokenPath:
+class BrokenPath(Struct, frozen=True):
     """A path that no longer matches the same components."""
 
     pattern: str
@@ -168,8 +168,7 @@ def _spellings(pattern: str, old: Sequence[str], new: Sequence[str]) -> Iterable
         yield path
 
 
-@dataclass(frozen=True)
-class Comparison:
+class Comparison(Struct, frozen=True):
     """Two revisions of one assembly under one sidecar."""
 
     sidecar: Sidecar

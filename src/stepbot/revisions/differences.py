@@ -2,8 +2,9 @@
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from math import isfinite, isnan, nan, pi
+
+from msgspec import Struct
 
 from stepbot.engines.observation import Quantity
 from stepbot.verification.compare import Compared
@@ -22,8 +23,7 @@ _NO_DIFFERENCE = frozenset({Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNING
 """Quantities of a single file or robot."""
 
 
-@dataclass(frozen=True)
-class Difference:
+class Difference(Struct, frozen=True):
     """One difference."""
 
     kind: str

@@ -11,11 +11,12 @@ equal part. Parts are compared after the motion that all of them have in common.
 
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable
-from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from itertools import product
 
 import numpy as np
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, bounds
 
@@ -39,8 +40,7 @@ class Certainty(StrEnum):
     PROBABLE = "probable"
 
 
-@dataclass(frozen=True)
-class Pair:
+class Pair(Struct, frozen=True):
     """A part in both snapshots."""
 
     old: int
@@ -50,8 +50,7 @@ class Pair:
     is_same_shape: bool
 
 
-@dataclass(frozen=True)
-class Match:
+class Match(Struct, frozen=True):
     """The parts of two snapshots, by index."""
 
     pairs: tuple[Pair, ...]

@@ -4,11 +4,11 @@ Volume and second moments distinguish solids to a millionth, or to the error of 
 part from its mirror image: their bounding boxes do, once both are at one place.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
 from math import degrees, radians
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.assemble.bound import PlacedJoint
 from stepbot.geometry.spatial import Array, Pose, angle_between, turn_inertia
@@ -63,8 +63,7 @@ def _principal_moments(shape: Shape) -> Array:
     return np.asarray(np.linalg.eigvalsh(shape.tensor), dtype=np.float64)
 
 
-@dataclass(frozen=True)
-class Motion:
+class Motion(Struct, frozen=True):
     """The motion of a component."""
 
     distance: float

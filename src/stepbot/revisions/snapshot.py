@@ -5,11 +5,12 @@ differences between machines.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 from math import floor, log10
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.assemble.bound import Bound, PlacedJoint
 from stepbot.geometry.mesh import TriMesh, surface_moments
@@ -32,8 +33,7 @@ _LEAST_ERROR = 1e-9
 Six = tuple[float, float, float, float, float, float]
 
 
-@dataclass(frozen=True)
-class Shape:
+class Shape(Struct, frozen=True, dict=True):
     """The fingerprint of a body, independent of names and of the order of faces."""
 
     kind: str
@@ -58,8 +58,7 @@ class Shape:
         return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-@dataclass(frozen=True)
-class Part:
+class Part(Struct, frozen=True, dict=True):
     """A component with a body."""
 
     path: str
@@ -94,8 +93,7 @@ class Part:
         return float(np.linalg.norm(np.subtract(*self.box)))
 
 
-@dataclass(frozen=True)
-class Reference:
+class Reference(Struct, frozen=True):
     """A component path of the sidecar, and its matches."""
 
     path: str
@@ -103,8 +101,7 @@ class Reference:
     """Canonical paths; of nested components the topmost."""
 
 
-@dataclass(frozen=True)
-class Snapshot:
+class Snapshot(Struct, frozen=True, dict=True):
     """An assembly, and its bindings by a sidecar; without a sidecar, only the parts."""
 
     source: str

@@ -7,10 +7,10 @@ length.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from math import atan2
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import DECIMALS, Array, Pose, cross, perpendicular_frame

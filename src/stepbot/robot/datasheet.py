@@ -1,10 +1,11 @@
 """The data sheet of a robot: what its geometry, masses and limits allow, over postures in the range of its joints."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from math import floor, inf, isfinite, log10, pi, sqrt
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array, rotated
@@ -39,8 +40,7 @@ _REACHED = 2000
 """Number of postures that show a workspace."""
 
 
-@dataclass(frozen=True)
-class JointFigures:
+class JointFigures(Struct, frozen=True):
     """What moves a joint, and what it moves, over all postures; None without the limits or gains for it."""
 
     name: str
@@ -61,8 +61,7 @@ class JointFigures:
     """Natural frequencies [Hz] of a position actuator, with the largest and the least inertia."""
 
 
-@dataclass(frozen=True)
-class ArmFigures:
+class ArmFigures(Struct, frozen=True):
     """An arm, by the end of its chain of joints."""
 
     tip: str
@@ -78,8 +77,7 @@ class ArmFigures:
     axis of the first joint, as in :attr:`reach`, over random postures."""
 
 
-@dataclass(frozen=True)
-class DataSheet:
+class DataSheet(Struct, frozen=True):
     """The figures of a robot."""
 
     name: str

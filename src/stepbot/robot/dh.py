@@ -6,10 +6,10 @@ it is Rx(alpha) Tx(a) of the row before and Rz(theta) Tz(d) of its own. Signs ke
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import atan2
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Array, Pose, rotation_about
 
@@ -24,8 +24,7 @@ TOLERANCE = 1e-6
 _DECIMALS = 9
 
 
-@dataclass(frozen=True)
-class DhRow:
+class DhRow(Struct, frozen=True):
     """A joint; its position is added to ``theta``, or to ``d`` if it slides."""
 
     joint: str
@@ -40,8 +39,7 @@ class DhRow:
     """[rad]."""
 
 
-@dataclass(frozen=True, eq=False)
-class DhTable:
+class DhTable(Struct, frozen=True, eq=False):
     """The parameters of a chain."""
 
     rows: tuple[DhRow, ...]

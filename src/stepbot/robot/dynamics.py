@@ -7,9 +7,10 @@ share no step with the algorithms of the engines that they verify.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Array, Vector3, cross, matrix_product, rotated, turn_inertia
 
@@ -27,8 +28,7 @@ Rates = tuple[Mapping[str, float], Mapping[str, float]]
 """Velocities and accelerations by name; missing ones are 0."""
 
 
-@dataclass(frozen=True, eq=False)
-class Equations:
+class Equations(Struct, frozen=True, eq=False):
     """The equations of motion at one configuration, in the order of :func:`kinematics.moving_joints`."""
 
     mass_matrix: Array

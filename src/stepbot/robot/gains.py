@@ -23,10 +23,11 @@ drawn pose.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
 from math import copysign, floor, inf, isfinite, log10, pi, sqrt
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array
@@ -118,8 +119,7 @@ def line_damping(actuator: Actuator, joint: Joint) -> float:
     return lacking if lacking > _ROUNDING * slope else 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class _Driven:
+class _Driven(Struct, frozen=True, eq=False):
     """The driven joints, all others following them."""
 
     names: tuple[str, ...]
@@ -276,8 +276,7 @@ def _holding_stiffness(joint: Joint, heaviest: float) -> float:
     return max(heaviest / sag, joint.dynamics.friction / stuck)
 
 
-@dataclass(frozen=True)
-class _Step:
+class _Step(Struct, frozen=True):
     """A step of a joint whose effort is limited, from rest in the drawn pose."""
 
     inertia: float

@@ -12,11 +12,11 @@ ball has the smallest, 6/5 m r^2.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from itertools import product
 from math import inf, pi
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.diagnostics import Finding
 from stepbot.geometry.inertia import MassProperties
@@ -31,8 +31,7 @@ OUTSIDE_SLACK = 0.01
 """Distance of a centre of mass from the geometry, as a share of its diagonal, that is not reported."""
 
 
-@dataclass(frozen=True)
-class SpreadExcess:
+class SpreadExcess(Struct, frozen=True):
     """A direction in which a mass is spread further than its geometry reaches."""
 
     direction: Vector3

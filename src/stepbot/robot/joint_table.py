@@ -5,8 +5,9 @@ the joint table shows what to review. The records hold plain values, so that a c
 loading numpy.
 """
 
-from dataclasses import dataclass
 from enum import StrEnum
+
+from msgspec import Struct
 
 Vector3 = tuple[float, float, float]
 
@@ -30,8 +31,7 @@ class Basis(StrEnum):
     """Stated in a robot file."""
 
 
-@dataclass(frozen=True)
-class Side:
+class Side(Struct, frozen=True):
     """A face about a joint's axis."""
 
     component: str
@@ -42,8 +42,7 @@ class Side:
     """Whether material is outside (a hole) or inside (a shaft)."""
 
 
-@dataclass(frozen=True)
-class Rival:
+class Rival(Struct, frozen=True):
     """Another line that matches the origin."""
 
     basis: Basis
@@ -56,8 +55,7 @@ class Rival:
     """Its width relative to the chosen line's: 0.5 is half as wide."""
 
 
-@dataclass(frozen=True)
-class Evidence:
+class Evidence(Struct, frozen=True):
     """How the frame of a joint, closure, named frame or sensor was found."""
 
     basis: Basis
@@ -85,8 +83,7 @@ class Evidence:
         return a.radius - b.radius if a.bore else b.radius - a.radius
 
 
-@dataclass(frozen=True)
-class JointRow:
+class JointRow(Struct, frozen=True):
     """One joint or closure, in the drawn pose."""
 
     name: str

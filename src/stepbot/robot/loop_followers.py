@@ -4,11 +4,11 @@ In a parallelogram, as in most two-finger grippers, the passive joints turn by t
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import inf
 from weakref import WeakKeyDictionary
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Array
 
@@ -26,8 +26,7 @@ _DIGITS = 9
 """Decimals of multipliers and offsets: those of the solved loops are noise beyond."""
 
 
-@dataclass(frozen=True)
-class Follower:
+class Follower(Struct, frozen=True):
     """A passive joint of a loop, as a mimic of a driven joint."""
 
     joint: str

@@ -3,8 +3,10 @@
 A file with a colour has one: a mesh that visuals show in several colours has a file for each.
 """
 
-from dataclasses import dataclass, replace
 from typing import TypeVar
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.mesh import obj_bytes
 from stepbot.geometry.mesh_bytes import dae_bytes, glb_bytes, stl_bytes
@@ -16,8 +18,7 @@ COLORED = (MeshFormat.DAE, MeshFormat.GLB)
 """Formats whose files have a colour."""
 
 
-@dataclass(frozen=True)
-class MeshFile:
+class MeshFile(Struct, frozen=True):
     """A mesh in a format."""
 
     asset: MeshAsset

@@ -1,7 +1,9 @@
 """Who maintains a robot's description, and its licence: what packages state that are published."""
 
 import re
-from dataclasses import dataclass, replace
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 MAINTAINER = r"^[^<>\s]([^<>\x00-\x1f]*[^<>\s])? <[^<>@\s]+@[^<>@\s]+>$"
 """A name and an address: ``Ada Lovelace <ada@example.com>``."""
@@ -14,8 +16,7 @@ def is_maintainer(text: str) -> bool:
     return re.match(MAINTAINER, text) is not None
 
 
-@dataclass(frozen=True)
-class Metadata:
+class Metadata(Struct, frozen=True):
     """What the sidecar states about the description; empty where it does not."""
 
     maintainer: str = ""

@@ -5,10 +5,11 @@ the notation of :mod:`stepbot.geometry.spatial`.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
 from math import inf
+
+from msgspec import Struct, field
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
@@ -32,6 +33,9 @@ from .sensors import Sensor
 from .surfaces import PLAIN, Surface
 from .tuning import DEFAULTS, Simulation, Tuning
 
+SECOND_AXIS: Vector3 = (1.0, 0.0, 0.0)
+"""Of a universal joint, if nothing states another."""
+
 
 class Base(StrEnum):
     """Whether the root link is fixed to the world."""
@@ -49,8 +53,7 @@ class MeshFormat(StrEnum):
     GLB = "glb"
 
 
-@dataclass(frozen=True)
-class MeshFormats:
+class MeshFormats(Struct, frozen=True):
     """The formats of a robot's mesh files."""
 
     visual: MeshFormat = MeshFormat.OBJ
@@ -59,8 +62,7 @@ class MeshFormats:
     """Whether the user has chosen the format of visual meshes, so that no target may prefer another one."""
 
 
-@dataclass(frozen=True)
-class FormatVersions:
+class FormatVersions(Struct, frozen=True):
     """The versions of formats to write; each default is what today's readers of the format read."""
 
     urdf: float = 1.0
@@ -69,8 +71,7 @@ class FormatVersions:
     """The oldest MuJoCo that reads it: 3.3 has no contact sensors, intervals of sensors and damping of actuators."""
 
 
-@dataclass(frozen=True)
-class MeshRef:
+class MeshRef(Struct, frozen=True):
     """One of the robot's mesh assets, scale 1."""
 
     name: str
@@ -80,8 +81,7 @@ class MeshRef:
 Geometry = Primitive | MeshRef
 
 
-@dataclass(frozen=True, eq=False)
-class MeshAsset:
+class MeshAsset(Struct, frozen=True, eq=False, weakref=True):
     """A mesh that is written once and referred to by name; :mod:`.mesh_files` has its files."""
 
     name: str
@@ -97,8 +97,7 @@ GREY: Rgba = (0.8, 0.8, 0.8, 1.0)
 """Colour of what has none."""
 
 
-@dataclass(frozen=True)
-class Visual:
+class Visual(Struct, frozen=True):
     """A visual of a link."""
 
     name: str
@@ -111,8 +110,7 @@ class Visual:
     """Path of the component that it shows; empty without an assembly."""
 
 
-@dataclass(frozen=True)
-class Collision:
+class Collision(Struct, frozen=True):
     """A collision of a link."""
 
     name: str
@@ -130,8 +128,7 @@ def _by_geometry(shapes: "Sequence[Visual | Collision]") -> Mapping[Geometry, Po
     return {geometry: Poses.of(X_LG) for geometry, X_LG in poses.items()}
 
 
-@dataclass(frozen=True)
-class ComponentMass:
+class ComponentMass(Struct, frozen=True):
     """The mass of one component and its source."""
 
     component: str
@@ -150,8 +147,7 @@ class ComponentMass:
     """The material whose density this is, in the sidecar or the STEP; empty if none is named."""
 
 
-@dataclass(frozen=True)
-class Link:
+class Link(Struct, frozen=True, dict=True):
     """A rigid body."""
 
     name: str
@@ -180,8 +176,7 @@ class Link:
         return _by_geometry(self.collisions)
 
 
-@dataclass(frozen=True)
-class Limit:
+class Limit(Struct, frozen=True):
     """Bounds of a joint's position, velocity, effort, acceleration and jerk; infinite if there is none."""
 
     lower: float = -inf
@@ -205,8 +200,7 @@ class Limit:
         return min(self.acceleration, self.deceleration, self.jerk) < inf
 
 
-@dataclass(frozen=True)
-class JointDynamics:
+class JointDynamics(Struct, frozen=True):
     """Passive forces of a joint."""
 
     damping: float = 0.0
@@ -221,8 +215,7 @@ class JointDynamics:
     """Inertia [kg m^2] or mass [kg] of the actuator, reflected to the joint."""
 
 
-@dataclass(frozen=True)
-class Mimic:
+class Mimic(Struct, frozen=True):
     """q = multiplier * q_leader + offset."""
 
     joint: str
@@ -231,8 +224,7 @@ class Mimic:
     """[rad] or [m]."""
 
 
-@dataclass(frozen=True)
-class Joint:
+class Joint(Struct, frozen=True):
     """A joint of the tree; its frame at q = 0 is the frame of its child link."""
 
     name: str
@@ -243,7 +235,7 @@ class Joint:
     """Pose of the child link in the parent link at q = 0."""
     axis: Vector3 = (0.0, 0.0, 1.0)
     """Unit axis in the joint's frame, axis_C; the normal of a planar joint."""
-    axis2: Vector3 = (1.0, 0.0, 0.0)
+    axis2: Vector3 = SECOND_AXIS
     """Second axis of a universal joint, in the joint's frame."""
     limit: Limit = Limit()
     dynamics: JointDynamics = JointDynamics()
@@ -254,8 +246,7 @@ class Joint:
     """q [rad] or [m] of the joint as drawn in the CAD, its ``zero``; the initial pose."""
 
 
-@dataclass(frozen=True)
-class LoopClosure:
+class LoopClosure(Struct, frozen=True):
     """A joint that closes a loop: the two F frames coincide up to the degrees of freedom of its kind."""
 
     name: str
@@ -268,8 +259,7 @@ class LoopClosure:
     """Unit axis of a revolute or prismatic closure, in F."""
 
 
-@dataclass(frozen=True)
-class Frame:
+class Frame(Struct, frozen=True):
     """A named frame on a link: a tool centre point, a mounting flange."""
 
     name: str
@@ -287,8 +277,7 @@ class ActuatorKind(StrEnum):
     MOTOR = "motor"
 
 
-@dataclass(frozen=True)
-class Actuator:
+class Actuator(Struct, frozen=True):
     """An actuator on a joint."""
 
     name: str
@@ -308,8 +297,7 @@ class Actuator:
     """The motor of the catalogue whose figures it has; None if it is not known."""
 
 
-@dataclass(frozen=True)
-class Module:
+class Module(Struct, frozen=True):
     """A robot that is a part of another one."""
 
     name: str
@@ -330,8 +318,7 @@ class Module:
     of a module of a module are with the module that contains it."""
 
 
-@dataclass(frozen=True)
-class Robot:
+class Robot(Struct, frozen=True, dict=True, weakref=True):
     """A robot: a tree of links and joints, and the closures that form its loops."""
 
     name: str

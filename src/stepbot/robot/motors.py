@@ -1,10 +1,9 @@
 """What a motor of the catalogue gives its actuator: each figure at the joint, with its source."""
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 
-@dataclass(frozen=True)
-class MotorFigure:
+class MotorFigure(Struct, frozen=True):
     """A number that a motor gives its actuator."""
 
     quantity: str
@@ -16,8 +15,7 @@ class MotorFigure:
     source: str
 
 
-@dataclass(frozen=True)
-class Motor:
+class Motor(Struct, frozen=True):
     """The motor of an actuator."""
 
     name: str

@@ -14,8 +14,9 @@ that it represents, so that a configuration is the same whether a format support
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from math import isinf
+
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose, Vector3, perpendicular_frame, vector3
 

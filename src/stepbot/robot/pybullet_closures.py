@@ -5,8 +5,9 @@ loaded body.
 """
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+
+from msgspec import Struct
 
 if TYPE_CHECKING:
     from stepbot.geometry.spatial import Pose
@@ -19,8 +20,7 @@ SECOND_POINT = 0.05
 Numbers = tuple[float, ...]
 
 
-@dataclass(frozen=True)
-class LoopConstraint:
+class LoopConstraint(Struct, frozen=True):
     """One call of ``pybullet.createConstraint``, with frames in the frames of the links."""
 
     closure: str

@@ -1,9 +1,9 @@
 """How far a point of a robot gets from another one, over the limits of its joints."""
 
-from dataclasses import replace
 from math import atan2, pi
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import IDENTITY
 

@@ -1,7 +1,9 @@
 """Renames the elements of a robot, and every reference to them."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from .model import Joint, Link, Robot
 from .self_collision import PairContact, SelfCollision
@@ -11,8 +13,7 @@ KINDS = ("link", "joint", "closure", "frame", "actuator", "sensor", "visual", "c
 """The kinds of elements with names: the arguments of :func:`renamed`."""
 
 
-@dataclass(frozen=True)
-class NewNames:
+class NewNames(Struct, frozen=True):
     """New names by the old ones, of those that change."""
 
     links: Mapping[str, str] = field(default_factory=dict)

@@ -6,9 +6,10 @@ exerts on the child, in its own frame and about its own origin: at rest, the sup
 its optical frame, with z forward and x right, for which formats of ROS have a frame of its own.
 """
 
-from dataclasses import dataclass
 from enum import StrEnum
 from math import inf
+
+from msgspec import Struct
 
 from stepbot.geometry.spatial import IDENTITY, Pose
 
@@ -38,8 +39,7 @@ MOST_RAYS = 100_000
 """Largest number of rays of a lidar: MJCF has an element for each."""
 
 
-@dataclass(frozen=True)
-class View:
+class View(Struct, frozen=True):
     """The field of view of a camera or a lidar; the rays of a lidar are evenly spaced, the outermost at the edges."""
 
     fov: float = 0.0
@@ -54,8 +54,7 @@ class View:
     """Maximum distance [m]; infinite without a limit."""
 
 
-@dataclass(frozen=True)
-class Sensor:
+class Sensor(Struct, frozen=True):
     """A sensor on a link, or on the joint above a link."""
 
     name: str

@@ -5,8 +5,9 @@ follows from its centripetal acceleration a: it is a * timestep^2 / (2 * stiffne
 a gap that is closed within one step. The defaults are measured in decision 0027.
 """
 
-from dataclasses import dataclass
 from math import isfinite
+
+from msgspec import Struct
 
 from .model import Actuator, ActuatorKind, Joint, Robot
 from .tuning import Integrator
@@ -21,8 +22,7 @@ CLOSURE_STIFFNESS = 1.0
 """Default share of a gap of a closure or mimic that is closed within one step."""
 
 
-@dataclass(frozen=True)
-class Settings:
+class Settings(Struct, frozen=True):
     """Settings of a simulation, defaults applied."""
 
     timestep: float

@@ -1,7 +1,8 @@
 """Contact properties of collision shapes."""
 
-from dataclasses import dataclass, fields
 from math import acos, cos, exp, pi, sqrt, tan
+
+from msgspec import Struct
 
 DEAD = exp(-2.0)
 """Restitution of a critically damped contact, the least that a spring and a damper below have."""
@@ -10,8 +11,7 @@ _LEAST = 1e-6
 """Damping ratio of an impact that loses nothing: with 0, contacts would have no time constant."""
 
 
-@dataclass(frozen=True)
-class Surface:
+class Surface(Struct, frozen=True):
     """How a shape behaves against what it touches; None leaves a property to the simulator."""
 
     friction: float | None = None
@@ -32,7 +32,7 @@ class Surface:
 
 
 PLAIN = Surface()
-SURFACE_FIELDS = tuple(field.name for field in fields(Surface))
+SURFACE_FIELDS = Surface.__struct_fields__
 
 
 def damping_ratio(restitution: float) -> float:

@@ -1,9 +1,9 @@
 """Parts and their mirror images: which have a twin on the other side of a plane, and whether twins weigh the same."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Array, join_bounds
 
@@ -16,8 +16,7 @@ _NEAR = 0.01
 """Share of the robot's size within which the boxes of twins coincide."""
 
 
-@dataclass(frozen=True)
-class Part:
+class Part(Struct, frozen=True):
     """A part in the drawn pose, in the frame of the root link."""
 
     name: str
@@ -36,8 +35,7 @@ class Part:
         return 0.5 * (self.low + self.high)
 
 
-@dataclass(frozen=True)
-class Twins:
+class Twins(Struct, frozen=True):
     """Two parts on both sides of a plane."""
 
     a: Part
@@ -50,8 +48,7 @@ class Twins:
         return abs(self.a.mass - self.b.mass) / larger if larger else 0.0
 
 
-@dataclass(frozen=True)
-class Symmetry:
+class Symmetry(Struct, frozen=True):
     """A robot against its mirror image."""
 
     twins: tuple[Twins, ...]

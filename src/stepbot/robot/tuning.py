@@ -1,7 +1,8 @@
 """Computed gains of an actuator: what was asked for, and what they were computed from."""
 
-from dataclasses import dataclass
 from enum import StrEnum
+
+from msgspec import Struct
 
 BANDWIDTH = 25.0
 """Default bandwidth [Hz]: a sine of 0.5 Hz is followed within 4 % of its amplitude."""
@@ -9,8 +10,7 @@ DAMPING_RATIO = 1.0
 """Default damping ratio: critical, the fastest response that does not overshoot."""
 
 
-@dataclass(frozen=True)
-class Tuning:
+class Tuning(Struct, frozen=True):
     """How the gains of an actuator are computed, by :mod:`.gains`."""
 
     bandwidth: float = BANDWIDTH
@@ -41,8 +41,7 @@ class Integrator(StrEnum):
     RK4 = "rk4"
 
 
-@dataclass(frozen=True)
-class Simulation:
+class Simulation(Struct, frozen=True):
     """Settings of a simulation; None for a default."""
 
     timestep: float | None = None

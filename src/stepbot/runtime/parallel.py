@@ -17,9 +17,11 @@ import sys
 import tempfile
 import warnings
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import BinaryIO, Generic, TypeVar
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from .processes import can_fork, core_count, end_with_parent, thread_count
 from .progress import counted
@@ -28,8 +30,7 @@ from .worker import WorkerDied
 _AT_HAND, _LATE = "at hand", "late"
 
 
-@dataclass(frozen=True)
-class Attempt:
+class Attempt(Struct, frozen=True):
     """One process's attempt at all inputs."""
 
     folder: str
@@ -80,23 +81,20 @@ _PIPE_NUMBERS = 1024
 """Numbers that fit into a pipe at once on all systems."""
 
 
-@dataclass(frozen=True)
-class Died:
+class Died(Struct, frozen=True):
     """A process ended while it processed an input."""
 
     reason: str
 
 
-@dataclass(frozen=True)
-class Raised:
+class Raised(Struct, frozen=True):
     """The function raised one of the expected errors."""
 
     kind: str
     text: str
 
 
-@dataclass(frozen=True)
-class _Bug:
+class _Bug(Struct, frozen=True):
     """The function raised an unexpected error."""
 
     trace: str

@@ -9,16 +9,16 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from .temporary import is_run_folder, run_folder
 
 _PREFIX = "progress"
 
 
-@dataclass(frozen=True)
-class Count:
+class Count(Struct, frozen=True):
     """The inputs of one kind of work."""
 
     work: str

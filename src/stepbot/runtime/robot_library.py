@@ -4,8 +4,9 @@ A wheel has them inside the package; a checkout has them in ``robot_library/``, 
 """
 
 import re
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from stepbot.runtime.file import exists
 
@@ -34,8 +35,7 @@ def export_hint(path: str) -> tuple[str, ...]:
     return (f"`stepbot library export {path.removeprefix(LIBRARY)}` converts it; `stepbot library` lists the robots",)
 
 
-@dataclass(frozen=True)
-class LibraryRobot:
+class LibraryRobot(Struct, frozen=True):
     """A robot of the library."""
 
     folder: Path

@@ -2,8 +2,9 @@
 
 import threading
 from collections.abc import Sequence
-from dataclasses import asdict
 from math import isfinite
+
+from msgspec.structs import asdict
 
 from stepbot.pipeline.scenes import Shown
 from stepbot.robot.kinematics import moving_joints

@@ -7,8 +7,10 @@ gets all values of the robot, and what it changes is written under `set` and `re
 import re
 from collections import defaultdict
 from collections.abc import Container, Iterator
-from dataclasses import dataclass, replace
 from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.compose.changing import CHANGEABLE, sidecar_of
 from stepbot.diagnostics import Diagnostics
@@ -38,8 +40,7 @@ _STAY = ("assign", "add_joint", "add_closure", "remove_joint", "merge", "root", 
 """Actions on the tree of links, which is that of the description."""
 
 
-@dataclass(frozen=True)
-class Edited:
+class Edited(Struct, frozen=True):
     """A sidecar as the page edits it."""
 
     sidecar: Sidecar

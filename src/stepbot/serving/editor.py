@@ -5,10 +5,11 @@ every byte outside the change stays.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 from threading import Lock
 from typing import Any
+
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, StepbotError
 from stepbot.draft.text.sidecar_text import sidecar_text

@@ -2,8 +2,9 @@
 
 import webbrowser
 from collections.abc import Callable
-from dataclasses import replace
 from queue import Empty, SimpleQueue
+
+from msgspec.structs import replace
 
 from stepbot.jobs.health import OK, PROBLEM, Item
 

@@ -1,7 +1,8 @@
 """Every place of a sidecar that names components of the assembly."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from .document import Document
 from .origins import AxisOrigin, CenterOrigin, ComponentOrigin, ExplicitOrigin, MateOrigin, Origin
@@ -11,8 +12,7 @@ _FRAMES = ("assembly",)
 """What ``relative_to`` may name beside links and components."""
 
 
-@dataclass(frozen=True)
-class PathPlace:
+class PathPlace(Struct, frozen=True):
     """A component path, and where it stands."""
 
     keys: Keys

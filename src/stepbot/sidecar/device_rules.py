@@ -1,7 +1,8 @@
 """Check the keys of actuators and sensors, and the joints and links to which they refer."""
 
-from dataclasses import replace
 from math import pi
+
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.robot.model import ActuatorKind, JointKind

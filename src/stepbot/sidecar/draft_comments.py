@@ -2,10 +2,10 @@
 
 import re
 from collections.abc import Callable, Container, Iterator, Sequence
-from dataclasses import dataclass
 from math import isfinite, radians
 from typing import Any
 
+from msgspec import Struct
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 
@@ -48,8 +48,7 @@ def below(lines: Sequence[str], after: int, name: str) -> int:
     return after
 
 
-@dataclass(frozen=True)
-class DraftedStop:
+class DraftedStop(Struct, frozen=True):
     """A stop of a joint that `stepbot init` found by collision."""
 
     position: float
@@ -74,8 +73,7 @@ def reviews(text: str) -> Iterator[tuple[int, str]]:
                 yield index + 1, "; ".join(words)
 
 
-@dataclass(frozen=True)
-class DraftedActuator:
+class DraftedActuator(Struct, frozen=True):
     """An actuator that `stepbot init` left in a comment."""
 
     name: str
@@ -100,8 +98,7 @@ def drafted_actuators(text: str) -> tuple[DraftedActuator, ...]:
     return tuple(found)
 
 
-@dataclass(frozen=True)
-class DraftedQuestion:
+class DraftedQuestion(Struct, frozen=True):
     """A question that `stepbot init` left in comments."""
 
     name: str
@@ -161,8 +158,7 @@ def without_actuators(joints: Container[str]) -> "Rewrite":
     return rewrite
 
 
-@dataclass(frozen=True)
-class DraftedFused:
+class DraftedFused(Struct, frozen=True):
     """A part that looks movable and that `stepbot init` drafted as fixed, with the entries in comments that free it."""
 
     link: str

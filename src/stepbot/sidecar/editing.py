@@ -6,10 +6,10 @@ read again and must hold the former values with exactly these changes.
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from msgspec import Struct
 from ruamel.yaml import YAML
 from ruamel.yaml.error import YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, SequenceNode
@@ -26,8 +26,7 @@ from .tree import SECTIONS, Mapping, plain_data
 Keys = tuple[str | int, ...]
 
 
-@dataclass(frozen=True)
-class Put:
+class Put(Struct, frozen=True):
     """Set the value at keys; what does not exist on the way is created."""
 
     keys: Keys
@@ -35,16 +34,14 @@ class Put:
     """A string, number, bool, list or dictionary."""
 
 
-@dataclass(frozen=True)
-class Append:
+class Append(Struct, frozen=True):
     """Add an item to the list at keys; a missing list is created."""
 
     keys: Keys
     value: Any
 
 
-@dataclass(frozen=True)
-class Remove:
+class Remove(Struct, frozen=True):
     """Remove the entry or item at keys, which must exist; of a list or mapping that would be empty, all of it."""
 
     keys: Keys
@@ -52,16 +49,14 @@ class Remove:
     """Whether the comments go with it that `stepbot init` wrote about it; other comments above it stay."""
 
 
-@dataclass(frozen=True)
-class Rename:
+class Rename(Struct, frozen=True):
     """Give the entry at keys, which must exist, another name; it keeps its place."""
 
     keys: Keys
     name: str
 
 
-@dataclass(frozen=True)
-class Annotate:
+class Annotate(Struct, frozen=True):
     """Rewrite the comments that `stepbot init` wrote about the entry at keys, which must exist; no value changes.
 
     Without keys the comments are those of the whole file.

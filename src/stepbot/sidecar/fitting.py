@@ -2,10 +2,10 @@
 
 import glob
 from collections.abc import Mapping
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from msgspec.structs import replace
 from pydantic import ValidationError
 
 from stepbot.diagnostics import Diagnostics, did_you_mean

@@ -7,8 +7,9 @@ and continuous joints.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from fnmatch import fnmatchcase
+
+from msgspec import Struct
 
 from stepbot.robot.joint_types import kinds_with
 from stepbot.robot.model import JointDynamics, JointKind, Limit
@@ -65,8 +66,7 @@ _SETTINGS_OF: dict[JointKind, Mapping[str, units.Dimension]] = {
 }
 
 
-@dataclass(frozen=True)
-class Setting:
+class Setting(Struct, frozen=True):
     """One number of a joint, and its place in the sidecar."""
 
     value: float

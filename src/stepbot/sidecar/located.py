@@ -2,9 +2,10 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
+
+from msgspec import Struct, field
 
 from stepbot.diagnostics import Span
 from stepbot.robot.motors import Motor
@@ -18,8 +19,7 @@ OwnMotors = Mapping[str, MotorSection]
 NO_MOTORS: OwnMotors = MappingProxyType({})
 
 
-@dataclass(frozen=True)
-class Sidecar:
+class Sidecar(Struct, frozen=True):
     """A sidecar that was read, and the places of all its values."""
 
     document: Document

@@ -6,11 +6,11 @@ All figures are those of the output shaft, except ``rotor_inertia`` and ``torque
 import math
 import re
 from collections.abc import Callable
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
 from typing import Annotated, Any, Literal, NamedTuple
 
+from msgspec import Struct
 from pydantic import Discriminator, Field, PlainValidator, Tag, WithJsonSchema
 from pydantic_core import CoreSchema, core_schema
 
@@ -99,8 +99,7 @@ def _figure(value: Any, read: Callable[[Any], Any]) -> Figure:
     return Figure(read(value["value"]), source, None if voltage is None else _electrical(voltage, ("V",)))
 
 
-@dataclass(frozen=True, eq=False)
-class _Reads:
+class _Reads(Struct, frozen=True, eq=False):
     """How a figure is read, and its JSON Schema."""
 
     read: Callable[[Any], Any]

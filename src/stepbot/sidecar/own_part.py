@@ -1,8 +1,9 @@
 """The part of a composing sidecar that is about its own STEP and links alone."""
 
-from dataclasses import replace
 from fnmatch import fnmatchcase
 from typing import Any
+
+from msgspec.structs import replace
 
 from stepbot.robot.model import JointKind
 

@@ -1,9 +1,9 @@
 """Diagnostics for pydantic validation errors, with subject, position and remedy."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
+from msgspec import Struct
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
@@ -34,8 +34,7 @@ _LONGEST_SNIPPET = 60
 """Maximum length of a value in a snippet."""
 
 
-@dataclass(frozen=True)
-class _Fault:
+class _Fault(Struct, frozen=True):
     code: str
     message: str
     """Without its subject."""

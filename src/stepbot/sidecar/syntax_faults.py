@@ -6,9 +6,9 @@ line numbers, and the text is parsed again.
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
+from msgspec import Struct
 from ruamel.yaml.error import MarkedYAMLError, StringMark
 
 from stepbot.diagnostics import Diagnostics, Span
@@ -26,8 +26,7 @@ _OPENERS = {"sequence": ("[", "]"), "mapping": ("{", "}")}
 _TOP_LEVEL_KEY = re.compile(r"[^\s#\]})]")
 
 
-@dataclass(frozen=True)
-class Composed:
+class Composed(Struct, frozen=True):
     """The parsed part of a text."""
 
     tree: Tree | None

@@ -2,8 +2,9 @@
 
 from collections.abc import Mapping as MappingType
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Span
 
@@ -11,8 +12,7 @@ Keys = tuple[str | int, ...]
 """The path from the root to a value: keys of mappings, indices of lists."""
 
 
-@dataclass(frozen=True, eq=False)
-class Scalar:
+class Scalar(Struct, frozen=True, eq=False):
     """A single value."""
 
     span: Span
@@ -27,8 +27,7 @@ class Scalar:
     depth = 1
 
 
-@dataclass(frozen=True, eq=False)
-class Listing:
+class Listing(Struct, frozen=True, eq=False):
     """A list of values."""
 
     span: Span
@@ -42,16 +41,14 @@ class Listing:
     faulty = False
 
 
-@dataclass(frozen=True, eq=False)
-class Entry:
+class Entry(Struct, frozen=True, eq=False):
     """A key and its value."""
 
     key_span: Span
     value: "Tree"
 
 
-@dataclass(frozen=True, eq=False)
-class Mapping:
+class Mapping(Struct, frozen=True, eq=False):
     """Values by key, in file order."""
 
     span: Span

@@ -9,10 +9,10 @@ would cost every run more than half a second.)
 
 import math
 import re
-from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, NamedTuple
 
+from msgspec import Struct
 from pydantic import WithJsonSchema
 
 from stepbot.diagnostics import did_you_mean
@@ -21,8 +21,7 @@ Powers = tuple[int, int, int, int]
 """Exponents of kilogram, metre, second and radian."""
 
 
-@dataclass(frozen=True)
-class Dimension:
+class Dimension(Struct, frozen=True):
     """A physical dimension."""
 
     name: str
@@ -30,7 +29,7 @@ class Dimension:
     """The SI unit, as printed."""
     powers: tuple[Powers, ...]
     """Accepted exponents; several if radians may be omitted."""
-    example: str = field(compare=False)
+    example: str
 
 
 LENGTH = Dimension("length", "m", ((0, 1, 0, 0),), "12 mm")

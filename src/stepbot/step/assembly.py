@@ -4,11 +4,11 @@ Independent of the geometry kernel. Frames: W is the assembly (the STEP's own fr
 that a component is an occurrence of; C and D coincide, so a body's coordinates in D are coordinates in C.
 """
 
-from dataclasses import dataclass, field
 from enum import StrEnum
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct, field
 from numpy.typing import NDArray
 
 from stepbot.diagnostics import Diagnostic
@@ -27,8 +27,7 @@ ROOT_PATH = "."
 """Path of the root of the assembly."""
 
 
-@dataclass(frozen=True)
-class MeshTolerance:
+class MeshTolerance(Struct, frozen=True):
     """Tolerance of a mesh."""
 
     relative: float = 0.002
@@ -39,8 +38,7 @@ class MeshTolerance:
     """Angular deviation [rad] between adjacent facets; 15 degrees."""
 
 
-@dataclass(frozen=True)
-class ReadOptions:
+class ReadOptions(Struct, frozen=True):
     """What to compute while a STEP file is read."""
 
     tolerance: MeshTolerance = MeshTolerance()
@@ -68,8 +66,7 @@ class BodyKind(StrEnum):
     """Curves and points only, without surface or volume."""
 
 
-@dataclass(frozen=True)
-class AxisFace:
+class AxisFace(Struct, frozen=True):
     """A cylindrical or conical face: a line that a joint can turn about or slide along."""
 
     point: Vector3
@@ -93,8 +90,7 @@ class AxisFace:
         return AxisFace((x, y, z), (u, v, w), self.radius, self.low, self.high, self.bore, self.cone)
 
 
-@dataclass(frozen=True, eq=False)
-class Body:
+class Body(Struct, frozen=True, eq=False):
     """One solid or surface of a definition: meshed and measured once for all its occurrences."""
 
     kind: BodyKind
@@ -129,8 +125,7 @@ class Body:
         return self.kind is BodyKind.SOLID or (self.kind is BodyKind.TESSELLATED and self.watertight)
 
 
-@dataclass(frozen=True)
-class Component:
+class Component(Struct, frozen=True):
     """One occurrence in the assembly tree."""
 
     index: int
@@ -173,8 +168,7 @@ class Quantity(StrEnum):
     CENTROID = "centroid"
 
 
-@dataclass(frozen=True)
-class Validation:
+class Validation(Struct, frozen=True):
     """A validation property of the file, compared with the geometry that was read."""
 
     component: int
@@ -194,8 +188,7 @@ class Validation:
         return self.deviation <= self.tolerance
 
 
-@dataclass(frozen=True, eq=False)
-class Assembly:
+class Assembly(Struct, frozen=True, eq=False, dict=True):
     """A STEP file."""
 
     source: str

@@ -5,9 +5,10 @@ depend on the file of a shape: the name of a product is that in the assembly's f
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
 
@@ -105,8 +106,7 @@ def _moved(definition: Definition, offset: int) -> Definition:
     return replace(definition, children=[*children])
 
 
-@dataclass(frozen=True, eq=False)
-class Content:
+class Content(Struct, frozen=True, eq=False):
     """An assembly before its bodies are made."""
 
     unit: LengthUnit

@@ -3,10 +3,11 @@
 Independent of the geometry kernel. Lengths are in metres, in the frame of the definition.
 """
 
-from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Array, Vector3, vector3
 
@@ -22,8 +23,7 @@ class FaceKind(StrEnum):
     OTHER = "other"
 
 
-@dataclass(frozen=True, eq=False)
-class Face:
+class Face(Struct, frozen=True, eq=False):
     """One face of a body."""
 
     kind: FaceKind

@@ -1,9 +1,9 @@
 """One STEP file read by the kernel: its products, before any body is made."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
+from msgspec import Struct
 from OCP.StepShape import StepShape_SolidModel
 from OCP.TopAbs import TopAbs_ShapeEnum
 
@@ -28,8 +28,7 @@ from .structure.tree import MAX_COMPONENTS, report_too_large
 T = TypeVar("T")
 
 
-@dataclass(frozen=True, eq=False)
-class FileContent:
+class FileContent(Struct, frozen=True, eq=False):
     """The content of a file."""
 
     place: str

@@ -8,8 +8,9 @@ import ctypes.util
 import re
 import tempfile
 import time
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.runtime.memory import DEFAULT_TIMEOUT
@@ -32,8 +33,7 @@ _LARGE = 30_000_000
 _MISSING_LIBRARY = re.compile(r"(\S+\.so[.\d]*): cannot open shared object file")
 
 
-@dataclass(frozen=True)
-class _Order:
+class _Order(Struct, frozen=True):
     """A request to the kernel's process."""
 
     files: tuple[StepFile, ...]

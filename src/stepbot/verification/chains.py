@@ -6,9 +6,10 @@ can be compared as a *chain* of single-axis joints.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
 
 import numpy as np
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink
 from stepbot.geometry.spatial import Array, Pose, cross_matrix, rotation_angle, vector3
@@ -65,8 +66,7 @@ PARALLEL = 1e-9
 """Largest sine of the angle between directions that count as parallel."""
 
 
-@dataclass(frozen=True)
-class Edge:
+class Edge(Struct, frozen=True):
     """The connection of two links."""
 
     parent: str
@@ -82,8 +82,7 @@ class Edge:
         return len(self.joints) == 1 and self.joints[0].kind not in _SEVERAL
 
 
-@dataclass(frozen=True, eq=False)
-class Step:
+class Step(Struct, frozen=True, eq=False):
     """One joint of a chain."""
 
     kind: str
@@ -98,8 +97,7 @@ class Step:
     """Coordinates that follow, and their multipliers."""
 
 
-@dataclass(frozen=True, eq=False)
-class Chain:
+class Chain(Struct, frozen=True, eq=False):
     """The connection of two links, one degree of freedom per step."""
 
     edge: Edge

@@ -5,10 +5,10 @@ does not report is not compared, and recorded as not run, never as passed.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from math import dist, inf, isfinite, nan
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, Quantity
 from stepbot.geometry.spatial import Array, angle_between
@@ -67,8 +67,7 @@ def _text(gravity: tuple[float, ...]) -> str:
 Comparison = Callable[[Deviations, Observation, Observation], None]
 
 
-@dataclass(frozen=True)
-class Compared:
+class Compared(Struct, frozen=True):
     """The result of comparing one quantity."""
 
     quantity: Quantity

@@ -1,8 +1,10 @@
 """Compares written files with the robot that they were written from."""
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import engine_of
@@ -29,8 +31,7 @@ WIDE_OPEN = 1e-6
 """Gap [m] of a loop over its range, for the CAD's accuracy, above which it is reported."""
 
 
-@dataclass(frozen=True)
-class Written:
+class Written(Struct, frozen=True):
     """A file that was written."""
 
     path: Path

@@ -6,10 +6,11 @@ converted to the coordinates of the first, in which it can be compared.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.engines.observation import Dynamics, Observation, ObservedJoint
 from stepbot.geometry.spatial import Array, Pose, vector3
@@ -27,8 +28,7 @@ Carried = list[tuple[str, str, float]]
 """Coordinate of a file, coordinate of the comparison, and velocity of the former per unit velocity of the latter."""
 
 
-@dataclass(frozen=True, eq=False)
-class Match:
+class Match(Struct, frozen=True, eq=False):
     """The same edge in two files."""
 
     ours: Chain
@@ -46,8 +46,7 @@ def match(ours: Chain, theirs: Chain, distance: float) -> Match:
         return Match(ours, theirs, different=str(why))
 
 
-@dataclass(frozen=True, eq=False)
-class Correspondence:
+class Correspondence(Struct, frozen=True, eq=False):
     """All edges that two files represent differently."""
 
     matches: tuple[Match, ...]

@@ -1,11 +1,12 @@
 """Pairs links and joints of two files by structure and geometry where their names differ."""
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, Request
 from stepbot.geometry.spatial import Pose
@@ -96,8 +97,7 @@ _SINGLE = {"revolute": "turn", "continuous": "turn", "prismatic": "slide", "fixe
 """Types of joints that all formats represent by one joint."""
 
 
-@dataclass(frozen=True)
-class _Side:
+class _Side(Struct, frozen=True, dict=True):
     """One file as a tree."""
 
     links: Mapping[str, ObservedLink]

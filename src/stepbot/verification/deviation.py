@@ -1,8 +1,9 @@
 """Collects deviations and keeps the worst."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 from math import inf, isnan
+
+from msgspec import Struct, field
 
 from stepbot.engines import engine_named
 from stepbot.engines.engine import Tolerance
@@ -57,8 +58,7 @@ def tolerance(engines: Iterable[str], quantity: Quantity) -> Tolerance:
     )
 
 
-@dataclass(frozen=True)
-class Deviation:
+class Deviation(Struct, frozen=True):
     """Difference of two numbers."""
 
     amount: float
@@ -92,8 +92,7 @@ class Deviation:
         return f"{self.where}, {self.expected} expected" if self.expected else self.where
 
 
-@dataclass
-class Deviations:
+class Deviations(Struct):
     """All deviations of one quantity."""
 
     tolerance: Tolerance

@@ -5,10 +5,11 @@ included in the requests for every format, even if the file has only the tree: c
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.engines.observation import Request
 from stepbot.robot.closures import Loops, driven_joints, following, held_by_a_point, loop_ways
@@ -44,8 +45,7 @@ Ways = tuple[tuple[Mapping[str, float], ...], ...]
 """Paths of closed configurations."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Solved:
+class _Solved(Struct, frozen=True, eq=False):
     """The loops of a robot, solved."""
 
     robot: Robot

@@ -6,11 +6,11 @@ most, across files with the first file.
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from contextlib import ExitStack
-from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import Engine, engine_of

@@ -4,8 +4,9 @@ Comparisons become checks of the report and diagnostics.
 """
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
+
+from msgspec import Struct, field
 
 from stepbot.diagnostics import Diagnostics, Span, cut
 from stepbot.engines import engine_of, own_parsers
@@ -31,8 +32,7 @@ MOST_NOTES = 8
 """Maximum number of deviations, after the worst, that a diagnostic lists."""
 
 
-@dataclass(frozen=True)
-class Subject:
+class Subject(Struct, frozen=True):
     """The file, the engine, and what the file is compared with."""
 
     file: str
@@ -169,8 +169,7 @@ _STILL = frozenset(
 """Quantities comparable between files whatever the configurations of the first file were."""
 
 
-@dataclass(frozen=True, eq=False)
-class Asked:
+class Asked(Struct, frozen=True, eq=False):
     """The requests to the engines for all files."""
 
     requests: Mapping[str, Request]

@@ -1,8 +1,10 @@
 """Merges the observations of one file by all engines: each engine fills the gaps of those that report more."""
 
 from collections.abc import Container, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
 from typing import Any
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity
 from stepbot.engines.workers import Outcome
@@ -19,8 +21,7 @@ _WHOLE: Mapping[str, Quantity] = {
 """Fields of an observation that an engine reports as a whole."""
 
 
-@dataclass(frozen=True, eq=False)
-class Gathered:
+class Gathered(Struct, frozen=True, eq=False):
     """The merged observation of one file."""
 
     key: str
@@ -141,5 +142,5 @@ def _shapes(
 
 
 def _shape(shape: ObservedShape, other: ObservedShape) -> ObservedShape:
-    gaps = {field.name: getattr(other, field.name) for field in fields(shape) if getattr(shape, field.name) is None}
+    gaps = {name: getattr(other, name) for name in shape.__struct_fields__ if getattr(shape, name) is None}
     return replace(shape, **gaps)

@@ -1,11 +1,11 @@
 """Compares each module of a composed robot with the module alone; shares no code with the composition."""
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import replace
 from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, ObservedShape, Quantity, Request
 from stepbot.engines.reference import Reference

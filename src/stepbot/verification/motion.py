@@ -1,10 +1,10 @@
 """Compares motion: poses, equations of motion, closures."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from itertools import repeat
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.engines import engine_named
 from stepbot.engines.engine import Tolerance

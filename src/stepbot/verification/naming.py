@@ -1,8 +1,10 @@
 """The coordinates of a file's joints: their own names, or those of a multi-dof joint's chain."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
 from functools import cached_property
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.engines.observation import Observation, ObservedJoint
 from stepbot.geometry.spatial import vector3
@@ -15,8 +17,7 @@ _KINDS = frozenset({"revolute", "continuous", "prismatic", "screw", "ball", "uni
 """Types of joints with coordinates of these names in the engines."""
 
 
-@dataclass(frozen=True)
-class Naming:
+class Naming(Struct, frozen=True, dict=True):
     """The joints of a file, each on a link of its own: the minimum robot from which coordinates are named."""
 
     robot: Robot

@@ -1,10 +1,10 @@
 """Normalizes observations of formats that represent the same thing differently, or a missing number by another one."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from math import inf, isfinite, nan, tau
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.engines.observation import (
     Observation,

@@ -6,10 +6,10 @@ through it, with the second perpendicular to the first and to the third.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from math import atan2, isfinite, pi
 
 import numpy as np
+from msgspec import Struct, field
 
 from stepbot.engines.observation import Quantity
 from stepbot.geometry.spatial import Array, rotation_about
@@ -83,8 +83,7 @@ class NotTheSame(Exception):
     """Two chains are different joints; the message states the difference."""
 
 
-@dataclass(frozen=True, eq=False)
-class Segment:
+class Segment(Struct, frozen=True, eq=False):
     """Corresponding steps of two chains."""
 
     ours: tuple[Step, ...]

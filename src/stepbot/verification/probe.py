@@ -1,8 +1,10 @@
 """Inspects files before they are compared: their joints, and the correspondence between files."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.engines import Engine, engines_for
 from stepbot.engines.file_references import openable
@@ -33,8 +35,7 @@ def in_a_process(workers: Workers) -> Observe:
     return observe
 
 
-@dataclass(frozen=True, eq=False)
-class Probed:
+class Probed(Struct, frozen=True, eq=False):
     """The observation of the first engine that can load a file; the others run later."""
 
     seen: Observation
@@ -44,8 +45,7 @@ class Probed:
     engine: Engine
 
 
-@dataclass(frozen=True)
-class Probe:
+class Probe(Struct, frozen=True):
     """Runs one engine for a file."""
 
     observe: Observe

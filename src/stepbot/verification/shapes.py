@@ -2,11 +2,11 @@
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import replace
 from math import inf, isfinite
 from typing import TypeVar
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.engines.observation import Observation, ObservedActuator, ObservedLink, ObservedSensor, ObservedShape
 from stepbot.formats.lowering.joints import UNLIMITED

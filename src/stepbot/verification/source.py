@@ -5,10 +5,12 @@ Quantities with a declared loss are not compared: their difference is the loss t
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
 from math import inf, isfinite, isnan
 from pathlib import Path, PurePath
 from typing import TypeVar
+
+from msgspec import Struct, field
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.engines import own_parsers
@@ -80,8 +82,7 @@ _OWN = (Quantity.LOAD, Quantity.SIMULATION, Quantity.WARNINGS)
 """Quantities of one file alone."""
 
 
-@dataclass(frozen=True)
-class Converted:
+class Converted(Struct, frozen=True):
     """A file that was written."""
 
     name: str

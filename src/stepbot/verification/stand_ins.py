@@ -1,9 +1,9 @@
 """Values that formats write where the robot has none: mass and inertia of frames, and bounds that mean unlimited."""
 
-from dataclasses import replace
 from math import inf
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.engines.observation import NEVER_ZERO, Observation, ObservedJoint, ObservedLink
 from stepbot.formats import format_named

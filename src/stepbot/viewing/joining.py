@@ -1,10 +1,10 @@
 """Axes for joints: of a clicked face, of two components that share them, and those that a joint could have."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Array, Vector3, vector3
 from stepbot.report.words import direction_words, in_millimetres, point_words
@@ -92,8 +92,7 @@ _WORDS = {Basis.FIT: "shaft in bore", Basis.FLANGE: "equal bores", Basis.TOUCH: 
 Form = Literal["mate", "auto", "second", "first"]
 
 
-@dataclass(frozen=True)
-class SharedLine:
+class SharedLine(Struct, frozen=True):
     """A line with cylindrical faces that a joint can turn about."""
 
     words: str

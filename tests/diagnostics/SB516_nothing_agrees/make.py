@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+from msgspec.structs import force_setattr
+
 from stepbot.diagnostics import Diagnostics
 from tests.unit.assemble.test_overlaps import ONE
 from tests.unit.assemble.workshop import Workshop, build
@@ -11,6 +13,6 @@ def find(found: Diagnostics) -> None:
     """Ask the library."""
     shop = Workshop()
     shop.box("a", density=1000)
-    object.__setattr__(shop.bodies[0], "exact_error", 0.4)
-    object.__setattr__(shop.bodies[0], "defect", "its mass properties do not converge")
+    force_setattr(shop.bodies[0], "exact_error", 0.4)
+    force_setattr(shop.bodies[0], "defect", "its mass properties do not converge")
     build(shop, Path(), ONE, found)

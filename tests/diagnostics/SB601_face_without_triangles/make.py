@@ -1,9 +1,9 @@
 """A sphere whose mesh lacks a face, injected: the mesher fails on no known drawing."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.step.shapes import bodies

@@ -1,9 +1,9 @@
 """A sphere on whose volume two integrations differ, injected: no small drawing causes it."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.step.shapes import bodies

@@ -1,6 +1,6 @@
 """A robot built by another program, since the checks of the sidecar report this first."""
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import FORMATS

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import force_setattr
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.geometry.inertia import MassProperties
@@ -427,7 +428,7 @@ def test_a_solid_without_volume_is_an_error(tmp_path: Path, found: ReadDiagnosti
     """A solid without measurable volume is an error, unless its link needs no mass."""
     shop = Workshop()
     shop.box("broken", kind=BodyKind.SURFACE)
-    object.__setattr__(shop.bodies[0], "kind", BodyKind.SOLID)
+    force_setattr(shop.bodies[0], "kind", BodyKind.SOLID)
     assert build(shop, tmp_path, "    defaults: {density: 1}\n" + ONE, found) is None
     assert found.codes() == ["SB507"]
     inertial = "{mass: 1, com: [0, 0, 0], inertia: {ixx: 1, iyy: 1, izz: 1}}"
@@ -521,7 +522,7 @@ def test_exact_and_mesh_on_request(tmp_path: Path, found: ReadDiagnostics) -> No
     assert (fault.code, fault.severity) == ("SB511", "warning")
     fine = Workshop()
     fine.rod("a", sides=512)
-    object.__setattr__(shop.bodies[0], "refined", fine.measures[0])
+    force_setattr(shop.bodies[0], "refined", fine.measures[0])
     assert _masses(built(shop, tmp_path, "    mass: mesh\n" + ONE))["a"] == pytest.approx(exact, rel=1e-4)
 
 
@@ -530,8 +531,8 @@ def test_mass_properties_that_nothing_confirms_are_an_error(mode: str, tmp_path:
     """Uncertain mass properties are an error in every mode, unless the link has an ``inertial``."""
     shop = Workshop()
     shop.box("a", density=1000)
-    object.__setattr__(shop.bodies[0], "exact_error", 0.4)
-    object.__setattr__(shop.bodies[0], "defect", "its mass properties do not converge")
+    force_setattr(shop.bodies[0], "exact_error", 0.4)
+    force_setattr(shop.bodies[0], "defect", "its mass properties do not converge")
     build(shop, tmp_path, f"    mass: {mode}\n" + ONE, found)
     faults = [fault for fault in found if fault.code == "SB516"]
     assert [fault.severity for fault in faults] == ["error"]
@@ -545,7 +546,7 @@ def test_roughly_known_mass_properties_are_used_and_reported(tmp_path: Path, fou
     """Methods that agree to a few percent give a robot with the exact solid's, and the report says how well known."""
     shop = Workshop()
     shop.box("a", density=1000)
-    object.__setattr__(shop.bodies[0], "exact_error", 0.05)
+    force_setattr(shop.bodies[0], "exact_error", 0.05)
     exact = shop.bodies[0].exact
     robot = build(shop, tmp_path, ONE, found)
     assert robot is not None
@@ -561,9 +562,9 @@ def test_an_open_mesh_gives_way(tmp_path: Path, found: ReadDiagnostics) -> None:
     shop.box("a", density=1000)
     shop.box("b", X_PC=at(20, 0, 0), density=2000)
     shop.measures[0] = None
-    object.__setattr__(shop.bodies[0], "defect", "face 3 has no triangles")
-    object.__setattr__(shop.bodies[1], "exact", None)
-    object.__setattr__(shop.bodies[1], "kind", BodyKind.TESSELLATED)
+    force_setattr(shop.bodies[0], "defect", "face 3 has no triangles")
+    force_setattr(shop.bodies[1], "exact", None)
+    force_setattr(shop.bodies[1], "kind", BodyKind.TESSELLATED)
     robot = build(shop, tmp_path, ONE, found)
     assert robot is not None
     assert _sources(robot)["a"].method == "exact: face 3 has no triangles"

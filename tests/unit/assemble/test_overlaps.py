@@ -4,13 +4,13 @@ import os
 import signal
 import sys
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+from msgspec.structs import force_setattr, replace
 
 from stepbot.assemble.binder import Binder
 from stepbot.assemble.claims import claim
@@ -233,7 +233,7 @@ def overlap_with_an_open_mesh() -> Workshop:
     shop.box("a")
     shop.box("b", X_PC=at(5, 0, 0))
     mesh = shop.bodies[0].mesh
-    object.__setattr__(shop.bodies[0], "mesh", TriMesh.of(mesh.vertices, mesh.faces[1:]))
+    force_setattr(shop.bodies[0], "mesh", TriMesh.of(mesh.vertices, mesh.faces[1:]))
     shop.measures[0] = None
     return shop
 

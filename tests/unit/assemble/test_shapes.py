@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import force_setattr
 
 from stepbot.assemble.collisions import _prism
 from stepbot.geometry.mesh import TriMesh, signed_volume
@@ -143,7 +144,7 @@ def test_hull_is_the_default(tmp_path: Path) -> None:
     shop.again(first, at(90, 0, 0))
     long, short = CORNERS * (0.03, 0.01, 0.01) + (0.01, 0, 0), CORNERS * (0.01, 0.03, 0.01) + (0, 0.01, 0)
     mesh = TriMesh.of(np.vstack([long, short]), np.vstack([BOX_FACES, BOX_FACES + 8]))
-    object.__setattr__(shop.bodies[0], "mesh", mesh)
+    force_setattr(shop.bodies[0], "mesh", mesh)
     robot = built(shop, tmp_path, ONE)
     assert [c.geometry for c in robot.root.collisions] == [MeshRef("ell_hull")] * 2
     hull = _mesh(robot, robot.root.collisions[0])

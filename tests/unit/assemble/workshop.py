@@ -5,10 +5,10 @@ Arguments are in millimetres, as in CAD; results are in SI.
 
 import textwrap
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.assemble import Built, build_robot
 from stepbot.diagnostics import Diagnostics

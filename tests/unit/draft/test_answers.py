@@ -1,10 +1,10 @@
 """Drafts corrected by answers of the user."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.draft.answers import Facts, KnownJoint, fact_evidence, known_fixed, known_joint, rerooted
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey

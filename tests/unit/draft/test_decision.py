@@ -1,9 +1,8 @@
 """Decisions from evidence: the stronger wins, and fasteners bridge nothing."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.draft_robot import _Drafting

@@ -1,12 +1,12 @@
 """Equal parts: of one definition, or of one shape, drawn turned, moved or mirrored."""
 
-from dataclasses import replace
 from itertools import product
 from math import pi
 from time import process_time
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Survey
 from stepbot.draft.parts.axis import Axis

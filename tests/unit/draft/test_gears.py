@@ -1,12 +1,12 @@
 """Gears and racks by teeth, gears by name: which mesh, what they move on, and the ratio of their joints."""
 
 from collections.abc import Iterable
-from dataclasses import replace
 from math import cos, pi, sin
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from robot_library.moments import pose
 from robot_library.step_file import moved

@@ -1,13 +1,13 @@
 """Drafts from the STEP alone, of robots whose joints are known."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from benchmarks.scoring import score
 from benchmarks.truth import read_truth

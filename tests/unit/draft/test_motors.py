@@ -1,11 +1,11 @@
 """Motors by name and by use: which parts are motors, what belongs to them, which axis is their output."""
 
-from dataclasses import replace
 from itertools import product
 from math import cos, pi, sin
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources, Survey
 from stepbot.draft.evidence.motor_outputs import apart_outputs

@@ -1,11 +1,11 @@
 """Drafts from joints that names in the STEP state, after the convention of urdf_from_step."""
 
-from dataclasses import replace
 from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.draft.draft import Draft
 from stepbot.draft.named_joints import draft_of_names

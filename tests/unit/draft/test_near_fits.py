@@ -1,10 +1,10 @@
 """Faces that are only nearly coaxial: parts placed by hand beside a motor."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.draft.contacts import near_fits, settling
 from stepbot.draft.contacts.freedom import FreedomKind

@@ -1,11 +1,11 @@
 """Assemblies that do not move: no joint is drafted, with names and without, and the draft says why."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import pi
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.survey import ALL_SOURCES, Sources
 from stepbot.draft.draft_robot import infer

@@ -1,10 +1,10 @@
 """The root link."""
 
-from dataclasses import replace
 from math import pi
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.survey import Sources
 from stepbot.draft.inference import infer_mechanism

@@ -1,9 +1,9 @@
 """Drafts written as sidecars, which are then read, checked and built."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.assemble import build_robot
 from stepbot.diagnostics import Diagnostics

@@ -1,11 +1,11 @@
 """Drafts from the kinematic pairs of a STEP file."""
 
-from dataclasses import replace
 from math import cos, pi, sin
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.draft.draft import Draft
 from stepbot.draft.stated_joints import draft_of_mechanism

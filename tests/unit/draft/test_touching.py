@@ -1,10 +1,10 @@
 """Drafts propose what touches the ground and the objects: wheels, casters, feet and fingers, each with its reason."""
 
-from dataclasses import replace
 from math import pi
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.draft.draft import Confidence, Draft, DraftClosure, DraftJoint, DraftLink, OriginForm, OriginSnippet
 from stepbot.draft.text.sidecar_text import sidecar_text

@@ -1,9 +1,9 @@
 """`init` drafts `up` for arms drawn on their side, and omits it for upright ones."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.draft.draft_robot import infer

@@ -1,10 +1,10 @@
 """Drive tests against closed forms: a pendulum, a damped second-order system, a block held by friction."""
 
-from dataclasses import replace
 from math import cos, exp, inf, pi, radians, sin, sqrt
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.driving.driving import EXPERIMENTS
 from stepbot.driving.grasping import Grasp, find_grasp

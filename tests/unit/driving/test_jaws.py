@@ -1,11 +1,11 @@
 """Single jaws: where they grip a cube against their hand, whether it is held, and why others are not tried."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.driving.driving import EXPERIMENTS
 from stepbot.driving.results import Loss, Result

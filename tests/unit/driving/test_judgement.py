@@ -1,8 +1,7 @@
 """Verdicts on the numbers of drive tests, and the remedies of failed ones."""
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostic, Diagnostics
 from stepbot.driving.judgement import Status, judge

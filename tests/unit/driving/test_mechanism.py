@@ -1,8 +1,7 @@
 """What a robot can do is found in its model, and each test that does not apply has a reason."""
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 from stepbot.driving.grasping import Grasp
 from stepbot.driving.mechanism import finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of

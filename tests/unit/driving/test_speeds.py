@@ -1,9 +1,10 @@
 """The largest speeds of joints: which are the motor's doing."""
 
-from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import pytest
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.driving.stage import Speeds
 from stepbot.engines.simulation import Motor, Simulation
@@ -13,8 +14,7 @@ from tests.unit.driving.workbench import one_joint
 MOTOR = Motor("drive", "turn", ActuatorKind.POSITION, 100.0, 1.0, 1.0, Limit(-4.0, 4.0, 10.0, 2.0), angular=True)
 
 
-@dataclass
-class Turning:
+class Turning(Struct):
     """A joint at some speed [rad/s], and the effort [N m] of its motor."""
 
     speed: float

@@ -1,9 +1,10 @@
 """Robots with closed-form behaviour, written as files and driven in an engine."""
 
 from collections.abc import Callable
-from dataclasses import asdict, replace
 from math import sqrt
 from pathlib import Path
+
+from msgspec.structs import asdict, replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.driving.mechanism import finger_candidates, jaw_candidates, limbs_of, mechanism_of, wheels_of

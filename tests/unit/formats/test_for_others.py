@@ -1,11 +1,11 @@
 """Values that no engine of the core install reads: tags of Gazebo, drives of OpenUSD, positions of Webots."""
 
 import re
-from dataclasses import replace
 from math import degrees
 from xml.etree import ElementTree as ET
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats.rendering import render

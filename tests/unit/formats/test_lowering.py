@@ -1,11 +1,11 @@
 """Lowering a robot to the features of a format."""
 
-from dataclasses import replace
 from math import inf
 from random import Random
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 from scipy.linalg import eigh
 
 from stepbot.diagnostics import Diagnostics

@@ -1,9 +1,9 @@
 """The MJCF of a robot for the oldest MuJoCo that must read it."""
 
-from dataclasses import replace
 from xml.etree import ElementTree as ET
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats import format_named

@@ -1,11 +1,11 @@
 """Optical frames of cameras, and the frames and topics that Gazebo names with measurements."""
 
-from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats.rendering import render

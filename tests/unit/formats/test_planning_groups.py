@@ -1,9 +1,9 @@
 """Groups and passive joints of the SRDF: what MoveIt plans for, and whose positions it does not wait for."""
 
-from dataclasses import replace
 from xml.etree import ElementTree as ET
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.formats.urdf.srdf import srdf
 from stepbot.robot.model import Actuator, ActuatorKind, JointKind, Robot

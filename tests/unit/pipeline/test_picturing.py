@@ -1,11 +1,11 @@
 """What a picture of a robot or of an assembly shows."""
 
-from dataclasses import replace
 from math import cos, pi, sin
 from pathlib import Path
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import IDENTITY
 from stepbot.pictures.camera import VIEWS, camera_of

@@ -1,8 +1,7 @@
 """The verdict on a robot in words."""
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 from stepbot.pipeline.verdict import compared_words, proof_words, robot_words
 from stepbot.report.robot import Check, Report, Status

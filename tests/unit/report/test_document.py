@@ -1,12 +1,12 @@
 """The report: rows for the terminal, JSON that conforms to its schema, deterministic bytes."""
 
 import json
-from dataclasses import replace
 from math import inf, pi
 from pathlib import Path
 
 import jsonschema
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.geometry.inertia import MassProperties

@@ -1,10 +1,10 @@
 """Records as JSON data, and back."""
 
-from dataclasses import dataclass
 from math import inf, nan
 from typing import Any
 
 import pytest
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Pose
 from stepbot.report.plain import Invalid, picked, plain, unpicked
@@ -13,8 +13,7 @@ from stepbot.robot.model import Joint, JointKind, Limit, Mimic
 KEYS = "name kind pose=X_PC limits=limit mimic"
 
 
-@dataclass(frozen=True)
-class Weighed:
+class Weighed(Struct, frozen=True):
     """A record with a value that may be None, and one that may not."""
 
     mass: float

@@ -1,12 +1,12 @@
 """Lock files are read back as written; an invalid one is an error with its place."""
 
 import json
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import jsonschema
 import pytest
+from msgspec.structs import replace
 
 from stepbot.assemble.bound import PlacedJoint
 from stepbot.diagnostics import Diagnostics

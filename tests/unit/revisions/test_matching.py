@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Iterable
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose, Vector3, bounds, matrix3, rotation_about, turn_inertia, unit
 from stepbot.revisions.matching import Certainty, Match, match

@@ -1,10 +1,10 @@
 """Closed mechanisms: degrees of freedom, Newton's method, range of motion; against closed forms."""
 
-from dataclasses import replace
 from math import acos, asin, cos, isclose, pi, sin
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import IDENTITY, Pose, rotation_about
 from stepbot.robot.closures import (

@@ -1,11 +1,11 @@
 """The data sheet against closed forms: a plane arm of three rods, and robots that stand."""
 
-from dataclasses import replace
 from math import inf, pi, sin, sqrt
 from random import Random
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose

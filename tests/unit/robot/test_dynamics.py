@@ -1,11 +1,11 @@
 """Mass matrix, gravity forces and inverse dynamics, against textbook formulas and conservation of energy."""
 
-from dataclasses import replace
 from fractions import Fraction
 from math import cos, pi, sin
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose

@@ -1,12 +1,12 @@
 """Reach and symmetry of a robot, against closed forms."""
 
-from dataclasses import replace
 from math import cos, pi, radians, sqrt
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import Pose

@@ -1,11 +1,11 @@
 """Computed gains of actuators, against closed forms and MuJoCo."""
 
-from dataclasses import replace
 from math import inf, pi
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.formats.rendering import render

@@ -1,10 +1,10 @@
 """The table of joint types, against what joints of these types do."""
 
 import pickle
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import IDENTITY
 from stepbot.robot.joint_types import JointKind, kinds_with

@@ -1,10 +1,10 @@
 """Forward kinematics, Jacobians and configurations, against closed forms and finite differences."""
 
-from dataclasses import replace
 from math import cos, inf, pi, sin
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose, rotation_about
 from stepbot.robot.kinematics import (

@@ -1,9 +1,9 @@
 """Multi-dof joints, unfolded into chains: names, order, unchanged properties."""
 
-from dataclasses import replace
 from math import inf
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.robot.model import Joint, JointKind, Limit, Link, Robot
 from stepbot.robot.multi_dof import ball_coordinates, screw_to_mimic, steps_by_child, unfolded

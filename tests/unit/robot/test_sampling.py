@@ -1,10 +1,10 @@
 """Sampled configurations: within limits, loops closed, the whole range covered, the same every time."""
 
-from dataclasses import replace
 from math import pi
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Array
 from stepbot.robot.closures import Loops

@@ -1,9 +1,8 @@
 """Equal meshes are merged without any other change of the robot."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.robot.mesh_files import share_meshes

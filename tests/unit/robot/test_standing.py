@@ -1,9 +1,9 @@
 """Heights of robots on floors, against closed forms."""
 
 import math
-from dataclasses import replace
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.bounding_boxes import extent, floor_height, standing_height

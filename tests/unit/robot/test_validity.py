@@ -1,10 +1,10 @@
 """Physically impossible properties are reported once, with their code; valid robots pass without diagnostics."""
 
-from dataclasses import replace
 from math import cos, inf, nan, pi, sin
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.geometry.inertia import MassProperties

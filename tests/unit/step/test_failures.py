@@ -1,12 +1,12 @@
 """Whatever fails beside the geometry costs itself alone: a failure injected into each step, one by one."""
 
 import os
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import OCP.Standard as Standard
 import pytest
+from msgspec.structs import replace
 
 from robot_library.step_file import Part, write_step
 from stepbot.step import worker

@@ -1,10 +1,10 @@
 """Stand-ins for a missing mass, and numbers that only resemble them."""
 
-from dataclasses import replace
 from math import inf
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.engines.observation import Observation, ObservedJoint, ObservedLink, Quantity
 from stepbot.formats.lowering.joints import UNLIMITED

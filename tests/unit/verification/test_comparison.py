@@ -3,10 +3,11 @@
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator
-from dataclasses import fields, is_dataclass, replace
 
 import numpy as np
 import pytest
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.engines.engine import Tolerance
 from stepbot.engines.observation import Dynamics, Observation, ObservedJoint, Quantity, Request
@@ -588,10 +589,10 @@ def _changed(value: object, change: Callable[[float], float | None]) -> Iterator
         yield "", change(value)
     elif isinstance(value, Pose):
         yield "p", Pose.of(value.R, (change(0.0) or 0.0, *value.position[1:]))
-    elif is_dataclass(value) and not isinstance(value, type):
-        for field in fields(value):
-            for place, other in _changed(getattr(value, field.name), change):
-                yield f"{field.name} {place}".strip(), replace(value, **{field.name: other})
+    elif isinstance(value, Struct):
+        for name in value.__struct_fields__:
+            for place, other in _changed(getattr(value, name), change):
+                yield f"{name} {place}".strip(), replace(value, **{name: other})
     elif isinstance(value, dict):
         for key, one in value.items():
             yield from ((place, {**value, key: other}) for place, other in _changed(one, change))

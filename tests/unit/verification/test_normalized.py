@@ -1,6 +1,6 @@
 """Observations of formats that say one thing differently, brought to a common form."""
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from stepbot.engines.observation import (
     Observation,

@@ -1,10 +1,9 @@
 """Self-collision in the drawn pose, of solids whose overlap has a closed form."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import trimesh
+from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh, joined
 from stepbot.geometry.predicates import encloses

@@ -1,11 +1,11 @@
 """Classes of pairs of links, against shares of ranges in closed form."""
 
-from dataclasses import replace
 from math import acos, asin, atan2, hypot, pi, sqrt
 
 import numpy as np
 import pytest
 import trimesh
+from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, Pose

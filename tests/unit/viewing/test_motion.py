@@ -1,10 +1,10 @@
 """What the page needs to move a robot."""
 
-from dataclasses import replace
 from math import inf
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.robot.kinematics import initial_configuration, link_poses
 from stepbot.robot.model import Limit, MeshRef, Robot

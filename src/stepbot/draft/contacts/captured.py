@@ -6,10 +6,10 @@ line; nothing holds it along. Clearance alone indicates that one moves in the ot
 
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.contacts.contacts import Pair
 from stepbot.draft.contacts.planes import GAP, Facing, Planes
@@ -39,8 +39,7 @@ _MOST_PLANES = 2000
 """Number of planes of a part above which it is not looked at."""
 
 
-@dataclass(frozen=True, eq=False)
-class Captured:
+class Captured(Struct, frozen=True, eq=False):
     """A direction along which one part is free in another."""
 
     axis: Axis

@@ -1,8 +1,9 @@
 """Contacts of two parts: coaxial cylinders, coplanar faces, balls in sockets. In the assembly's frame [m]."""
 
 from collections import defaultdict
-from dataclasses import dataclass, field
 from enum import StrEnum
+
+from msgspec import Struct, field
 
 from stepbot.draft.parts.axis import Axis
 from stepbot.geometry.spatial import Array
@@ -22,8 +23,7 @@ class FitKind(StrEnum):
     """Both are shafts of one radius, end to end."""
 
 
-@dataclass(frozen=True, eq=False)
-class Fit:
+class Fit(Struct, frozen=True, eq=False):
     """Coaxial cylinders of two parts."""
 
     a: int
@@ -53,8 +53,7 @@ class Fit:
         return abs(self.radius_a - self.radius_b)
 
 
-@dataclass(frozen=True, eq=False)
-class Patch:
+class Patch(Struct, frozen=True, eq=False):
     """Two planes that face each other, and their shared area."""
 
     a: int
@@ -75,8 +74,7 @@ class Patch:
     """Distance [m] of b's plane from ``point`` along ``normal``."""
 
 
-@dataclass(frozen=True, eq=False)
-class Socket:
+class Socket(Struct, frozen=True, eq=False):
     """A ball in a socket."""
 
     a: int
@@ -85,8 +83,7 @@ class Socket:
     radius: float
 
 
-@dataclass(frozen=True)
-class LineFace:
+class LineFace(Struct, frozen=True):
     """A face of revolution on a line, by its position along it."""
 
     radius: float
@@ -97,8 +94,7 @@ class LineFace:
     cone: bool
 
 
-@dataclass(frozen=True, eq=False)
-class CoaxialLine:
+class CoaxialLine(Struct, frozen=True, eq=False):
     """A line with faces of revolution."""
 
     axis: Axis
@@ -106,8 +102,7 @@ class CoaxialLine:
     """For each part, its faces on the line."""
 
 
-@dataclass(frozen=True, eq=False)
-class Contacts:
+class Contacts(Struct, frozen=True, eq=False):
     """All contacts of an assembly."""
 
     lines: list[CoaxialLine] = field(default_factory=list)

@@ -6,10 +6,10 @@ stay flush.
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.contacts.contacts import Fit, FitKind, Patch, Socket
 from stepbot.geometry.spatial import Array, cross, cross_matrix, perpendicular_frame, unit
@@ -43,8 +43,7 @@ _SHORT = 0.1
 """Length of a shaft as a share of its radius, below which it does not constrain the direction."""
 
 
-@dataclass(frozen=True, eq=False)
-class Freedom:
+class Freedom(Struct, frozen=True, eq=False):
     """The free twists."""
 
     kind: FreedomKind

@@ -7,9 +7,10 @@ What they show is to be reviewed.
 
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import astuple
 from numpy.typing import NDArray
 
 from stepbot.draft.contacts.contacts import Contacts, FitKind, Pair
@@ -29,8 +30,7 @@ _OTHER_LINE = 1e-3
 """Distance [m] from which fits of two parts are on two lines."""
 
 
-@dataclass(frozen=True, eq=False)
-class NearFit:
+class NearFit(Struct, frozen=True, eq=False):
     """Nearly coaxial cylinders of two parts."""
 
     a: int
@@ -53,8 +53,7 @@ class NearFit:
         return self.axis if part == self.a else self.other_axis
 
 
-@dataclass(frozen=True, eq=False)
-class _Round:
+class _Round(Struct, frozen=True, eq=False):
     """The cylinders of a part, as arrays."""
 
     points: Array
@@ -69,7 +68,7 @@ class _Round:
         """Those that may reach a box (2, 3) [m]."""
         reach = (self.halves + _BESIDE + OFFSET)[:, None]
         rows = ((self.points > box[0] - reach) & (self.points < box[1] + reach)).all(axis=1)
-        return _Round(*(column[rows] for column in vars(self).values()))
+        return _Round(*(column[rows] for column in astuple(self)))
 
 
 def find_near_fits(

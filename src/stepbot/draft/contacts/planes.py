@@ -5,9 +5,9 @@ through manifold3d).
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.draft.contacts.contacts import Contacts, Patch
@@ -33,8 +33,7 @@ _ROUNDED = 2.0 * GAP
 Indices = NDArray[np.intp]
 
 
-@dataclass(frozen=True, eq=False)
-class Facing:
+class Facing(Struct, frozen=True, eq=False):
     """Two planes that face each other."""
 
     normal: Array

@@ -4,10 +4,11 @@ Pure geometry; roles, names and the tree come later.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.concentric import concentric_axis
 from stepbot.draft.contacts.contacts import Contacts, Fit, FitKind, Pair, Patch, Socket
@@ -49,8 +50,7 @@ class Via(StrEnum):
     NOTHING = ""
 
 
-@dataclass(frozen=True, eq=False)
-class Relation:
+class Relation(Struct, frozen=True, eq=False):
     """Two parts, a < b, that touch or share a line."""
 
     a: int

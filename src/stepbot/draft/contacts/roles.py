@@ -6,10 +6,10 @@ their boundary dimensions: a ring of exactly these is hardly ever anything else.
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.contacts import CoaxialLine, Contacts, LineFace
 from stepbot.draft.contacts.shafts import HALF_ROUND

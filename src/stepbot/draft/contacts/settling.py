@@ -6,10 +6,11 @@ small motion of each body, by least squares. What contradicts the rest is left a
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from stepbot.draft.contacts.contacts import Pair, Patch
@@ -57,8 +58,7 @@ _STEPS, _FURTHER, _MOST_BODIES = 4, 8, 300
 the rest; bodies up to which it is tried."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Tie:
+class _Tie(Struct, frozen=True, eq=False):
     """Two lines that are to coincide, or two planes that are to face each other."""
 
     a: int

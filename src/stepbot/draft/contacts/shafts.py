@@ -5,9 +5,9 @@ Lines are found by sorting (``step.features.coaxial``); on a line only parts tha
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.contacts import CoaxialLine, Contacts, Fit, FitKind, LineFace, Socket
 from stepbot.draft.parts.axis import Axis

@@ -2,10 +2,11 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.captured import Captured, find_captured
 from stepbot.draft.contacts.contacts import Contacts, Pair
@@ -50,8 +51,7 @@ _SCREW_REACH = 4e-3
 """Distance [m] from a screw's bounding box within which it clamps."""
 
 
-@dataclass(frozen=True)
-class Sources:
+class Sources(Struct, frozen=True):
     """Sources of evidence besides the geometry."""
 
     names: bool = True

@@ -5,12 +5,12 @@ Teeth are outlines of plane faces that rise and fall evenly, about an axis or in
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 from math import pi
 from typing import NamedTuple
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.contacts.contacts import CoaxialLine
 from stepbot.draft.contacts.shafts import HALF_ROUND
@@ -48,8 +48,7 @@ _DECIMALS = 6
 """Decimals [m] to which the halves of a round face have one radius."""
 
 
-@dataclass(frozen=True, eq=False)
-class Rim:
+class Rim(Struct, frozen=True, eq=False):
     """A toothed rim."""
 
     axis: Axis
@@ -63,8 +62,7 @@ class Rim:
         return Rim(Axis(X.apply(self.axis.point), X.turn(self.axis.d)), self.tip, self.teeth)
 
 
-@dataclass(frozen=True, eq=False)
-class Rack:
+class Rack(Struct, frozen=True, eq=False):
     """Teeth on a line."""
 
     point: Array
@@ -224,8 +222,7 @@ def _tips(levels: Sequence[float], places: Sequence[float]) -> Iterator[_Tip]:
             low, rises = level, False
 
 
-@dataclass(frozen=True, eq=False)
-class Gear:
+class Gear(Struct, frozen=True, eq=False):
     """A part with teeth, or named a gear or a pulley, and its outer circle."""
 
     part: int
@@ -236,8 +233,7 @@ class Gear:
     """Number of drawn teeth all around, of which a sector has fewer; 0 if they are not drawn."""
 
 
-@dataclass(frozen=True, eq=False)
-class Mesh:
+class Mesh(Struct, frozen=True, eq=False):
     """Two gears that mesh, or two pulleys with one belt."""
 
     one: Gear
@@ -263,8 +259,7 @@ class Mesh:
         return round((one - excess) / (two - excess), 4)
 
 
-@dataclass(frozen=True, eq=False)
-class RackMesh:
+class RackMesh(Struct, frozen=True, eq=False):
     """A gear that meshes with a rack."""
 
     gear: Gear

@@ -1,9 +1,9 @@
 """Joints at bearings: the part that holds the outer ring turns about the part in the bore, screwed on or not."""
 
 import re
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.contacts.survey import Survey
@@ -37,8 +37,7 @@ fit.
 """
 
 
-@dataclass(frozen=True, eq=False)
-class _Seat:
+class _Seat(Struct, frozen=True, eq=False):
     """A part that a bearing sits in, or that sits in the bearing."""
 
     part: int

@@ -4,8 +4,9 @@ Scores are ranks, not probabilities. From 0.8 a joint is accepted, from 0.5 it i
 offered as a comment.
 """
 
-from dataclasses import dataclass, field
 from enum import IntEnum, StrEnum
+
+from msgspec import Struct, field
 
 from stepbot.draft.contacts.relations import Relation, Via
 from stepbot.draft.draft import CHOSEN, SURE
@@ -41,8 +42,7 @@ class Priority(IntEnum):
     """By the user; nothing overrides it."""
 
 
-@dataclass(eq=False)
-class Weld:
+class Weld(Struct, eq=False):
     """Evidence that two parts move as one."""
 
     score: float
@@ -54,8 +54,7 @@ class Weld:
     verdict: Verdict = Verdict.OPEN
 
 
-@dataclass(eq=False)
-class Apart:
+class Apart(Struct, eq=False):
     """Evidence that two parts move relative to each other, without a joint between them."""
 
     score: float
@@ -65,8 +64,7 @@ class Apart:
     verdict: Verdict = Verdict.OPEN
 
 
-@dataclass(eq=False)
-class JointEvidence:
+class JointEvidence(Struct, eq=False):
     """Evidence for a joint of some type between two parts."""
 
     score: float
@@ -108,8 +106,7 @@ class JointEvidence:
         return is_pin and self.type == JointKind.REVOLUTE and self.score < SURE and not is_stronger
 
 
-@dataclass(eq=False)
-class Evidence:
+class Evidence(Struct, eq=False):
     """All evidence, in the order in which it was found."""
 
     welds: list[Weld] = field(default_factory=list)

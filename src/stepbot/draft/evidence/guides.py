@@ -1,10 +1,10 @@
 """Slides in profiles and on two rods, and crosses of universal joints: what pairs in contact do not reveal."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.contacts.contacts import Pair
 from stepbot.draft.contacts.freedom import FreedomKind
@@ -249,8 +249,7 @@ def _is_rod(survey: Survey, other: int, r: Relation) -> bool:
     return fit.shaft == other and is_long and r.freedom.kind == FreedomKind.CYLINDRICAL
 
 
-@dataclass(frozen=True, eq=False)
-class OnRods:
+class OnRods(Struct, frozen=True, eq=False):
     """A part that slides on two parallel rods, which another part holds."""
 
     part: int

@@ -8,10 +8,10 @@ those that cannot are no joints.
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from itertools import combinations, pairwise
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.contacts import FitKind
 from stepbot.draft.contacts.freedom import FreedomKind

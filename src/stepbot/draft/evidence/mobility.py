@@ -1,10 +1,10 @@
 """The mobility of a linkage: which of its hinges can turn or slide, and which of its bodies move with each other."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.clusters import Clusters
@@ -17,8 +17,7 @@ _METRES = 10.0
 """Twists are in decimetres, so that rotations and translations have similar magnitudes."""
 
 
-@dataclass(frozen=True, eq=False)
-class Hinge:
+class Hinge(Struct, frozen=True, eq=False):
     """A line between two bodies, given by a part of each."""
 
     axis: Axis
@@ -32,8 +31,7 @@ class Hinge:
     """Whether the only evidence for it is a loop that could move: across a gap, or at a stop."""
 
 
-@dataclass(frozen=True)
-class Mobility:
+class Mobility(Struct, frozen=True):
     """Which of some hinges can turn."""
 
     turning: set[int]

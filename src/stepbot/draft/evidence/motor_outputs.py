@@ -5,10 +5,11 @@ The output axis is that of the motor's horn, else it is chosen by a vote of all 
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.draft.contacts.relations import Relation, Via, is_even, merged, reach
 from stepbot.draft.contacts.survey import Survey
@@ -34,8 +35,7 @@ its shaft.
 """
 
 
-@dataclass(frozen=True, eq=False)
-class Output:
+class Output(Struct, frozen=True, eq=False):
     """The output of a motor."""
 
     axis: Axis
@@ -185,8 +185,7 @@ of an output that is bolted on within the circle that holds the case, above that
 """
 
 
-@dataclass(frozen=True, eq=False)
-class _Side:
+class _Side(Struct, frozen=True, eq=False):
     """A part that touches a motor."""
 
     part: int

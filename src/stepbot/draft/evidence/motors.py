@@ -3,9 +3,9 @@
 import re
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.contacts.relations import Relation, Via, is_even
 from stepbot.draft.contacts.roles import spoken_names
@@ -60,8 +60,7 @@ of what is around it is that of a tyre or a clamp; length in widths from which a
 _ABOUT = (Via.RING, Via.FACE, Via.PIN)
 
 
-@dataclass(eq=False)
-class _Vote:
+class _Vote(Struct, eq=False):
     """An axis in the frame of a kind of parts, and which of these touch something about it."""
 
     axis: Axis
@@ -69,8 +68,7 @@ class _Vote:
     voters: set[int]
 
 
-@dataclass(frozen=True, eq=False)
-class Motor:
+class Motor(Struct, frozen=True, eq=False):
     """A motor."""
 
     path: str

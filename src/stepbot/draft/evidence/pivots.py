@@ -5,10 +5,10 @@ Knuckle hinges: two parts whose bores alternate along one line, as those of a li
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.contacts.contacts import CoaxialLine, FitKind, LineFace, Pair
 from stepbot.draft.contacts.shafts import HALF_ROUND, HOLE_RATIO, LINE_ANGLE, neighbours_on
@@ -39,8 +39,7 @@ _ONE_PIN = 1e-5
 """Difference of radii [m] up to which bores are for one pin."""
 
 
-@dataclass(frozen=True, eq=False)
-class Pivot:
+class Pivot(Struct, frozen=True, eq=False):
     """Parts that are held on one line, in their order along it."""
 
     axis: Axis

@@ -9,9 +9,9 @@ Wheels of a carriage run on both sides of a long body, in its grooves or on its 
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.contacts.concentric import fitted_circle
 from stepbot.draft.contacts.survey import Survey
@@ -46,8 +46,7 @@ _CLEAR = 0.05
 """Gap between rim and rail, as a share of the wheel's radius, up to which it runs on it."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Roller:
+class _Roller(Struct, frozen=True, eq=False):
     part: int
     axis: Axis
     """Through its centroid."""

@@ -6,9 +6,9 @@ they move with (the inferred links), by bounding box, or to the link of the near
 
 from collections import defaultdict
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 
 import numpy as np
+from msgspec import Struct, field
 
 from stepbot.draft.from_description.lines import ON_LINE
 from stepbot.draft.from_description.placement import Placement
@@ -34,8 +34,7 @@ _CENTRE = 0.15
 _SLIDING = 1e-3
 
 
-@dataclass(eq=False)
-class Assignment:
+class Assignment(Struct, eq=False):
     """A link for each component with a body."""
 
     link_of: dict[int, str] = field(default_factory=dict)

@@ -6,12 +6,12 @@ matches most of its vertices with vertices of the assembly.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, islice, permutations, product
 from math import pi
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.from_description.lines import Lines, matching_pairs
 from stepbot.draft.from_description.skeleton import Skeleton
@@ -42,8 +42,7 @@ _AT_LIMIT = 1e-6
 """Distance [rad] or [m] up to which a position is 0 or a limit: meshes are in single precision."""
 
 
-@dataclass(frozen=True, eq=False)
-class Placement:
+class Placement(Struct, frozen=True, eq=False):
     """The described robot in the assembly."""
 
     poses: Mapping[str, Pose]

@@ -5,9 +5,10 @@ named frames; a ``world`` above the first link with mass is removed.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.engines.description import Description
 from stepbot.engines.observation import ObservedJoint, ObservedLink
@@ -20,8 +21,7 @@ _CLOSING = {"connect": JointKind.BALL}
 _ONE_AXIS = 1e-6
 
 
-@dataclass(frozen=True, eq=False)
-class SkeletonLink:
+class SkeletonLink(Struct, frozen=True, eq=False):
     """A link."""
 
     name: str
@@ -30,8 +30,7 @@ class SkeletonLink:
     """Vertices (n, 3) [m] of its shapes, in its frame; empty without shapes, or if their files are missing."""
 
 
-@dataclass(frozen=True, eq=False)
-class SkeletonClosure:
+class SkeletonClosure(Struct, frozen=True, eq=False):
     """A joint that closes a loop, in the frame of its first link."""
 
     name: str
@@ -42,8 +41,7 @@ class SkeletonClosure:
     axis: Array | None
 
 
-@dataclass(frozen=True, eq=False)
-class Skeleton:
+class Skeleton(Struct, frozen=True, eq=False):
     """A described robot."""
 
     links: Mapping[str, SkeletonLink]

@@ -1,9 +1,9 @@
 """Points on faces of an assembly: meshes of one shape share its surfaces, however fine they are."""
 
 from collections import defaultdict
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.draft.parts.scene import PlacedFace, Scene
@@ -18,8 +18,7 @@ _KNOWN = (FaceKind.PLANE, FaceKind.CYLINDER, FaceKind.SPHERE)
 _CHUNK = 64
 
 
-@dataclass(frozen=True, eq=False)
-class _Faces:
+class _Faces(Struct, frozen=True, eq=False):
     """Faces as rows of arrays."""
 
     planes: NDArray[np.bool_]

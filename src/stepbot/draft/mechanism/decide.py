@@ -6,9 +6,9 @@ already joined. Fasteners do not join clusters: they are assigned to their tight
 
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
+from msgspec import Struct, field
 
 from stepbot.draft.contacts.relations import Relation
 from stepbot.draft.contacts.survey import Survey
@@ -39,8 +39,7 @@ _OUT = 1e-3
 """Distance [m] from which a body reaches out of another one's bounding box."""
 
 
-@dataclass(eq=False)
-class Decision:
+class Decision(Struct, eq=False):
     """Clusters, and the reasons for guessed assignments."""
 
     survey: Survey
@@ -275,8 +274,7 @@ _LARGER = 2.0
 """Ratio of volumes from which a body may carry another one."""
 
 
-@dataclass(frozen=True, eq=False)
-class Guess:
+class Guess(Struct, frozen=True, eq=False):
     """A joint by the shape of a body that nothing holds."""
 
     kind: JointKind

@@ -6,11 +6,11 @@ that one turns on the other. Such a joint is always a guess.
 
 from collections import defaultdict
 from collections.abc import Container, Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from enum import StrEnum
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.draft.contacts.concentric import fitted_circle, symmetric_outline
@@ -46,8 +46,7 @@ class SeamShape(StrEnum):
 _Outline = tuple[Array, float, SeamShape]
 
 
-@dataclass(frozen=True, eq=False)
-class SeamFace:
+class SeamFace(Struct, frozen=True, eq=False):
     """A face in the assembly, with the line that it is centred on."""
 
     part: int
@@ -183,8 +182,7 @@ class _Spans:
         return float(distances[best]), float(radii[best]), int(i[best]), int(j[best])
 
 
-@dataclass(frozen=True, eq=False)
-class _Seam:
+class _Seam(Struct, frozen=True, eq=False):
     """Two faces on one line, of two clusters."""
 
     radius: float

@@ -6,11 +6,11 @@ to what it turns, and a motor to its seat.
 
 from collections import defaultdict, deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 from math import hypot, nan
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.contacts.concentric import has_free_circle
 from stepbot.draft.evidence.evidence import JointEvidence, Priority, Verdict
@@ -41,8 +41,7 @@ _WHEEL = 0.08
 """Share of the assembly's size from which a spinning body in its own subassembly is a wheel."""
 
 
-@dataclass(eq=False)
-class Joint:
+class Joint(Struct, eq=False):
     """A joint between two clusters, each given by its representative."""
 
     evidence: JointEvidence

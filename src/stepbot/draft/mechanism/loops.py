@@ -2,9 +2,9 @@
 
 from collections import defaultdict, deque
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.contacts.freedom import FreedomKind
 from stepbot.draft.evidence.evidence import JointEvidence
@@ -20,8 +20,7 @@ _INACCURATE = 1e-3
 """Tolerance of singular values for axes that are drawn inaccurately: 0.1 mm."""
 
 
-@dataclass(frozen=True, eq=False)
-class TreeJoint:
+class TreeJoint(Struct, frozen=True, eq=False):
     """A joint of the tree or a closure, between links by number."""
 
     evidence: JointEvidence
@@ -80,8 +79,7 @@ def _priority(j: Joint) -> tuple[bool, bool, bool, bool, bool, float, int, int]:
     return h.type == JointKind.FIXED, is_last, not h.drives, not is_led, not first, -round(h.score, 6), h.a, h.b
 
 
-@dataclass(frozen=True)
-class Motion:
+class Motion(Struct, frozen=True):
     """The mobility that the loops leave to a cylindrical joint."""
 
     turns: bool

@@ -10,10 +10,10 @@ body alone, and what it carries has another joint, one of the round contacts bet
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.contacts.contacts import Pair
 from stepbot.draft.contacts.relations import Relation, Via, reach
@@ -87,8 +87,7 @@ _CLEARLY = 2.0
 """Multiple of the tolerances of a turned part beyond which a side is lopsided: a lid with a handle is not."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Pivot:
+class _Pivot(Struct, frozen=True, eq=False):
     """Relations of parts of one cluster about one axis."""
 
     axis: Axis

@@ -2,10 +2,10 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Collection, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.contacts.survey import Survey
 from stepbot.draft.evidence.evidence import BY_NAME, BY_SHAPE, JointEvidence, Verdict
@@ -345,8 +345,7 @@ def _standing(made: Decision, candidates: Collection[int]) -> tuple[Direction, d
     return up, {home: exact_sum(shares) for home, shares in stands.items()}
 
 
-@dataclass(frozen=True)
-class _Candidate:
+class _Candidate(Struct, frozen=True):
     """A cluster that may be the root."""
 
     members: Sequence[int]

@@ -1,9 +1,9 @@
 """A possible axis of rotation; for a ball joint only its centre."""
 
-from dataclasses import dataclass
 from math import hypot
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Array, cross
 
@@ -13,8 +13,7 @@ PARALLEL = 1e-3
 """Angle [rad] up to which directions are equal."""
 
 
-@dataclass(frozen=True, eq=False)
-class Axis:
+class Axis(Struct, frozen=True, eq=False):
     """A line given by a point and a unit direction in the assembly; the sign of the direction has no meaning."""
 
     point: Array

@@ -7,11 +7,11 @@ the same if volumes, moments of inertia and faces are. A kind is all parts that 
 from bisect import bisect_left
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice, product
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.scene import Scene
@@ -152,8 +152,7 @@ class EqualParts:
         return self._shapes[body]
 
 
-@dataclass(frozen=True, eq=False)
-class _Shape:
+class _Shape(Struct, frozen=True, eq=False, dict=True):
     """Where the faces of a body are about its centroid, whatever its frame is."""
 
     com: Array

@@ -1,10 +1,11 @@
 """One part: its role, size and centroid."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.draft.parts.axis import Axis
 from stepbot.draft.parts.names import SMALL_PARTS, Role
@@ -20,8 +21,7 @@ _NARROW = 0.9
 """Share of boxes that are sought by their place; the others are longer."""
 
 
-@dataclass(frozen=True, eq=False)
-class Part:
+class Part(Struct, frozen=True, eq=False):
     """A component with a body."""
 
     index: int

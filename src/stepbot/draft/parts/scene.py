@@ -2,11 +2,11 @@
 
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.draft.parts.parts import least_gap
@@ -60,8 +60,7 @@ class Columns(NamedTuple):
     high: Array
 
 
-@dataclass(frozen=True, eq=False)
-class _Drawn:
+class _Drawn(Struct, frozen=True, eq=False):
     """The faces of a definition in its own frame."""
 
     rows: dict[FaceKind, Indices]

@@ -8,10 +8,11 @@ meshes: edges that cross may meet a little earlier, and cables, other links or s
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from math import degrees
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from stepbot.draft.draft import Draft, DraftJoint, FoundStop
@@ -51,8 +52,7 @@ _Near = tuple[Indices, Indices]
 """Numbers of pairs of parts, ascending, and of triangles."""
 
 
-@dataclass(frozen=True, eq=False)
-class Shape:
+class Shape(Struct, frozen=True, eq=False):
     """The mesh of a part in the assembly."""
 
     part: int
@@ -61,8 +61,7 @@ class Shape:
     faces: NDArray[np.int32]
 
 
-@dataclass(frozen=True, eq=False)
-class Question:
+class Question(Struct, frozen=True, eq=False):
     """A joint whose stops are looked for."""
 
     slides: bool
@@ -75,8 +74,7 @@ class Question:
     """Parts of the child link."""
 
 
-@dataclass(frozen=True)
-class Stop:
+class Stop(Struct, frozen=True):
     """A position from the drawn one at which two parts meet."""
 
     position: float
@@ -85,8 +83,7 @@ class Stop:
     moving: int
 
 
-@dataclass(frozen=True)
-class Stops:
+class Stops(Struct, frozen=True):
     """What was found of a joint."""
 
     found: tuple[Stop, ...]
@@ -131,8 +128,7 @@ def _placed(question: Question, shapes: Sequence[Shape]) -> Placed:
     return Placed([shape.part for shape in shapes], vertices, [shape.faces for shape in shapes], slides=question.slides)
 
 
-@dataclass(frozen=True, eq=False)
-class _Sweep:
+class _Sweep(Struct, frozen=True, eq=False):
     """The motion of triangles in one direction."""
 
     still: Sides

@@ -4,11 +4,11 @@ Only what can come out shortest is computed to the end: a caller states the long
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from math import pi
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.draft.parts.scene import chunks, expanded, starts_of
@@ -256,8 +256,7 @@ class Placed:
         return nx * motion_x + ny * motion_y, lengths * np.sqrt(motion_x * motion_x + motion_y * motion_y)
 
 
-@dataclass(frozen=True, eq=False)
-class Sides:
+class Sides(Struct, frozen=True, eq=False, dict=True):
     """Triangles of parts that look one way."""
 
     parts: tuple[int, ...]

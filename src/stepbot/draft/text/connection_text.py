@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from math import isinf
 
+from msgspec.structs import asdict
+
 from stepbot.diagnostics import one_line
 from stepbot.draft.draft import Alternative, DraftClosure, DraftConnection, DraftJoint, FoundStop
 from stepbot.draft.text.draft_names import DraftNames
@@ -121,7 +123,7 @@ def _given(joint: DraftJoint, names: Mapping[str, str]) -> Entries:
     """Passive forces and the joint that it follows, where they are known."""
     entries: Entries = []
     if joint.dynamics is not None and joint.type not in _WITHOUT_LIMITS:
-        known = [(key, value) for key, value in vars(joint.dynamics).items() if value]
+        known = [(key, value) for key, value in asdict(joint.dynamics).items() if value]
         entries += [("dynamics", flow((key, number(value)) for key, value in known))] if known else []
     if joint.mimic is not None and joint.mimic.joint in names:
         follows = [("joint", scalar(names[joint.mimic.joint])), ("multiplier", number(joint.mimic.multiplier))]

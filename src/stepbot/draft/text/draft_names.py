@@ -2,7 +2,8 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from stepbot.draft.draft import Draft
 from stepbot.sidecar.section import NOT_IN_NAMES
@@ -11,8 +12,7 @@ _LONGEST = 60
 _RESERVED = ("world", "assembly")
 
 
-@dataclass(frozen=True)
-class DraftNames:
+class DraftNames(Struct, frozen=True):
     """The names of links, joints and closures in the sidecar."""
 
     links: Mapping[str, str]

@@ -3,10 +3,10 @@
 In place of the cube, limits of a robot can name other objects: cubes of other sizes, cylinders, spheres.
 """
 
-from dataclasses import replace
 from math import cos, isfinite, pi, sqrt
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.engines.simulation import DOWN, GRAVITY, Setup, Simulation
 from stepbot.geometry.spatial import Array, Pose

@@ -1,11 +1,11 @@
 """The content of a description."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from math import pi
 from pathlib import Path
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.diagnostics import Span
 from stepbot.engines.resources import resolve
@@ -96,8 +96,7 @@ def cone_mesh(radius: float, length: float) -> TriMesh:
     return revolved(np.array([(0.0, -0.5), (radius, -0.5), (0.0, 0.5)]) * (1.0, length), _AROUND)
 
 
-@dataclass(frozen=True, eq=False)
-class DescribedShape:
+class DescribedShape(Struct, frozen=True, eq=False):
     """A visual or a collision of a link."""
 
     link: str
@@ -127,8 +126,7 @@ class DescribedShape:
         return self.X_LG.apply(box_corners((-x, -y, -z), (x, y, z)))
 
 
-@dataclass(frozen=True)
-class OpenLimit:
+class OpenLimit(Struct, frozen=True):
     """A joint whose file lacks a position limit."""
 
     joint: str
@@ -138,8 +136,7 @@ class OpenLimit:
     has_element: bool
 
 
-@dataclass(frozen=True, eq=False)
-class Description:
+class Description(Struct, frozen=True, eq=False):
     """A description, independent of the engine that read it."""
 
     observation: Observation

@@ -1,8 +1,9 @@
 """SDFormat by stepbot's own reader."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from pathlib import Path
+
+from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.primitives import Primitive

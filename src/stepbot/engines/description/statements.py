@@ -7,12 +7,12 @@ and its radius of gyration about the centroid. Engines report no more of a mesh 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.mesh import surface_moments
 from stepbot.geometry.mesh_files import read_content
@@ -31,8 +31,7 @@ _KEYS = ("name", "reference", "filename", "joint", "site", "class")
 _LONGEST_PLACE = 1000
 
 
-@dataclass(frozen=True)
-class Statement:
+class Statement(Struct, frozen=True):
     """One attribute, or the text of one element."""
 
     place: str

@@ -4,9 +4,10 @@ Springs, actuators and sensors are those of the blocks for Gazebo and ros2_contr
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 from math import inf, nan
 from pathlib import Path
+
+from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.primitives import Primitive, primitive

@@ -4,8 +4,9 @@ A vocabulary lists what is read, not what is lost: an element that nobody though
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
 from typing import Any
+
+from msgspec import Struct, field
 
 from stepbot.diagnostics import did_you_mean
 
@@ -16,8 +17,7 @@ Element = Any
 """``lxml.etree._Element``; the stubs lack ``sourceline``."""
 
 
-@dataclass(frozen=True)
-class Unread:
+class Unread(Struct, frozen=True):
     """Elements or attributes of one kind that do not reach the model."""
 
     what: str
@@ -33,8 +33,7 @@ class Unread:
     """The name that is read, if this one looks like a misspelling of it."""
 
 
-@dataclass(frozen=True)
-class Vocabulary:
+class Vocabulary(Struct, frozen=True):
     """The elements and attributes that are read, by path from the root element, as in ``robot/link/inertial``."""
 
     read: Mapping[str, str]

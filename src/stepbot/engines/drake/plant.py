@@ -2,12 +2,13 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.closures import closure_gap
@@ -25,8 +26,7 @@ _NO_HULL = "MakeConvexHull only applies to"
 _URI = re.compile(r"""(?:package|model)://([^/"'<>]+)/([^"'<>]+)""")
 
 
-@dataclass(frozen=True, eq=False)
-class Built:
+class Built(Struct, frozen=True, eq=False, dict=True):
     """A plant, the geometry of its links, and a state."""
 
     plant: Any

@@ -1,7 +1,6 @@
 """A compiled MuJoCo model with its coordinates."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 from typing import Any
@@ -12,8 +11,7 @@ from .coordinates import Balls, Coordinates
 from .model import NamedModel
 
 
-@dataclass(frozen=True)
-class Compiled(NamedModel):
+class Compiled(NamedModel, frozen=True, dict=True):
     """A compiled model that can be posed."""
 
     balls: Balls

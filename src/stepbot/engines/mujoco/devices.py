@@ -6,11 +6,12 @@ group keeps MuJoCo's names.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
 from math import atan, inf, pi, radians, tan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.mesh_names import MOTOR_LINE, SCOPE
@@ -172,8 +173,7 @@ def _sensors_of_others(
     yield from (_sensor(compiled, one.name or f"sensor_{one.index}", [one]) for one in readings)
 
 
-@dataclass(frozen=True)
-class _Reading:
+class _Reading(Struct, frozen=True):
     """One of MuJoCo's sensors."""
 
     index: int

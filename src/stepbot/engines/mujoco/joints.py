@@ -2,11 +2,11 @@
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from math import inf, nan
 from typing import TYPE_CHECKING
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose, vector3
 from stepbot.robot.mesh_names import SCOPE

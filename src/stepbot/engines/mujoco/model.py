@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.engines.observation import EngineRefused
 from stepbot.robot.model import Mimic
@@ -17,8 +17,7 @@ WORLD_LINK = "stepbot/world"
 """Name in MuJoCo of a link ``world`` of a URDF that is more than the place of the base: MuJoCo's world is no link."""
 
 
-@dataclass(frozen=True)
-class NamedModel:
+class NamedModel(Struct, frozen=True, dict=True):
     """A compiled model with the names of its elements."""
 
     engine: Any

@@ -1,10 +1,10 @@
 """Simulation in MuJoCo: passive motion, and loops closed by Newton's method on the equality rows."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import IDENTITY, Array, Pose, vector3
 from stepbot.robot.closures import RANK_TOLERANCE, closure_gap

@@ -6,12 +6,12 @@ solved on their own rows. https://mujoco.readthedocs.io/en/stable/XMLreference.h
 """
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import replace
 from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Array, Pose, matrix3, turn_inertia, vector3
 from stepbot.robot.dynamics import GRAVITY, Rates

@@ -1,10 +1,10 @@
 """The shapes of a link as MuJoCo has read them: bounding boxes, names, colours."""
 
-from dataclasses import replace
 from math import inf, isclose
 from typing import TYPE_CHECKING
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.primitives import Primitive, primitive
 from stepbot.geometry.spatial import Pose, vector3

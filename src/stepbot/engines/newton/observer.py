@@ -6,13 +6,13 @@ precision. https://newton-physics.github.io/newton
 
 import warnings
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from math import inf
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Array, Pose, matrix3, quaternion_from_rotation, rotation_from_rpy, unit, vector3
 from stepbot.robot.kinematics import NO_BOUND
@@ -82,8 +82,7 @@ def observe(request: Request) -> Observation:
         )
 
 
-@dataclass(frozen=True)
-class _Loaded:
+class _Loaded(Struct, frozen=True, dict=True):
     """A model and the stage that it was imported from."""
 
     engine: Any

@@ -5,13 +5,14 @@ https://github.com/stack-of-tasks/pinocchio
 """
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
 from functools import cached_property
 from math import cos, inf, sin
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Array, Pose, matrix3, quaternion_from_rotation, rotation_from_rpy, vector3
 from stepbot.robot.dynamics import GRAVITY, Rates
@@ -93,8 +94,7 @@ def _mimics(engine: Any, request: Request) -> dict[str, Mimic] | str:
     return mimics
 
 
-@dataclass(frozen=True)
-class _Built:
+class _Built(Struct, frozen=True, dict=True):
     """A model and the tree of its frames."""
 
     engine: Any

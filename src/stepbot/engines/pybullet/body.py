@@ -1,14 +1,14 @@
 """A body loaded by PyBullet: names, inertial frames, poses."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Pose
 
 
-@dataclass(frozen=True)
-class Body:
+class Body(Struct, frozen=True):
     """A loaded body: names, and the inertial frame of each link."""
 
     engine: Any

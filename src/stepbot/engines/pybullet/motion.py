@@ -1,11 +1,11 @@
 """Simulation in PyBullet: passive motion, and loops closed by added constraints, since no file format has them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from math import ceil, dist, isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.spatial import Array

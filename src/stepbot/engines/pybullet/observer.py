@@ -10,12 +10,12 @@ import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import replace
 from math import ceil, hypot, inf, log2
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose, join_bounds, matrix3, turn_inertia, vector3
 from stepbot.robot.bounding_boxes import Bounds, mesh_bounds, primitive_bounds

@@ -6,11 +6,11 @@ kinematics from the parsed values, so they confirm the text, not the behaviour o
 """
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from math import inf, isfinite, nan, pi
 from pathlib import Path
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.engines.observation import ObservedActuator, ObservedSensor
 from stepbot.geometry.primitives import Primitive, primitive

@@ -4,7 +4,8 @@ http://sdformat.org/spec?elem=sensor
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose
 from stepbot.robot.sensors import SensorKind

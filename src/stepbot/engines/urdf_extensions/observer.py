@@ -9,9 +9,10 @@ https://control.ros.org/rolling/doc, http://wiki.ros.org/urdf/XML/Transmission
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from math import inf, isnan
 from pathlib import Path
+
+from msgspec.structs import replace
 
 from stepbot.robot.model import ActuatorKind, JointDynamics
 from stepbot.robot.sensors import SensorKind

@@ -4,11 +4,12 @@ Angles are in degrees; gains and damping of joints that turn are per degree.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
 from math import inf, radians
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Array, Pose, Vector3, rotation_angle, vector3
 from stepbot.robot.model import ActuatorKind, JointDynamics, JointKind, Limit, LoopClosure, Mimic
@@ -36,8 +37,7 @@ _RESIDUE = 1e-6
 """Position [rad], [m] below which a joint is at 0."""
 
 
-@dataclass(frozen=True, eq=False)
-class Connection:
+class Connection(Struct, frozen=True, eq=False):
     """A joint between two bodies, or between the world and a body."""
 
     prim: Any
@@ -83,8 +83,7 @@ class Connection:
         return replace(self, bodies=self.bodies[::-1], frames=self.frames[::-1])
 
 
-@dataclass(frozen=True, eq=False)
-class Branch:
+class Branch(Struct, frozen=True, eq=False):
     """A connection of the tree, from parent to child."""
 
     connection: Connection
@@ -229,8 +228,7 @@ def _mimic(stage: Stage, branch: Branch, leaders: Mapping[str, tuple[str, float]
     return Mimic(leader, branch.sign * sign * _number(prim, "newton:mimicCoef1", 1.0), branch.sign * offset)
 
 
-@dataclass(frozen=True)
-class _Drive:
+class _Drive(Struct, frozen=True):
     """The drive of a joint, in SI."""
 
     name: str

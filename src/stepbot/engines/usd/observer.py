@@ -5,11 +5,11 @@ stepbot's kinematics from the frames of the joints, so they confirm the file, no
 https://openusd.org/release/api/usd_physics_page_front.html
 """
 
-from dataclasses import replace
 from math import tau
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.primitives import srgb_from_linear
 from stepbot.geometry.spatial import (

@@ -1,20 +1,19 @@
 """A stage as bodies: its rigid bodies, their names and poses, and what is below each of them, in SI."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Array, Pose
 
 from ..observation import EngineCannotRead, EngineRefused
 
 
-@dataclass(frozen=True, eq=False)
-class Body:
+class Body(Struct, frozen=True, eq=False):
     """A rigid body."""
 
     name: str

@@ -5,11 +5,11 @@ Webots. https://cyberbotics.com/doc/reference/nodes-and-functions
 """
 
 from collections.abc import Iterator
-from dataclasses import replace
 from math import inf
 from pathlib import Path
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.engines.observation import ObservedShape
 from stepbot.engines.resources import mesh_file_bounds

@@ -4,8 +4,9 @@ https://cyberbotics.com/doc/reference/proto-definition
 """
 
 import re
-from dataclasses import dataclass, field
 from typing import TypeAlias, Union
+
+from msgspec import Struct, field
 
 from stepbot.geometry.spatial import Pose, rotation_about
 
@@ -20,8 +21,7 @@ _MOST_NODES = 1_000_000
 """Number of nodes after each USE is replaced by what it stands for."""
 
 
-@dataclass
-class Node:
+class Node(Struct):
     """A node; a field with one value has that value, and one with several a list."""
 
     type: str

@@ -6,11 +6,11 @@ It has no dynamics; meshes are checked by the simulating engines only. https://g
 import logging
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import replace
 from math import inf
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Pose, matrix3, turn_inertia, unit, vector3
 from stepbot.robot.model import JointDynamics, Limit, Mimic

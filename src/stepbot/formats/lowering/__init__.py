@@ -6,9 +6,11 @@ the expectation for engines that read the file.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
 from math import inf, isfinite
 from typing import TypeVar
+
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.robot import multi_dof
@@ -26,8 +28,7 @@ def _unchanged(robot: Robot) -> Robot:
     return robot
 
 
-@dataclass(frozen=True)
-class _Handling:
+class _Handling(Struct, frozen=True):
     """The rule for a feature that the format does not express exactly."""
 
     affected: Callable[[Robot], list[str]]

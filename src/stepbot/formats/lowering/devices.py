@@ -1,10 +1,10 @@
 """Actuators and sensors rewritten to what a format supports."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import inf, isinf
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import IDENTITY, Pose
 from stepbot.robot.gains import actuator_limit, joint_range

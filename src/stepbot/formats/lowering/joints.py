@@ -5,11 +5,11 @@ Some formats have hinges with stops around 0, and limits of effort and velocity 
 
 from collections import defaultdict
 from collections.abc import Callable, Collection
-from dataclasses import replace
 from functools import cache
 from math import inf, isfinite, isinf, pi
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.robot.dynamics import free_mass_matrix
 from stepbot.robot.kinematics import displacement, mimic_relation

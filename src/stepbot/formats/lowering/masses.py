@@ -1,6 +1,6 @@
 """Links without mass, for formats in which a mass of 0 means that the engine computes one, or is an error."""
 
-from dataclasses import replace
+from msgspec.structs import replace
 
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.spatial import ZERO33

@@ -1,7 +1,8 @@
 """Names that a format cannot represent unchanged."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Joint, Robot

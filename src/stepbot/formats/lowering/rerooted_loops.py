@@ -6,7 +6,8 @@ are now above them.
 """
 
 from collections.abc import Mapping
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from stepbot.geometry.inertia import without_residue
 from stepbot.geometry.spatial import Pose, Vector3, tidy

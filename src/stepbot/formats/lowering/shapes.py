@@ -1,8 +1,9 @@
 """Shapes that a format or its engine does not support."""
 
 from collections.abc import Callable, Hashable
-from dataclasses import replace
 from typing import Any, TypeVar
+
+from msgspec.structs import replace
 
 from stepbot.geometry.predicates import is_convex, is_flat
 from stepbot.geometry.spatial import Pose

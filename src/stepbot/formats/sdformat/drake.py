@@ -6,9 +6,9 @@ discrete plant with the SAP solver for them.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Array, perpendicular_frame
 from stepbot.robot.model import JointKind, LoopClosure, MeshFormats, Robot

@@ -5,8 +5,9 @@ understand them. A loop is closed by an additional joint: its frame is given in 
 follows from the poses in the file, so the loop must close at q = 0 (:data:`Feature.LOOP_ZERO`).
 """
 
-from dataclasses import replace
 from math import isfinite, isinf, pi
+
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import IDENTITY, Pose, Vector3
 from stepbot.robot.bounding_boxes import standing_height

@@ -2,7 +2,8 @@
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from stepbot.robot.kinematics import rigid_bodies
 from stepbot.robot.model import ActuatorKind, Joint, JointKind, Robot
@@ -10,8 +11,7 @@ from stepbot.robot.model import ActuatorKind, Joint, JointKind, Robot
 from ..lowering.joints import UNLIMITED
 
 
-@dataclass(frozen=True)
-class Chain:
+class Chain(Struct, frozen=True):
     """A chain of links without branches, with joints that move on their own."""
 
     name: str

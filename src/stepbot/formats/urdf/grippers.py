@@ -7,9 +7,10 @@ its own hand, moves as any last joint of an arm does: its name decides, if its r
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.spatial import Array, Pose
 from stepbot.robot.bounding_boxes import is_jaw
@@ -23,8 +24,7 @@ _OPPOSITE = -0.99
 """Cosine below which two directions are opposite."""
 
 
-@dataclass(frozen=True)
-class Gripper:
+class Gripper(Struct, frozen=True):
     """The fingers at the end of a chain."""
 
     name: str

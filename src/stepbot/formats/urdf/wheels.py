@@ -1,9 +1,9 @@
 """The wheels of a base that turns by their difference, as ros2_control's ``diff_drive_controller`` drives them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Array
 from stepbot.robot.bounding_boxes import robot_bounds
@@ -21,8 +21,7 @@ _DIGITS = 6
 """Decimal places of sizes [m]: shapes have the rounding of their meshes."""
 
 
-@dataclass(frozen=True)
-class DifferentialDrive:
+class DifferentialDrive(Struct, frozen=True):
     """Two wheels, or several in line, that a positive speed drives forwards."""
 
     module: str

@@ -6,8 +6,9 @@ an ``<inertial>``, zero if it is massless: some engines assume 1 kg for a link w
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import isfinite
+
+from msgspec import Struct
 
 from stepbot.geometry.spatial import IDENTITY, Pose, Vector3, quaternion_from_rotation
 from stepbot.robot.mesh_files import MeshFiles
@@ -235,8 +236,7 @@ def _joint(top: Element, joint: Joint, turned: "_Turned") -> None:
         element(xml, "mimic", joint=joint.mimic.joint, **relation, **({"offset": offset} if offset else {}))
 
 
-@dataclass(frozen=True)
-class _Turned:
+class _Turned(Struct, frozen=True):
     """Writes where elements are, their rotations as the version of the format has them."""
 
     version: float

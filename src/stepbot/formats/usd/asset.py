@@ -7,8 +7,9 @@ Newton, PhysX or MuJoCo. https://nvidia.github.io/simready-foundation/ has the r
 """
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import replace
 from math import isfinite
+
+from msgspec.structs import replace
 
 from stepbot.robot.gains import actuator_limit
 from stepbot.robot.model import Actuator, ActuatorKind, JointKind, Robot

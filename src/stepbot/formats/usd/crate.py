@@ -9,9 +9,9 @@ blocks may consist of literals alone: no compressor is needed, and the bytes are
 
 import struct
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
+from msgspec import Struct, field
 from numpy.typing import NDArray
 
 _VERSION = (0, 8, 0)
@@ -31,8 +31,7 @@ Ints = NDArray[np.int32]
 Singles = NDArray[np.float32]
 
 
-@dataclass(frozen=True)
-class CrateAttribute:
+class CrateAttribute(Struct, frozen=True):
     """An attribute with its value."""
 
     name: str
@@ -45,8 +44,7 @@ class CrateAttribute:
     """Of normals: ``uniform`` for one per face."""
 
 
-@dataclass(frozen=True)
-class CratePrim:
+class CratePrim(Struct, frozen=True):
     """A prim that is defined."""
 
     type: str
@@ -67,8 +65,7 @@ def crate(metadata: Mapping[str, str | float], doc: str, top: CratePrim) -> byte
     return _Crate(metadata, doc, top).content()
 
 
-@dataclass
-class _Path:
+class _Path(Struct):
     """A node of the tree of paths."""
 
     name: str

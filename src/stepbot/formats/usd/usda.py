@@ -8,9 +8,9 @@ Names of prims are identifiers, unique among siblings; a prim keeps a name that 
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
 
 import numpy as np
+from msgspec import Struct, field
 
 from stepbot.robot.mesh_names import free_name
 from stepbot.robot.model import Robot
@@ -23,8 +23,7 @@ UNITS: Mapping[str, float | str] = {"kilogramsPerUnit": 1.0, "metersPerUnit": 1.
 INDENT = "    "
 
 
-@dataclass
-class Prim:
+class Prim(Struct):
     """A prim: one node of the scene."""
 
     type: str

@@ -1,16 +1,16 @@
 """Nodes of VRML as Webots writes it: https://cyberbotics.com/doc/reference/nodes-and-functions."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from math import atan2, sqrt
+
+from msgspec import Struct, field
 
 from stepbot.geometry.spatial import Pose
 
 from ..xml import number
 
 
-@dataclass
-class Node:
+class Node(Struct):
     """A node with its fields in the order of the file."""
 
     type: str

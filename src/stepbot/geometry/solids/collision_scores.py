@@ -12,11 +12,11 @@ exact one.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import sqrt
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from ..mesh import TriMesh, triangle_areas
@@ -38,8 +38,7 @@ _MOST_POINTS = 2_000
 _DECIMALS = 6
 
 
-@dataclass(frozen=True, eq=False)
-class Unscored:
+class Unscored(Struct, frozen=True, eq=False):
     """Solids and their collision shapes, all in A."""
 
     solids: tuple[PlacedSolid, ...]
@@ -48,8 +47,7 @@ class Unscored:
     shapes: tuple[PlacedShape, ...]
 
 
-@dataclass(frozen=True)
-class CollisionScore:
+class CollisionScore(Struct, frozen=True):
     """Both are None without closed solids or without shapes, or for a link of too many faces."""
 
     iou: float | None = None

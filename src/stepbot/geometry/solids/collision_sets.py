@@ -6,11 +6,12 @@ their own, and voids that nothing can enter are filled. The shapes together encl
 
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.geometry.fixed_point import distinct_rows, exact_sum
 from stepbot.geometry.mesh import GRID_PER_METRE, TriMesh
@@ -136,8 +137,7 @@ FEW, CLOSE = 0.9, 0.95
 """Share of the total volume of its shapes that a solid has to fill: for few shapes, and for close ones."""
 
 
-@dataclass(frozen=True, eq=False)
-class Wanted:
+class Wanted(Struct, frozen=True, eq=False):
     """Solids that get one set of shapes, all in A."""
 
     solids: tuple[PlacedSolid, ...]
@@ -159,8 +159,7 @@ class Wanted:
     """Of each hull. With a bound no shape is a cylinder: MJX, which needs it, cannot collide these with hulls."""
 
 
-@dataclass(frozen=True, eq=False)
-class CollisionSet:
+class CollisionSet(Struct, frozen=True, eq=False):
     """Shapes that together enclose solids."""
 
     shapes: tuple[PlacedShape, ...]

@@ -11,10 +11,10 @@ planes at random, takes about a hundred times as long (``docs/decisions/0028-con
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from ..fixed_point import distinct_rows, exact_sum
@@ -51,8 +51,7 @@ _ANGLES, _OFFSETS = 1e3, 500.0
 """Steps per unit of a normal, and per diagonal, within which planes count as one."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Cut:
+class _Cut(Struct, frozen=True, eq=False):
     gain: float
     """Reduction of the hulls' volume [m^3]."""
     plane: Plane
@@ -105,8 +104,7 @@ class _Solid:
         ]
 
 
-@dataclass(frozen=True, eq=False)
-class _Section:
+class _Section(Struct, frozen=True, eq=False):
     """Where a plane cuts a solid."""
 
     points: Array

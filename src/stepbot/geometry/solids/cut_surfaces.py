@@ -5,11 +5,11 @@ the hull of the solid there: all other corners of the missing caps are where edg
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from ..spatial import Array, cross, dot, matrix_product, perpendicular_frame, rotated
@@ -25,8 +25,7 @@ Indices = NDArray[np.int64]
 Signs = NDArray[np.int8]
 
 
-@dataclass(frozen=True, eq=False)
-class Plane:
+class Plane(Struct, frozen=True, eq=False):
     """A plane, and which side of it is above."""
 
     normal: Array
@@ -75,8 +74,7 @@ class Surface:
         return corners.min(axis=1), corners.max(axis=1)
 
 
-@dataclass(frozen=True, eq=False)
-class CutSurface:
+class CutSurface(Struct, frozen=True, eq=False):
     """The part of a surface above several planes.
 
     Faces that lie on a plane, or cross it by the rounding of their vertices, belong to it if the solid is above them;

@@ -6,12 +6,12 @@ coincident faces.
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cache, cached_property
 from math import pi, radians, sin, sqrt
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from ..fixed_point import distinct
@@ -139,8 +139,7 @@ class Solid:
         return bool(reaches.any()) or encloses(self._mesh, 0.5 * (low + high))
 
 
-@dataclass(frozen=True, eq=False)
-class Intersection:
+class Intersection(Struct, frozen=True, eq=False, dict=True):
     """The intersection of two solids, in the frame of the first."""
 
     _manifold: Any

@@ -1,10 +1,10 @@
 """Areas in the plane by their outlines, and their intersections: Clipper2, through manifold3d."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 
 from ..spatial import Array
 
@@ -12,8 +12,7 @@ _SCALE = 1e3
 """The library keeps six decimals: millimetres instead of metres."""
 
 
-@dataclass(frozen=True, eq=False)
-class Shared:
+class Shared(Struct, frozen=True, eq=False):
     """The intersection of two areas."""
 
     area: float

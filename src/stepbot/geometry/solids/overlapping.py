@@ -9,7 +9,8 @@ half as much processor time again, and longer.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.runtime.parallel import results_of
@@ -26,8 +27,7 @@ _MANY = 20_000
 """Faces of all pairs from which it is worth while to start processes."""
 
 
-@dataclass(frozen=True)
-class Candidate:
+class Candidate(Struct, frozen=True):
     """Two components with overlapping boxes."""
 
     link: str
@@ -39,8 +39,7 @@ class Candidate:
     """Upper bound of its mass [kg], from their boxes."""
 
 
-@dataclass(frozen=True)
-class Group:
+class Group(Struct, frozen=True):
     """Candidates of the same two bodies in the same relative pose, which have the same intersection."""
 
     bodies: tuple[int, int]
@@ -55,8 +54,7 @@ class Group:
         return self.bodies[0] == self.bodies[1] and max(self.X_AB.distance_to(IDENTITY)) <= TOUCHING
 
 
-@dataclass(frozen=True)
-class Search:
+class Search(Struct, frozen=True):
     """The pairs to intersect."""
 
     links: tuple[str, ...]
@@ -69,8 +67,7 @@ class Search:
     """Maximum number of faces of all pairs together."""
 
 
-@dataclass(frozen=True)
-class Pair:
+class Pair(Struct, frozen=True):
     """Two components of one link that overlap, or may overlap."""
 
     first: int
@@ -85,8 +82,7 @@ class Pair:
     """Why the pair was not checked; empty if it was."""
 
 
-@dataclass(frozen=True)
-class Overlaps:
+class Overlaps(Struct, frozen=True):
     """The overlaps of one link."""
 
     pairs: tuple[Pair, ...] = ()
@@ -100,8 +96,7 @@ def overlaps_of(search: Search) -> dict[str, Overlaps]:
     return _by_link(search, _intersect(search))
 
 
-@dataclass(frozen=True, eq=False)
-class _Common:
+class _Common(Struct, frozen=True, eq=False):
     """The intersection of two bodies, in the frame of the first."""
 
     volume: float
@@ -109,8 +104,7 @@ class _Common:
     mesh: TriMesh
 
 
-@dataclass(eq=False)
-class _Found:
+class _Found(Struct, eq=False):
     """The result of a group."""
 
     group: Group
@@ -181,8 +175,7 @@ def _heaviest_first(pairs: Iterable[Pair]) -> tuple[Pair, ...]:
     return tuple(sorted(pairs, key=lambda pair: (-pair.mass, pair.first, pair.second)))
 
 
-@dataclass(frozen=True, eq=False)
-class _Share:
+class _Share(Struct, frozen=True, eq=False):
     """The intersections of a solid with the previous ones, placed by X_WA."""
 
     mass: float

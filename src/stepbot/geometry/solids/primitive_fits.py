@@ -5,10 +5,10 @@ exactly, and the axis too.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from math import pi
 
 import numpy as np
+from msgspec import Struct
 
 from ..enclosing_shapes import THINNEST, box_around, capsule_around, cylinder_around, sphere_around
 from ..mesh import GRID_PER_METRE
@@ -21,8 +21,7 @@ _GRID = 2.0 / GRID_PER_METRE
 """Distance [m] by which the vertex grid may displace a point of a face."""
 
 
-@dataclass(frozen=True)
-class RoundFace:
+class RoundFace(Struct, frozen=True):
     """The axis and radius of a cylindrical face: of a shaft, or of a bore."""
 
     point: Array
@@ -33,8 +32,7 @@ class RoundFace:
     """[m]."""
 
 
-@dataclass(frozen=True)
-class Fit:
+class Fit(Struct, frozen=True):
     """A primitive, its pose, and the share of it that the solid fills."""
 
     shape: Primitive

@@ -1,12 +1,12 @@
 """The union of solids: the fit of a link's shapes and their scores need the same one, so it is kept in between."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from hashlib import sha256
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from ..mesh import TriMesh
@@ -20,16 +20,14 @@ _MOST_FACES = 500_000
 """Maximum number of faces of all unions that are kept, at about 300 bytes each (manifold3d 3.5)."""
 
 
-@dataclass(frozen=True, eq=False)
-class PlacedSolid:
+class PlacedSolid(Struct, frozen=True, eq=False):
     """A closed mesh, given in C, in the common frame A."""
 
     mesh: TriMesh
     X_AC: Pose
 
 
-@dataclass(frozen=True, eq=False)
-class PlacedShape:
+class PlacedShape(Struct, frozen=True, eq=False):
     """A shape in the frame A of the solids; of an open mesh, its convex hull counts."""
 
     geometry: Primitive | TriMesh

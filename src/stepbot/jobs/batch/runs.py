@@ -11,10 +11,11 @@ import time
 from collections import Counter
 from collections.abc import Generator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from dataclasses import dataclass
 from enum import StrEnum
 from itertools import takewhile
 from pathlib import Path
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.pipeline.conversion import Conversion, Options, write
@@ -30,8 +31,7 @@ from ..incremental import conversion_key, failure_of, sidecar_digest
 from .work import Parcel, Work, carry_out, carry_out_parcel
 
 
-@dataclass(frozen=True)
-class Task:
+class Task(Struct, frozen=True):
     """One robot of a batch."""
 
     name: str
@@ -92,8 +92,7 @@ FOLDER = ".stepbot-batch"
 _VERSION = 1
 
 
-@dataclass(frozen=True)
-class _Done:
+class _Done(Struct, frozen=True):
     input: str
     step: str
     files: dict[str, str]
@@ -165,8 +164,7 @@ class Status(StrEnum):
     FAILED = "failed"
 
 
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(Struct, frozen=True):
     """Result of one robot, with diagnostics."""
 
     task: Task

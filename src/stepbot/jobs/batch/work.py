@@ -12,10 +12,11 @@ import threading
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostic, Diagnostics, Span
 from stepbot.pipeline.conversion import Conversion, Options
@@ -136,8 +137,7 @@ def on_cluster(address: str) -> Iterator[tuple[Executor, int]]:
             executor.shutdown(wait=False)
 
 
-@dataclass(frozen=True)
-class Work:
+class Work(Struct, frozen=True):
     """The result for one robot; nothing is written yet."""
 
     files: Mapping[str, bytes]
@@ -150,8 +150,7 @@ class Work:
     """The files that a composed robot depends on."""
 
 
-@dataclass(frozen=True)
-class Parcel:
+class Parcel(Struct, frozen=True):
     """A robot's input as bytes, for a machine without access to its files."""
 
     sidecar: str

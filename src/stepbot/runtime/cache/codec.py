@@ -1,4 +1,4 @@
-r"""Encodes data classes, named tuples and arrays as bytes, and decodes them by their annotations alone.
+r"""Encodes structs, named tuples and arrays as bytes, and decodes them by their annotations alone.
 
     lengths of the text and of the numbers [8 bytes each] | text: JSON | numbers | bytes of all arrays in turn
 
@@ -241,7 +241,7 @@ def _mapping(key: Any, value: Any) -> tuple[Encoder, Decoder]:
 
 
 def _union(arguments: tuple[Any, ...]) -> tuple[Encoder, Decoder]:
-    """A value or None, or one of several data classes or named tuples, distinguished by their names."""
+    """A value or None, or one of several structs or named tuples, distinguished by their names."""
     others = [one for one in arguments if one is not type(None)]
     if len(others) == 1:
         encode_one, decode_one = _pair(others[0])
@@ -261,9 +261,9 @@ def _union(arguments: tuple[Any, ...]) -> tuple[Encoder, Decoder]:
 
 
 def _is_record(kind: Any) -> bool:
-    """Whether a type is a data class or a named tuple."""
+    """Whether a type is a struct or a named tuple."""
     return isinstance(kind, type) and (
-        hasattr(kind, "__dataclass_fields__") or (issubclass(kind, tuple) and hasattr(kind, "_fields"))
+        hasattr(kind, "__struct_fields__") or (issubclass(kind, tuple) and hasattr(kind, "_fields"))
     )
 
 

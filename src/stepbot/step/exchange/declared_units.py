@@ -5,9 +5,9 @@ unit is not used: a CAD program's INCH is as long as its file declares.
 """
 
 import math
-from dataclasses import dataclass
 from typing import Any, Literal
 
+from msgspec import Struct
 from OCP.StepBasic import (
     StepBasic_ConversionBasedUnit,
     StepBasic_ConversionBasedUnitAndLengthUnit,
@@ -54,8 +54,7 @@ KNOWN_LENGTHS = {
 _SPELLINGS = {"in": "inch", "feet": "foot", "ft": "foot", "us inch": "inch", "millimetre": "mm", "millimeter": "mm"}
 
 
-@dataclass(frozen=True)
-class DeclaredUnit:
+class DeclaredUnit(Struct, frozen=True):
     """A unit and its size."""
 
     quantity: Quantity
@@ -65,8 +64,7 @@ class DeclaredUnit:
     """In m, kg or m^3; 0 for an invalid declaration."""
 
 
-@dataclass(frozen=True)
-class DerivedUnit:
+class DerivedUnit(Struct, frozen=True):
     """A product of powers of units."""
 
     name: str

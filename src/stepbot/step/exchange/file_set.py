@@ -7,8 +7,9 @@ any of them; the kernel's own search for such files is switched off (:func:`step
 
 import re
 from collections.abc import Callable, Collection, Iterator, Sequence
-from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics, did_you_mean
 from stepbot.runtime.file import is_file, resolved
@@ -24,8 +25,7 @@ _ABSOLUTE = re.compile(r"[A-Za-z]:|[/\\]|[A-Za-z][A-Za-z0-9+.-]+:")
 """Prefix of a name that is a drive, an absolute or UNC path, or a URL."""
 
 
-@dataclass(frozen=True)
-class Link:
+class Link(Struct, frozen=True):
     """A product whose shape is in another file."""
 
     definition: int
@@ -42,8 +42,7 @@ class Link:
     help: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class StepFile:
+class StepFile(Struct, frozen=True):
     """One of the files of an assembly."""
 
     path: Path

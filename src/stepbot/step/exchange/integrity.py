@@ -6,12 +6,12 @@ origin, or crashes the kernel later. It reports this only on request.
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 from OCP.StepBasic import StepBasic_MeasureWithUnit, StepBasic_NamedUnit, StepBasic_ProductDefinition
 from OCP.StepData import StepData_UndefinedEntity
@@ -78,8 +78,7 @@ _SHOWN = 5
 _REMEDY = ("export the file again, or copy it again from its source",)
 
 
-@dataclass(frozen=True, order=True)
-class _Fault:
+class _Fault(Struct, frozen=True, order=True):
     """A fault in one statement."""
 
     line: int

@@ -6,9 +6,9 @@ unit the kernel assumes millimetres; stepbot does not.
 
 import math
 from collections import Counter
-from dataclasses import dataclass
 from typing import Any
 
+from msgspec import Struct
 from OCP.STEPConstruct import STEPConstruct_UnitContext
 from OCP.StepGeom import StepGeom_GeometricRepresentationItem
 from OCP.StepRepr import StepRepr_MappedItem
@@ -25,8 +25,7 @@ DEFAULT_PRECISION = 1e-3
 """Precision [mm] of a shape that states none: the kernel's default."""
 
 
-@dataclass(frozen=True)
-class LengthUnit:
+class LengthUnit(Struct, frozen=True):
     """The unit of most shapes in a file."""
 
     name: str

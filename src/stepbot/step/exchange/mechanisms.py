@@ -6,8 +6,9 @@ freedom. The parts of a link are those of the occurrence that its representation
 an association name links like occurrences or products.
 """
 
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Pose, cross, unit
 
@@ -35,8 +36,7 @@ _GENERAL = "LOW_ORDER_KINEMATIC_PAIR"
 _SUFFIXES = ("_WITH_RANGE", "_RANGE")
 
 
-@dataclass(frozen=True)
-class Occurrence:
+class Occurrence(Struct, frozen=True):
     """A usage of a product in an assembly, as a link refers to it."""
 
     assembly: str
@@ -46,8 +46,7 @@ class Occurrence:
     """n among the usages of this product name in this assembly, from 1 in file order."""
 
 
-@dataclass(frozen=True)
-class KinematicLink:
+class KinematicLink(Struct, frozen=True):
     """A link of a mechanism."""
 
     name: str
@@ -55,8 +54,7 @@ class KinematicLink:
     """Its components, if the file states them."""
 
 
-@dataclass(frozen=True)
-class KinematicPair:
+class KinematicPair(Struct, frozen=True):
     """A pair, in radians and in the file's unit of length."""
 
     name: str
@@ -76,8 +74,7 @@ class KinematicPair:
     """Pitch of a screw [file's unit of length per turn]."""
 
 
-@dataclass(frozen=True)
-class Mechanism:
+class Mechanism(Struct, frozen=True):
     """Links and pairs."""
 
     links: tuple[KinematicLink, ...]

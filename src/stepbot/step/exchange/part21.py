@@ -8,8 +8,9 @@ import mmap
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from pathlib import Path
+
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics, Span, did_you_mean, listed
 from stepbot.robot.step_names import is_step_name
@@ -55,8 +56,7 @@ _SIDECAR = re.compile(rb"(?:\A\W?|\n)version: *\d.*\n(?:.*\n)*?(?:robot|step|sou
 _DESCRIPTION = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:<\?.*?\?>\s*|<!--.*?-->\s*)*<(robot|sdf|mujoco)\b", re.DOTALL)
 
 
-@dataclass(frozen=True)
-class Header:
+class Header(Struct, frozen=True):
     """The header of a STEP file."""
 
     name: str = ""
@@ -73,8 +73,7 @@ class Header:
         return next((label for word, label in _SCHEMAS if word in first), first.split(" ")[0])
 
 
-@dataclass(frozen=True)
-class Part21:
+class Part21(Struct, frozen=True):
     """A STEP file, as far as its text was read."""
 
     header: Header

@@ -5,7 +5,8 @@
 """
 
 import re
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 _TOKEN = re.compile(
     rb"\s+|/\*.*?\*/"
@@ -25,22 +26,19 @@ class SyntaxFault(ValueError):
     """A statement that violates the grammar."""
 
 
-@dataclass(frozen=True)
-class Reference:
+class Reference(Struct, frozen=True):
     """``#12``."""
 
     number: int
 
 
-@dataclass(frozen=True)
-class Word:
+class Word(Struct, frozen=True):
     """An enumeration value or a logical: ``.T.`` has ``T``."""
 
     name: str
 
 
-@dataclass(frozen=True)
-class Record:
+class Record(Struct, frozen=True):
     """A keyword and its parameters: a simple instance, a part of a complex one, or a typed parameter."""
 
     keyword: str

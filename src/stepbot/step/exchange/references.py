@@ -8,7 +8,8 @@ the CAx-IF recommended practices for external references. The text is read witho
 import re
 from collections import defaultdict
 from collections.abc import Container, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from stepbot.robot.step_names import is_step_name
 
@@ -36,8 +37,7 @@ _LIKELY = ("utf-8", "cp1251", "cp1252", "cp1250", "gb18030", "cp932", "big5", "c
 """Encodings in which the name of a file is looked for; a file that exists decides between them."""
 
 
-@dataclass(frozen=True)
-class ExternalReference:
+class ExternalReference(Struct, frozen=True):
     """A product definition whose shape is in another file."""
 
     definition: int

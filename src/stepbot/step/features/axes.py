@@ -12,9 +12,10 @@ unit of selection: an axis has many faces of several radii. Everything is in the
 """
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array, Pose, Vector3, perpendicular_frame, vector3
@@ -38,8 +39,7 @@ _TIERS = {Basis.TOUCH: 1, Basis.APART: 2}
 """Bases that are weaker than the others."""
 
 
-@dataclass(frozen=True, eq=False)
-class AxisFaces:
+class AxisFaces(Struct, frozen=True, eq=False):
     """Cylindrical and conical faces in the frame of the assembly, one per row."""
 
     centers: Array
@@ -62,7 +62,7 @@ class AxisFaces:
 
     def select(self, rows: NDArray[np.bool_] | Indices) -> "AxisFaces":
         """Some of the faces, by mask (n,) or by indices."""
-        return AxisFaces(*(getattr(self, name)[rows] for name in self.__dataclass_fields__))
+        return AxisFaces(*(getattr(self, name)[rows] for name in self.__struct_fields__))
 
     @property
     def rays(self) -> Rays:
@@ -70,8 +70,7 @@ class AxisFaces:
         return Rays(self.centers, self.directions)
 
 
-@dataclass(frozen=True)
-class LineFace:
+class LineFace(Struct, frozen=True):
     """A face on a line."""
 
     component: int
@@ -81,8 +80,7 @@ class LineFace:
     """Whether material is outside."""
 
 
-@dataclass(frozen=True)
-class AxisLine:
+class AxisLine(Struct, frozen=True):
     """A line with faces."""
 
     point: Vector3
@@ -118,8 +116,7 @@ class AxisLine:
         return float(_rays([self]).distances(np.array(point))[0])
 
 
-@dataclass(frozen=True)
-class NearMiss:
+class NearMiss(Struct, frozen=True):
     """Two lines that nearly coincide."""
 
     line_a: AxisLine
@@ -135,8 +132,7 @@ class NearMiss:
         return min(self.line_a.weight, self.line_b.weight)
 
 
-@dataclass(frozen=True)
-class Choice:
+class Choice(Struct, frozen=True):
     """The selected line, or the ambiguous candidates."""
 
     line: AxisLine | None
@@ -144,8 +140,7 @@ class Choice:
     """The heaviest first; empty if there was no line, or one was selected."""
 
 
-@dataclass(frozen=True)
-class Selector:
+class Selector(Struct, frozen=True):
     """The selectors that an ``origin`` needs for one line among several; None for those not needed."""
 
     radius: float | None = None
@@ -330,7 +325,7 @@ def _joined(parts: Sequence[AxisFaces]) -> AxisFaces:
     if not parts:
         nothing = np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0)
         return AxisFaces(*nothing, np.zeros(0, dtype=bool), np.zeros(0, dtype=bool), np.zeros(0, dtype=np.intp))
-    return AxisFaces(*(np.concatenate([getattr(p, name) for p in parts]) for name in AxisFaces.__dataclass_fields__))
+    return AxisFaces(*(np.concatenate([getattr(p, name) for p in parts]) for name in AxisFaces.__struct_fields__))
 
 
 def _line(faces: AxisFaces, rows: Indices) -> AxisLine:

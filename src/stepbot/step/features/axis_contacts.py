@@ -6,9 +6,9 @@ evidence; faces apart from each other are not evidence.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.geometry.spatial import Array
@@ -41,8 +41,7 @@ _RANKS = (Basis.FIT, Basis.FLANGE, Basis.TOUCH, Basis.APART)
 _PAIRS_AT_ONCE = 1 << 20
 
 
-@dataclass(frozen=True, eq=False)
-class Spans:
+class Spans(Struct, frozen=True, eq=False):
     """Cylindrical faces on one line, one per row."""
 
     low: Array
@@ -59,8 +58,7 @@ class Spans:
         return Spans(self.low[rows], self.high[rows], self.radii[rows], self.bores[rows])
 
 
-@dataclass(frozen=True)
-class Meeting:
+class Meeting(Struct, frozen=True):
     """The two decisive faces, one of each side."""
 
     basis: Basis

@@ -5,9 +5,9 @@ because lines that are a milliradian apart diverge with distance.
 """
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.geometry.fixed_point import distinct_rows
@@ -21,8 +21,7 @@ _SAME_FOOT = 1e-7
 _CHUNK = 256
 
 
-@dataclass(frozen=True, eq=False)
-class Rays:
+class Rays(Struct, frozen=True, eq=False):
     """Lines in space, one per row."""
 
     centers: Array
@@ -60,8 +59,7 @@ def coaxial(rays: Rays, distance: float, angle: float) -> list[Indices]:
     return sorted(groups, key=lambda rows: int(rows[0]))
 
 
-@dataclass(frozen=True, eq=False)
-class _Kinds:
+class _Kinds(Struct, frozen=True, eq=False):
     """Directions that are equal except for rounding."""
 
     directions: Array

@@ -5,9 +5,9 @@ large one towards another side, the CAD was probably drawn with another axis up.
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.fixed_point import exact_sum
 from stepbot.geometry.inertia import DIRECTIONS, Direction, vector
@@ -32,8 +32,7 @@ _PARALLEL = 1e-2
 """Maximum angle [rad] between a joint's axis and the vertical."""
 
 
-@dataclass(frozen=True)
-class Standing:
+class Standing(Struct, frozen=True):
     """Evidence that an axis other than z is up."""
 
     up: Direction

@@ -6,11 +6,11 @@ surface is.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from msgspec import Struct, field
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Curve2d
 from OCP.GeomAbs import GeomAbs_CurveType
 from OCP.gp import gp_Pnt, gp_Pnt2d
@@ -41,8 +41,7 @@ def gauss(order: int) -> tuple[Array, Array]:
     return 0.5 * (nodes + 1.0), 0.5 * weights
 
 
-@dataclass(frozen=True, eq=False)
-class Rule:
+class Rule(Struct, frozen=True, eq=False):
     """Points of boundaries."""
 
     faces: Indices
@@ -53,8 +52,7 @@ class Rule:
     """Shape (n,): du of the point's piece of the face's boundary."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Edge:
+class _Edge(Struct, frozen=True, eq=False):
     """An edge that is neither a straight line nor an arc."""
 
     face: int
@@ -79,8 +77,7 @@ class _Edge:
         return Rule(np.full(len(uv), self.face), uv, (-duv[:, 0] if self.is_reversed else duv[:, 0]) * dt)
 
 
-@dataclass
-class Contours:
+class Contours(Struct):
     """The boundaries of faces of one kind, as they are collected."""
 
     lines: list[tuple[int, float, float, float, float]] = field(default_factory=list)

@@ -6,10 +6,10 @@ kernel's binary format (BinTools): a tag, flags, degrees, counts, poles with the
 
 import io
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from OCP.BinTools import BinTools_Curve2dSet, BinTools_CurveSet, BinTools_SurfaceSet
 from OCP.collections import Array1_double
 from OCP.GeomAbs import GeomAbs_CurveType, GeomAbs_Shape
@@ -25,8 +25,7 @@ _KNOT = np.dtype([("knot", "<f8"), ("multiplicity", "<i4")])
 _QUARTER = 0.5 * np.pi
 
 
-@dataclass(frozen=True, eq=False)
-class Curve:
+class Curve(Struct, frozen=True, eq=False):
     """A piece of a curve, in the plane or in space."""
 
     at: Callable[[Array], tuple[Array, Array]]

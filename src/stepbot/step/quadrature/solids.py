@@ -9,11 +9,11 @@ close leaves the other: the integral then depends on where along v it starts, wh
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+from msgspec import Struct, field
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Surface
 from OCP.collections import Array1_double
@@ -41,8 +41,7 @@ _PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 _NONE = np.empty(0)
 
 
-@dataclass
-class _Group:
+class _Group(Struct):
     """Faces of one kind of surface."""
 
     contours: Contours = field(default_factory=Contours)
@@ -51,8 +50,7 @@ class _Group:
     signs: list[float] = field(default_factory=list)
 
 
-@dataclass(frozen=True, eq=False)
-class _Surface:
+class _Surface(Struct, frozen=True, eq=False, dict=True):
     """A patch with the boundaries of its faces."""
 
     patch: Patch

@@ -4,10 +4,10 @@ Reading one point with its derivatives through the Python binding costs three mi
 one. After L. Piegl and W. Tiller, *The NURBS Book*, algorithms A2.1 to A2.3.
 """
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.geometry.fixed_point import distinct
@@ -16,8 +16,7 @@ from stepbot.geometry.spatial import Array
 Indices = NDArray[np.int64]
 
 
-@dataclass(frozen=True, eq=False)
-class Basis:
+class Basis(Struct, frozen=True, eq=False, dict=True):
     """The B-spline basis functions of one parameter."""
 
     degree: int
@@ -89,8 +88,7 @@ def divided(value: Array, derivative: Array) -> tuple[Array, Array]:
     return point, (derivative[..., :-1] - point * derivative[..., -1:]) / weight
 
 
-@dataclass(frozen=True, eq=False)
-class SplineCurve:
+class SplineCurve(Struct, frozen=True, eq=False):
     """A B-spline curve, in the plane or in space."""
 
     basis: Basis
@@ -108,8 +106,7 @@ class SplineCurve:
         return divided(_sums(self.poles, first, values), _sums(self.poles, first, derivatives))
 
 
-@dataclass(frozen=True, eq=False)
-class SplineSurface:
+class SplineSurface(Struct, frozen=True, eq=False):
     """A B-spline surface."""
 
     u: Basis

@@ -6,10 +6,10 @@ Points of a section are arrays (3, n, m), n on each of m ways along v: numpy is 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
+from msgspec import Struct
 from OCP.gp import gp_Pnt, gp_Vec
 
 from stepbot.geometry.spatial import Array, dot
@@ -54,8 +54,7 @@ class Patch(Protocol):
         """The patch at parameters u (k,) of the numbered surfaces (k,)."""
 
 
-@dataclass(frozen=True, eq=False)
-class Frames:
+class Frames(Struct, frozen=True, eq=False):
     """Origins and axes, each (n, 3)."""
 
     origins: Array
@@ -75,8 +74,7 @@ class Frames:
         return Frames(table[:, 0] - origin, table[:, 1], table[:, 2], table[:, 3])
 
 
-@dataclass(frozen=True, eq=False)
-class Planes:
+class Planes(Struct, frozen=True, eq=False):
     """Planes; S is linear in u and v."""
 
     frames: Frames
@@ -93,8 +91,7 @@ class Planes:
         return _PlaneSection(start.T, frames.y[faces].T, flux[faces])
 
 
-@dataclass(frozen=True, eq=False)
-class _PlaneSection:
+class _PlaneSection(Struct, frozen=True, eq=False):
     start: Array
     """Shape (3, k), and so is ``along``."""
     along: Array
@@ -105,8 +102,7 @@ class _PlaneSection:
         return points, np.broadcast_to(self.flux[rows], points.shape[1:])
 
 
-@dataclass(frozen=True, eq=False)
-class Quadrics:
+class Quadrics(Struct, frozen=True, eq=False):
     """Cylinders and cones, or spheres and tori: of radius r0 + s v + q cos v at the height c v + q sin v."""
 
     frames: Frames
@@ -124,8 +120,7 @@ class Quadrics:
         return _QuadricSection(frames.origins[faces].T, frames.z[faces].T, outwards.T, handed, self.shape[faces].T)
 
 
-@dataclass(frozen=True, eq=False)
-class _QuadricSection:
+class _QuadricSection(Struct, frozen=True, eq=False):
     origins: Array
     """Shape (3, k), and so are ``axes`` and ``outwards``."""
     axes: Array
@@ -143,8 +138,7 @@ class _QuadricSection:
         return point, self.handed[rows] * radius * ((c + cos) * out - (s - sin) * up)
 
 
-@dataclass(frozen=True, eq=False)
-class Splined:
+class Splined(Struct, frozen=True, eq=False):
     """A B-spline surface."""
 
     surface: SplineSurface
@@ -169,8 +163,7 @@ class Splined:
         return _SplinedSection(self.surface, self.surface.sections(u))
 
 
-@dataclass(frozen=True, eq=False)
-class _SplinedSection:
+class _SplinedSection(Struct, frozen=True, eq=False):
     surface: SplineSurface
     sections: tuple[Array, Array]
 
@@ -178,8 +171,7 @@ class _SplinedSection:
         return _with_flux(*self.surface.at(self.sections, rows, v))
 
 
-@dataclass(frozen=True, eq=False)
-class Extruded:
+class Extruded(Struct, frozen=True, eq=False):
     """A curve moved along a line: S = C(u) + v d."""
 
     curve: Curve
@@ -201,8 +193,7 @@ class Extruded:
         return _PlaneSection(points.T, np.broadcast_to(self.direction, points.shape).T, flux)
 
 
-@dataclass(frozen=True, eq=False)
-class Revolved:
+class Revolved(Struct, frozen=True, eq=False):
     """A curve turned about a line: C(v), by the angle u."""
 
     curve: Curve
@@ -223,8 +214,7 @@ class Revolved:
         return _RevolvedSection(self, np.cos(u), np.sin(u))
 
 
-@dataclass(frozen=True, eq=False)
-class _RevolvedSection:
+class _RevolvedSection(Struct, frozen=True, eq=False):
     patch: Revolved
     cos: Array
     sin: Array
@@ -244,8 +234,7 @@ class _RevolvedSection:
         return _with_flux(at + (center - self.patch.origin)[:, None, None], by_u, turned(tangents)[0])
 
 
-@dataclass(frozen=True, eq=False)
-class Sampled:
+class Sampled(Struct, frozen=True, eq=False):
     """Any surface, point by point."""
 
     adaptor: Any
@@ -259,8 +248,7 @@ class Sampled:
         return _SampledSection(self, u)
 
 
-@dataclass(frozen=True, eq=False)
-class _SampledSection:
+class _SampledSection(Struct, frozen=True, eq=False):
     patch: Sampled
     u: Array
 

@@ -5,10 +5,11 @@ Only healing and the mesh are necessary. What fails beyond them is reported (SB2
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 import numpy as np
+from msgspec import Struct, field
+from msgspec.structs import replace
 from numpy.typing import NDArray
 from OCP.BRep import BRep_Tool
 from OCP.TopAbs import TopAbs_ShapeEnum
@@ -42,8 +43,7 @@ T = TypeVar("T")
 _NO_MESH = TriMesh.of(np.empty((0, 3)), np.empty((0, 3)))
 
 
-@dataclass(frozen=True, eq=False)
-class ReadBody:
+class ReadBody(Struct, frozen=True, eq=False):
     """A body and its diagnostics."""
 
     body: Body
@@ -51,8 +51,7 @@ class ReadBody:
     """The caller knows the component, which is the subject."""
 
 
-@dataclass(frozen=True)
-class BodyRequest:
+class BodyRequest(Struct, frozen=True):
     """What to compute for a body."""
 
     tolerances: tuple[MeshTolerance, ...]
@@ -64,8 +63,7 @@ class BodyRequest:
     """Why only a mesh is to be made: what the complete body failed of, for messages."""
 
 
-@dataclass
-class _Work:
+class _Work(Struct):
     """The state of the body being made."""
 
     source: BodySource
@@ -125,7 +123,9 @@ def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
     watertight = is_watertight(mesh.faces)
     defect = _defect(work, result, wanted, watertight)
     body = _body(work, result.mesh, mesh, watertight, defect, _refined(work, mesh, result, request, watertight), axes)
-    body = replace(body, face_counts=work.optional("counting its faces", lambda: face_counts(found), ()))
+    counts: tuple[tuple[str, int], ...] = ()
+    counts = work.optional("counting its faces", lambda: face_counts(found), counts)
+    body = replace(body, face_counts=counts)
     if request.faces:
         body = replace(body, faces=work.of_faces("reading faces", read_faces, found))
     return ReadBody(body, tuple(work.findings))

@@ -14,11 +14,12 @@ An error above 1e-3 is reported; above a tenth the mass properties are unknown.
 A solid is simple if all its faces are planes, cylinders, cones, spheres or tori between edges of few spans.
 """
 
-from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from OCP.BRep import BRep_Tool
 from OCP.BRepAdaptor import BRepAdaptor_Curve, BRepAdaptor_Surface
 from OCP.collections import IndexedMap_TopoDS_Shape_TopTools_ShapeMapHasher as ShapeMap
@@ -61,8 +62,7 @@ _SIMPLE = frozenset(
 )
 
 
-@dataclass(frozen=True)
-class Estimate:
+class Estimate(Struct, frozen=True):
     """Mass properties and how far they may be off."""
 
     properties: VolumeProperties

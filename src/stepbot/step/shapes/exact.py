@@ -7,11 +7,11 @@ integration was within its claim on every solid tried, wavy plates included, and
 """
 
 import math
-from dataclasses import dataclass
 from math import inf
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
 
@@ -74,8 +74,7 @@ _UNCLOSED = 4
 """Number of meshes with holes after which refinement is given up; most bodies close again a little finer."""
 
 
-@dataclass(frozen=True)
-class Refinement:
+class Refinement(Struct, frozen=True):
     """The result of refinement."""
 
     properties: VolumeProperties | None = None

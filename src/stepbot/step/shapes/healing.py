@@ -7,10 +7,10 @@ Self-intersecting solids are closed, but part of their surface is inside them: a
 overlapping lobes twice, so they are found, too.
 """
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepBndLib import BRepBndLib
@@ -42,8 +42,7 @@ _MIN_TOLERANCE = 1e-7
 _UNSCALED = 1e-9
 
 
-@dataclass(frozen=True, eq=False)
-class Healed:
+class Healed(Struct, frozen=True, eq=False):
     """A body ready to be meshed and measured."""
 
     shape: Any

@@ -5,9 +5,8 @@ for closed meshes rejects it. Around such an edge outside and inside alternate: 
 belong together, and each pair gets its own midpoint of the edge, so that no two pairs share an edge.
 """
 
-from dataclasses import replace
-
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from stepbot.geometry.mesh import TriMesh

@@ -7,9 +7,9 @@ gaps are not closed by accident.
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from stepbot.geometry.fixed_point import distinct_rows
@@ -19,8 +19,7 @@ from stepbot.geometry.spatial import Array
 Indices = NDArray[np.int64]
 
 
-@dataclass(frozen=True, eq=False)
-class FacetedFace:
+class FacetedFace(Struct, frozen=True, eq=False):
     """The triangles of one face, outward-facing."""
 
     place: int
@@ -30,8 +29,7 @@ class FacetedFace:
     """Shape (m, 3), indices of the face's own nodes."""
 
 
-@dataclass(frozen=True)
-class EdgeUse:
+class EdgeUse(Struct, frozen=True):
     """An edge as one side of a face."""
 
     place: int
@@ -46,8 +44,7 @@ class EdgeUse:
     """Whether the edge is a point, such as a pole of a sphere."""
 
 
-@dataclass(frozen=True, eq=False)
-class Stitched:
+class Stitched(Struct, frozen=True, eq=False):
     """One mesh of all faces."""
 
     vertices: Array

@@ -8,9 +8,10 @@ whole body is made only if the faces that are missing can be meshed that fine by
 import math
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
 from typing import Any
 
+from msgspec import Struct, field
+from msgspec.structs import replace
 from OCP.Bnd import Bnd_Box
 from OCP.BRep import BRep_Builder, BRep_Tool
 from OCP.BRepBndLib import BRepBndLib
@@ -48,8 +49,7 @@ _COARSEST_ANGLE = math.pi / 2
 _COARSEST_DEFLECTION = 0.1
 
 
-@dataclass(frozen=True)
-class Fineness:
+class Fineness(Struct, frozen=True):
     """Tolerance of a body's mesh."""
 
     deflection: float
@@ -66,8 +66,7 @@ class Fineness:
         return Fineness(self.deflection * factor**2, self.angle * factor)
 
 
-@dataclass(frozen=True, eq=False)
-class Tessellation:
+class Tessellation(Struct, frozen=True, eq=False):
     """The mesh of a body."""
 
     mesh: Stitched

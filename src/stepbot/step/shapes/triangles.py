@@ -6,10 +6,10 @@ deflection, the nodes, their parameters, the triangles from 1, and normals.
 """
 
 import io
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 from OCP.BinTools import BinTools
 from OCP.BRep import BRep_Builder, BRep_Tool
@@ -32,8 +32,7 @@ _SECTION = b"\nTriangulations "
 _COUNTS_AND_FLAGS = 10
 
 
-@dataclass(frozen=True, eq=False)
-class _Facets:
+class _Facets(Struct, frozen=True, eq=False):
     face: Any
     triangulation: Any
     location: Any

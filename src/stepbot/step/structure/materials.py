@@ -7,9 +7,9 @@ mass unit and every unit that is not SI, so the model is queried directly.
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from typing import Any
 
+from msgspec import Struct, field
 from OCP.StepBasic import StepBasic_ProductDefinition
 from OCP.StepRepr import (
     StepRepr_DescriptiveRepresentationItem,
@@ -26,8 +26,7 @@ from ..exchange.selection import described_by, entities, items, shaped, text
 from .source import StepMaterial
 
 
-@dataclass
-class _Claims:
+class _Claims(Struct):
     """The material of one product definition in the file."""
 
     names: list[str] = field(default_factory=list)

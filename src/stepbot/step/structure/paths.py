@@ -15,8 +15,9 @@ once.
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
 from typing import Literal, TypeVar
+
+from msgspec import Struct, field
 
 from stepbot.diagnostics import NOT_TEXT, did_you_mean, one_line
 
@@ -36,8 +37,7 @@ _STAR = re.compile(r"(?<!\\)\*+")
 _T = TypeVar("_T")
 
 
-@dataclass(frozen=True)
-class Binding:
+class Binding(Struct, frozen=True):
     """The result of a path lookup."""
 
     pattern: str
@@ -126,8 +126,7 @@ def nearest_claim(components: Sequence[Component], claims: Iterable[tuple[Iterab
     return values
 
 
-@dataclass(frozen=True)
-class _Segment:
+class _Segment(Struct, frozen=True, eq=False):
     """One segment of a pattern."""
 
     text: str
@@ -136,7 +135,7 @@ class _Segment:
     """Without escapes, ordinal and save counter; runs of stars are ``_ANY``."""
     ordinal: int
     """n of ``#n``; 0 if there is none."""
-    _verdicts: dict[str, bool] = field(default_factory=dict, repr=False, compare=False)
+    _verdicts: dict[str, bool] = field(default_factory=dict)
 
     @property
     def is_glob(self) -> bool:

@@ -7,9 +7,9 @@ names of labels, and identify the entities and their real names.
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
+from msgspec import Struct
 from OCP.StepBasic import StepBasic_Product, StepBasic_ProductDefinition, StepBasic_ProductDefinitionFormation
 from OCP.StepRepr import StepRepr_NextAssemblyUsageOccurrence, StepRepr_ProductDefinitionShape
 from OCP.StepShape import StepShape_ShapeDefinitionRepresentation
@@ -26,8 +26,7 @@ _PRODUCT = "product-"
 _OCCURRENCE = "occurrence-"
 
 
-@dataclass(frozen=True, eq=False)
-class Product:
+class Product(Struct, frozen=True, eq=False):
     """A product definition."""
 
     entity: Any
@@ -36,8 +35,7 @@ class Product:
     """Uncertainty [mm] of its shape."""
 
 
-@dataclass(frozen=True, eq=False)
-class Occurrence:
+class Occurrence(Struct, frozen=True, eq=False):
     """A product in an assembly."""
 
     entity: Any

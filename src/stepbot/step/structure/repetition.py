@@ -6,10 +6,10 @@ The others are placed by the kernel's formula, and only if that gives the kernel
 
 from collections import defaultdict
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
 from OCP.gp import gp_Ax3, gp_Trsf
 from OCP.StepBasic import StepBasic_ProductDefinition
 from OCP.StepData import StepData_Factors
@@ -38,8 +38,7 @@ class MisplacedOccurrence(Exception):
     """The kernel places an occurrence differently from the formula here: all must be left to it."""
 
 
-@dataclass(frozen=True, eq=False)
-class Repetition:
+class Repetition(Struct, frozen=True, eq=False):
     """Occurrences of one product in one assembly."""
 
     first: int

@@ -1,7 +1,8 @@
 """The content of a STEP file before it is expanded to components: each product once, with the kernel's shapes."""
 
-from dataclasses import dataclass, field
 from typing import Any
+
+from msgspec import Struct, field
 
 from stepbot.geometry.spatial import Array
 from stepbot.robot.model import Rgba
@@ -10,8 +11,7 @@ NONE = -1
 """Index that means none."""
 
 
-@dataclass(frozen=True, eq=False)
-class BodySource:
+class BodySource(Struct, frozen=True, eq=False):
     """A body as in the file: not healed, not meshed."""
 
     shape: Any
@@ -26,8 +26,7 @@ class BodySource:
     """Whether it is curves and points only."""
 
 
-@dataclass(frozen=True, eq=False)
-class Child:
+class Child(Struct, frozen=True, eq=False):
     """A component in an assembly's definition."""
 
     definition: int
@@ -39,8 +38,7 @@ class Child:
     """Index of the occurrence; -1 for components created by the kernel."""
 
 
-@dataclass(eq=False)
-class Definition:
+class Definition(Struct, eq=False):
     """The content of a product."""
 
     product: int
@@ -55,8 +53,7 @@ class Definition:
     """Name of the file with its shape, which could not be read; empty otherwise."""
 
 
-@dataclass(frozen=True)
-class StepMaterial:
+class StepMaterial(Struct, frozen=True):
     """The material of a part, as far as the file states it."""
 
     name: str = ""

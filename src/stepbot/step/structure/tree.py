@@ -5,10 +5,10 @@ and the rest becomes part of the shape: a mirrored body is a separate body, made
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.diagnostics import Diagnostics, Span, listed
 from stepbot.geometry.poses import Poses
@@ -28,8 +28,7 @@ _UNSCALED = 1e-9
 _MIRROR = np.diag([1.0, 1.0, -1.0])
 
 
-@dataclass(frozen=True)
-class Variant:
+class Variant(Struct, frozen=True):
     """A body in some occurrences."""
 
     definition: int
@@ -40,8 +39,7 @@ class Variant:
     scale: float = 1.0
 
 
-@dataclass(frozen=True)
-class Tree:
+class Tree(Struct, frozen=True):
     """All components of a file."""
 
     components: tuple[Component, ...]

@@ -4,10 +4,10 @@ Values are summed over definitions, each once, so that the cost does not depend 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from math import dist, inf, isnan, sqrt
 
 import numpy as np
+from msgspec import Struct, field
 
 from stepbot.diagnostics import Diagnostics, Span, cut
 from stepbot.geometry.fixed_point import exact_sum
@@ -24,8 +24,7 @@ _SHOWN = 8
 """Maximum number of differences in the warning."""
 
 
-@dataclass(frozen=True)
-class _Sums:
+class _Sums(Struct, frozen=True):
     """Integrals over a shape, in its own frame, in powers of metres."""
 
     volume: float = 0.0

@@ -8,9 +8,9 @@ Their subjects, entities of the file, are found again among definitions and comp
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
+from msgspec import Struct
 from OCP.StepAP242 import StepAP242_ItemIdentifiedRepresentationUsage
 from OCP.StepGeom import StepGeom_CartesianPoint
 from OCP.StepRepr import (
@@ -34,8 +34,7 @@ from ..structure.products import Products
 from ..structure.tree import Tree
 
 
-@dataclass(frozen=True)
-class Subject:
+class Subject(Struct, frozen=True):
     """A definition, a body of it, or an occurrence of it in another."""
 
     component: int
@@ -122,8 +121,7 @@ _OF_ELEMENTS = ("curve", "independent", "point set")
 """Words in the names of values of loose curves, surfaces and points, not of solids."""
 
 
-@dataclass(frozen=True)
-class Stated:
+class Stated(Struct, frozen=True):
     """A value that the file states."""
 
     subject: Subject | None

@@ -7,11 +7,12 @@ only from a penetration of :data:`TOUCHING`.
 
 import importlib.util
 from collections.abc import Set
-from dataclasses import dataclass, replace
 from math import inf
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from stepbot.geometry.fixed_point import distinct_rows
@@ -63,8 +64,7 @@ def only_collisions(robot: Robot) -> Robot:
     )
 
 
-@dataclass(frozen=True, eq=False)
-class Shape:
+class Shape(Struct, frozen=True, eq=False):
     """A collision shape, in the frame of its link."""
 
     shape: Any

@@ -1,10 +1,10 @@
 """The processes that search for overlapping links; results for a known robot come from the cache."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import isinf
 
 import numpy as np
+from msgspec import Struct
 
 from stepbot.geometry.spatial import Vector3, vector3
 from stepbot.robot.kinematics import Tree
@@ -19,8 +19,7 @@ from .shapes import available, only_collisions, prepare
 __all__ = ["Contact", "contacts", "prepare"]
 
 
-@dataclass(frozen=True)
-class Contact:
+class Contact(Struct, frozen=True):
     """Two links that overlap."""
 
     link_a: str

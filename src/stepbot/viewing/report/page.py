@@ -1,11 +1,12 @@
 """The report of one robot: the page that moves it, and below it everything that a reviewer asks for."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from pathlib import PurePath
 from urllib.parse import quote
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostic
 from stepbot.geometry.fixed_point import distinct_rows, exact_sum
@@ -36,8 +37,7 @@ from .robot_tables import (
 )
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(Struct, frozen=True):
     """One robot."""
 
     name: str
@@ -99,8 +99,7 @@ _FINEST = 2**-13
 """Smallest cell, relative to the largest mesh."""
 
 
-@dataclass(frozen=True, eq=False)
-class Reduced:
+class Reduced(Struct, frozen=True, eq=False):
     """A robot to display."""
 
     robot: Robot

@@ -3,12 +3,12 @@
 import os
 import subprocess
 import sys
-from dataclasses import replace
 from math import pi
 
 import manifold3d
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh, joined
 from stepbot.geometry.primitives import Box, Capsule, Cylinder, Sphere

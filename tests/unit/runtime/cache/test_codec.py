@@ -2,12 +2,12 @@
 
 import random
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, is_dataclass
 from math import copysign, inf, isnan, nan
 from typing import Any, Literal, NamedTuple, TypeVar, get_origin, get_type_hints
 
 import numpy as np
 import pytest
+from msgspec import Struct
 from numpy.typing import NDArray
 from typing_extensions import TypeAliasType
 
@@ -30,8 +30,7 @@ class Pair(NamedTuple):
     span: Span | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class Everything:
+class Everything(Struct, frozen=True, eq=False):
     """One field of each supported type."""
 
     flag: bool
@@ -79,9 +78,9 @@ def assert_same(one: Any, other: Any) -> None:
     assert type(one) is type(other) or isinstance(one, Mapping)
     if isinstance(one, np.ndarray):
         assert (one.dtype, one.shape, one.tobytes()) == (other.dtype, other.shape, other.tobytes())
-    elif is_dataclass(one):
-        for field in fields(one):
-            assert_same(getattr(one, field.name), getattr(other, field.name))
+    elif isinstance(one, Struct):
+        for name in one.__struct_fields__:
+            assert_same(getattr(one, name), getattr(other, name))
     elif isinstance(one, tuple):
         assert len(one) == len(other)
         for a, b in zip(one, other, strict=True):
@@ -125,7 +124,8 @@ def test_all_that_is_kept_has_a_codec(kind: type) -> None:
     def walk(one: Any) -> None:
         codec_of(one)
         is_tuple = isinstance(one, type) and issubclass(one, tuple) and hasattr(one, "_fields")
-        if one in seen or not (is_dataclass(one) or is_tuple):
+        is_record = isinstance(one, type) and issubclass(one, Struct)
+        if one in seen or not (is_record or is_tuple):
             for argument in getattr(one, "__args__", ()):
                 if (
                     argument is not Ellipsis
@@ -136,7 +136,7 @@ def test_all_that_is_kept_has_a_codec(kind: type) -> None:
             return
         seen.add(one)
         hints = get_type_hints(one)
-        for name in one._fields if is_tuple else [field.name for field in fields(one)]:
+        for name in one._fields if is_tuple else one.__struct_fields__:
             walk(hints[name])
 
     walk(kind)
@@ -188,8 +188,7 @@ Corners = TypeAliasType("Corners", Grid[np.float64])
 Corner = TypeAliasType("Corner", tuple[float, ...])
 
 
-@dataclass(frozen=True, eq=False)
-class Aliased:
+class Aliased(Struct, frozen=True, eq=False):
     """Fields whose annotations are aliases, aliases of aliases, and aliases within other types."""
 
     grid: Grid[np.int32]

@@ -2,12 +2,12 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.spatial import IDENTITY, Pose, Vector3

@@ -1,13 +1,13 @@
 """One body: tolerance, size, refinement, accuracy, axes; on shapes with closed forms."""
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from robot_library.moments import pose, turn
 from robot_library.step_file import Part, moved, write_step

@@ -1,10 +1,9 @@
 """Meshes for a page: below their budget, and as close to the exact ones as stated."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 import trimesh
+from msgspec.structs import replace
 
 from stepbot.geometry.mesh import TriMesh
 from stepbot.report.robot import Check, Report, Status

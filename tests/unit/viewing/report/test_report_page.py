@@ -3,13 +3,14 @@
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
 import pytest
 from lxml import html
+from msgspec import Struct
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostic, Span
 from stepbot.pipeline.conversion import REPORT, REPORT_PAGE, Options
@@ -26,8 +27,7 @@ from tests.robots import ROBOTS
 EVIL = '</script><script>alert(1)</script><b onload="x">&\''
 
 
-@dataclass(frozen=True)
-class Pages:
+class Pages(Struct, frozen=True):
     """What one conversion wrote."""
 
     text: str

@@ -1,7 +1,8 @@
 """All files of the package beside the URDF, its SRDF and its meshes."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics, Span
 from stepbot.robot.mesh_files import MeshFiles

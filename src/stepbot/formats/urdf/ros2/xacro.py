@@ -1,7 +1,8 @@
 """The robot as a xacro macro, with a prefix for all names, to be mounted on a link: https://wiki.ros.org/xacro."""
 
 import re
-from dataclasses import replace
+
+from msgspec.structs import replace
 
 from stepbot.robot.model import Robot
 from stepbot.robot.renaming import KINDS, renamed
