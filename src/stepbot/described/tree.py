@@ -69,10 +69,10 @@ def surroundings_of(description: Description) -> frozenset[str]:
         roots |= dict.fromkeys((*way, one), roots.get(one, one))
     jointed = {roots[joint.child] for joint in seen.joints if joint.kind != JointKind.FIXED}
     held = {roots.get(link) for one in seen.closures or () for link in (one.link_a, one.link_b)}
-    free, loose = set(description.free_roots), set(roots.values()) - jointed - held
-    objects = loose if jointed <= free else loose & free
     if not jointed:
         return frozenset()
+    free, loose = set(description.free_roots), set(roots.values()) - jointed - held
+    objects = loose if jointed <= free else loose & free
     return frozenset(link for link, root in roots.items() if root in objects)
 
 
