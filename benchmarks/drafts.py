@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 from msgspec import Struct, field
+from msgspec.structs import asdict
 from ruamel.yaml import YAML
 
 from stepbot.step.assembly import Component
@@ -54,7 +55,7 @@ class Outcome(Struct):
 
     def add(self, other: "Outcome") -> None:
         """Add the counts of another one."""
-        for name, value in vars(other).items():
+        for name, value in asdict(other).items():
             setattr(self, name, getattr(self, name) + value)
 
     def row(self) -> str:

@@ -6,6 +6,7 @@ from random import Random
 
 import numpy as np
 from msgspec import Struct, field
+from msgspec.structs import asdict
 
 from stepbot.draft.draft import SURE
 from stepbot.draft.inference import Inferred, infer_mechanism
@@ -38,7 +39,7 @@ class Result(Struct):
 
     def add(self, other: "Result") -> None:
         """Add the counts of another one."""
-        for name, value in vars(other).items():
+        for name, value in asdict(other).items():
             setattr(self, name, getattr(self, name) + value)
 
     def row(self) -> str:

@@ -106,7 +106,7 @@ def test_a_loop_without_its_constraint_does_not_follow(folder: Folder, tmp_path:
     start, end = text.index("<equality>"), text.index("</equality>")
     path.write_text(text[:start] + "<equality>" + text[end:], encoding="utf-8")
     request = folder.request("mjcf")
-    observed = look("mujoco", Request(**{**request.__dict__, "file": str(path)}))
+    observed = look("mujoco", replace(request, file=str(path)))
     results = {str(one.quantity): one for one in compare(folder.expected("mjcf"), observed)}
     assert [str(failure) for failure in results["closures"].deviations.failures] == ["closure 'rocker_pin' is missing"]
 
