@@ -171,11 +171,11 @@ def rolling(survey: Survey) -> Iterator[tuple[int, Axis]]:
     round_ones = {
         i: axis for i in drawn if survey.parts[i].volume > _LEAST * survey.volume and (axis := _turned_about(survey, i))
     }
+    radii = {i: _radius(survey, i, axis) for i, axis in round_ones.items()}
     for up in _ups(survey, drawn) if len(round_ones) > 1 else ():
         heights = np.array([survey.scene.span(i, up)[0] for i in drawn])
         ground = float(heights.min())
-        rolling = [i for i in round_ones if _rolls(survey, i, round_ones[i], up, ground)]
-        radii = {i: _radius(survey, i, round_ones[i]) for i in rolling}
+        rolling = [i for i, axis in round_ones.items() if _rolls(axis, radii[i], up, ground)]
         equal = [i for i in rolling if any(j != i and abs(radii[i] - radii[j]) < _EQUAL * radii[i] for j in rolling)]
         if len(equal) < 2:
             continue
@@ -199,8 +199,7 @@ def _ups(survey: Survey, drawn: Sequence[int]) -> Iterator[Array]:
             yield sign * own[:, k]
 
 
-def _rolls(survey: Survey, i: int, axis: Axis, up: Array, ground: float) -> bool:
+def _rolls(axis: Axis, radius: float, up: Array, ground: float) -> bool:
     """Whether the rim of a round body touches the ground, and its axis is parallel to it."""
-    radius = _radius(survey, i, axis)
     height = float(axis.point @ up) - ground
     return abs(float(axis.d @ up)) < _FLAT and abs(height - radius) < _FLAT * radius

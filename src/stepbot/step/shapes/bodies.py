@@ -123,8 +123,7 @@ def read_body(source: BodySource, request: BodyRequest) -> ReadBody:
     watertight = is_watertight(mesh.faces)
     defect = _defect(work, result, wanted, watertight)
     body = _body(work, result.mesh, mesh, watertight, defect, _refined(work, mesh, result, request, watertight), axes)
-    counts: tuple[tuple[str, int], ...] = ()
-    counts = work.optional("counting its faces", lambda: face_counts(found), counts)
+    counts: tuple[tuple[str, int], ...] = work.optional("counting its faces", lambda: face_counts(found), ())
     body = replace(body, face_counts=counts)
     if request.faces:
         body = replace(body, faces=work.of_faces("reading faces", read_faces, found))
