@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from stepbot.diagnostics import Diagnostics
 from stepbot.engines import engine_of, engines
@@ -12,10 +13,11 @@ from stepbot.engines.workers import check_required
 from stepbot.formats import FORMATS
 from stepbot.formats.lowering import lower
 from stepbot.report.robot import Report, Status
+from stepbot.robot.surfaces import Surface
 from stepbot.runtime.worker import Workers
 from stepbot.verification.files import verify_files
 from tests.conftest import ReadDiagnostics
-from tests.robots import ROBOTS
+from tests.robots import ROBOTS, two_link_arm
 from tests.simulators.conftest import Folder, skip_without, write
 
 INSTALLED = {engine.name for engine in engines() if engine.available() is None}
@@ -266,3 +268,41 @@ def test_where_a_loop_closes_is_compared_with_the_file_that_has_loops(
     assert _failed(report) == {("mujoco", "closures")}
     (wrong,) = found
     assert f"closure 'rocker_pin', point on link {side}: 1e-06 m off" in wrong.notes[0]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("other", [Surface(friction=0.7), Surface(restitution=0.4)])
+def test_formats_with_one_surface_per_link_have_that_with_most_friction(
+    other: Surface, tmp_path: Path, found: ReadDiagnostics
+) -> None:
+    """A URDF of stepbot's was another robot than its own MJCF, unless all shapes of a link had one surface."""
+    robot = two_link_arm()
+    touched = Surface(friction=0.9, torsional=0.002), other
+    link = robot.link_by_name["upper_arm"]
+    shapes = tuple(
+        replace(link.collisions[0], name=name, surface=one) for name, one in zip(("a", "b"), touched, strict=True)
+    )
+    mixed = tuple(replace(link, collisions=shapes) if one is link else one for one in robot.links)
+    folder = write(replace(robot, links=mixed), tmp_path)
+    files = [folder.written[name].path for name in ("urdf", "sdf", "mjcf")]
+    assert not _failed(verify_files(files, found))
+    text = files[0].read_text(encoding="utf-8")
+    files[0].write_text(text.replace('lateral_friction value="0.9"', 'lateral_friction value="0.7"'), encoding="utf-8")
+    assert _failed(verify_files(files, found))
+
+
+_TURNED = """<mujoco model="turned"><compiler angle="radian"/><option timestep="0.001"/>
+<worldbody><body name="base"><geom size="0.03"/><freejoint/>
+<body name="a" pos="0 0 0.3"><joint name="a"/><geom size="0.01" pos="0.1 0 0"/>
+<body name="b" pos="0 0 0.3"><joint name="b" axis="0 1 0"/><geom size="0.01" pos="0.1 0 0"/></body></body></body>
+</worldbody>
+<equality>
+<joint joint1="a" joint2="b" polycoef="1.9 1 0 0 0" solref="0.002 0.5" solimp="0.99 0.999 0.001"/></equality>
+<keyframe><key name="home" qpos="0 0 0.1 1 0 0 0 0 -1.9"/></keyframe></mujoco>"""
+
+
+@pytest.mark.slow
+def test_a_file_is_simulated_from_its_initial_pose(tmp_path: Path, found: ReadDiagnostics) -> None:
+    """At 0 the joints of a mimic with an offset are far apart, and MuJoCo's simulation diverges."""
+    (tmp_path / "turned.xml").write_text(_TURNED, encoding="utf-8")
+    assert not _failed(verify_files([tmp_path / "turned.xml"], found))

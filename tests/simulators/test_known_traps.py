@@ -178,7 +178,7 @@ def test_drake_needs_a_scene_to_miss_a_mesh(tmp_path: Path) -> None:
     folder = write(ROBOTS["two_link_arm"](), tmp_path)
     request = replace(folder.request("sdf"), simulate=0.0)
     (tmp_path / "meshes" / "upper_arm_1.obj").unlink()
-    assert build(request, shapes=False).bodies
+    assert build(request, bare=True).bodies
     with pytest.raises((WorkerDied, RemoteError), match="upper_arm_1"):
         call_isolated("stepbot.engines.drake.observer:observe", request, timeout=120.0)
 

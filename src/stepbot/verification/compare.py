@@ -244,7 +244,9 @@ def _compare_inertia(deviations: Deviations, reference: Observation, observed: O
         if a.inertia is not None and b.inertia is not None:
             expected: Array = np.array(a.inertia)
             off = float(np.abs(np.array(b.inertia) - expected).max())
-            deviations.off(off, f"inertia of link '{a.name}'", "kg m^2", float(np.abs(expected).max()))
+            about_origin = (a.mass or 0.0) * float(np.sum(np.square(a.com or 0.0)))  # Drake stores it so
+            largest = float(np.abs(expected).max())
+            deviations.off(off, f"inertia of link '{a.name}'", "kg m^2", largest, whole=about_origin)
 
 
 def _compare_frames(deviations: Deviations, reference: Observation, observed: Observation) -> None:

@@ -21,7 +21,7 @@ TOLERANCES: Mapping[Quantity, Tolerance] = {
     Quantity.MIMIC: Tolerance(absolute=1e-9, relative=1e-9),
     Quantity.MASS: Tolerance(relative=1e-9),
     Quantity.COM: Tolerance(relative=1e-9),
-    Quantity.INERTIA: Tolerance(relative=1e-9),
+    Quantity.INERTIA: Tolerance(relative=1e-9, of_whole=1e-15),
     Quantity.GRAVITY_SETTINGS: Tolerance(absolute=1e-9),
     Quantity.POSES: Tolerance(absolute=1e-9),
     Quantity.MASS_MATRIX: Tolerance(relative=1e-9, of_whole=1e-15),

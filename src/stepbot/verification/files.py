@@ -294,6 +294,7 @@ def ask(
             name,
             configurations=tuple(corresponds.moved(q) for q in drawn),
             rates=tuple(corresponds.moving(q, one) for q, one in zip(drawn, moving, strict=True)),
+            initial=(probed[path].seen.initial if path in probed else None) or {},
             simulate=seconds,
             balls=names.balls,
             universals=names.universals,

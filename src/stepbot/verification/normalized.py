@@ -19,7 +19,7 @@ from stepbot.robot.model import ActuatorKind, Mimic
 
 from .chains import is_bare
 from .shapes import plain_name
-from .stand_ins import freed, with_points_of, without_stand_ins
+from .stand_ins import freed, with_points_of, with_surfaces_of, without_stand_ins
 
 WORLD = "world"
 """Common name in URDF of the link that represents the world."""
@@ -34,8 +34,9 @@ def normalized(a: Observation, b: Observation) -> tuple[Observation, Observation
     by their boxes; the name of the robot, and colours that one file lacks, are ignored. Initial angles are compared up
     to full turns with a file that has poses instead. Actuators are converted to their joints if a format has no gears.
     A file without any velocity limit is treated as not reporting them: MJCF has no such attribute. Numbers that mean
-    unlimited become infinite. Two files that one engine reads in one format represent everything in the same way, but
-    for capsules, which not each version of URDF has, and limits that mean unlimited, which one may state.
+    unlimited become infinite, and surfaces of shapes one per link if a format has no more. Two files that one engine
+    reads in one format represent everything in the same way, but for capsules, which not each version of URDF has, and
+    limits that mean unlimited, which one may state.
     """
     alike = a.format == b.format and a.engine == b.engine
     a, b = (
@@ -48,6 +49,7 @@ def normalized(a: Observation, b: Observation) -> tuple[Observation, Observation
         a, b = _with_capsules_of(a, b), _with_capsules_of(b, a)
         return _with_common_frames(a, b)
     a, b = with_points_of(a, b), with_points_of(b, a)
+    a, b = with_surfaces_of(a, b), with_surfaces_of(b, a)
     a, b = _without_held_mimics(a, b), _without_held_mimics(b, a)
     a, b = _with_common_looks(_with_velocities(a), _with_velocities(b))
     a, b = (_within_a_turn(a), _within_a_turn(b)) if "usd" in (a.format, b.format) else (a, b)

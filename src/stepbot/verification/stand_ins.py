@@ -13,8 +13,11 @@ from stepbot.formats.lowering.masses import LEAST_MASS, LEAST_MOMENT, STAND_IN_M
 from stepbot.geometry.spatial import ZERO3, ZERO33
 from stepbot.robot.kinematics import NO_BOUND
 from stepbot.robot.model import Limit
+from stepbot.robot.surfaces import Surface
 
 _STAND_INS = ((STAND_IN_MASS, STAND_IN_MOMENT), (LEAST_MASS, LEAST_MOMENT))
+_OWN_FRICTION = 1.0
+"""What MuJoCo reports of a shape that states other contact properties, and no friction."""
 _ROUNDING = 1e-6
 """Relative error of numbers in single precision."""
 
@@ -60,6 +63,26 @@ def with_points_of(a: Observation, b: Observation) -> Observation:
         for link in a.links
     )
     return replace(a, links=tuple(links))
+
+
+def with_surfaces_of(a: Observation, b: Observation) -> Observation:
+    """One side with one surface per link, that of the shape with most friction, if the other's format has no more."""
+    if format_named(b.format).expresses[Feature.MIXED_SURFACE].level is Level.EXACT:
+        return a
+    others = {link.name: link.collisions[0].surface for link in b.links if link.collisions}
+    return replace(a, links=tuple(_with_one_surface(link, others.get(link.name)) for link in a.links))
+
+
+def _with_one_surface(link: ObservedLink, other: Surface | None) -> ObservedLink:
+    surfaces = {one.surface: one.surface.friction for one in link.collisions or () if one.surface is not None}
+    frictions = sorted({friction for friction in surfaces.values() if friction is not None})
+    if other is None or len(surfaces) < 2 or not frictions:
+        return link
+    most = frictions[-1]
+    if most == _OWN_FRICTION and len(frictions) > 1 and other.friction == frictions[-2]:
+        most = frictions[-2]
+    surface = next(one for one, friction in surfaces.items() if friction == most)
+    return replace(link, collisions=tuple(replace(one, surface=surface) for one in link.collisions or ()))
 
 
 def freed(joint: ObservedJoint) -> ObservedJoint:

@@ -14,7 +14,7 @@ from stepbot.engines.observation import Dynamics, Observation, ObservedJoint, Qu
 from stepbot.engines.reference import observe_robot
 from stepbot.engines.workers import Fate, Outcome
 from stepbot.geometry.inertia import MassProperties
-from stepbot.geometry.spatial import Pose, rotation_about, vector3
+from stepbot.geometry.spatial import ZERO33, Pose, rotation_about, vector3
 from stepbot.report.robot import Status
 from stepbot.robot.closures import loop_ways
 from stepbot.robot.kinematics import configurations, initial_configuration
@@ -452,6 +452,14 @@ def test_an_engine_has_its_own_tolerance() -> None:
     assert failed(ARM, on_link("upper_arm", inertia=off)(replace(ARM, engine="mujoco"))) == {Quantity.INERTIA}
     assert tolerance(("mujoco", "pybullet"), Quantity.POSES) == Tolerance(absolute=1e-6)
     assert tolerance(("mujoco", "yourdfpy"), Quantity.POSES) == Tolerance(absolute=1e-9)
+
+
+def test_rounding_of_a_point_mass_beside_its_frame_is_no_inertia() -> None:
+    """Drake stores inertias about the link's frame, so that those of a point mass are 1e-16 of m r², and not 0."""
+    point = on_link("upper_arm", mass=3.6e-6, com=(0.0, 0.0, -1.25e-4), inertia=ZERO33)(ARM)
+    for off, wrong in ((6.9e-40, set()), (1e-28, {Quantity.INERTIA})):
+        rounded = tuple(tuple(off if row == column == 2 else 0.0 for column in range(3)) for row in range(3))
+        assert failed(point, on_link("upper_arm", inertia=rounded)(point)) == wrong
 
 
 def test_every_quantity_has_a_tolerance() -> None:

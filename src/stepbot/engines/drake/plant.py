@@ -23,6 +23,8 @@ STEP = 1e-3
 """Step [s] of the plant."""
 _LOOP = "form one or more loops"
 _NO_HULL = "MakeConvexHull only applies to"
+_SPRING = re.compile(rb"<spring_(stiffness|reference)>[^<]*</spring_\1>")
+"""A spring: it would hold a loop open, since the solver's constraints give way to a load that does not cease."""
 _URI = re.compile(r"""(?:package|model)://([^/"'<>]+)/([^"'<>]+)""")
 
 
@@ -78,8 +80,8 @@ class Built(Struct, frozen=True, eq=False, dict=True):
         return pose(self.plant.EvalBodyPoseInWorld(self.context, body))
 
 
-def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, shapes: bool = True) -> Built:
-    """The plant of a file; the root is fixed unless the file or the request lets it float.
+def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, bare: bool = False) -> Built:
+    """The plant of a file, without shapes and springs if ``bare``; the root is fixed unless it may float.
 
     Raises:
         EngineRefused: Drake does not read it.
@@ -90,16 +92,19 @@ def build(request: Request, gravity: tuple[float, float, float] = GRAVITY, *, sh
     from pydrake.systems.framework import DiagramBuilder
 
     path, builder, scene = Path(request.file), DiagramBuilder(), None
-    if shapes:
-        plant, scene = AddMultibodyPlantSceneGraph(builder, STEP)
-    else:
+    if bare:
         plant = builder.AddSystem(MultibodyPlant(STEP))
+    else:
+        plant, scene = AddMultibodyPlantSceneGraph(builder, STEP)
     plant.set_discrete_contact_approximation(DiscreteContactApproximation.kSap)  # required by ball constraints
     try:
         parser = Parser(plant)
         for name, folder in _packages(path).items():
             parser.package_map().Add(name, folder)
-        models = parser.AddModels(path)
+        if bare:
+            models = parser.AddModelsFromString(_SPRING.sub(b"", path.read_bytes()).decode(), "sdf")
+        else:
+            models = parser.AddModels(path)
         plant.mutable_gravity_field().set_gravity_vector(list(gravity))  # the parser takes that of the file
         if len(models) != 1:
             raise EngineRefused(f"{len(models)} models in the file, one expected")
@@ -197,11 +202,11 @@ def simulate(built: Built, request: Request) -> bool:
 def closures_in(_built: Built, request: Request) -> tuple[ObservedClosure, ...]:
     """How well Drake's constraints close each loop of the reference.
 
-    Drake starts near each closed configuration, with the driven joints locked and without gravity, and its solver
-    closes the loops step by step. Next to a dead centre another configuration that closes them may be as near, so there
-    it starts from several sides, and nearer. The residual is the remaining gap between the reference's frames.
+    Drake starts near each closed configuration, without gravity and springs, with the driven joints locked, and its
+    solver closes the loops step by step. Next to a dead centre another configuration that closes them may be as near,
+    so there it starts from several sides, and nearer. The residual is the remaining gap between the reference's frames.
     """
-    plain = build(request, (0.0, 0.0, 0.0), shapes=False)
+    plain = build(request, (0.0, 0.0, 0.0), bare=True)
     residual = {closure.name: 0.0 for closure in request.closures}
     deviation = 0.0
     for q in request.closed:

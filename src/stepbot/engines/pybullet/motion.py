@@ -24,8 +24,8 @@ SWEEPS = 200
 leaves coupled loops open four to eight times as wide."""
 _SWEEPS_OF_ONE = 50
 """PyBullet's default, for a loop of its own, whatever else is in the robot."""
-_SWEEPS_OF_SLOW = 1000
-"""The same where loops are driven slowly."""
+_SWEEPS_OF_SLOW = (1000, 10000)
+"""The same where loops are driven slowly, and where they are still open: links of very different mass converge late."""
 _THRESHOLD = 1e-7
 """PyBullet's default of the squared residual at which the solver stops."""
 _ROUNDING = 1e-9
@@ -115,8 +115,10 @@ def close_in_simulation(body: "Body", request: Request) -> tuple[tuple[ObservedC
     left_out = sum(map(len, request.ways)) - sum(map(len, regular))
     for closures, joints in _coupled(body, request):
         found = _driven(body, request, closures, joints)
-        if any(_is_astray(one, request) for one in found) and any(len(way) > 1 for way in regular):
-            found = _driven(body, replace(request, ways=regular), closures, joints, slowly=True)
+        for sweeps in _SWEEPS_OF_SLOW if any(len(way) > 1 for way in regular) else ():
+            if not any(_is_astray(one, request) for one in found):
+                break
+            found = _driven(body, replace(request, ways=regular), closures, joints, slowly=sweeps)
             if left_out and len(notes) == 1:
                 notes.append(
                     f"{left_out} of {len(request.closed)} configurations left out: loops are near a singularity"
@@ -134,11 +136,14 @@ def _is_astray(one: ObservedClosure, request: Request) -> bool:
 
 
 def _driven(
-    body: "Body", request: Request, closures: Sequence[LoopClosure], joints: set[str], *, slowly: bool = False
+    body: "Body", request: Request, closures: Sequence[LoopClosure], joints: set[str], *, slowly: int = 0
 ) -> list[ObservedClosure]:
-    """The gaps of some closures while their joints are driven through the range, and how far these are off."""
+    """The gaps of some closures while their joints are driven through the range, and how far these are off.
+
+    ``slowly`` is the number of sweeps where they are driven slowly.
+    """
     engine = body.engine
-    sweeps = _SWEEPS_OF_SLOW if slowly else SWEEPS if len(closures) > 1 else _SWEEPS_OF_ONE
+    sweeps = slowly or (SWEEPS if len(closures) > 1 else _SWEEPS_OF_ONE)
     # By default a sweep ends early where velocities are small: loops that move slowly stick, and open.
     threshold = 0.0 if slowly else _THRESHOLD
     engine.setPhysicsEngineParameter(numSolverIterations=sweeps, solverResidualThreshold=threshold)
@@ -154,7 +159,7 @@ def _driven(
         for name in others:
             _hold(body, name)
         for q in way[1:]:
-            _drive(body, driven, {name: q[name] for name in joints}, held, slowly=slowly)
+            _drive(body, driven, {name: q[name] for name in joints}, held, slowly=bool(slowly))
             off = (abs(_position(body, name) - q[name]) for name in following)
             deviation = max(deviation, *off, 0.0)
     for one in held:
