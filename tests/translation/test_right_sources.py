@@ -709,6 +709,62 @@ def test_moments_below_those_of_mujoco(joint: str, tmp_path: Path) -> None:
     assert mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml")).body("tip").inertia.min() >= 1e-14
 
 
+@pytest.mark.parametrize("moment", ["1e-5", "3", "200"])
+def test_a_rod_without_thickness(moment: str, tmp_path: Path) -> None:
+    """Two moments are equal and the third is 0: engines reject that, and get two billionths of the others."""
+    rod = _INERTIAL.replace("1e-2", moment).replace(f'izz="{moment}"', 'izz="0"')
+    assert rod.count(f'"{moment}"') == 2
+    tip = f'<link name="tip">{rod}</link>' + _FRAME.format("revolute").partition("</link>")[2]
+    conversion = proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}</link>', tip), "urdf", "sdf", "mjcf")
+    assert len(told(conversion, "SB866")) == 1
+    least, middle, largest = sorted(
+        mujoco.MjModel.from_xml_path(str(tmp_path / "out" / "robot.xml")).body("tip").inertia
+    )
+    assert 0.0 < least < 3e-9 * largest
+    assert [middle, largest] == pytest.approx([float(moment)] * 2, rel=3e-9)
+
+
+_ONES = '<inertial><mass value="1e-6"/><inertia {}/></inertial>'.format(
+    " ".join(f'{name}="1e-6"' for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+)
+
+
+@pytest.mark.parametrize("base", ["fixed", "floating"])
+def test_an_impossible_inertia_of_a_root_for_programs_that_need_one(base: str, tmp_path: Path) -> None:
+    """Quadrupeds have one: the trunk that it is fixed to gets its inertia, turned, and the body has the same."""
+    trunk = f'<link name="trunk">{_INERTIAL}</link><joint name="hold" type="fixed"><parent link="base"/>'
+    trunk += '<child link="trunk"/><origin xyz="0.1 0 0" rpy="0 0 1.5707963267948966"/></joint>'
+    source = urdf(f'<link name="base">{_ONES}</link>', trunk)
+    conversion = proven(tmp_path, ".urdf", source, "urdf", "sdf", "mjcf", base=base)
+    (text,) = told(conversion, "SB866")
+    assert text.startswith("link 'base': its inertia is not positive definite: principal moments ")
+    assert text.endswith(": added to that of 'trunk', which it is fixed to")
+    assert not told(conversion, "SB518:small-inertia")
+    assert conversion.robot is not None
+    ((xx, xy, _), (_, yy, _), _) = conversion.robot.link_by_name["trunk"].mass_properties.inertia
+    assert [xx, yy, xy] == pytest.approx([1e-2 + 1e-6, 1e-2 + 1e-6, -1e-6], rel=1e-9)
+
+
+def test_an_impossible_inertia_of_a_link_that_matters(tmp_path: Path) -> None:
+    """A link of a tenth of the mass, or one on a joint, has an inertia that was mistaken: an error, as before."""
+    for mass, kind in (("0.1", "fixed"), ("1e-6", "revolute")):
+        tip = f'<link name="tip">{_ONES.replace("1e-6", mass, 1)}</link>' + _FRAME.format(kind).partition("</link>")[2]
+        (tmp_path / "robot.urdf").write_text(urdf(f'<link name="base">{_INERTIAL}</link>', tip), encoding="utf-8")
+        conversion = convert(tmp_path / "robot.urdf", Options(tmp_path / "out", base="fixed"))
+        assert [one.code for one in conversion.diagnostics if one.severity == "error"] == ["SB509"]
+
+
+def test_passive_forces_of_a_free_joint(tmp_path: Path) -> None:
+    """A free joint of type `free` has those of the defaults, too; no other format has them, and they are named."""
+    source = """<mujoco model="robot"><default><joint damping="1" armature=".1"/></default><worldbody>
+      <body name="top"><joint type="free" stiffness="5"/><geom size=".1"/></body></worldbody></mujoco>"""
+    conversion = proven(tmp_path, ".xml", source, "urdf", "mjcf")
+    lost = "'stiffness' and 'damping' and 'armature' of a free joint: not converted"
+    assert told(conversion, "SB860") == [lost]
+    plain = source.replace('<joint type="free" stiffness="5"/>', "<freejoint/>")
+    assert not told(proven(tmp_path, ".xml", plain, "urdf", "mjcf"), "SB860")
+
+
 _FINGER = """<mujoco model="robot"><compiler angle="radian"/><worldbody><body name="palm">{inertial}
   <body name="near" pos=".1 0 0"><joint name="near" axis="0 1 0" ref=".1"/>{inertial}
   <body name="far" pos=".1 0 0"><joint name="far" axis="0 1 0" ref=".2"/>{inertial}

@@ -2,6 +2,7 @@
 
 Links whose stated inertia is impossible keep their mass and centre of mass. Links of a rigid body in which nothing has
 mass get the mass of their collisions, or else of their visuals; a mesh that is not closed counts as its convex hull.
+Without being asked, an impossible inertia of a slight link moves to what it is fixed to, which keeps the motion.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,7 +17,7 @@ from stepbot.engines.observation import Quantity
 from stepbot.geometry.inertia import MassProperties, combined
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.primitives import Primitive
-from stepbot.geometry.spatial import IDENTITY, Array, Pose, box_corners, dot
+from stepbot.geometry.spatial import IDENTITY, ZERO33, Array, Pose, box_corners, dot, turn_inertia
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.robot.bounding_boxes import primitive_bounds
 from stepbot.robot.inertial_doubts import inertial_doubts
@@ -24,7 +25,7 @@ from stepbot.robot.kinematics import rigid_bodies
 from stepbot.robot.model import Base, Collision, JointKind, Link, MeshRef, Robot, Visual
 from stepbot.robot.validity import inertia_fault
 
-from .finding import ASSUMED, Finding
+from .finding import ASSUMED, CHANGED_INERTIA, Finding
 
 _DIFFERS = (
     *(Quantity.MASS, Quantity.COM, Quantity.INERTIA),
@@ -34,6 +35,8 @@ _LEAST = 1e-6
 """Volume [m^3] of a link without geometry: a cubic centimetre."""
 _MOST = 1e60
 """Volume [m^3] from which moments of inertia may overflow: sizes that are reported (SB414, SB420)."""
+_SLIGHT = 0.01
+"""Share of mass and inertia of what a link is fixed to, up to which an impossible inertia is that of a mere frame."""
 _MOST_UNEVEN = 1e-6
 """Least ratio of principal moments: that of a flatter shape is of rounding errors."""
 Shapes = Sequence[tuple[TriMesh | Primitive, Pose]]
@@ -149,16 +152,49 @@ _REMEDIES = {
 }
 
 
-def check_inertials(robot: Robot, found: Diagnostics, span: Span) -> None:
-    """Warn of a com or an inertia that no mass within the geometry of its rigid body has (SB518).
+def lumped(robot: Robot, found: list[Finding]) -> Robot:
+    """The robot with impossible inertias of slight links on the heaviest of the links that they are fixed to.
 
-    Links that are fixed to each other are one body: descriptions often draw on one link what they weigh on another.
+    Many files have a root link for programs that need a mass there, of 1e-6 kg, with an inertia of ones or zeros. Links
+    that are fixed to each other are one body, whose mass properties remain.
     """
+    X_BL = _in_bodies(robot)
+    properties = {link.name: link.mass_properties for link in robot.links}
+    faults = {name: fault for name, one in properties.items() if np.any(one.inertia) and (fault := inertia_fault(one))}
+    for name, fault in faults.items():
+        body, X = X_BL[name]
+        given = properties[name]
+        beside = [one for one in properties if X_BL[one][0] == body and not inertia_fault(properties[one])]
+        heaviest = max(beside, key=lambda one: properties[one].mass, default=name)
+        onto = properties[heaviest]
+        moved = turn_inertia(X_BL[heaviest][1].R.T @ X.R, np.array(given.inertia))
+        sum_of_both = MassProperties.of(onto.mass, onto.com, np.array(onto.inertia) + moved)
+        is_slight = np.abs(moved).max() <= _SLIGHT * np.abs(onto.inertia).max()
+        if not (0.0 < given.mass <= _SLIGHT * onto.mass and is_slight) or inertia_fault(sum_of_both):
+            continue
+        properties |= {name: replace(given, inertia=ZERO33), heaviest: sum_of_both}
+        text = f"link '{name}': {fault}: added to that of '{heaviest}', which it is fixed to"
+        found.append(Finding(CHANGED_INERTIA, text, (Quantity.INERTIA,)))
+    links = tuple(replace(link, mass_properties=properties[link.name]) for link in robot.links)
+    return replace(robot, links=links)
+
+
+def _in_bodies(robot: Robot) -> dict[str, tuple[str, Pose]]:
+    """For each link the topmost of those that it is fixed to, and its pose in that one."""
     X_BL: dict[str, tuple[str, Pose]] = {robot.root.name: (robot.root.name, IDENTITY)}
     for joint in robot.joints:
         body, X_BP = X_BL[joint.parent]
         fixed = joint.kind is JointKind.FIXED
         X_BL[joint.child] = (body, X_BP @ joint.X_PC) if fixed else (joint.child, IDENTITY)
+    return X_BL
+
+
+def check_inertials(robot: Robot, found: Diagnostics, span: Span) -> None:
+    """Warn of a com or an inertia that no mass within the geometry of its rigid body has (SB518).
+
+    Links that are fixed to each other are one body: descriptions often draw on one link what they weigh on another.
+    """
+    X_BL = _in_bodies(robot)
     points: dict[str, list[Array]] = {}
     for link in robot.links:
         body, X = X_BL[link.name]

@@ -19,7 +19,8 @@ from stepbot.formats.lowering.masses import LEAST_MOMENT
 from stepbot.geometry.inertia import MassProperties
 from stepbot.geometry.mesh import TriMesh
 from stepbot.geometry.primitives import half_size
-from stepbot.geometry.spatial import ZERO3, ZERO33, Pose, perpendicular_frame, tidy
+from stepbot.geometry.spatial import ZERO3, ZERO33, Array, Pose, perpendicular_frame, tidy
+from stepbot.robot.inertial_doubts import GREATEST
 from stepbot.robot.kinematics import (
     initial_configuration,
     link_poses,
@@ -295,12 +296,11 @@ def _with_turned_balls(robot: Robot) -> Robot:
 def _link(link: ObservedLink, shapes: Shapes, found: list[Finding]) -> Link:
     mass, text, inertia = MassProperties(), "", np.array(link.inertia or ZERO33)
     if link.mass:
-        # Of larger inertias, such a moment is rounding; validation rejects those that are not finite.
-        is_small = np.abs(inertia).max() < LEAST_MOMENT / _ROUNDED
-        least, _, largest = np.linalg.eigvalsh(inertia).tolist() if is_small else (0.0, 0.0, 0.0)
-        if _ROUNDED * largest < least < LEAST_MOMENT:
-            text = f"link '{link.name}': principal moment of {least:g} kg m^2: {LEAST_MOMENT:g} added about each axis"
-            inertia = inertia + LEAST_MOMENT * np.eye(3)
+        added = _least_moment_of(inertia)
+        if added:
+            least = max(float(np.linalg.eigvalsh(inertia)[0]), 0.0)
+            text = f"link '{link.name}': principal moment of {least:g} kg m^2: {added:g} added about each axis"
+            inertia = inertia + added * np.eye(3)
         mass = MassProperties.of(link.mass, link.com or ZERO3, inertia)
     elif np.any(inertia):
         text = f"link '{link.name}': inertia without mass is not converted"
@@ -308,6 +308,19 @@ def _link(link: ObservedLink, shapes: Shapes, found: list[Finding]) -> Link:
         changed = (Quantity.INERTIA, Quantity.MASS_MATRIX, Quantity.INVERSE_DYNAMICS)
         found.append(Finding(CHANGED_INERTIA, text, changed))
     return Link(link.name, mass, shapes.visuals(link.name), shapes.collisions(link.name))
+
+
+def _least_moment_of(inertia: Array) -> float:
+    """What engines need about each axis [kg m^2] of what is nearly a point, or a rod without thickness; else 0."""
+    largest_entry = float(np.abs(inertia).max())
+    if not 0.0 < largest_entry <= GREATEST:  # validation rejects those that are not finite
+        return 0.0
+    least, middle, largest = np.linalg.eigvalsh(inertia).tolist()
+    rounding = _ROUNDED * largest
+    if rounding < least < LEAST_MOMENT:
+        return LEAST_MOMENT
+    is_rod = abs(least) <= 1e-3 * rounding and largest - middle <= rounding
+    return max(LEAST_MOMENT, 2.0 * rounding) if is_rod else 0.0
 
 
 def _without_world(robot: Robot, found: list[Finding]) -> Robot:

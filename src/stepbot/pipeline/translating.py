@@ -11,7 +11,7 @@ from pathlib import Path
 from msgspec.structs import replace
 
 from stepbot.compose.pruning import elements
-from stepbot.described.assumed import check_inertials, lacking, with_assumed
+from stepbot.described.assumed import check_inertials, lacking, lumped, with_assumed
 from stepbot.described.finding import ASSUMED, ASSUMED_CONTACTS, UNSUPPORTED, Finding
 from stepbot.described.robot import Described, robot_of_description
 from stepbot.diagnostics import Diagnostics, Ignore, Span
@@ -163,8 +163,7 @@ def _robot(
     if description.plain_meshes:
         meshes = ", ".join(f"'{uri}'" for uri in description.plain_meshes)
         found.add("SB872", f"textures or further colours of meshes not converted: {meshes}", span)
-    if options.assume_inertia:
-        described = _with_assumed(described, options)
+    described = _with_assumed(described, options) if options.assume_inertia else _with_lumped(described)
     lacking_inertia = () if options.assume_inertia else description.without_inertia
     without_inertia = [link for link in lacking_inertia if link not in replaced]
     for link in without_inertia:
@@ -216,6 +215,13 @@ def _with_assumed(described: Described, options: Options) -> Described:
     robot, findings = described.robot, list[Finding]()
     solids = options.workers.call("stepbot.described.assumed:solids_of", lacking(robot))
     robot = with_assumed(robot, solids, options.assume_inertia, findings)
+    return replace(described, robot=robot, findings=(*described.findings, *findings))
+
+
+def _with_lumped(described: Described) -> Described:
+    """The robot with impossible inertias of slight links on what they are fixed to."""
+    findings = list[Finding]()
+    robot = lumped(described.robot, findings)
     return replace(described, robot=robot, findings=(*described.findings, *findings))
 
 

@@ -239,7 +239,7 @@ def _check_masses(robot: Robot, report: Report, *, massless_between: bool) -> No
     for link in robot.links:
         mass, fault = link.mass_properties.mass, inertia_fault(link.mass_properties)
         if link.name in points:
-            if mass >= _NEGLIGIBLE * min(points[link.name], 1.0):
+            if mass > _NEGLIGIBLE * min(points[link.name], 1.0):
                 message = f"{mass:.4g} kg without inertia is taken as a point mass at its centre of mass"
                 report(
                     "SB518:small-inertia",

@@ -83,6 +83,7 @@ def describe_mjcf(file: str, _packages: Iterable[Path] = ()) -> Description:
             *_direct(compiled),
             *_coupled(compiled),
             *_endless(compiled),
+            *_forced(compiled),
             *((Unread(LED, len(closures) - len(kept), 0, effect=MJCF.effects["mocap"]),) if kept != closures else ()),
         ),
         (*(path.parent / name for _, name, _ in (*roots, *of_models) if name), *meshes.files.files),
@@ -234,6 +235,24 @@ def _endless(compiled: Compiled) -> Iterator[Unread]:
         ]
         if found:
             yield Unread(f"{words} in <body>", len(found), 0, effect=f"of {', '.join(found)}")
+
+
+def _forced(compiled: Compiled) -> Iterator[Unread]:
+    """Passive forces of free joints, which defaults of all joints give them, too."""
+    model, free = compiled.model, compiled.engine.mjtJoint.mjJNT_FREE
+    for joint in (j for j in range(model.njnt) if compiled.joint_type(j) == free):
+        dofs = slice(int(model.jnt_dofadr[joint]), int(model.jnt_dofadr[joint]) + 6)
+        stated = {
+            "stiffness": model.jnt_stiffness[joint],
+            "damping": model.dof_damping[dofs],
+            "frictionloss": model.dof_frictionloss[dofs],
+            "armature": model.dof_armature[dofs],
+        }
+        names = [f"'{name}'" for name, values in stated.items() if np.any(values)]
+        if names:
+            body = compiled.name("BODY", int(model.jnt_bodyid[joint]))
+            effect = f"of '{body}': it floats without; `<freejoint>` has none"
+            yield Unread(f"{' and '.join(names)} of a free joint", 1, 0, effect=effect)
 
 
 def _simulation(roots: Iterable[Any]) -> Simulation:
