@@ -102,6 +102,25 @@ def test_xml_of_a_version_that_there_is_not(suffix: str, tmp_path: Path) -> None
     proven(tmp_path, suffix, f'<?xml version="0.0" ?>\n{sources[suffix]}', "urdf", "sdf", "mjcf")
 
 
+@pytest.mark.parametrize(
+    ("suffix", "before"), [(".urdf", "\n\n"), (".urdf", "<!-- by a script -->\n"), (".xml", "\n  \n")]
+)
+def test_declarations_below_blank_lines_and_comments(suffix: str, before: str, tmp_path: Path) -> None:
+    """Simulators read such files; XML does not allow them. MuJoCo reads no comment there."""
+    sources = {
+        ".urdf": urdf(f'<link name="base">{_INERTIAL}</link>'),
+        ".xml": '<mujoco><worldbody><body><joint name="turn"/><geom size="0.1"/></body></worldbody></mujoco>',
+    }
+    proven(tmp_path, suffix, f'{before}<?xml version="1.0"?>\n{sources[suffix]}', "urdf", "sdf", "mjcf")
+
+
+def test_empty_switches_of_gazebo(tmp_path: Path) -> None:
+    """Gazebo takes an empty `<turnGravityOff>` for false; nothing is lost, and the file was refused."""
+    block = '<gazebo reference="arm"><turnGravityOff/><selfCollide></selfCollide></gazebo>'
+    conversion = proven(tmp_path, ".urdf", urdf(f'<link name="base">{_INERTIAL}</link>', block), "urdf", "mjcf")
+    assert not told(conversion, "SB860")
+
+
 def test_link_with_collision_and_without_inertial(tmp_path: Path) -> None:
     """It has no mass, as URDF defines, although MuJoCo computes one when it loads the source; and this is reported."""
     base, tool = (

@@ -20,7 +20,7 @@ from stepbot.runtime.file import exists, is_file, is_folder, is_unicode, open_re
 from stepbot.runtime.temporary import run_folder
 
 from .resources import candidates
-from .xml import of_version_1, parsed
+from .xml import parsed, with_readable_head
 
 _MOST = {
     "hfield": (("nrow", "ncol"), 1 << 24),
@@ -150,7 +150,7 @@ def first_element(path: Path) -> Element:
         while chunk := file.read(_CHUNK):
             fault = None
             try:
-                parser.feed(chunk if file.tell() > _CHUNK else of_version_1(chunk))
+                parser.feed(chunk if file.tell() > _CHUNK else with_readable_head(chunk))
             except etree.XMLSyntaxError as error:  # it may follow the root element
                 fault = error
             for _, element in parser.read_events():

@@ -23,7 +23,7 @@ from stepbot.runtime.temporary import run_folder
 
 from .observation import Request
 from .source_copy import locate
-from .xml import of_version_1, xml_root
+from .xml import with_readable_head, xml_root
 
 Element = Any
 """``lxml.etree._Element``."""
@@ -36,7 +36,7 @@ _CYLINDERS = "cylinders in place of capsules, which this engine rejects"
 _MASSES = "mass 0 of links without <inertial>, to which this engine gives a mass"
 _NAMES = "names for materials without one, whose colours this engine would exchange"
 _ENDLESS = "no bounds of continuous joints, by which PyBullet would limit them"
-_VERSION = "the version that XML has, without which this engine rejects the file"
+_VERSION = "an XML declaration that this engine reads"
 _BOUNDS = "0 in place of the one bound that a limit lacks, as URDF defines"
 
 
@@ -176,7 +176,7 @@ def readable(
     is_urdf = request.format == "urdf"
     top = xml_root(file) if (is_urdf or tag) and is_file(file) else None
     done = [] if top is None else list(_changed(top, tag, is_urdf=is_urdf, capsules=capsules, inertials=inertials))
-    if top is not None and (content := file.read_bytes()) != of_version_1(content):
+    if top is not None and (content := file.read_bytes()) != with_readable_head(content):
         done.append(_VERSION)
     if top is None or not done:
         yield request, ()

@@ -18,6 +18,9 @@ _COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 _OTHER_VERSION = re.compile(rb"""^((?:\xef\xbb\xbf)?<\?xml\s+version\s*=\s*["'])0[.]\d+(?=["'])""")
 """A version that XML does not have, as in PyBullet's own files; engines do not read it."""
 
+_LATE_DECLARATION = re.compile(rb"\A(\xef\xbb\xbf)?((?:\s|<!--.*?-->)+)(<\?xml\s[^<>]*\?>)", re.DOTALL)
+"""A declaration below blank lines or comments, which most simulators read."""
+
 
 def xml_root(file: Path) -> Any:
     """The root element (``lxml.etree._Element``) of a file, without comments; entities are not expanded.
@@ -33,16 +36,17 @@ def xml_root(file: Path) -> Any:
         raise EngineRefused(f"not XML: {error.msg}") from error
 
 
-def of_version_1(content: bytes) -> bytes:
-    """The beginning of a document, or all of it, with the version that XML has."""
-    return _OTHER_VERSION.sub(rb"\g<1>1.0", content)
+def with_readable_head(content: bytes) -> bytes:
+    """The beginning of a document, or all of it, with the declaration first, and with the version that XML has."""
+    return _OTHER_VERSION.sub(rb"\g<1>1.0", _LATE_DECLARATION.sub(rb"\1\3\2", content))
 
 
 def parsed(content: bytes, *, remove_comments: bool = False) -> Any:
     """The root element of a document; entities are not expanded.
 
     As simulators read it, a prefix without a declared namespace is a part of the name, such as that of Drake's
-    extensions of URDF, the version may be 0.0, and comments may have hyphens; in a URDF not, from which yourdfpy would
+    extensions of URDF, the version may be 0.0, blank lines and
+    comments may precede the declaration, and comments may have hyphens; in a URDF not, from which yourdfpy would
     leave out elements.
 
     Raises:
@@ -50,7 +54,7 @@ def parsed(content: bytes, *, remove_comments: bool = False) -> Any:
     """
     from lxml import etree
 
-    content = of_version_1(content)
+    content = with_readable_head(content)
     made = partial(
         etree.XMLParser, resolve_entities=False, no_network=True, remove_comments=remove_comments, huge_tree=True
     )

@@ -96,10 +96,10 @@ URDF = Vocabulary(
         **paths("robot/gazebo", _GAZEBO),
     },
     neutral={
-        "robot/gazebo/turnGravityOff": ("false", "0"),
-        "robot/gazebo/gravity": ("true", "1"),
-        "robot/gazebo/selfCollide": ("false", "0"),
-        "robot/gazebo/provideFeedback": ("false", "0"),
+        "robot/gazebo/turnGravityOff": ("", "false", "0"),
+        "robot/gazebo/gravity": ("", "true", "1"),
+        "robot/gazebo/selfCollide": ("", "false", "0"),
+        "robot/gazebo/provideFeedback": ("", "false", "0"),
         "robot/ros2_control/hardware/plugin": ("mock_components/GenericSystem",),
     },
     effects={

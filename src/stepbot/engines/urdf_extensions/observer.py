@@ -83,8 +83,14 @@ def _link(link: Element, top: Element) -> ObservedLink:
     name, weightless = link.get("name", ""), False
     for block in top.findall("gazebo"):
         if block.get("reference") == name:
-            weightless = not bool_at(block, "gravity", not bool_at(block, "turnGravityOff", weightless))
+            weightless = not _stated(block, "gravity", not _stated(block, "turnGravityOff", weightless, False), True)
     return ObservedLink(name, gravity_compensation=1.0 if weightless else 0.0)
+
+
+def _stated(block: Element, name: str, default: bool, empty: bool) -> bool:
+    """The truth value of an element of a block, as Gazebo reads it if it is ``empty``."""
+    is_empty = block.find(name) is not None and not (block.findtext(name) or "").strip()
+    return empty if is_empty else bool_at(block, name, default)
 
 
 def _joint(joint: Element, top: Element) -> ObservedJoint:
