@@ -164,10 +164,23 @@ def test_conversion_excludes_and_proves(stepbot: Stepbot, plates: Path) -> None:
 
 @pytest.mark.slow
 def test_never_can_be_excluded_too(stepbot: Stepbot, plates: Path) -> None:
-    """`exclude` names the classes: with `never`, MJCF excludes pairs that never meet; with none, nothing more."""
-    for exclude, pairs in (("[always, never]", 3), ("[never]", 2), ("[]", 0)):
-        key = f"self_collision: {{samples: 50, exclude: {exclude}}}\n"
-        (plates / "plates.robot.yaml").write_text(SIDECAR + key, encoding="utf-8")
+    """`exclude` names the classes: with `never`, MJCF excludes pairs that never meet; with none, nothing more.
+
+    For MJX, both are excluded unless the sidecar names others, or no pair were left.
+    """
+    for_mjx = SIDECAR.replace("{density: 1000}", "{density: 1000, collision: {for: mjx}}")
+    slides = "type: prismatic, axis: [0, 0, 1], parent: base, child: far, limits: {lower: -40 mm, upper: 0}"
+    meets = f"{for_mjx[: for_mjx.index('  three:')]}  three: {{{slides}, origin: {{xyz: [0, 0, 0]}}}}\n"
+    for text, exclude, pairs in (
+        (SIDECAR, "[always, never]", 3),
+        (SIDECAR, "[never]", 2),
+        (SIDECAR, "[]", 0),
+        (for_mjx, "[]", 0),
+        (for_mjx, "", 1),
+        (meets, "", 2),
+    ):
+        key = f"self_collision: {{samples: 50, exclude: {exclude}}}\n" if exclude else ""
+        (plates / "plates.robot.yaml").write_text(text + key, encoding="utf-8")
         assert stepbot("convert", "plates.robot.yaml", "-o", "out", "-f", "mjcf").code == 0
         moving = {pair for pair in excludes(plates / "out" / "plates.xml") if "base" not in pair}
         assert len(moving) == pairs

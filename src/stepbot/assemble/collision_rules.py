@@ -5,9 +5,13 @@ from msgspec import Struct
 from stepbot.geometry.solids.collision_sets import CLOSE, FEW, MAX_HULLS, MAX_VERTICES
 from stepbot.sidecar.contact import Contact
 from stepbot.sidecar.document import CollisionSettings, CollisionShape, Derived, Document, MergedCollision
+from stepbot.sidecar.shapes import is_for_mjx
 
-MJX_FACES = 20
-"""Maximum number of flat faces of a hull for MJX, which compares each with all of the other hull."""
+MJX_FACES, MJX_HULLS = 20, 1
+"""Maximum number of flat faces of a hull, and of hulls of a link, for MJX.
+
+MJX compares each face of a hull with all of the other, and compiles a function for each pair of hulls that can touch.
+"""
 _ROUND_OR_HOLLOW = (CollisionShape.CYLINDER, CollisionShape.MESH)
 """Shapes that MJX lacks: it takes the hull of a mesh, with all of its faces."""
 DECOMPOSED = (CollisionShape.AUTO, CollisionShape.DECOMPOSE)
@@ -44,10 +48,11 @@ def rule_of(given: Derived, document: Document) -> CollisionRule:
     max_vertices = budgets.max_vertices if own.max_vertices is None else own.max_vertices
     if max_vertices is None and own.shape in DECOMPOSED:
         max_vertices = MAX_VERTICES
-    if own.for_ is None and budgets.for_ is None:
-        return CollisionRule(own.shape, own.max_hulls or budgets.max_hulls or MAX_HULLS, max_vertices)
+    max_hulls = own.max_hulls or budgets.max_hulls
+    if not (is_for_mjx(own) or is_for_mjx(budgets)):
+        return CollisionRule(own.shape, max_hulls or MAX_HULLS, max_vertices)
     shape = CollisionShape.HULL if own.shape in _ROUND_OR_HOLLOW else own.shape
-    return CollisionRule(shape, own.max_hulls or budgets.max_hulls or MAX_HULLS, max_vertices, MJX_FACES)
+    return CollisionRule(shape, max_hulls or MJX_HULLS, max_vertices, MJX_FACES)
 
 
 def link_rule(link: str, document: Document) -> CollisionRule | None:

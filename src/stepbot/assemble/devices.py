@@ -10,9 +10,10 @@ from stepbot.robot.model import Actuator, FormatVersions, Frame, JointKind, Limi
 from stepbot.robot.sensors import SEEING, Sensor, SensorKind, View
 from stepbot.robot.tuning import Simulation, Tuning
 from stepbot.sidecar.devices import ActuatorSection, SensorSection
-from stepbot.sidecar.document import CollisionSettings, Document
+from stepbot.sidecar.document import Document
 from stepbot.sidecar.located import Sidecar
 from stepbot.sidecar.motion import LimitsSection
+from stepbot.sidecar.shapes import is_for_mjx
 
 from .binder import Binder
 from .frames import Frames, Wanted
@@ -111,9 +112,8 @@ def build_mesh_formats(document: Document) -> MeshFormats:
 
 def build_versions(document: Document) -> FormatVersions:
     """The versions of formats to write; MJX reads what MuJoCo 3.3 does."""
-    collision = document.defaults.collision
-    is_for_mjx = isinstance(collision, CollisionSettings) and collision.for_ is not None
-    return FormatVersions(urdf=document.urdf.version, mjcf=3.3 if is_for_mjx else document.mjcf.version)
+    mjcf = 3.3 if is_for_mjx(document.defaults.collision) else document.mjcf.version
+    return FormatVersions(urdf=document.urdf.version, mjcf=mjcf)
 
 
 def build_sensors(binder: Binder, frames: Frames) -> tuple[Sensor, ...] | None:

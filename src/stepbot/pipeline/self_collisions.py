@@ -15,8 +15,13 @@ from stepbot.verification.self_collision.worker import find_self_collision
 from .conversion import Options
 
 
-def with_self_collision(robot: Robot, wanted: SelfCollisionSection, options: Options, found: Diagnostics) -> Robot:
+def with_self_collision(
+    robot: Robot, wanted: SelfCollisionSection, options: Options, found: Diagnostics, *, keep_some: bool = False
+) -> Robot:
     """The robot with the pairs of links that can overlap; pairs that always do are reported.
+
+    Args:
+        keep_some: Exclude pairs that never overlap only if others do sometimes. MJX 3.17 cannot step without contacts.
 
     Raises:
         StepbotError: The search failed, or the loops do not close.
@@ -37,6 +42,8 @@ def with_self_collision(robot: Robot, wanted: SelfCollisionSection, options: Opt
         found.raise_if_errors()
         return robot
     exclude = tuple(PairClass(kind.value) for kind in dict.fromkeys(wanted.exclude))
+    if keep_some and not searched.of_class(PairClass.SOMETIMES):
+        exclude = tuple(kind for kind in exclude if kind is not PairClass.NEVER)
     searched = replace(searched, exclude=exclude)
     _report(searched, wanted.samples, frozenset(map(frozenset, robot.excluded_contacts)), span, found)
     return replace(robot, self_collision=searched)

@@ -21,8 +21,10 @@ from stepbot.formats import format_named
 from stepbot.geometry.volume import VolumeProperties
 from stepbot.runtime.fork_server import ForkServer
 from stepbot.runtime.worker import Worker
+from stepbot.sidecar.document import Document
 from stepbot.sidecar.own_part import own_part
-from stepbot.sidecar.settings import SelfCollisionSection
+from stepbot.sidecar.settings import ExcludedPairs, SelfCollisionSection
+from stepbot.sidecar.shapes import is_for_mjx
 from stepbot.step.assembly import Assembly, MeshTolerance
 
 from .building import build
@@ -119,12 +121,13 @@ def _produce(
             found.raise_if_errors()
             assert built is not None  # a missing robot always has an error
             robot, inputs = built.robot, loading.inputs()
-        wanted = sidecar.document.self_collision or (SelfCollisionSection() if options.ros2 else None)
+        given = sidecar.document.self_collision
+        wanted = given or _search_unasked(sidecar.document, options)
         if wanted is not None:
             from .self_collisions import with_self_collision
 
             progress("self-collision")
-            robot = with_self_collision(robot, wanted, options, found)
+            robot = with_self_collision(robot, wanted, options, found, keep_some=given is None)
 
         progress("write")
         written = rendered(robot, formats, options, found)
@@ -160,6 +163,13 @@ def _produce(
     if loading is None:
         return Conversion(found, robot, files, report, geometry=composed.content, read=composed.sought)
     return Conversion(found, robot, files, report, sidecar.document.step, loading.content)
+
+
+def _search_unasked(document: Document, options: Options) -> SelfCollisionSection | None:
+    """The search for links that can overlap, for a sidecar without one: for MJX, which lists all pairs, and for ROS."""
+    if is_for_mjx(document.defaults.collision):
+        return SelfCollisionSection(exclude=(ExcludedPairs.ALWAYS, ExcludedPairs.NEVER))
+    return SelfCollisionSection() if options.ros2 else None
 
 
 def check(sidecar: Path, options: Options, found: Diagnostics, *, open_step: bool = False) -> Checked:

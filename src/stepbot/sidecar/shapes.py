@@ -110,9 +110,11 @@ class CollisionSettings(Section):
     shape: CollisionShape = CollisionShape.AUTO
     """Type of collision geometry."""
     for_: Annotated[CollisionTarget | None, Field(alias="for")] = None
-    """The simulator that must accept all shapes: `mjx` gets no cylinders, and hulls of at most 20 faces."""
+    """The simulator that must accept all shapes: `mjx` gets no cylinders, and hulls of at most 20 faces.
+
+    In `defaults`, links also get one piece each, and pairs of links that overlap never or always are excluded."""
     max_hulls: Annotated[int, Field(ge=1, le=1000)] | None = None
-    """Maximum number of convex pieces of a link, or of a component with its own rule; 16 by default."""
+    """Maximum number of convex pieces of a link, or of a component with its own rule; 16 by default, 1 for MJX."""
     max_vertices: Annotated[int, Field(ge=8, le=10000)] | None = None
     """Maximum number of vertices of each hull; 64 by default for `auto` and `decompose`, otherwise unlimited."""
 
@@ -143,6 +145,12 @@ Derived = Annotated[
     Discriminator(_derived_form),
 ]
 """Collision geometry derived from components."""
+
+
+def is_for_mjx(collision: Derived | None) -> bool:
+    """Whether a rule, such as that of ``defaults``, asks for shapes that MJX accepts."""
+    return isinstance(collision, CollisionSettings) and collision.for_ is CollisionTarget.MJX
+
 
 Collision = Annotated[
     Annotated[CollisionShape, Tag("<word>")]

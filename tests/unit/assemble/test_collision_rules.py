@@ -180,6 +180,18 @@ def test_for_mjx_there_are_no_cylinders_and_no_hulls_of_many_faces(rule: str, tm
     assert robot.versions.mjcf == 3.3
 
 
+def test_for_mjx_a_link_has_one_shape_unless_its_budget_allows_more(tmp_path: Path) -> None:
+    """Two far cubes of one link: MJX compiles a function for each pair of hulls."""
+    shop = Workshop()
+    shop.box("cube", X_PC=at(50, 0, 0))
+    shop.box("left")
+    shop.box("right", X_PC=at(0, 100, 0))
+    for budget, count in (("", 1), (", collision: {shape: auto, max_hulls: 4}", 2)):
+        links = f"    links: {{base: {{rest: true{budget}}}, cube: {{parts: [cube]}}}}\n"
+        robot = built(shop, tmp_path, f"    defaults: {{density: 1000, collision: {{for: mjx}}}}\n{links}{FIXED}")
+        assert len(robot.links[0].collisions) == count
+
+
 def test_error_of_a_bounded_hull_is_reported(tmp_path: Path) -> None:
     """The report has the largest distance of a bounded hull from the solid, here of a box's edge from its cylinder.
 
